@@ -1,4 +1,4 @@
-"""Builds the module by CMake; pyproject.toml says the rest."""
+"""Builds the extension module with CMake; pyproject.toml has the metadata."""
 
 import os
 import pathlib

@@ -14,7 +14,7 @@ struct CompareFlags {
   std::string folder;
 };
 
-/// A line of the table.
+/// One row of the table.
 struct Row {
   std::string scene, world, strategy;
   int frames = 0;
@@ -84,10 +84,10 @@ std::vector<std::string> table_of(const std::vector<Row>& rows) {
   return lines;
 }
 
-/// RMS by the strategies' place in the table, a line for each scene in each world.
+/// RMS over strategies in the table's order, one line per scene and world.
 LinePlot plot_of(const std::vector<Row>& rows) {
   LinePlot plot{.title = "RMS error of depth",
-                .x_label = "strategy, by its place in the table",
+                .x_label = "strategy, in the table's order",
                 .y_label = "mm",
                 .y_scale = PlotScale::logarithmic,
                 .lines = {}};
@@ -130,7 +130,7 @@ void compare_strategies(const CompareFlags& flags, Output& output) {
 struct VerifyFlags {
   std::optional<std::string> artefacts, report, calibrated;
   bool rehearse = false;
-  VirtualFlags devices;  ///< of a rehearsal: its world
+  VirtualFlags devices;  ///< rehearsal only: its world
   CloudFlags input;
 };
 
@@ -149,7 +149,7 @@ void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& outp
   }
 }
 
-/// An acceptance test, and one line that says what it tested.
+/// An acceptance test and a one-line description of it.
 struct Test {
   Rehearsal rehearsal;
   std::string subject;
@@ -157,7 +157,7 @@ struct Test {
 
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;
-  devices.scene = "board";  // it makes way for the artefacts
+  devices.scene = "board";  // removed before the artefacts are placed
   devices.scanner_file = flags.input.scanner;
   const VirtualWorld world = world_from(devices);
   const Scanner calibrated =
@@ -179,7 +179,7 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
 
 void verify_accuracy(const VerifyFlags& flags, Output& output) {
   throw_if(flags.rehearse == flags.artefacts.has_value(),
-           "give the file of the artefacts, or --rehearse");
+           "nothing to verify: give an artefacts file (.yaml) or --rehearse");
   const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
   const Artefacts& artefacts = test.artefacts;
   Progress progress("scans",
@@ -203,32 +203,35 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
 void add_verify(const Commands& program) {
   const auto [command, flags] =
       program.add(verify_accuracy, "verify",
-                  "accuracy by certified artefacts, as ISO 10360-13 and VDI/VDE 2634 state it");
-  command.add_file("artefacts", flags.artefacts, "certified lengths and scans: .yaml");
-  command.add("--rehearse", flags.rehearse, "artefacts and scans in the virtual world instead");
-  command.add("--world", flags.devices.world, "of a rehearsal, as simulate has it");
+                  "acceptance test with certified artefacts (ISO 10360-13, VDI/VDE 2634)");
+  command.add_file("artefacts", flags.artefacts, "certified lengths and their scans: .yaml");
+  command.add("--rehearse", flags.rehearse, "use virtual artefacts and scans instead");
+  command.add("--world", flags.devices.world, "virtual world of a rehearsal; see simulate");
   command.add_file("--calibrated", flags.calibrated,
-                   "of a rehearsal: what reconstructs, where not the scanner as it truly is");
-  command.add("-o,--output", flags.report, "a folder to write a report with pictures into");
+                   "rehearsal: scanner file used to reconstruct; default: the true scanner");
+  command.add("-o,--output", flags.report, "folder for a report with pictures");
   add_cloud_flags(command.app, flags.input);
+  command.common({"--rehearse", "--output", "--world", "--scanner", "--calibrated"});
   command.examples({"verify artefacts.yaml -o report", "verify --rehearse -o report"});
 }
 
 void add_compare(const Commands& program) {
   const auto [command, flags] =
       program.add(compare_strategies, "compare",
-                  "strategies in the virtual world: errors, noise, wrong points, time");
+                  "compare strategies in the virtual world: errors, noise, wrong points, time");
   add_virtual_flags(command.app, flags.devices);
-  // Of these there may be several here.
+  // These take several values here.
   for (const char* single : {"--scene", "--world"}) {
     command.app.remove_option(command.app.get_option(single));
   }
-  command.add("scenes", flags.scenes, "names as of simulate --scene; the statue where none");
-  command.add("--world", flags.worlds, "as of simulate; several to compare them")
+  command.add("scenes", flags.scenes, "scenes, as in simulate --scene; default: statue");
+  command.add("--world", flags.worlds, "virtual worlds, as in simulate; several are compared")
       ->default_str("bench");
-  command.add("--strategies", flags.strategies,
-              "each as \"pcmp, steps 5\", settings after commas; a usual set where none");
-  command.add("-o,--output", flags.folder, "a folder for table, plot and pictures");
+  command.add(
+      "--strategies", flags.strategies,
+      "strategies with settings after commas, e.g. \"pcmp, steps 5\"; default: a usual set");
+  command.add("-o,--output", flags.folder, "folder for the table, the plot and pictures");
+  command.common({"--world", "--strategies", "--output", "--mesh", "--camera", "--seed"});
   command.examples({"compare statue boxes --world bench harsh -o comparison",
                     "compare --move 0 0 0.5 --strategies \"pcmp, steps 3\" \"pmp, steps 6\""});
 }

@@ -12,7 +12,7 @@ struct AssistFlags {
   std::optional<double> noise_variance;
 };
 
-/// A scan whose sequence has the exposures that were taken.
+/// A scan whose sequence holds the exposures it was taken with.
 Scan from_scan(const AssistFlags& flags, Output& output) {
   ScanFlags input;
   input.sequence = flags.source.sequence;
@@ -22,10 +22,11 @@ Scan from_scan(const AssistFlags& flags, Output& output) {
   return scan;
 }
 
-/// Opens the source once for each exposure, a camera set to it in ms.
+/// Opens the source once per exposure; a camera is set to that exposure in ms.
 Scan from_source(const AssistFlags& flags, Output& output) {
-  throw_if(scheme_of(flags.source.source) == "replay",
-           "--source: frames that were recorded have their exposures; give the recording alone");
+  throw_if(
+      scheme_of(flags.source.source) == "replay",
+      "--source: a recording already holds its exposures; give the recording without --source");
   SourceRequest request = request_from(flags.source);
   const std::vector<double> usual =
       request.world ? std::vector<double>{0.25, 1, 4} : std::vector<double>{2, 8, 32};
@@ -59,7 +60,7 @@ void tell(const char* name, const std::vector<ExposureChoice>& choices, Output& 
 }
 
 void tell(const ExposureAdvice& advice, const PatternLight& light, Output& output) {
-  output.say("{:.1f} % of the pixels are lit; of them", 100 * advice.lit);
+  output.say("{:.1f} % of the pixels are lit; of these", 100 * advice.lit);
   output.say("{:<9}{:<22}{:>10}{:>12}{:>11}{:>10}", "", "exposures", "measured", "saturated",
              "too dark", "sigma");
   tell("taken", advice.taken, output);
@@ -74,14 +75,13 @@ void tell(const ExposureAdvice& advice, const PatternLight& light, Output& outpu
   }
   if (advice.light < 0.9) {
     output.say(
-        "  the shortest taken is too long for one alone; --alpha-p {:.0f} with it does the "
-        "same",
+        "  the shortest exposure taken is still too long on its own; adding --alpha-p {:.0f} has "
+        "the same effect",
         advice.light * light.alpha_p);
   }
   if (advice.unknown > 0.005) {
     output.say(
-        "  {:.1f} % of the lit pixels are saturated in all exposures taken: take a shorter "
-        "one to see what they need",
+        "  {:.1f} % of the lit pixels are saturated in every exposure taken: add a shorter one",
         100 * advice.unknown);
   }
 }
@@ -103,22 +103,24 @@ void assist(const AssistFlags& flags, Output& output) {
 
 void add_assist(const Commands& program) {
   const auto [command, flags] = program.add(
-      assist, "assist", "which exposures measure which share of what the patterns light");
+      assist, "assist", "recommend exposures: the share of lit pixels that each one measures");
   SourceFlags& source = flags.source;
   CLI::Option* const scan =
-      command.add("scan", flags.scan, "a scan, of one or several exposures; or --source");
+      command.add("scan", flags.scan, "a scan with one or several exposures; or use --source");
   command
       .add("--source", source.source,
-           fmt::format("{}; set to the exposures itself: to 2, 8 and 32 ms, the virtual one to "
-                       "0.25, 1 and 4, where --exposures says no others",
+           fmt::format("{}; takes 2, 8 and 32 ms (virtual camera: 0.25, 1 and 4) unless "
+                       "--exposures names others",
                        source_forms()))
       ->excludes(scan);
-  command.add_file("--scanner", source.scanner, "scanner file, for its noise");
-  command.add("--noise-variance", flags.noise_variance,
-              "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
+  command.add_file("--scanner", source.scanner, "scanner file; its noise variance is used");
+  command.add(
+      "--noise-variance", flags.noise_variance,
+      "noise variance sigma_w^2, squared grey levels of 255; default: from the scanner file");
   command.add("--min-modulation", flags.needs.least_modulation,
-              "of a pixel that counts as measured, grey levels of 255");
+              "minimum modulation of a measured pixel, grey levels of 255");
   add_source_flags(command.app, source, false);
+  command.common({"--source", "--exposures", "--scanner", "--gain", "--strategy", "--steps"});
   command.examples({"assist scan", "assist --source virtual --scene contrast",
                     "assist --source aravis: --strategy pmp --steps 4 --exposures 1,4,16"});
 }

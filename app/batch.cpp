@@ -21,7 +21,7 @@ std::string manifest_in(const std::string& folder, std::uint64_t shard) {
   return fmt::format("{}/shard-{:06}.jsonl", folder, shard);
 }
 
-/// Pixels of the frames of a scan; of a folder as of its first picture.
+/// Pixels in all frames of a scan; a folder is judged by its first picture.
 std::uint64_t pixels_of(const ScanFiles& scan) {
   const Size size = scan.frames.empty() ? RecordingReader(scan.path).header().format.size
                                         : read_frames({scan.frames.front()}).frames.size();
@@ -29,7 +29,7 @@ std::uint64_t pixels_of(const ScanFiles& scan) {
          static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-/// What cannot be read costs little: its shard says why.
+/// Unreadable scans cost little; their shard reports why.
 void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output) {
   try {
     listed.cost =
@@ -40,16 +40,16 @@ void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output
   }
 }
 
-/// Throws Error where two scans have one output. As require_writable, but for a million scans in
-/// seconds: by paths as they are written.
+/// Throws Error if two scans share an output. Like require_writable, but compares paths as text, so
+/// that a million scans take seconds.
 void require_distinct(const ReconstructFlags& flags) {
   require_writable(flags.files, {flags.scans.front()});
   std::unordered_set<std::string> outputs;
   for (const ScanName& scan : flags.scans) {
     for (const auto& [kind, path] : files_of_scan(flags.files, scan).named()) {
       throw_if(!outputs.insert(path).second,
-               "{}: two scans would be written to it, the second {}; {{name}} and {{window}} in it "
-               "stand for theirs",
+               "{}: two scans would be written to this file, the second is {}; put {{name}} or "
+               "{{window}} in the path to keep them apart",
                path, text_of(scan));
     }
   }
@@ -59,10 +59,10 @@ void plan_batch(const BatchFlags& given, Output& output) {
   BatchFlags flags = given;
   throw_if(flags.tasks < 1, "--tasks 0 is out of range; 1 or more");
   const std::string plan = flags.folder + "/batch.json";
-  throw_if(fs::exists(plan), "{}: is a batch already; name another folder", flags.folder);
+  throw_if(fs::exists(plan), "{}: already holds a batch; name another folder", flags.folder);
   require_valid(flags.reconstruct);
   std::vector<ListedScans> listed = listed_scans(flags.reconstruct);
-  throw_if(listed.empty(), "no scans are listed");
+  throw_if(listed.empty(), "no scans listed");
   for (ListedScans& scans : listed) {
     scans.path = fs::absolute(scans.path).string();
     if (scans.cost == 0) set_cost(scans, flags.reconstruct, output);
@@ -80,7 +80,7 @@ void plan_batch(const BatchFlags& given, Output& output) {
              flags.reconstruct.scans.size(), flags.tasks, flags.folder, flags.tasks);
 }
 
-/// A batch as it was planned.
+/// A planned batch.
 struct Batch {
   std::uint64_t tasks = 0;
   ReconstructFlags flags{};
@@ -94,12 +94,13 @@ Batch batch_in(const std::string& folder) {
   try {
     const nlohmann::json plan = nlohmann::json::parse(read_text(name));
     throw_if(plan.at("version") != SLIPSTREAM_VERSION,
-             "{}: is of version {}, the program of {}; plan again", name, plan.at("version").dump(),
-             SLIPSTREAM_VERSION);
+             "{}: planned by version {}, but this program is version {}; run slipstream batch plan "
+             "again",
+             name, plan.at("version").dump(), SLIPSTREAM_VERSION);
     plan.at("tasks").get_to(batch.tasks);
     plan.at("arguments").get_to(arguments);
   } catch (const nlohmann::json::exception&) {
-    throw Error(fmt::format("{}: is no plan of slipstream batch", name));
+    throw Error(fmt::format("{}: not a plan of slipstream batch", name));
   }
   CLI::App command;
   add_reconstruct_flags(command, batch.flags);
@@ -121,7 +122,7 @@ void run_shard(const BatchFlags& flags, Output& output) {
   throw_if(!(shard >= 1 && shard <= batch.tasks &&
              (flags.shard == fmt::format("{}/{}", shard, batch.tasks) ||
               flags.shard == std::to_string(shard))),
-           "--shard {0} is none of the batch; 1/{1} to {1}/{1}", flags.shard, batch.tasks);
+           "--shard {0} is not in this batch; expected 1/{1} to {1}/{1}", flags.shard, batch.tasks);
   std::erase_if(batch.scans, [&](const ListedScans& listed) { return listed.shard != shard; });
   batch.flags.scans = scan_names(batch.scans, batch.flags.every);
   batch.flags.manifest = manifest_in(flags.folder, shard);
@@ -129,7 +130,7 @@ void run_shard(const BatchFlags& flags, Output& output) {
   reconstruct_scans(std::move(batch.flags), output);
 }
 
-/// What merging adds up.
+/// Totals over all shards.
 struct Sums {
   std::uint64_t scans = 0, whole = 0, lines = 0;
   std::map<std::string, std::uint64_t> counts{};
@@ -183,30 +184,31 @@ void merge_batch(const BatchFlags& flags, Output& output) {
   file.keep();
   output.document = described("manifest", path, "scans", sums.scans, "whole", sums.whole, "lines",
                               sums.lines, "counts", sums.counts, "seconds", sums.seconds);
-  output.say("{} of {} scans are whole, {} points, {:.1f} s of work: {}", sums.whole, sums.scans,
+  output.say("{} of {} scans complete, {} points, {:.1f} s of work: {}", sums.whole, sums.scans,
              sums.counts[std::string(name_of(Validity::valid))], sums.seconds, path);
 }
 
 }  // namespace
 
 void add_batch(const Commands& program) {
-  const Commands batch = program.add_group("batch", "many scans on many machines, in shards");
+  const Commands batch =
+      program.add_group("batch", "reconstruct many scans on many machines, in shards");
   const auto [plan, planned] =
-      batch.add(plan_batch, "plan", "cuts scans by their cost into shards");
+      batch.add(plan_batch, "plan", "divide scans into shards of equal cost");
   add_scans_flags(plan, planned.reconstruct);
   required(plan.add("--tasks", planned.tasks, "number of shards"));
-  required(plan.add_output("--plan", planned.folder, "folder of the batch, which is made"));
+  required(plan.add_output("--plan", planned.folder, "folder to create for the batch"));
   add_reconstruct_flags(plan.app, planned.reconstruct);
   plan.app.footer(
       "Example:\n  slipstream batch plan archive.txt --tasks 8 --plan plan -o "
       "/shared/{name}-{window}.ply\n  slipstream batch run plan --shard 1/8\n  slipstream batch "
       "merge plan");
   const auto [run, shard] =
-      batch.add(run_shard, "run", "reconstructs one shard, or the rest of it");
+      batch.add(run_shard, "run", "reconstruct one shard, or what is left of it");
   required(run.add_file("plan", shard.folder, "folder of the batch"));
-  required(run.add("--shard", shard.shard, "which, as 3 or 3/8"));
+  required(run.add("--shard", shard.shard, "shard number, e.g. 3 or 3/8"));
   const auto [merge, merged] =
-      batch.add(merge_batch, "merge", "says whether all is there and whole; one manifest");
+      batch.add(merge_batch, "merge", "check that all shards are complete and write one manifest");
   required(merge.add_file("plan", merged.folder, "folder of the batch"));
 }
 

@@ -17,7 +17,7 @@ void set_spacing(BoardFlags& flags, const std::string& text) {
 
 void set_dictionary(CalibrationBoard& board, const std::string& text) {
   const Size bits = size_from(text, "--dictionary");
-  throw_if(bits.width != bits.height, "--dictionary {} is not known; it is 4x4, 5x5, 6x6 or 7x7",
+  throw_if(bits.width != bits.height, "--dictionary {} is unknown; expected 4x4, 5x5, 6x6 or 7x7",
            text);
   board.marker_bits = bits.width;
 }
@@ -34,27 +34,27 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
     board.columns = columns;
     board.rows = rows;
   };
-  group.add_read<>("--corners", corners, "corners between squares, or circles: in a row x rows")
+  group.add_read<>("--corners", corners, "inner corners or circles: columns x rows")
       ->default_str("13x9");
   const auto space = [&flags](const std::string& text) { set_spacing(flags, text); };
-  group.add_read<>(
-      "--spacing", space,
-      "mm, as measured on the print: side of a square; for circles from one row to the next; "
-      "10x10.1 of a print stretched down");
+  group.add_read<>("--spacing", space,
+                   "side of a square, or distance between rows of circles, as measured on the "
+                   "print, mm; 10x10.1 if the print is stretched vertically");
   const auto circle = [&board](double mm) { board.circle_diameter = mm / board.spacing; };
-  group.add_read<double>("--circle-diameter", circle, "mm; 0.8 of the spacing where not given");
+  group.add_read<double>("--circle-diameter", circle,
+                         "diameter of a circle, mm; default: 0.8 of the spacing");
   const auto marker = [&board](double mm) { board.marker_side = mm / board.spacing; };
   group.add_read<double>("--marker-side", marker,
-                         "mm, of a ChArUco marker; 0.75 of the spacing where not given");
+                         "side of a ChArUco marker, mm; default: 0.75 of the spacing");
   const auto dictionary = [&board](const std::string& text) { set_dictionary(board, text); };
-  group.add_read<>("--dictionary", dictionary, "of the markers: 4x4, 5x5, 6x6 or 7x7")
+  group.add_read<>("--dictionary", dictionary, "marker dictionary: 4x4, 5x5, 6x6 or 7x7")
       ->default_str("4x4");
 }
 
 CalibrationBoard board_from(const BoardFlags& flags) {
   throw_if(!flags.has_spacing,
-           "--spacing is missing: measure the side of a square on the print, best across many of "
-           "them, and give it in mm (for circles, from one row to the next)");
+           "--spacing is missing: measure the side of a square on the print (for circles, the "
+           "distance between rows), best over many of them, and give it in mm");
   require_valid(flags.board);
   return flags.board;
 }
@@ -62,22 +62,21 @@ CalibrationBoard board_from(const BoardFlags& flags) {
 std::vector<double> lengths_from(const std::string& text, const std::string& flag) {
   std::vector<double> lengths = numbers_in<double>(text, 'x');
   throw_if(lengths.size() != 1 && lengths.size() != 2,
-           "{} '{}' is not a length; give mm, as 10.2, or two, as 10.2x10.1", flag, text);
+           "{} '{}': expected one length in mm, e.g. 10.2, or two, e.g. 10.2x10.1", flag, text);
   return lengths;
 }
 
 void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
-  required(command.add_file(
-      "folder", flags.folder,
-      "holds a folder for each pose: scans x and y (folders, or recordings x.slip and y.slip), "
-      "or the pictures of both"));
-  command.add("--exclude", flags.excluded, "poses to leave out, by name");
+  required(command.add_file("folder", flags.folder,
+                            "folder with a subfolder per pose: scans x and y (folders, or "
+                            "recordings x.slip and y.slip), or the pictures of both"));
+  command.add("--exclude", flags.excluded, "names of poses to ignore");
   command.add("--first-axis", flags.first_axis,
-              "where both scans lie in one folder: x or y, whose pictures come first");
+              "if both scans lie in one folder: the axis whose pictures come first, x or y");
   command.add("--min-modulation", flags.capture.minimum_modulation,
-              "least modulation of a pixel whose phase is used, grey levels of 255");
+              "minimum modulation for a pixel's phase to be used, grey levels of 255");
   command.add("--neighbourhood", flags.capture.neighbourhood,
-              "radius about a corner in which phase is used, in distances to the next corner");
+              "radius around a corner within which phase is used, in corner spacings");
   add_board_flags(command.app, flags.board);
   add_scan_flags(command.app, flags.scan);
   command.app.remove_option(command.app.get_option("--axis"));
@@ -90,7 +89,7 @@ PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBo
   BoardCaptureSettings settings = flags.capture;
   settings.response = response;
   if (response) {
-    output.say("phases are corrected for the response in the scanner file, gamma {:.5g}",
+    output.say("phases are corrected for the scanner file's response, gamma {:.5g}",
                response->gamma);
   }
   Progress progress("poses", poses.size());

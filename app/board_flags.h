@@ -15,7 +15,7 @@
 
 namespace slipstream::app {
 
-/// The flags that say what the calibration board is.
+/// Flags that describe the calibration board.
 struct BoardFlags {
   CalibrationBoard board;
   bool has_spacing = false;
@@ -24,13 +24,13 @@ struct BoardFlags {
 /// Adds --board, --corners, --spacing, --circle-diameter, --marker-side and --dictionary.
 void add_board_flags(CLI::App& subcommand, BoardFlags& flags);
 
-/// The board that the flags say. Throws Error where it cannot be or no spacing is given.
+/// The board described by the flags. Throws Error if it is impossible or has no spacing.
 CalibrationBoard board_from(const BoardFlags& flags);
 
-/// "121.9x80.3" or "121.9": one length or two, mm. Throws Error, naming the flag, for other text.
+/// Parses "121.9x80.3" or "121.9": one length or two, mm. Throws Error naming the flag otherwise.
 std::vector<double> lengths_from(const std::string& text, const std::string& flag);
 
-/// Folders of board scans, and the kind of each.
+/// Folders of board scans and how to read them.
 struct BoardCaptureFlags {
   std::string folder;
   BoardFlags board;
@@ -40,16 +40,15 @@ struct BoardCaptureFlags {
   BoardCaptureSettings capture;
 };
 
-/// Adds the folder, --exclude, --first-axis, --min-modulation, --neighbourhood and the flags of
-/// board and patterns.
+/// Adds the folder, --exclude, --first-axis, --min-modulation, --neighbourhood and the board and
+/// pattern flags.
 void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags);
 
-/// Finds the board in all poses and tells of each. Phases are corrected for the response, where
-/// there is one.
+/// Finds the board in every pose and reports each. Corrects phases for the response if it is known.
 PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
                              const std::optional<MeasuredResponse>& response, Output& output);
 
-/// The board as a sheet in the scene, its printing as fine as a camera could ever see.
+/// The board as a flat sheet in the scene, printed finer than any camera resolves.
 Body sheet_of(const CalibrationBoard& board, const Scanner& scanner);
 
 /// `count` poses of the board. Throws Error if --boards is out of range.
@@ -68,7 +67,8 @@ struct CalibrateGeometryFlags {
   std::optional<std::string> measured;
 };
 
-/// Scans of a board in several poses to a scanner file: writes it and the report, tells both.
+/// Calibrates from board scans in several poses; writes and reports the scanner file and the
+/// report.
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output);
 
 }  // namespace slipstream::app

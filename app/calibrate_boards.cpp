@@ -1,4 +1,5 @@
-// calibrate board, geometry and verify: print a board; make a scanner file of its scans; check one.
+// calibrate board, geometry and verify: draw a board, calibrate from its scans, check a scanner
+// file.
 #include <cmath>
 #include <numbers>
 
@@ -24,7 +25,7 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
   constexpr double mm_per_inch = 25.4;
   require_in_range(flags.dots_per_inch > 0 && flags.dots_per_inch <= 10000, "--dpi",
                    flags.dots_per_inch, "more than 0, at most 10000");
-  // Whole pixels for each spacing keep all edges sharp; the page's size in mm says the rest.
+  // A whole number of pixels per spacing keeps edges sharp; the page size in mm sets the scale.
   const int pixels_per_spacing =
       static_cast<int>(std::lround(board.spacing / mm_per_inch * flags.dots_per_inch));
   const Image<std::uint8_t> picture = draw_board(board, pixels_per_spacing);
@@ -33,8 +34,8 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
   output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
              flags.file, text_of(picture.size()));
-  output.say("print at {:.2f} mm x {:.2f} mm, without 'fit to page', then measure the print", width,
-             height);
+  output.say("print it at {:.2f} mm x {:.2f} mm, without 'fit to page', then measure the print",
+             width, height);
   output.document = described("board", flags.file, "width_px", picture.width(), "height_px",
                               picture.height(), "width_mm", width, "height_mm", height);
 }
@@ -61,16 +62,16 @@ void say_measure(const std::string& what, const BoardMeasure& measure, Output& o
       100 * measure.quality.scale_error);
 }
 
-/// Writes the corrected scanner where it is asked for and there is something to correct.
+/// Writes the corrected scanner if requested and if there is something to correct.
 void write_corrected(const CalibrateVerifyFlags& flags, const Verification& found,
                      Scanner corrected, Output& output) {
   if (!flags.output) return;
   if (found.holds) {
-    return output.say("{} is not written: there is nothing to correct", *flags.output);
+    return output.say("{} was not written: nothing to correct", *flags.output);
   }
   if (!found.mended) {
     throw Error(
-        fmt::format("{} is not written: {}", *flags.output, text_of(found.findings.back())));
+        fmt::format("{} was not written: {}", *flags.output, text_of(found.findings.back())));
   }
   if (!corrected.measured.empty()) corrected.measured += "; ";
   corrected.measured += fmt::format("pose corrected by {} boards", found.poses.size());
@@ -101,14 +102,14 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
   findings.insert(findings.end(), found.findings.begin(), found.findings.end());
   output.document["findings"] = findings;
   output.warn(findings);
-  say_measure("as it is", found.before, output);
+  say_measure("uncorrected", found.before, output);
   say_measure("corrected", found.after, output);
   output.say("the correction turns the projector by {:.3f} degrees and moves it by {:.3f} mm",
              found.rotation * 180 / std::numbers::pi, found.translation);
   output.say("{} {}", flags.scanner,
              found.holds    ? "holds"
-             : found.mended ? "does not hold; corrected, it does"
-                            : "does not hold, nor does it corrected");
+             : found.mended ? "is wrong; the corrected pose is right"
+                            : "is wrong, and a corrected pose does not help");
   write_corrected(flags, found, found.corrected, output);
 }
 
@@ -118,7 +119,7 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   settings.projector_coefficients =
       lens_model_named(flags.projector_distortion, "--projector-distortion");
   throw_if(flags.print != "exact" && flags.print != "estimated",
-           "--print {} is not known; it is estimated or exact", flags.print);
+           "--print {} is unknown; expected estimated or exact", flags.print);
   require_in_range(flags.print_deviation > 0 && flags.print_deviation < 1, "--print-deviation",
                    flags.print_deviation, "more than 0, less than 1");
   settings.print_deviation =
@@ -126,7 +127,7 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   return settings;
 }
 
-/// What the scanner file to write knows already.
+/// Contents of the scanner file before it is overwritten.
 std::optional<MeasuredResponse> response_in(const fs::path& scanner) {
   return fs::exists(scanner) ? read_photometric_calibration(scanner).response : std::nullopt;
 }
@@ -136,7 +137,7 @@ std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
   if (!flags.measured) return {};
   const std::vector<double> lengths = lengths_from(*flags.measured, "--measured");
   throw_if(lengths.size() != 2,
-           "--measured {}: two lengths are wanted, of a row and of a column, as 121.9x80.3",
+           "--measured {}: expected two lengths, of a row and of a column, e.g. 121.9x80.3",
            *flags.measured);
   return findings_of_ruler(board, {lengths[0], lengths[1]});
 }
@@ -212,13 +213,14 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
 
 void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
   const FlagGroup group{command, "Model"};
-  const std::string models = fmt::format("coefficients of its lens: auto, or {} in OpenCV's order",
-                                         fmt::join(lens_models, ", "));
+  const std::string models = fmt::format(
+      "lens distortion coefficients: auto, or {} in OpenCV's order", fmt::join(lens_models, ", "));
   group.add("--camera-distortion", flags.camera_distortion, models);
   group.add("--projector-distortion", flags.projector_distortion, models);
-  group.add("--print", flags.print, "the board's corners: estimated (near where printed) or exact");
+  group.add("--print", flags.print,
+            "board corners: exact, or estimated near their nominal positions");
   group.add("--print-deviation", flags.print_deviation,
-            "standard deviation of a printed corner, in spacings");
+            "standard deviation of a printed corner's position, in spacings");
 }
 
 }  // namespace
@@ -251,11 +253,11 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   output.document = document(flags, report);
   output.say("{}", text_of(report));
   output.warn(findings);
-  output.say("the scanner file is {}", flags.scanner);
+  output.say("scanner file: {}", flags.scanner);
   if (flags.report) {
-    output.say("the report is {}", (fs::path(*flags.report) / "report.md").string());
+    output.say("report: {}", (fs::path(*flags.report) / "report.md").string());
   }
-  if (!kept.empty()) output.say("kept of the file that was there: {}", fmt::join(kept, ", "));
+  if (!kept.empty()) output.say("kept from the existing file: {}", fmt::join(kept, ", "));
 }
 
 void add_calibrate_board(const Commands& calibrate) {
@@ -270,19 +272,22 @@ void add_calibrate_board(const Commands& calibrate) {
 void add_calibrate_verify(const Commands& calibrate) {
   const auto [command, flags] =
       calibrate.add(verify_calibration, "verify",
-                    "whether a scanner file still holds, by scans of a board; corrects its pose");
+                    "check a scanner file against scans of a board, and correct its pose");
   required(command.add_file("--scanner", flags.scanner, "the scanner file"));
   command.add_output("-o,--output", flags.output,
-                     "where it does not hold, the corrected scanner file: .yaml or .xml",
+                     "corrected scanner file, written if the old one is wrong: .yaml or .xml",
                      scanner_output_type);
   add_board_capture_flags(command, flags.boards);
+  command.common({"--scanner", "--output", "--board", "--corners", "--spacing", "--strategy",
+                  "--steps", "--high", "--low", "--projector"});
   command.examples(
       {"calibrate verify poses --scanner scanner.yaml --corners 13x9 --spacing 10 -o "
        "corrected.yaml"});
 }
 
 void add_calibrate(const Commands& program) {
-  const Commands calibrate = program.add_group("calibrate", "find out what a real rig is like");
+  const Commands calibrate = program.add_group(
+      "calibrate", "calibrate a rig: geometry, response, noise, ambient light, colour");
   for (AddCommand* const add :
        {add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_gamma,
         add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour, add_calibrate_height}) {
@@ -292,15 +297,18 @@ void add_calibrate(const Commands& program) {
 
 void add_calibrate_geometry(const Commands& calibrate_command) {
   const auto [command, flags] = calibrate_command.add(
-      calibrate_boards, "geometry", "scans of a board in several poses to a scanner file");
+      calibrate_boards, "geometry",
+      "calibrate camera and projector from scans of a board in several poses");
   required(command.add_output("-o,--output", flags.scanner, "the scanner file: .yaml or .xml",
                               scanner_output_type));
-  command.add("--report", flags.report, "a folder for a report with pictures");
-  command.add_file("--compare", flags.compare, "a scanner file to hold beside the result");
+  command.add("--report", flags.report, "folder for a report with pictures");
+  command.add_file("--compare", flags.compare, "scanner file to compare the result with");
   command.add("--measured", flags.measured,
-              "mm by a ruler on the print, from the first to the last corner: row x column");
+              "measured on the print with a ruler, first to last corner, mm: row x column");
   add_board_capture_flags(command, flags.boards);
   add_model_flags(command.app, flags);
+  command.common({"--output", "--report", "--board", "--corners", "--spacing", "--strategy",
+                  "--steps", "--high", "--low", "--projector"});
   command.examples(
       {"calibrate geometry poses --board chessboard --corners 13x9 --spacing 10 --strategy "
        "dual-frequency --steps 3 --high 16 --low 1 --projector 1824x1140 -o scanner.yaml --report "

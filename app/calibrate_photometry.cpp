@@ -1,4 +1,4 @@
-// calibrate ambient, colour, gamma and noise: what light does in a rig, into its scanner file.
+// calibrate ambient, colour, gamma and noise: photometric calibration into the scanner file.
 #include "app/scan_flags.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/frames/colour_channels.h"
@@ -12,7 +12,7 @@
 namespace slipstream::app {
 namespace {
 
-/// Where to write a calibration: `-o`, into what `--scanner` or the first scan names.
+/// Output of a calibration: `-o`, added to the scanner file of `--scanner` or of the first scan.
 struct CalibrationFiles {
   std::optional<fs::path> scanner;
   std::string output;
@@ -20,7 +20,7 @@ struct CalibrationFiles {
 
 void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
   const FlagGroup group{command};
-  group.add_file("--scanner", files.scanner, "scanner file to add to; where not that of the scan");
+  group.add_file("--scanner", files.scanner, "scanner file to add to; default: the scan's own");
   group.add_output("-o,--output", files.output, "the scanner file to write: .yaml or .xml",
                    scanner_output_type);
 }
@@ -58,8 +58,7 @@ void write_calibration(const CalibrationFiles& files, const PhotometricCalibrati
   require_valid(found);
   const auto& [from, to] = files;
   if (to.empty()) {
-    return output.say(
-        "nothing was asked to be written; -o scanner.yaml writes it into a scanner file");
+    return output.say("nothing was written; -o scanner.yaml adds the result to a scanner file");
   }
   write_photometric_calibration(from, to, found);
   output.document["output"] = to;
@@ -67,7 +66,7 @@ void write_calibration(const CalibrationFiles& files, const PhotometricCalibrati
              from ? fmt::format(", with all that {} holds", from->string()) : "");
 }
 
-/// Draws how many pixels have which value, where a file is named.
+/// Draws a histogram of the values if a file is named.
 void write_histogram(const std::string& file, const std::string& title, const std::string& unit,
                      const Histogram& counted, Output& output) {
   if (file.empty()) return;
@@ -99,15 +98,15 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
   }
   const auto& [estimate, counted, least_alpha] =
       slipstream::calibrate_ambient(scans, flags.least_alpha, response);
-  if (response) output.say("by the response in {}", files.scanner->string());
+  if (response) output.say("using the response in {}", files.scanner->string());
   output.say(
-      "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, "
-      "over {} pixels with alpha of {} and more",
+      "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, over "
+      "{} pixels with alpha of at least {}",
       estimate.mode, estimate.median, estimate.mean, estimate.variance, estimate.pixels,
       flags.least_alpha);
   output.say(
-      "with beta_p = {} frames are off zero where alpha is above {:.4g}; for alpha of 0.15 "
-      "and more beta_p must be above {:.4g}",
+      "with beta_p = {} frames stay above zero for alpha above {:.4g}; for alpha of 0.15 or more "
+      "beta_p must be above {:.4g}",
       scans.sequence.light.beta_p, least_alpha, least_beta_p(0.15, estimate.mode));
   output.document = described("ambient", estimate.mode, "median", estimate.median, "mean",
                               estimate.mean, "variance", estimate.variance, "pixels",
@@ -121,13 +120,13 @@ struct CalibrateColourFlags {
   CalibrationFiles files;
 };
 
-/// The picture of that name, whatever its ending.
+/// The picture of that name with any extension.
 fs::path picture_named(const fs::path& folder, const std::string& name) {
   for (const fs::path& picture : images_in_folder(folder)) {
     if (picture.stem() == name) return picture;
   }
-  throw Error(fmt::format("{}: no picture {}; wanted are {} of a white surface", folder.string(),
-                          name, fmt::join(primary_names, ", ")));
+  throw Error(fmt::format("{}: no picture named {}; expected {} of a white surface",
+                          folder.string(), name, fmt::join(primary_names, ", ")));
 }
 
 void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
@@ -165,8 +164,7 @@ void require_pixels_asked_for_can_be(const CalibrateGammaFlags& flags, bool can,
 void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Output& output) {
   const auto& [map, estimate, counted] = pixels;
   output.say(
-      "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of each of {} pixels, which spread "
-      "by {:.3g}",
+      "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of {} pixels, with a spread of {:.3g}",
       estimate.gamma, estimate.standard_error, estimate.pixels, estimate.spread);
   output.document["pixels"] =
       described("gamma", estimate.gamma, "standard_error", estimate.standard_error, "spread",
@@ -184,7 +182,7 @@ struct Found {
   MeasuredResponse measured;
 };
 
-/// nullopt if the scans cannot tell but uniform patterns can.
+/// nullopt if it takes uniform patterns instead.
 std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
                                 Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
@@ -195,20 +193,20 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
       described("gamma", fit.gamma, "standard_error", fit.standard_error, "pixels", fit.pixels);
   require_pixels_asked_for_can_be(
       flags, found.pixels.has_value(),
-      fmt::format("{} steps give no gamma for each pixel; it takes 5", found.steps));
+      fmt::format("{} steps are too few to measure gamma per pixel; use 5 or more", found.steps));
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
   if (!found.response && flags.uniform) return std::nullopt;
   const MeasuredResponse measured = found_response(found);
   return Found{found.response->name, measured};
 }
 
-/// The simplest response that fits uniform patterns, or the curve itself where that is asked for.
+/// The simplest response that fits uniform patterns, or the measured curve itself if requested.
 Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
   const UniformLevels levels = read_uniform_pictures(*flags.uniform);
   const GammaFit fit = fit_gamma(levels.values, levels.intensities);
   output.say(
-      "gamma {:.5f}: curve through {} uniform patterns, which it misses by {:.3g} grey "
-      "levels RMS; ambient light {:.3g} grey levels",
+      "gamma {:.5f}: curve through {} uniform patterns, RMS residual {:.3g} grey levels; ambient "
+      "light {:.3g} grey levels",
       fit.gamma, levels.values.size(), fit.rms, fit.offset);
   output.document["uniform"] =
       described("gamma", fit.gamma, "rms", fit.rms, "offset", fit.offset, "scale", fit.scale);
@@ -226,7 +224,7 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
            "--response needs pictures of uniform patterns; name their folder with --uniform");
   require_pixels_asked_for_can_be(
       flags, !flags.folders.empty(),
-      "uniform patterns give no gamma for each pixel; give folders of scans");
+      "uniform patterns give no per-pixel gamma; give folders of scans");
   CalibrationFiles files = flags.files;
   std::optional<Found> found;
   if (!flags.folders.empty()) {
@@ -274,20 +272,19 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   const NoiseMeasurement& trusted = all.front();
   if (mistakes_gamma_for_noise(trusted)) {
     output.warn(
-        fmt::format("Eq. ({}) alone counts a response that is not linear as noise; two "
-                    "scans alike would tell",
+        fmt::format("Eq. ({}) alone counts a nonlinear response as noise; give two identical scans "
+                    "to separate them",
                     trusted.equation));
   }
   const NoiseLine line = noise_line(scans).value_or(NoiseLine{.at_half = trusted.variance});
   if (line.gain > 0) {
     output.say(
-        "it grows by {:.4f} with each grey level, standard error {:.2g}: {:.4f} at half of "
-        "full scale",
+        "it grows by {:.4f} per grey level, standard error {:.2g}: {:.4f} at half of full scale",
         line.gain, line.gain_error, line.at_half);
   }
   output.add("noise_variance", line.at_half, "noise_gain", line.gain);
   throw_if(!files.output.empty() && trusted.variance <= 0,
-           "the scans show no noise; nothing was written");
+           "the scans contain no noise; nothing was written");
   if (trusted.variance > 0) {
     write_calibration(files, {.noise_variance = line.at_half, .noise_gain = line.gain}, output);
   }
@@ -298,59 +295,63 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
 void add_calibrate_ambient(const Commands& calibrate) {
   const auto [command, flags] =
       calibrate.add(calibrate_ambient, "ambient",
-                    "the ambient light, from scans of a bright surface with many steps");
+                    "measure ambient light from scans of a bright surface with many steps");
   required(command.add_file("folders", flags.folders,
-                            "scan folders or recordings of one unmoved scene, pmp; averaged"));
-  command.add("--least-reflectivity", flags.least_alpha, "of the pixels that count, 0 to 1");
-  command.add_output("--histogram", flags.histogram, "of the pixels' ambient light: .png");
+                            "pmp scan folders or recordings of one static scene; averaged"));
+  command.add("--least-reflectivity", flags.least_alpha,
+              "minimum reflectivity of the pixels used, 0 to 1");
+  command.add_output("--histogram", flags.histogram,
+                     "histogram of the pixels' ambient light: .png");
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
+  command.common({"--output", "--scanner", "--least-reflectivity", "--steps"});
   command.examples({"calibrate ambient scan_1 scan_2 -o scanner.yaml"});
 }
 
 void add_calibrate_colour(const Commands& calibrate) {
-  const auto [command, flags] =
-      calibrate.add(calibrate_colour, "colour",
-                    "what a camera's red, green and blue see of a projector's, from pictures of a "
-                    "white surface");
-  required(
-      command.add_file("folder", flags.folder,
-                       "a picture of each colour shown, named black, red, green and blue (patterns "
-                       "--colour)"));
+  const auto [command, flags] = calibrate.add(
+      calibrate_colour, "colour",
+      "measure colour crosstalk between projector and camera, from pictures of a white surface");
+  required(command.add_file("folder", flags.folder,
+                            "folder with a picture of each projected colour, named black, red, "
+                            "green and blue (see patterns --colour)"));
   add_calibration_files(command.app, flags.files);
   command.examples({"calibrate colour white --scanner scanner.yaml -o scanner.yaml"});
 }
 
 void add_calibrate_gamma(const Commands& calibrate) {
-  const auto [command, flags] =
-      calibrate.add(calibrate_gamma, "gamma",
-                    "the projector's response, from scans of any surface or uniform patterns");
+  const auto [command, flags] = calibrate.add(
+      calibrate_gamma, "gamma",
+      "measure the projector's response from scans of any surface or from uniform patterns");
   command.add_file(
       "folders", flags.folders,
-      "scan folders or recordings of one unmoved scene, best of 8 steps or more; averaged");
+      "scan folders or recordings of one static scene, best with 8 steps or more; averaged");
   command.add("--uniform", flags.uniform,
-              "folder of pictures of uniform patterns, named by grey level: level_017.png");
+              "folder of pictures of uniform patterns, named by grey level, e.g. level_017.png");
   command.add("--response", flags.response,
-              "take the curve through the uniform patterns, whatever its form");
+              "store the curve through the uniform patterns instead of a fitted formula");
   add_calibration_files(command.app, flags.files);
-  command.add_output("--map", flags.map, "gamma of every pixel: .tiff");
-  command.add_output("--histogram", flags.histogram, "gamma of the pixels, counted: .png");
-  command.add("--min-modulation", flags.minimum_modulation, "least modulation, grey levels of 255")
+  command.add_output("--map", flags.map, "map of each pixel's gamma: .tiff");
+  command.add_output("--histogram", flags.histogram, "histogram of the pixels' gamma: .png");
+  command
+      .add("--min-modulation", flags.minimum_modulation, "minimum modulation, grey levels of 255")
       ->default_str("16");
   add_scan_flags(command.app, flags.scan);
+  command.common(
+      {"--output", "--scanner", "--uniform", "--response", "--map", "--strategy", "--steps"});
   command.examples(
       {"calibrate gamma scan_1 scan_2 scan_3 -o scanner.yaml",
        "calibrate gamma --uniform levels --response --scanner scanner.yaml -o scanner.yaml"});
 }
 
 void add_calibrate_noise(const Commands& calibrate) {
-  const auto [command, flags] =
-      calibrate.add(calibrate_noise, "noise",
-                    "the variance of the frames' noise, by all measurements that the scans allow");
-  required(command.add_file("folders", flags.folders,
-                            "scan folders or recordings of one unmoved scene"));
+  const auto [command, flags] = calibrate.add(
+      calibrate_noise, "noise", "measure the frames' noise variance in every way the scans allow");
+  required(
+      command.add_file("folders", flags.folders, "scan folders or recordings of one static scene"));
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
+  command.common({"--output", "--scanner", "--strategy", "--steps", "--high", "--low"});
   command.examples({"calibrate noise scan_1 scan_2 scan_3 -o scanner.yaml"});
 }
 

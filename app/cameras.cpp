@@ -1,4 +1,4 @@
-// Cameras: which there are, a virtual one that is served, their frames to disk. Which GPUs.
+// Commands camera (list, serve a virtual one), record and gpu.
 #include <thread>
 
 #include "app/board_flags.h"
@@ -64,8 +64,8 @@ struct ServeFlags {
   SequenceChanges scan;
 };
 
-/// What a person does who calibrates: the board in one pose after another, under patterns along x
-/// and then along y.
+/// Acts like someone calibrating: holds the board in one pose after another, each under patterns
+/// along x, then along y.
 Reel boards_for(const ServeFlags& flags, const VirtualWorld& world, const Sequence& sequence) {
   require_in_range(flags.still >= 1 && flags.still <= 1000, "--still", flags.still, "1 to 1000");
   const Body sheet = sheet_of(board_from(flags.board), world.scanner);
@@ -83,7 +83,7 @@ void require_good(const ServeFlags& flags) {
                    flags.packet_loss, "0 to 1");
   require_in_range(flags.cycles >= 1 && flags.cycles <= 1000, "--cycles", flags.cycles,
                    "1 to 1000");
-  throw_if(flags.scene.bits != 8, "--camera-bits {}: a camera that is served has 8",
+  throw_if(flags.scene.bits != 8, "--camera-bits {}: the served camera has 8 bits",
            flags.scene.bits.value_or(0));
 }
 
@@ -102,46 +102,46 @@ void serve_camera(const ServeFlags& flags, Output& output) {
   if (flags.write_scanner) write_scanner(*flags.write_scanner, world.scanner);
 
   const RunEnd end(flags.duration);
-  output.say("serving {} of {} at {} as aravis:{} or aravis:Aravis-Fake-{}; Ctrl-C ends it",
+  output.say("serving {} of {} at {} as aravis:{} or aravis:Aravis-Fake-{}; press Ctrl-C to stop",
              sequence.strategy.name(), text_of(world.scanner.camera.size), flags.address,
              flags.address, flags.serial);
   if (flags.boards) {
     output.say(
-        "a board is moved through {} poses until a client has seen them all; the next sees "
-        "the scene",
+        "showing a board in {} poses until a client has seen them all; the next client sees the "
+        "scene",
         *flags.boards);
   }
-  std::fflush(stdout);  // who reads it through a pipe waits for it to connect
+  std::fflush(stdout);  // flushed: a reader of the pipe waits for this line before connecting
   while (!end.reached()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  output.say("{} frames were sent in {:.1f} s", camera.sent(), end.seconds());
+  output.say("sent {} frames in {:.1f} s", camera.sent(), end.seconds());
   output.document = described("address", flags.address, "serial", flags.serial, "frames",
                               camera.sent(), "seconds", end.seconds());
 }
 
 void add_camera_serve(const Commands& camera) {
-  const auto [command, flags] =
-      camera.add(serve_camera, "serve",
-                 "the virtual scanner as a GigE Vision camera of this machine, until Ctrl-C");
-  command.add("--address", flags.address, "of the network interface to serve on");
-  command.add("--serial", flags.serial, "the camera's name to clients");
-  command.add("--rate", flags.rate, "frames per second until a client asks for another");
-  command.add("--cycles", flags.cycles,
-              "scans that are rendered before and then served over and over");
-  command.add("--boards", flags.boards,
-              "number of poses of a calibration board, shown before the scene under patterns along "
-              "x and then y, until a client has seen them all");
-  command.add("--still", flags.still, "cycles that the board stays in a pose");
+  const auto [command, flags] = camera.add(
+      serve_camera, "serve", "serve the virtual scanner as a GigE Vision camera until Ctrl-C");
+  command.add("--address", flags.address, "address of the network interface to serve on");
+  command.add("--serial", flags.serial, "camera name shown to clients");
+  command.add("--rate", flags.rate, "frames per second until a client changes it");
+  command.add("--cycles", flags.cycles, "number of scans to render in advance and serve in a loop");
+  command.add(
+      "--boards", flags.boards,
+      "first show a calibration board in this many poses, each under patterns along x, then y");
+  command.add("--still", flags.still, "pattern cycles per pose");
   command.add("--duration", flags.duration, "so long, s");
-  command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
+  command.add("--packet-loss", flags.packet_loss, "share of packets to drop, 0 to 1");
   command.add_file("--scanner", flags.scene.scanner_file,
-                   "scanner file to imitate; an example where not given");
+                   "scanner file to imitate; default: an example");
   command.add_output("--write-scanner", flags.write_scanner,
-                     "scanner file to write, to reconstruct with", scanner_output_type);
+                     "scanner file to write, for reconstruction", scanner_output_type);
   add_virtual_flags(command.app, flags.scene);
   add_board_flags(command.app, flags.board);
   add_pattern_flags(command.app, flags.scan, true);
+  command.common(
+      {"--scene", "--strategy", "--steps", "--rate", "--boards", "--address", "--serial"});
   command.examples({"camera serve --strategy pmp --steps 4 --rate 150 --move 0.2 0 0"});
 }
 #endif
@@ -159,14 +159,14 @@ void require_valid(const RecordFlags& flags) {
   require_duration(flags.duration);
 }
 
-/// What the check finds in the first whole cycle of a recording. The findings are only reported:
-/// the recording is kept, as it may be impossible to take it again.
+/// Checks the first complete cycle of a recording. Only reports: the recording is kept, as it may
+/// be impossible to repeat.
 std::vector<Finding> findings_of_recording(const std::string& file, Output& output) {
   std::vector<Finding> findings;
   try {
     findings = check_scan(load_scan(file), {.moving = true}).findings;
   } catch (const Error& error) {
-    output.warn(fmt::format("the recording cannot be checked: {}", error.what()));
+    output.warn(fmt::format("cannot check the recording: {}", error.what()));
   }
   output.warn(findings);
   return findings;
@@ -201,14 +201,14 @@ void record(const RecordFlags& flags, Output& output) {
   const SourceCounters counters = source.counters();
   const Recorder::Counts counts = recorder.counts();
   if (counts.written == 0) {
-    throw WorldError(fmt::format("{}: no frame came that could be recorded", flags.file));
+    throw WorldError(fmt::format("{}: received no frame to record", flags.file));
   }
   const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
   output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
              text_of(source.format().size), rate);
-  if (counters.lost > 0) output.warn(fmt::format("{} frames did not arrive", counters.lost));
+  if (counters.lost > 0) output.warn(fmt::format("{} frames were lost", counters.lost));
   if (counts.lost > 0) {
-    output.warn(fmt::format("{} frames came faster than the disk took them", counts.lost));
+    output.warn(fmt::format("{} frames were dropped because the disk was too slow", counts.lost));
   }
   output.document =
       described("recording", flags.file, "findings", findings_of_recording(flags.file, output),
@@ -220,34 +220,34 @@ void record(const RecordFlags& flags, Output& output) {
 }  // namespace
 
 void add_camera(const Commands& program) {
-  const Commands camera = program.add_group("camera", "find cameras; serve a virtual one");
-  camera.add(list_connected, "list", "cameras that answer, as --source names them");
+  const Commands camera = program.add_group("camera", "list cameras, or serve a virtual one");
+  camera.add(list_connected, "list", "list the cameras that answer, by their --source names");
 #ifdef SLIPSTREAM_CAMERAS
   add_camera_serve(camera);
 #endif
 }
 
 void add_gpu(const Commands& program) {
-  const Commands gpu = program.add_group("gpu", "devices for --backend gpu");
-  gpu.add(list_gpus, "list", "the devices that Vulkan finds, by number");
+  const Commands gpu = program.add_group("gpu", "list GPUs for --backend gpu");
+  gpu.add(list_gpus, "list", "list Vulkan devices by number");
 }
 
 void add_record(const Commands& program) {
   const auto [command, flags] =
-      program.add(record, "record", "frames of a camera to disk, lossless, to be replayed");
+      program.add(record, "record", "record a camera's frames to disk, lossless, for replay");
   SourceFlags& source = flags.source;
   required(command.add_output("-o,--output", flags.file, "the recording"));
   required(command.add("--source", source.source, source_forms()));
-  command.add("--frames", flags.frames, "number of frames; without it, until Ctrl-C");
+  command.add("--frames", flags.frames, "number of frames; default: until Ctrl-C");
   command.add("--duration", flags.duration, "so long, s");
-  command.add("--rate", source.rate,
-              "frames per second; 0: as fast as it goes; else the source's own");
-  command.add("--loop", source.loop, "a replay begins again at its end");
-  command.add_file("--scanner", source.scanner, "scanner file, which is kept in the recording");
+  command.add_settings(source);
+  command.add_file("--scanner", source.scanner, "scanner file to store in the recording");
   add_source_flags(command.app, source, true);
+  command.common({"--output", "--source", "--frames", "--duration", "--rate", "--strategy",
+                  "--steps", "--scanner", "--exposure"});
   command.examples({"record --source aravis: -o scan.slip --frames 1000 --strategy pmp --steps 4 "
                     "--scanner scanner.yaml"},
-                   "Ctrl-C finishes the file.");
+                   "Ctrl-C stops recording and completes the file.");
 }
 
 }  // namespace slipstream::app

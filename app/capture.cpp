@@ -29,35 +29,36 @@ void require_good(const CaptureFlags& flags) {
   const bool sees_monitor = is_camera(source);
   const int poses = flags.poses.value_or(0);
   require_in_range(poses >= 0 && poses <= most_poses, "--poses", poses,
-                   "1 to 1000, or no number until there are enough");
+                   "1 to 1000, or no number to stop automatically");
   require_in_range(flags.settle >= 0 && flags.settle <= 10000, "--settle", flags.settle,
                    "0 to 10000 ms");
-  throw_if(flags.monitor && !sees_monitor, "--monitor {}: {} sees no monitor; leave it out",
+  throw_if(flags.monitor && !sees_monitor, "--monitor {}: {} cannot see a monitor; drop --monitor",
            flags.monitor.value_or(0), source.source);
   throw_if(flags.monitor && source.camera.pixel_format == PixelFormat::rgb8,
-           "--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them, or "
-           "`slipstream project --colour` shows them in colour");
+           "--pixel-format RGB8: --monitor shows grey patterns; use Mono8, or show colour patterns "
+           "with `slipstream project --colour`");
   throw_if(flags.poses && !sees_monitor,
-           "--poses: {} shows no moving board; `slipstream camera serve --boards 12` serves one as "
-           "a camera",
+           "--poses: {} has no moving board; `slipstream camera serve --boards 12` serves one as a "
+           "camera",
            source.source);
-  throw_if(!flags.monitor && source.camera.trigger == "Software",
-           "--trigger Software: nothing says when; give --monitor too, or the camera's line");
+  throw_if(
+      !flags.monitor && source.camera.trigger == "Software",
+      "--trigger Software: no trigger source; add --monitor, or name the camera's trigger line");
   throw_if(flags.poses && source.sequence.axes == "both",
-           "--axis both: poses are taken along both axes as it is; leave it out");
+           "--axis both: poses always use both axes; drop --axis");
   throw_if(flags.poses && source.sequence.exposures,
-           "--exposures: the poses of a board are taken with one, --exposure");
+           "--exposures: board poses use a single exposure; use --exposure");
   throw_if(fs::exists(flags.output) &&
                (fs::is_regular_file(flags.output) || !fs::is_empty(flags.output)),
-           "{}: is there already; name another", flags.output);
+           "{}: already exists; name another", flags.output);
 }
 
-/// `projector`: its pixels, where they are known.
+/// `projector`: its size in pixels, if known.
 SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> projector) {
   SourceRequest request = request_from(flags.source);
   request.scans = flags.poses ? 2 : 1;
   request.as_taken = !flags.poses;
-  request.loop = true;  // a single recorded cycle stands still before itself
+  request.loop = true;  // a single recorded cycle counts as static
   if (!request.sequence.strategy && scheme_of(request.source) != "replay") {
     request.sequence.strategy = default_strategy().name();
   }
@@ -65,7 +66,7 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
   return request;
 }
 
-/// The pictures of each scan, for a projector that is fed here.
+/// The pattern pictures of each scan, for a projector driven by this program.
 std::vector<std::vector<Image<std::uint8_t>>> pictures_of(Sequence sequence, bool both_axes) {
   sequence.marker = false;
   require_shown(sequence);
@@ -93,7 +94,7 @@ std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSo
                                       pictures_of(sequence, flags.poses.has_value()), steps);
 }
 
-/// Warns when the source's state has changed since it was called last.
+/// Warns if the source's state has changed since the last call.
 std::function<void()> news_of(const FrameSource& source, Output& output) {
   return [&source, &output, told = std::string()]() mutable {
     const std::string state = source.state();
@@ -108,7 +109,7 @@ std::string headline_of(const PoseProgress& progress, int wanted) {
   return fmt::format("{}{}: {}", progress.taken.size(), of, progress.verdict.words);
 }
 
-/// The headline, and how to hold the board next once this pose is over.
+/// The headline, and how to hold the board for the next pose.
 std::string line_of(const PoseProgress& progress, int wanted) {
   const PoseState state = progress.verdict.state;
   const bool over = state == PoseState::taken || state == PoseState::known;
@@ -122,10 +123,10 @@ view::Guide guide_of(const PoseProgress& progress, int wanted) {
           headline_of(progress, wanted),
           colour_of(progress.verdict.state),
           {needs.enough ? "enough poses: calibrating" : "next: " + needs.advice,
-           fmt::format("{} taken; boards covered {:.0f} % of the camera's picture",
+           fmt::format("{} taken; boards cover {:.0f} % of the camera's picture",
                        progress.taken.size(), 100 * needs.covered),
-           "blue: no board was here yet; arrows: the edge that was nearer once (green), or has yet "
-           "to be (orange)"}};
+           "blue: not covered yet; arrows: edges already tilted towards the camera (green), still "
+           "to do (orange)"}};
 }
 
 void calibrate_taken(const CaptureFlags& flags, Output& output) {
@@ -141,7 +142,7 @@ void calibrate_taken(const CaptureFlags& flags, Output& output) {
 void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera& camera,
                 CaptureDesktop& desktop, Output& output) {
   throw_if(opened.sequence.projector == Size{},
-           "--projector is missing: the pixels of what shows the patterns, as 1280x800");
+           "--projector is missing: give the projector's size in pixels, e.g. 1280x800");
   const CalibrationBoard board = board_from(flags.board);
   const RunEnd end(std::nullopt);
   const auto tell_news = news_of(*opened.frames, output);
@@ -151,7 +152,7 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
     output.say("{}", line_of(progress, *flags.poses));
-    std::fflush(stdout);  // who reads it through a pipe moves the board by it
+    std::fflush(stdout);  // flushed: a reader of the pipe moves the board by it
   };
   const auto ends = [&] {
     tell_news();
@@ -173,7 +174,7 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
   output.add("poses_taken", taken, "folder", flags.output);
 }
 
-/// The frames of one scan, once nothing moves.
+/// The frames of one scan, taken once the scene is still.
 FrameSet still_frames(ScanCamera& camera, const NamedSource& opened, CaptureDesktop& desktop,
                       Output& output) {
   constexpr double patience = 10;  // s
@@ -187,12 +188,12 @@ FrameSet still_frames(ScanCamera& camera, const NamedSource& opened, CaptureDesk
     if (!glimpse || !glimpse->still) continue;
     if (auto frames = camera.take()) return std::move(frames->front());
   }
-  if (end.seconds() < patience) throw Error("ended before a scan was taken");
-  throw WorldError(
-      seen ? "what the camera sees does not stand still; `slipstream record` keeps what moves"
-           : fmt::format("no whole cycle of patterns came from {} in {:g} s; is it triggered, or "
-                         "the projector showing?",
-                         opened.scanner_name, patience));
+  if (end.seconds() < patience) throw Error("stopped before a scan was taken");
+  throw WorldError(seen
+                       ? "the scene does not stand still; use `slipstream record` for moving scenes"
+                       : fmt::format("no complete pattern cycle from {} within {:g} s; check the "
+                                     "trigger and that the projector shows patterns",
+                                     opened.scanner_name, patience));
 }
 
 void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera& camera,
@@ -201,7 +202,7 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
             .sequence = opened.sequence,
             .scanner = opened.scanner};
   opened.frames->stop();
-  scan.sequence.marker = false;  // none of the frames is one
+  scan.sequence.marker = false;  // null: not among the frames
   if (scan.scanner) {
     scan.scanner =
         completed(*scan.scanner, opened.scanner_name, scan.frames.size(), scan.sequence.projector);
@@ -213,7 +214,8 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
   }
   if (several) whole = merged(std::move(whole));
   const CheckedScan checked = check_and_repair(whole);
-  if (!several && !opened.in_colour) scan = std::move(whole);  // slipped frames are put in order
+  if (!several && !opened.in_colour)
+    scan = std::move(whole);  // frames out of order are put in order
   save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt, opened.in_colour,
             opened.white);
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),
@@ -241,8 +243,8 @@ void capture(const CaptureFlags& flags, Output& output) {
 
 #ifndef SLIPSTREAM_VIEW
 CaptureDesktop open_desktop(const DesktopWishes& wishes) {
-  if (wishes.monitor) throw Error("--monitor: this build shows nothing on monitors");
-  if (wishes.guides) throw Error("this build has no windows; add --headless");
+  if (wishes.monitor) throw Error("--monitor: this build has no monitor support");
+  if (wishes.guides) throw Error("this build has no window support; add --headless");
   return {};
 }
 #endif
@@ -250,36 +252,37 @@ CaptureDesktop open_desktop(const DesktopWishes& wishes) {
 void add_capture(const Commands& program) {
   const auto [command, flags] =
       program.add(capture, "capture",
-                  "take a scan, or with --poses a calibration, with camera and projector in step");
+                  "take a scan, or calibrate with --poses, with camera and projector in step");
   SourceFlags& source = flags.source;
   required(command.add(
       "-o,--output", flags.output,
-      "a scan folder, or a recording (.slip); with --poses the folder of the poses, their "
-      "scanner.yaml and report"));
+      "scan folder or recording (.slip); with --poses: folder for poses, scanner.yaml and report"));
   required(command.add("--source", source.source, source_forms()));
   command.add("--monitor", flags.monitor,
-              "shows the patterns on that monitor, by its number in `project --list`; without, "
-              "the projector shows them over and over by itself");
+              "show the patterns on this monitor, numbered as in `project --list`; default: the "
+              "projector loops them by itself");
   command.add("--settle", flags.settle,
-              "with --monitor: ms from when a pattern is shown until a frame may begin");
+              "with --monitor: delay from showing a pattern to taking its frame, ms");
   command
       .add("--poses", flags.poses,
-           "so many poses of a board, each taken by itself when it is good, then calibrates; "
-           "without a number until there are enough")
+           "take this many board poses, each automatically when it is good, then calibrate; "
+           "without a number: until enough")
       ->expected(0, 1)
       ->default_str("0");
-  command.add("--headless", flags.headless, "no window: a line whenever the verdict changes");
-  command.add("--size", flags.size, "of the window that guides, pixels");
-  command.add_output("--screenshot", flags.screenshot, "that window as it was last: .png");
-  command.add("--rate", source.rate, "frames per second of a camera that runs freely");
-  command.add_file("--scanner", source.scanner, "scanner file, which is kept with the scan");
+  command.add("--headless", flags.headless, "no window; print a line whenever the advice changes");
+  command.add("--size", flags.size, "size of the guide window, pixels");
+  command.add_output("--screenshot", flags.screenshot, "final picture of the guide window: .png");
+  command.add("--rate", source.rate, "frames per second of a free-running camera");
+  command.add_file("--scanner", source.scanner, "scanner file to store with the scan");
   add_board_flags(command.app, flags.board);
   add_source_flags(command.app, source, true);
+  command.common({"--output", "--source", "--monitor", "--poses", "--corners", "--spacing",
+                  "--scanner", "--exposure", "--strategy", "--steps"});
   command.examples(
       {"capture --source aravis: --monitor 1 --exposure 15 --poses --corners 13x9 --spacing 15 -o "
        "poses",
        "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan"},
-      "Ctrl-C or Esc ends it; the poses taken until then are calibrated.");
+      "Ctrl-C or Esc stops; the poses taken so far are calibrated.");
 }
 
 }  // namespace slipstream::app

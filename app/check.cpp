@@ -13,7 +13,7 @@ struct CheckFlags {
 
 void tell_findings(const std::string& folder, const std::vector<Finding>& findings,
                    Output& output) {
-  if (findings.empty()) output.say("{}: nothing amiss", folder);
+  if (findings.empty()) output.say("{}: OK: no problems found", folder);
   for (const Finding& finding : findings) {
     output.say("{}: {}: {}", folder, finding.gravity == Gravity::wrong ? "wrong" : "doubtful",
                text_of(finding));
@@ -44,7 +44,7 @@ struct MeasureFlags {
   std::vector<std::pair<std::string, std::string>> distances;
 };
 
-/// The cloud that is measured, and where the results are printed.
+/// The measured cloud and where to print results.
 struct Measuring {
   const StoredCloud& stored;
   Output& output;
@@ -52,8 +52,7 @@ struct Measuring {
 
 MeasuredPoint point_of(const Measuring& in, const std::string& text) {
   const std::vector<int> numbers = numbers_in<int>(text, ',');
-  throw_if(numbers.size() != 2, "'{}' is not a pixel; give its column and row, for example 320,240",
-           text);
+  throw_if(numbers.size() != 2, "'{}' is not a pixel; give column and row, e.g. 320,240", text);
   const int column = numbers[0], row = numbers[1];
   const Cloud& cloud = in.stored.cloud;
   if (const auto point = point_at(cloud, uncertainty_of(in.stored), column, row)) return *point;
@@ -61,15 +60,13 @@ MeasuredPoint point_of(const Measuring& in, const std::string& text) {
       column >= 0 && row >= 0 && column < cloud.size().width && row < cloud.size().height;
   throw Error(
       inside ? fmt::format("pixel {} has no point: {}", text, name_of(cloud.validity(column, row)))
-             : fmt::format("pixel {} is not in the picture, which is {}", text,
-                           text_of(cloud.size())));
+             : fmt::format("pixel {} is outside the picture of {}", text, text_of(cloud.size())));
 }
 
 std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& text) {
   const std::optional<Rectangle> rectangle = rectangle_of_text(text);
   throw_if(!rectangle.has_value(),
-           "'{}' is not a rectangle; give width x height + x + y, for example 200x100+320+240",
-           text);
+           "'{}' is not a rectangle; give width x height + x + y, e.g. 200x100+320+240", text);
   return points_in(in.stored.cloud, uncertainty_of(in.stored), *rectangle);
 }
 
@@ -101,7 +98,7 @@ void tell_fit(const char* list, nlohmann::json told, const Residuals& residuals,
                         residuals.points, "outliers", residuals.outliers, "noise_mm",
                         residuals.noise));
   output.list(list).push_back(std::move(told));
-  output.say("  residuals of {} points: rms {:.4f} mm{}, largest {:.4f} mm; {} outliers left out",
+  output.say("  residuals of {} points: rms {:.4f} mm{}, largest {:.4f} mm; {} outliers ignored",
              residuals.points, residuals.rms,
              residuals.noise ? fmt::format(" (noise alone: {:.4f})", *residuals.noise) : "",
              residuals.largest, residuals.outliers);
@@ -142,33 +139,37 @@ void measure(const MeasureFlags& flags, Output& output) {
 }  // namespace
 
 void add_measure(const Commands& program) {
-  const auto [command, flags] =
-      program.add(measure, "measure", "points, distances, planes and spheres of a cloud, mm");
+  const auto [command, flags] = program.add(
+      measure, "measure", "measure points, distances, planes and spheres in a cloud, mm");
   required(command.add_file("input", flags.path,
                             "a scan folder, a recording or an organised cloud, .pcd"));
-  const FlagGroup group{command.app, "What to measure, each as often as wanted"};
-  group.add("--point", flags.points, "the point of a pixel, column and row, as 320,240");
-  group.add("--distance", flags.distances, "between the points of two pixels: 320,240 400,250");
+  const FlagGroup group{command.app, "What to measure (each may be repeated)"};
+  group.add("--point", flags.points, "the point at pixel column,row, e.g. 320,240");
+  group.add("--distance", flags.distances,
+            "distance between the points of two pixels, e.g. 320,240 400,250");
   group.add("--plane", flags.planes,
-            "fitted to the points of a rectangle of pixels, width x height + x + y, as "
-            "200x100+320+240");
+            "fit to the points in a pixel rectangle, width x height + x + y, e.g. 200x100+320+240");
   group.add("--sphere", flags.spheres, "likewise");
   add_cloud_flags(command.app, flags.input);
+  command.common({"--point", "--distance", "--plane", "--sphere", "--scanner", "--min-modulation",
+                  "--max-sigma", "--raw"});
   command.examples({"measure scan --point 320,240 --distance 100,200 500,210",
                     "measure cloud.pcd --plane 200x100+320+240 --json"});
 }
 
 void add_check(const Commands& program) {
   const auto [command, flags] = program.add(
-      check, "check", "whether the frames of scans fit their patterns, the scanner and each other");
+      check, "check", "check that a scan's frames fit its patterns, its scanner and each other");
   required(command.add_file("folders", flags.folders,
                             "scan folders (pictures, and scan.yaml or flags) or recordings"));
   command.add("--min-modulation", flags.settings.minimum_modulation,
-              "of a pixel that becomes a point, grey levels of 255 whatever the camera's bits");
+              "minimum modulation of a valid pixel, grey levels of 255 at any bit depth");
   add_scan_input_flags(command.app, flags.input);
-  command.examples({"check scan", "check frames --strategy pmp --steps 4"},
-                   "Without a scanner less can be told. It ends with 2 where a scan is wrong, so "
-                   "that reconstruct would refuse it.");
+  command.common({"--scanner", "--strategy", "--steps", "--high", "--low", "--axis", "--projector",
+                  "--order"});
+  command.examples(
+      {"check scan", "check frames --strategy pmp --steps 4"},
+      "Without a scanner fewer checks are possible. Exit code 2: reconstruct would reject a scan.");
 }
 
 }  // namespace slipstream::app

@@ -7,13 +7,14 @@
 #include <tuple>
 
 #include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/result_files.h"
 
 namespace slipstream::app {
 namespace {
 
-/// What a run writes and how it talks is not of the rig.
+/// Outputs and verbosity of a run do not belong to the rig.
 bool is_of_rig(const std::string& name) {
   static const std::set<std::string> of_run{"rig", "help", "version", "output", "json"};
   return !of_run.contains(name);
@@ -29,7 +30,7 @@ void collect_settings(const CLI::App& app, std::set<std::string>& names) {
   for (const CLI::App* const command : app.get_subcommands(any)) collect_settings(*command, names);
 }
 
-/// Whether the command line, or what it does without, leaves no room for the option.
+/// Whether other given or missing flags rule the option out.
 bool is_ruled_out(const CLI::Option& option) {
   const auto given = [](const CLI::Option* other) { return other->count() > 0; };
   const auto& excludes = option.get_excludes();
@@ -38,7 +39,7 @@ bool is_ruled_out(const CLI::Option& option) {
          !std::all_of(needs.begin(), needs.end(), given);
 }
 
-/// A path in the rig file is relative to that; so is the one behind replay:.
+/// Paths in a rig file, also after replay:, are relative to the file.
 std::string resolved(const CLI::Option& option, const std::string& value, const fs::path& folder) {
   const std::string replay = "replay:";
   if (option.get_type_name() == file_type) return (folder / value).string();
@@ -50,7 +51,7 @@ std::string resolved(const CLI::Option& option, const std::string& value, const 
 
 bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
   if (option.count() > 0 || is_ruled_out(option)) return false;
-  const bool is_switch = option.get_expected_max() == 0;  // whose name may begin with no-
+  const bool is_switch = option.get_expected_max() == 0;  // its name may start with no-
   for (const std::string& value : setting.values) {
     option.add_result(is_switch ? option.get_flag_value(setting.name, value)
                                 : resolved(option, value, folder));
@@ -76,22 +77,22 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
     if (option == nullptr) continue;
     try {
       if (apply(setting, file.parent_path(), *option)) said.settings.push_back(setting);
-    } catch (const CLI::ConversionError&) {  // of a switch; numbers are checked before
-      refuse(fmt::format("{} '{}': true or false is wanted", setting.name, setting.values.front()));
+    } catch (const CLI::ConversionError&) {  // a switch; numbers were checked before
+      refuse(fmt::format("{} '{}': expected true or false", setting.name, setting.values.front()));
     } catch (const CLI::ParseError& error) {
       refuse(error.what());
     } catch (const Error& error) {
       refuse(error.what());
     }
   }
-  // As on the command line in the order of the flags: --raw comes before the filters it leaves on.
+  // In the order of the flags, as on the command line: --raw precedes the filters it keeps.
   for (CLI::Option* const option : subcommand.get_options()) {
     const bool is_rig = option->check_name("--rig") || option->check_name("rig");
     if (option->count() > 0 && !is_rig) option->run_callback();
   }
 }
 
-/// Whether the text has it as a word of its own.
+/// Whether `text` contains `word` as a whole word.
 bool has_word(const std::string& text, const std::string& word) {
   const auto inside = [&](std::size_t at) {
     return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
@@ -102,7 +103,7 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-/// How clearly the message names the setting: its flag, its name, or what it is set to.
+/// How clearly the message names the setting: by flag, name or value.
 int clarity(const RigSetting& setting, const std::string& message) {
   // "minimum modulation" is min-modulation.
   const std::string last = setting.name.substr(setting.name.rfind('-') + 1);
@@ -124,9 +125,9 @@ std::string why_no_number(const std::string& text, bool is_unsigned, bool is_who
   if (is_unsigned && text.find('-') != std::string::npos) return text + " is below 0";
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
-  if (*end != '\0') return "'" + text + "' is no number";
+  if (*end != '\0') return "'" + text + "' is not a number";
   if (!std::isfinite(number)) return text + " is not finite";
-  return is_whole && number != std::floor(number) ? text + " is no whole number" : "";
+  return is_whole && number != std::floor(number) ? text + " is not a whole number" : "";
 }
 
 void require_distinct_files(const CLI::App& command) {
@@ -154,8 +155,8 @@ void require_distinct_files(const CLI::App& command) {
 
 Size size_from(const std::string& text, const std::string& flag) {
   const std::optional<Size> size = size_of_text(text);
-  throw_if(!size.has_value(), "{} '{}' is not a size; give width x height in pixels, as 1824x1140",
-           flag, text);
+  throw_if(!size.has_value(),
+           "{} '{}' is not a size; give width x height in pixels, e.g. 1824x1140", flag, text);
   const auto side = [](int pixels) { return static_cast<std::uint64_t>(pixels); };
   throw_if(side(size->width) * side(size->height) > largest_picture, "{} {}: at most {} pixels",
            flag, text, largest_picture);
@@ -168,7 +169,7 @@ void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) 
       .add_option_function<std::string>(
           served ? "rig" : "--rig",
           [&](const std::string& file) { apply(file, subcommand, program, said); },
-          "settings by their flags' names, which the command line goes before: .yaml")
+          "file of settings named like the flags; the command line overrides it: .yaml")
       ->type_name(file_type)
       ->required(served);
 }

@@ -23,23 +23,30 @@
 namespace slipstream::app {
 namespace fs = std::filesystem;
 
-/// What the help shows for the value of a flag that names a file or a folder to read.
+/// Value type of flags that name a file or a folder to read.
 inline constexpr const char* file_type = "FILE";
-/// The same of a file to write.
+/// Value type of flags that name a file to write.
 inline constexpr const char* output_type = "OUTPUT";
-/// The same of a scanner file to write, which may be the one that is read and added to.
+/// Value type of flags that name a scanner file to write, which may also be the input.
 inline constexpr const char* scanner_output_type = "SCANNER";
 
-/// Why the text is not a number that a flag takes; empty if it is one. NaN never is.
+/// Heading of the options that most people need first; their groups add a number, see
+/// FlagGroup::common.
+inline constexpr const char* common_options = "Common options";
+
+/// Lays out --help, wrapped to the terminal's width.
+std::shared_ptr<CLI::FormatterBase> help_layout();
+
+/// Why the text is not a valid number; empty if it is one. NaN is not.
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
 
-/// Throws Error if an output of the command is also an input, or two outputs are one file.
+/// Throws Error if an output of the command is also an input, or two outputs are the same file.
 void require_distinct_files(const CLI::App& command);
 
-/// "1824x1140". Throws Error, naming the flag, for anything else.
+/// Parses "1824x1140". Throws Error naming the flag for anything else.
 Size size_from(const std::string& text, const std::string& flag);
 
-/// The type of the numbers that go into a flag's value.
+/// Element type of a flag's value.
 template <class Value>
 struct NumberOf {
   using Type = Value;
@@ -49,13 +56,13 @@ struct NumberOf<std::optional<Value>> : NumberOf<Value> {};
 template <class Value>
 struct NumberOf<std::vector<Value>> : NumberOf<Value> {};
 
-/// Flags of a subcommand that its help shows together.
+/// Flags of a subcommand under one heading of its help.
 struct FlagGroup {
   CLI::App& app;
-  std::string name = "Options";  ///< the help's heading
+  std::string name = "Options";  ///< heading in the help
 
-  /// Adds a flag that sets `value`: a switch for a bool, else the help shows a number or a text
-  /// that is there before as the default. A size is written "1824x1140".
+  /// Adds a flag that sets `value`: a switch for a bool; otherwise its present number or text is
+  /// shown as the default. Sizes are written "1824x1140".
   template <class Value>
   CLI::Option* add(const std::string& flag, Value& value, const std::string& help) const {
     if constexpr (std::is_same_v<Value, bool>) {
@@ -73,7 +80,7 @@ struct FlagGroup {
     }
   }
 
-  /// The same of a value that `read` takes, a text unless said otherwise, and may refuse.
+  /// Adds a flag whose value goes to `read`, which may throw.
   template <class Value = std::string>
   CLI::Option* add_read(const std::string& flag,
                         std::type_identity_t<std::function<void(const Value&)>> read,
@@ -81,7 +88,7 @@ struct FlagGroup {
     return checked<Value>(app.add_option_function<Value>(flag, std::move(read), help));
   }
 
-  /// The same of a value with a name, which `named` finds; the help shows that of the default.
+  /// Adds a flag whose value is chosen by name with `named`; `usual` is the default's name.
   template <class Value>
   CLI::Option* add_named(const std::string& flag, Value& value,
                          Value (*named)(std::string_view name), std::string_view usual,
@@ -90,10 +97,10 @@ struct FlagGroup {
     return add_read<>(flag, read, help)->default_str(std::string(usual));
   }
 
-  /// Adds the described settings of a struct that have a flag and a number or a switch; values out
-  /// of range throw Error. `add_other(setting, value)` adds the others.
-  template <class Settings, class AddOther>
-  void add_settings(Settings& settings, const AddOther& add_other) const {
+  /// Adds the described number and switch settings of a struct that have a flag; out of range
+  /// values throw Error. Calls `add_other(setting, value)` for the others.
+  template <class Settings, class... AddOther>
+  void add_settings(Settings& settings, const AddOther&... add_other) const {
     Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
       using Value = std::remove_cvref_t<decltype(value)>;
       if (*setting.flag == '\0') return;
@@ -106,12 +113,12 @@ struct FlagGroup {
           return std::string();
         });
       } else {
-        add_other(setting, value);
+        (add_other(setting, value), ...);
       }
     });
   }
 
-  /// Adds a file or a folder to read: in a rig file its path is relative to that.
+  /// Adds a file or folder to read; in a rig file its path is relative to that file.
   template <class Value>
   CLI::Option* add_file(const std::string& flag, Value& value, const std::string& help) const {
     if constexpr (std::is_same_v<Value, std::optional<fs::path>>) {
@@ -122,7 +129,7 @@ struct FlagGroup {
     }
   }
 
-  /// Adds a file to write, which no other flag may name; of `type` scanner_output_type a scanner
+  /// Adds a file to write, distinct from all other files; `type` scanner_output_type for a scanner
   /// file.
   template <class Value>
   CLI::Option* add_output(const std::string& flag, Value& value, const std::string& help,
@@ -130,12 +137,20 @@ struct FlagGroup {
     return add(flag, value, help)->type_name(type);
   }
 
-  /// None of the others may be given together with the flag.
+  /// Forbids giving any of the others together with the flag.
   void exclude(const char* flag, std::initializer_list<const char*> others) const {
     for (const char* other : others) app.get_option(flag)->excludes(app.get_option(other));
   }
 
-  /// Ends the help with examples, without the program's name, and words.
+  /// Lists these flags first in the help, in this order.
+  void common(std::initializer_list<const char*> flags) const {
+    int place = 10;
+    for (const char* flag : flags) {
+      app.get_option(flag)->group(common_options + std::to_string(place++));
+    }
+  }
+
+  /// Ends the help with example commands (without "slipstream") and optional text.
   void examples(const std::vector<std::string>& commands, const std::string& words = {}) const {
     app.footer(
         fmt::format("{}:\n  slipstream {}{}{}", commands.size() == 1 ? "Example" : "Examples",
@@ -143,7 +158,7 @@ struct FlagGroup {
   }
 
  private:
-  /// In this group; a number is checked before it is read.
+  /// Puts the option in this group and validates numbers before parsing.
   template <class Value>
   CLI::Option* checked(CLI::Option* option) const {
     using Number = typename NumberOf<Value>::Type;
@@ -159,47 +174,47 @@ struct FlagGroup {
   }
 };
 
-/// A flag that must be given.
+/// Marks a flag as required.
 inline CLI::Option* required(CLI::Option* option) {
   return option->required()->default_str("");
 }
 
-/// What a rig file said that the command line did not.
+/// Settings from a rig file that the command line does not override.
 struct RigSaid {
-  std::vector<std::string> arguments{};  ///< of the command line, the last first
+  std::vector<std::string> arguments{};  ///< the command line, last word first
   std::string file{};                    ///< empty without one
   std::vector<RigSetting> settings{};
 };
 
-/// Adds --rig to a subcommand, or to `serve` the file as its argument: settings of the file that
-/// the subcommand has, by their flags' names, apply where the command line does not set them, and
-/// are kept in `said`. Settings that only other subcommands of `program` have are skipped; parsing
-/// throws Error for one that none has. Paths are relative to the rig file.
+/// Adds --rig to a subcommand (to `serve`, the file as its argument): settings of the file, named
+/// like flags, apply unless the command line sets them, and are stored in `said`. Settings of other
+/// subcommands of `program` are skipped; unknown ones throw Error when parsing. Paths are relative
+/// to the rig file.
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said);
 
-/// The message, after "rig.yaml: line 3: " of the setting that it names most clearly; unchanged if
-/// it names none or has its line already.
+/// The message prefixed with "rig.yaml: line 3: " of the setting it names most clearly; unchanged
+/// if it names none or is already prefixed.
 std::string located(const RigSaid& said, const std::string& message);
 
 /// The chosen subcommand and its parsed flags.
 struct Command {
-  std::function<void(Output&)> work{};  ///< runs it and reports to `Output`
+  std::function<void(Output&)> work{};  ///< runs the command and prints to `Output`
   RigSaid rig{};
 };
 
-/// A subcommand that was added: its flags without a heading of their own, and where values go.
+/// An added subcommand: its ungrouped flags and their values.
 template <class Flags>
 struct AddedCommand {
   FlagGroup command;
-  Flags& flags;  ///< live as long as the subcommand
+  Flags& flags;  ///< lives as long as the subcommand
 };
 
-/// The program, or a subcommand of it, that subcommands are added to.
+/// The program, or a subcommand, to which subcommands are added.
 struct Commands {
   CLI::App& app;
   Command& chosen;
 
-  /// Adds one; when it is chosen, `chosen` calls `work` with its flags.
+  /// Adds a subcommand; when called, it makes `chosen` run `work` with its flags.
   template <class Flags>
   AddedCommand<Flags> add(void (*work)(const Flags&, Output&), const std::string& name,
                           const std::string& help) const {
@@ -210,7 +225,7 @@ struct Commands {
     });
     return {{*command}, *flags};
   }
-  /// Adds one that has subcommands itself.
+  /// Adds a subcommand that has subcommands.
   [[nodiscard]] Commands add_group(const std::string& name, const std::string& help) const {
     return {*app.add_subcommand(name, help)->require_subcommand(1), chosen};
   }

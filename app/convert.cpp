@@ -24,14 +24,13 @@ bool is_mcap(const std::string& path) {
 }
 
 void require_only(bool only, const std::string& path) {
-  throw_if(
-      !only,
-      "{}: two clouds or scans would be written to it; {{name}} and {{window}} in -o stand for "
-      "the input's name and the number in it",
-      path);
+  throw_if(!only,
+           "{}: two clouds or scans would be written to this file; put {{name}} (input) or "
+           "{{window}} (its number) in -o to keep them apart",
+           path);
 }
 
-/// Frames of several inputs in one recording; where one ends the next begins with a cycle.
+/// Joins frames of several inputs into one recording; each input starts with a new cycle.
 class JoinedRecording {
  public:
   JoinedRecording(std::string path, std::size_t inputs) : path_(std::move(path)), inputs_(inputs) {}
@@ -40,9 +39,10 @@ class JoinedRecording {
     throw_if(
         !(!writer_ || (header.format == header_.format && header.sequence == header_.sequence &&
                        header.scanner == header_.scanner && header.in_colour == header_.in_colour)),
-        "{}: of another camera, strategy or scanner than those before", input);
+        "{}: camera, strategy or scanner differs from the inputs before it", input);
     throw_if(inputs_ != 1 && header.white.count() != 0,
-             "{}: has a white picture, of which a recording holds one; convert it alone", input);
+             "{}: has a white picture, and a recording holds only one; convert it on its own",
+             input);
     if (!writer_) writer_.emplace(path_, header);
     header_ = std::move(header);
     const auto cycle =
@@ -55,7 +55,7 @@ class JoinedRecording {
     writer_->append(frame);
   }
   std::uint64_t finish() {
-    throw_if(!writer_ || writer_->count() == 0, "no frame came that could be written");
+    throw_if(!writer_ || writer_->count() == 0, "no frames to write");
     writer_->finish();
     return writer_->count();
   }
@@ -65,7 +65,7 @@ class JoinedRecording {
   std::size_t inputs_;
   RecordingHeader header_;
   std::optional<RecordingWriter> writer_;
-  std::uint64_t first_ = 0, next_ = 0;  ///< in the recording's count of frames
+  std::uint64_t first_ = 0, next_ = 0;  ///< frame number in the recording
 };
 
 void add_replayed(const std::string& path, JoinedRecording& recording, Output& output) {
@@ -79,7 +79,7 @@ void add_replayed(const std::string& path, JoinedRecording& recording, Output& o
   }
 }
 
-/// What is attached to an MCAP file and its topics /frames/0, /frames/1, ... say.
+/// The attachments of an MCAP file and its topics /frames/0, /frames/1, ...
 void add_published(const std::string& path, JoinedRecording& recording, Output& output) {
   constexpr std::string_view frames = "/frames/";
   std::optional<ScanFiles> scan;
@@ -90,7 +90,7 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
     if (message.encoding.empty() && message.topic == "scanner.yaml") {
       scanner = scanner_from(text, message.topic);
     } else if (message.encoding.empty() && message.topic == "scan.yaml") {
-      throw_if(scan.has_value(), "its strategy changes; a recording has one");
+      throw_if(scan.has_value(), "its strategy changes, but a recording has only one");
       scan = scan_files_from(text, message.topic, {});
     } else if (scan && message.type == image_type().name && message.topic.starts_with(frames)) {
       const auto pattern = number_in<int>(message.topic.substr(frames.size()));
@@ -108,12 +108,12 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
       recording.add(frame);
     }
   });
-  if (!whole) output.warn(fmt::format("{}: has no end; its chunks that are whole were read", path));
-  throw_if(!first.has_value(), "{}: has no frames of a scan, as live scans write them", path);
+  if (!whole) output.warn(fmt::format("{}: truncated; only its complete chunks were read", path));
+  throw_if(!first.has_value(), "{}: contains no scan frames written by slipstream live", path);
 }
 
-/// The frames of recordings, scan folders and MCAP files that live scans have written, one behind
-/// another in one recording. Throws Error where they are not all of one camera and sequence.
+/// Joins the frames of recordings, scan folders and MCAP files of live scans into one recording.
+/// Throws Error if they differ in camera or sequence.
 void convert_to_recording(const std::vector<std::string>& paths, const std::string& path,
                           Output& output) {
   JoinedRecording recording(path, paths.size());
@@ -127,7 +127,8 @@ void convert_to_recording(const std::vector<std::string>& paths, const std::stri
   output.document["files"] = {path};
 }
 
-/// Each whole cycle of recordings as a scan folder; `changes` are of what the recording says.
+/// Writes each complete cycle of recordings as a scan folder; `changes` override the recording's
+/// sequence.
 void convert_to_folders(const std::vector<std::string>& recordings, const std::string& folder,
                         const ScanChanges& changes, Output& output) {
   std::set<std::string> written;
@@ -141,7 +142,7 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
       const std::optional<FrameSet> frames = window_at(recording, sequence, window);
       const ScanName name{path, window};
       if (!frames) {
-        output.warn(fmt::format("left out: {}: frames are missing or damaged", text_of(name)));
+        output.warn(fmt::format("skipped {}: frames are missing or damaged", text_of(name)));
         continue;
       }
       const std::string made = files_of_scan({.cloud = folder}, name).cloud;
@@ -152,22 +153,22 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
                 recording.header().white);
     }
   }
-  throw_if(written.empty(), "no scan came that could be written");
+  throw_if(written.empty(), "no complete scan to write");
   output.say("{}: {} scan folder{}", folder, written.size(), written.size() == 1 ? "" : "s");
   output.add("scans", written.size(), "files", written);
 }
 
-/// In a second, the time between clouds of unknown times.
+/// Nanoseconds per second: the interval between clouds without timestamps.
 constexpr std::uint64_t nanoseconds = 1'000'000'000;
 
-/// Clouds one after the other, to one MCAP file or a file each.
+/// Writes clouds in order, to one MCAP file or to a file each.
 class CloudFiles {
  public:
   CloudFiles(const std::string& output, Output& words) : output_(output), words_(words) {
     if (!is_mcap(output)) require_cloud_ending(output);
   }
 
-  /// `time`: ns; none: a second after the one before.
+  /// `time`: ns; nullopt: one second after the previous cloud.
   void add(const StoredCloud& stored, const ScanName& name, std::optional<std::uint64_t> time) {
     last_ = time.value_or(count_ == 0 ? 0 : last_ + nanoseconds);
     ++count_;
@@ -175,7 +176,7 @@ class CloudFiles {
   }
 
   void finish() {
-    throw_if(count_ == 0, "no cloud came that could be written");
+    throw_if(count_ == 0, "no cloud to write");
     if (writer_) writer_->finish();
     const std::size_t files = writer_ ? 1 : written_.size();
     words_.say("{}: {} cloud{} in {} file{}", output_, count_, count_ == 1 ? "" : "s", files,
@@ -226,13 +227,13 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
     if (!is_cloud || (!topic.empty() && message.topic != topic)) return;
     files.add(read_point_cloud(message.content), {path, count++}, message.time);
   });
-  if (!whole) output.warn(fmt::format("{}: has no end; its chunks that are whole were read", path));
+  if (!whole) output.warn(fmt::format("{}: truncated; only its complete chunks were read", path));
   throw_if(count == 0, "{}: no sensor_msgs/msg/PointCloud2{}{}; its topics: {}", path,
            topic.empty() ? "" : " on ", topic,
            topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", ")));
 }
 
-/// Each whole cycle; one that is not is left out.
+/// Reconstructs each complete cycle; skips incomplete ones.
 void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& files,
                        Output& output) {
   const RecordingReader recording(path);
@@ -246,7 +247,7 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
     try {
       stored = organised_cloud(path, flags, output);
     } catch (const Error& error) {
-      output.warn(fmt::format("left out: {}", error.what()));
+      output.warn(fmt::format("skipped: {}", error.what()));
       continue;
     }
     files.add(*stored, {path, window}, time);
@@ -279,20 +280,20 @@ void convert(const ConvertFlags& flags, Output& output) {
 }  // namespace
 
 void add_convert(const Commands& program) {
-  const auto [command, flags] =
-      program.add(convert, "convert",
-                  "clouds and scans to clouds in other files: MCAP, PLY, PCD, XYZ; frames to "
-                  "recordings and scan folders");
+  const auto [command, flags] = program.add(convert, "convert",
+                                            "convert clouds and scans to MCAP, PLY, PCD or XYZ, "
+                                            "and frames to recordings or scan folders");
   required(command.add_file(
       "input", flags.paths,
-      "MCAP files, clouds, recordings (each cycle) and scan folders, in their order"));
+      "MCAP files, clouds, recordings (each cycle) and scan folders, in this order"));
   required(command.add_output(
       "-o,--output", flags.output,
-      ".mcap, all clouds in one; .ply, .pcd or .xyz, each in its own: {name} in it "
-      "stands for the input's name, {window} for the cloud's number; .slip, all frames in one "
-      "recording; without an ending, each cycle of recordings as a scan folder"));
-  command.add("--topic", flags.topic, "of MCAP files: clouds of this one alone, as /points");
+      ".mcap: all clouds in one file; .ply, .pcd or .xyz: one file each, with {name} for the "
+      "input's name and {window} for the cloud's number; .slip: all frames in one recording; no "
+      "extension: a scan folder per recorded cycle"));
+  command.add("--topic", flags.topic, "MCAP input: convert only this topic's clouds, e.g. /points");
   add_cloud_flags(command.app, flags.cloud);
+  command.common({"--output", "--topic", "--scanner", "--min-modulation", "--max-sigma", "--raw"});
   command.examples({"convert scan.slip -o clouds.mcap",
                     "convert clouds.mcap -o clouds/{window}.pcd",
                     "convert clouds.mcap -o scan.slip"});

@@ -19,7 +19,7 @@ void demo(const DemoFlags& flags, Output& output) {
   world.scene = scene_named("statue", world.scanner);
   const Sequence sequence = default_sequence(world.scanner.projector.size,
                                              {.settings = {{"steps", "4"}, {"high", "32"}}});
-  output.say("the virtual scanner takes a scan of a statue: {}", scan.string());
+  output.say("the virtual scanner scanned a statue: {}", scan.string());
   const VirtualScan taken =
       take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
   save_virtual_scan(scan, sequence, world, taken);
@@ -30,22 +30,21 @@ void demo(const DemoFlags& flags, Output& output) {
                           .depth = folder / "depth.tiff",
                           .preview = folder / "preview.png"};
   write_results(files, cloud, {});
-  output.say("the scan becomes a cloud: {} points", point_count(cloud));
+  output.say("reconstructed a cloud of {} points", point_count(cloud));
   for (const auto& [name, path] : files.named()) {
     output.say("  {}: {}", name, path);
     output.object("files")[name] = path;
   }
-  output.say("the same by hand: slipstream reconstruct {} -o cloud.ply", scan.string());
+  output.say("do it yourself: slipstream reconstruct {} -o cloud.ply", scan.string());
   output.add("scan", scan.string(), "points", point_count(cloud));
 }
 
 }  // namespace
 
 void add_demo(const Commands& program) {
-  const auto [command, flags] =
-      program.add(demo, "demo",
-                  "a scan of the virtual world and its cloud: whether all works, and data to try");
-  command.add("folder", flags.folder, "where it goes");
+  const auto [command, flags] = program.add(
+      demo, "demo", "scan the virtual world and reconstruct it: a self-test, and data to try");
+  command.add("folder", flags.folder, "output folder");
   command.examples({"demo && slipstream view demo/cloud.ply"});
 }
 

@@ -15,8 +15,8 @@
 namespace slipstream::app {
 namespace {
 
-/// Of the source's scanner, corrected for the gamma that the flags choose; pictures alone without a
-/// known scanner.
+/// Setup for the source's scanner, with the gamma chosen by flag. Without a known scanner: pictures
+/// only, no points.
 EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output& output) {
   const std::string& file = opened.scanner_name;
   const Size camera = opened.frames->format().size, projector = opened.sequence.projector;
@@ -27,11 +27,13 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
     require_ambient_known(setup, file);
   } else {
     const std::string& wants_points = !flags.output.empty() ? flags.output : flags.model;
-    throw_if(!wants_points.empty() || flags.live.track,
-             "{}: no scanner is known for {}, so there are no points; name its file with --scanner",
-             wants_points.empty() ? "--track" : wants_points, flags.source.source);
-    output.say("no scanner is known for {}: pictures without points; --scanner names its file",
-               flags.source.source);
+    throw_if(
+        !wants_points.empty() || flags.live.track,
+        "{}: no scanner is known for {}, so no points can be made; name its file with --scanner",
+        wants_points.empty() ? "--track" : wants_points, flags.source.source);
+    output.say(
+        "no scanner is known for {}: showing pictures without points; name its file with --scanner",
+        flags.source.source);
   }
   require_valid(setup.settings.clean);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
@@ -45,7 +47,7 @@ void tell_news(Publisher& publisher, Output& output) {
                  [&](const std::string& line) { output.warn(line); });
 }
 
-/// What has been told of the clouds.
+/// Diagnostics of the clouds printed so far.
 struct ToldNews {
   std::vector<LiveFinding> findings{};
   bool fallback = false;
@@ -57,7 +59,7 @@ void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
   told.fallback = warn_of_fallback(pipeline.statistics().fallback_reason, output);
 }
 
-/// Tells meanwhile whatever the source and the check have to say, once.
+/// Meanwhile prints each new message of the source and the check once.
 void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
   std::string told;
   while (!session.is_over()) {
@@ -66,12 +68,12 @@ void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
     const std::string state = session.recorder.state();
     if (state == told) continue;
     tell_service_manager("STATUS=" + state);
-    state.empty() ? output.say("the source is well again") : output.warn(state);
+    state.empty() ? output.say("the source has recovered") : output.warn(state);
     told = state;
   }
 }
 
-/// Runs the session to its end; what a stage threw comes out here.
+/// Runs the session to its end; rethrows an exception of any stage.
 void run_session(LiveSession& session, ToldNews& news, Output& output) {
 #ifdef SLIPSTREAM_VIEW
   if (!session.flags.headless) return show_in_window(session, output);
@@ -79,7 +81,7 @@ void run_session(LiveSession& session, ToldNews& news, Output& output) {
   wait_until_over(session, news, output);
 }
 
-/// What the pictures of the newest scan say, where there is no scanner to make points of them.
+/// Pixel statistics of the newest scan, when no scanner is known.
 void tell_pictures(const LiveSession& session, Output& output) {
   const Pooled<LiveCloud> last = session.pipeline.newest();
   if (!last) return;
@@ -107,14 +109,14 @@ void tell_pictures(const LiveSession& session, Output& output) {
 
 void write_model(const ModelPoints& model, const std::string& file, Output& output) {
   if (model.cloud.z.empty()) {
-    throw WorldError(fmt::format("{}: no cloud came that a model could be made of", file));
+    throw WorldError(fmt::format("{}: no cloud to build a model from", file));
   }
   write_cloud(file, model.cloud, {.normals = &model.normals});
   output.say("model: {} points in {}", model.cloud.size().width, file);
   output.object("files")["model"] = file;
 }
 
-/// What the session has measured so far.
+/// The session's statistics so far.
 nlohmann::json document_of(const LiveSession& session, const Publisher& publisher) {
   nlohmann::json document = as_json(session.pipeline.statistics());
   document["findings"] = session.pipeline.findings();
@@ -126,7 +128,7 @@ nlohmann::json document_of(const LiveSession& session, const Publisher& publishe
   return document;
 }
 
-/// What the session measured, and what is to be kept of its last cloud.
+/// Prints the session's statistics and writes its last cloud as requested.
 void write_results(LiveSession& session, const Publisher& publisher, Output& output) {
   const LiveFlags& flags = session.flags;
   const LiveStatistics statistics = session.pipeline.statistics();
@@ -139,8 +141,7 @@ void write_results(LiveSession& session, const Publisher& publisher, Output& out
   if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline.newest();
-    if (!last)
-      throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
+    if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
     output.add_file("cloud", flags.output);
   }
@@ -172,35 +173,31 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   SourceFlags& source = flags.source;
   source.virtual_scanner.idle_step = {0.5, 0, 0};
   command.add("--source", source.source, source_forms());
-  command.add("--rate", source.rate,
-              "frames per second; 0: as fast as it goes; else the source's own");
-  command.add("--loop", source.loop, "a recording begins again at its end");
-  command.add("--duration", flags.duration, "seconds, then it ends");
-  command.add("--frames", flags.live.most_frames, "so many frames, then it ends");
-  command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
+  command.add_settings(source);
+  command.add("--duration", flags.duration, "stop after this many seconds");
+  command.add("--frames", flags.live.most_frames, "stop after this many frames");
+  command.add_output("-o,--output", flags.output, "file for the last cloud: .ply, .pcd or .xyz");
   const auto track = [&flags](const std::string& text) {
     flags.live.track = tracked_shape_named(text);
   };
-  command.add_read<>(
-      "--track", track,
-      "a thing of known form that every cloud is searched for: sphere:RADIUS (mm) or plane");
-  command.add_output("--model", flags.model,
-                     "all clouds made one, of a rigid object that turns and that they show alone: "
-                     ".ply, .pcd or .xyz");
-  command.add_output("--record", flags.record, "all frames, for replay:PATH");
+  command.add_read<>("--track", track,
+                     "find this shape in every cloud: sphere:RADIUS (mm) or plane");
+  command.add_output(
+      "--model", flags.model,
+      "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
+  command.add_output("--record", flags.record, "record all frames, for replay:PATH");
   command
       .add("--publish", flags.publish,
-           fmt::format("where clouds go besides, once for each: {}", sink_forms()))
+           fmt::format("publish clouds, may be repeated: {}", sink_forms()))
       ->expected(1)
       ->take_all();
   command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "told",
-                    "how it is known which pattern a frame shows: told (by the source), counted "
-                    "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
+                    "how frames are matched to patterns: told (by the source), counted (frame "
+                    "number modulo patterns) or marker (a dark or bright frame ends each cycle)");
   command.add_file("--scanner", source.scanner,
-                   "scanner file; where not that of the recording or of the virtual scanner");
+                   "scanner file; default: the recording's or the virtual scanner's");
   command.add("--gamma", flags.gamma,
-              "the response the phase is corrected for: scanner (as its file says, if it "
-              "does), none, or a number");
+              "response correction: scanner (from its file, if present), none, or a gamma");
   add_backend_flag(command, flags.settings);
   add_point_flags(command.app, flags.settings);
   add_clean_flags(command.app, flags.settings);
@@ -219,15 +216,16 @@ void live(const LiveFlags& flags, Output& output) {
   LiveSettings settings = flags.live;
   SourceRequest request = request_from(flags.source);
   request.marker = settings.indexing == PatternIndexing::marker;
-  request.as_taken = true;  // recorded so
+  request.as_taken = true;  // stored with the recording
   if (request.world && !flags.headless) {
-    output.say("rendering what the virtual camera sees: seconds with --world ideal, else a minute");
+    output.say(
+        "rendering the virtual camera's frames: seconds with --world ideal, otherwise about a "
+        "minute");
   }
   NamedSource opened = open(request, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   EngineSetup setup = setup_from(opened, flags, output);
-  // A replay may end with its first cycle; the channels of a picture in colour move with each
-  // other.
+  // A replay may end after its first cycle; the channels of a colour picture move together.
   settings.motion_when_seen = scheme_of(request.source) != "replay" && !opened.in_colour &&
                               !request.sequence.motion && setup.sequence.motion == 0 &&
                               takes_motion(setup.sequence);
@@ -272,7 +270,7 @@ void live(const LiveFlags& flags, Output& output) {
   tell_news(publisher, output);
   if (!flags.record.empty()) recorder.record_to(flags.record);
   {
-    const std::lock_guard lock(session.mutex);  // sinks may change it already
+    const std::lock_guard lock(session.mutex);  // sinks may already change it
     pipeline.start();
   }
   tell_service_manager("READY=1");
@@ -287,7 +285,8 @@ void live(const LiveFlags& flags, Output& output) {
 
   std::exception_ptr unfinished;
   try {
-    recorder.finish_recording();  // before what may end the program; begun in the window too
+    recorder.finish_recording();  // before anything that may end the program; also started from the
+                                  // window
   } catch (const WorldError&) {
     unfinished = std::current_exception();
   }
@@ -301,23 +300,22 @@ void live(const LiveFlags& flags, Output& output) {
 
 namespace {
 
-/// The flags as `serve` runs them.
+/// The flags of `serve`.
 LiveFlags served(LiveFlags flags) {
   flags.headless = true;
-  throw_if(
-      !(!flags.publish.empty() || !flags.record.empty()),
-      "the rig file says neither publish nor record, so no cloud would go anywhere; say where, "
-      "as publish: [web:8080]");
+  throw_if(!(!flags.publish.empty() || !flags.record.empty()),
+           "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
+           "publish: [web:8080]");
   require_good(flags);
   return flags;
 }
 
-/// Each run, also of a service that was started again, writes files of its own.
+/// Each run writes its own files, also after a restart of the service.
 LiveFlags with_free_names(LiveFlags flags, Output& output) {
   const auto choose = [&](std::string& name, std::size_t begin = 0) {
     if (name.size() <= begin) return;
     const std::string path = name.substr(begin), free = free_path(path).string();
-    if (free != path) output.say("{} is there already; {} is written", path, free);
+    if (free != path) output.say("{} already exists; writing {}", path, free);
     name.replace(begin, path.size(), free);
   };
   for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
@@ -329,21 +327,21 @@ LiveFlags with_free_names(LiveFlags flags, Output& output) {
 }
 
 void serve(const LiveFlags& given, Output& output) {
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // flushed: logs are read while they are written
   const auto again = given.again;
   const RigSaid& rig = *given.rig;
   LiveFlags now = served(given);
   const auto refuse = [&](const std::exception& error) {
-    output.warn(fmt::format("{}; it goes on as before", located(rig, error.what())));
+    output.warn(fmt::format("{}; continuing with the old settings", located(rig, error.what())));
   };
-  std::optional<LiveFlags> before;  // until a run by a new file has begun
+  std::optional<LiveFlags> before;  // until a run with the new file has begun
   while (true) {
     std::optional<LiveFlags> next;
     now.begun = [&] { before.reset(); };
     now.hung_up = [&] {
       try {
         next = served(again());
-        output.say("starting anew");
+        output.say("restarting");
       } catch (const std::exception& error) {
         refuse(error);
       }
@@ -353,7 +351,7 @@ void serve(const LiveFlags& given, Output& output) {
       live(with_free_names(now, output), output);
       if (!next) return;
       before = std::exchange(now, *next);
-    } catch (const std::exception& error) {  // of what shows only when all is opened
+    } catch (const std::exception& error) {  // only known once everything is opened
       if (!before) throw;
       refuse(error);
       now = *std::exchange(before, std::nullopt);
@@ -364,10 +362,12 @@ void serve(const LiveFlags& given, Output& output) {
 }  // namespace
 
 void add_live(const Commands& program) {
-  const auto [command, flags] =
-      program.add(live, "live", "cameras, virtual scanner or recording to clouds, as frames come");
+  const auto [command, flags] = program.add(
+      live, "live", "reconstruct in real time from a camera, the virtual scanner or a recording");
   add_live_flags(command, flags);
   command.add("--headless", flags.headless, "no window");
+  command.common({"--source", "--scanner", "--strategy", "--steps", "--rate", "--output",
+                  "--publish", "--record", "--headless", "--exposure"});
   command.examples({"live --source virtual --rate 120 --strategy pmp --steps 4",
                     "live --source replay:scan.slip --headless --json",
                     "live --source virtual --frames 100 --headless -o cloud.ply"});
@@ -376,7 +376,7 @@ void add_live(const Commands& program) {
 void add_serve(const Commands& program) {
   const auto [command, flags] =
       program.add(serve, "serve",
-                  "live without a window, as one file says, until SIGTERM; SIGHUP reads it again");
+                  "run live without a window from one rig file, until SIGTERM; SIGHUP rereads it");
   add_live_flags(command, flags);
   flags.rig = &program.chosen.rig;
   flags.again = [&app = program.app, &rig = program.chosen.rig, &read = flags, none = flags] {

@@ -12,7 +12,7 @@
 
 namespace slipstream::app {
 
-/// The flags of all that draws clouds.
+/// Flags of everything that draws clouds.
 struct ViewFlags {
   std::string snapshot;    ///< picture without the panel; no file if empty
   std::string screenshot;  ///< picture with it
@@ -23,65 +23,64 @@ struct ViewFlags {
 
 struct LiveFlags {
   SourceFlags source;
-  LiveSettings live;  ///< what flags say of it
+  LiveSettings live;  ///< its flags
   std::optional<double> duration;
   bool headless = false;
   std::string gamma = "scanner";
   ReconstructSettings settings;
-  std::string output, model, record;  ///< files; none where empty
+  std::string output, model, record;  ///< files; empty: not written
   std::vector<std::string> publish;
   ViewFlags view;
   // Of serve:
-  const RigSaid* rig = nullptr;      ///< what its file says
-  std::function<LiveFlags()> again;  ///< the flags by the file as it is now; throws Error
+  const RigSaid* rig = nullptr;      ///< the file's contents
+  std::function<LiveFlags()> again;  ///< rereads the file; throws Error
   std::function<void()> begun;       ///< called once sinks are open and frames are taken
-  std::function<bool()> hung_up;     ///< at SIGHUP: whether it is to end
+  std::function<bool()> hung_up;     ///< at SIGHUP: whether to end
 };
 
-/// From the source to clouds until it ends, or a signal ends it.
+/// Runs from source to clouds until the source or a signal ends it.
 void live(const LiveFlags& flags, Output& output);
 
-/// A live scan that runs, for what shows it.
+/// A running live scan, as a display sees it.
 struct LiveSession {
   const LiveFlags& flags;
   LivePipeline& pipeline;
   RecordedSource& recorder;
-  EngineSetup setup;  ///< what is looked for in the frames now; see setup_of
-  /// Whether it is to end: asked for, all frames there, time over, or failed.
+  EngineSetup setup;  ///< in use now; see setup_of
+  /// Whether to end: requested, all frames taken, time over, or failed.
   std::function<bool()> is_over;
-  bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
-  bool motion_when_seen;     ///< as LiveSettings has it
+  bool patterns_can_change;  ///< frames come from a projector, not from a rendered or recorded scan
+  bool motion_when_seen;     ///< see LiveSettings
   Strategy strategy;         ///< at the start
-  std::mutex mutex{};        ///< of the setup and of what changes the pipeline
-  std::atomic<std::uint64_t> changes{0};  ///< of setup and camera, but for the viewer's of that
+  std::mutex mutex{};        ///< guards the setup and pipeline changes
+  std::atomic<std::uint64_t> changes{0};  ///< of setup and camera, except the viewer's own
 };
 
-/// Whether windows of more than a cycle may do for things that move: the patterns are one sinusoid
-/// shown over and over, and are read by the fused pass.
+/// Whether motion compensation is possible: the patterns are one sinusoid shown repeatedly, and the
+/// fused pass decodes them.
 bool takes_motion(const Sequence& sequence);
 
-/// What is looked for in the frames now. From any thread, as the next three.
+/// The setup in use. Callable from any thread, like the next three.
 EngineSetup setup_of(LiveSession& session);
-/// Looks for that in the frames from now on. Throws as LivePipeline::change.
+/// Looks for this sequence from now on. Throws like LivePipeline::change.
 void change_setup(LiveSession& session, const EngineSetup& setup);
 
-/// What can be changed while the session runs: of the camera, of what becomes points, and the
-/// recording, into a new file in the folder of --save-to.
+/// Settings that can change while the session runs: camera, point selection, and recording into a
+/// new file in the --save-to folder.
 std::vector<RunSetting> settings_of(LiveSession& session);
-/// Throws Error as require_settable, as the camera and as LivePipeline::change, WorldError as
+/// Throws Error like require_settable, the camera and LivePipeline::change, and WorldError like
 /// RecordedSource.
 void change_setting(LiveSession& session, const std::string& name, const std::string& value);
 
-/// Opens the sinks that --publish names for a session that has not begun; `document`: what --json
-/// would say now, called from any thread.
+/// Opens the --publish sinks before the session starts. `document` returns the current --json
+/// document; called from any thread.
 void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document,
                 Publisher& publisher);
 
-/// What Save does in viewer and page: writes frames, and all that is made of them, into a new
-/// folder in `parent` named by the time, which reconstruct reads again. `remarks` are for the
-/// cloud's header, see doubts. Without a scanner there are no points to write; frames that were
-/// merged from several exposures are not written, the scan has them. Returns the folder.
-/// Throws Error if the frames are not of the setup's strategy, WorldError if they cannot be
+/// Save in viewer and page: writes frames and results into a new folder in `parent`, named by the
+/// time, which reconstruct can read. `remarks` go into the cloud's header, see doubts. Without a
+/// scanner no points are written; frames merged from several exposures are not written. Returns the
+/// folder. Throws Error if the frames do not fit the setup's strategy, WorldError if they cannot be
 /// written.
 std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
                                const std::string& parent, const std::vector<std::string>& remarks);
@@ -91,35 +90,33 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
 /// Adds --snapshot, --screenshot, --size, --colour and --save-to.
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags);
 
-/// Throws Error for a picture file of unknown ending.
+/// Throws Error for a picture file with an unknown extension.
 void require_good(const ViewFlags& flags);
 
-/// Shows it in a window until that is closed or the session is over; then writes the screenshot
-/// that the flags ask for.
+/// Shows the session in a window until either ends; then writes the requested screenshot.
 void show_in_window(LiveSession& session, Output& output);
 
-/// Writes the pictures that the flags ask for, drawn without a window, of the newest cloud. Throws
-/// WorldError without one.
+/// Draws the newest cloud without a window and writes the requested pictures. Throws WorldError
+/// without a cloud.
 void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
 
-/// What `capture` opens on the desktop.
+/// The windows of `capture`.
 struct DesktopWishes {
   std::optional<int> monitor{};  ///< the projector
-  bool guides = false;           ///< a window that guides a person with a board
-  Size size{};                   ///< of that window
+  bool guides = false;           ///< the window that guides the user with a board
+  Size size{};                   ///< of the guide window
 };
 
-/// The projector, if it is a monitor, and the window that guides, as far as they are wished.
+/// The projector, if it is a monitor, and the guide window, as requested.
 struct CaptureDesktop {
   PatternSink* projector = nullptr;
   std::function<void(view::Guide guide)> show{};  ///< in the window that guides; empty without
   /// Whether a window was closed. Answers the desktop meanwhile.
   std::function<bool()> closed = [] { return false; };
-  std::function<Image<Colour>()> picture{};  ///< what that window showed last
+  std::function<Image<Colour>()> picture{};  ///< the guide window's last picture
 };
 
-/// Throws Error for a monitor that is not there or a build without windows, WorldError without a
-/// desktop.
+/// Throws Error for a missing monitor or a build without windows, WorldError without a desktop.
 CaptureDesktop open_desktop(const DesktopWishes& wishes);
 
 }  // namespace slipstream::app

@@ -11,15 +11,6 @@ namespace {
 
 const std::vector<std::string> off_and_on{"off", "on"};
 
-struct CameraWords {
-  CameraControl which;
-  const char *name, *help, *unit;
-};
-constexpr std::array<CameraWords, 3> camera_words{
-    {{CameraControl::exposure, "exposure", "of each frame", "ms"},
-     {CameraControl::gain, "gain", "of the camera, mostly dB", ""},
-     {CameraControl::frame_rate, "rate", "of a camera that runs freely", "per s"}}};
-
 RunSetting number(const char* name, const char* help, const char* unit, const ControlValue& value) {
   return {.name = name,
           .help = help,
@@ -33,7 +24,7 @@ RunSetting off_or_on(const char* name, const char* help, bool on) {
   return {.name = name, .help = help, .value = off_and_on[on ? 1 : 0], .choices = off_and_on};
 }
 
-/// Calls visit(setting, member) for each number and switch of `settings` that may change.
+/// Calls visit(setting, member) for each number and switch of `settings` that can change live.
 template <class Settings, class Visit>
 void for_each_live_setting(Settings& settings, const Visit& visit) {
   const auto visit_live = [&](const Setting& setting, auto& member) {
@@ -49,7 +40,7 @@ void for_each_live_setting(Settings& settings, const Visit& visit) {
 std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
   std::vector<RunSetting> all;
   for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
-    const char* const name = setting.flag + 2;  // without --
+    const char* const name = setting.flag + 2;  // skips "--"
     const auto& [help, unit, least, most] = setting.live;
     if constexpr (std::is_same_v<decltype(value), const bool&>) {
       all.push_back(off_or_on(name, help, value != setting.flag_clears));
@@ -75,7 +66,7 @@ void change_described(ReconstructSettings& settings, const std::string& name,
   });
 }
 
-/// The one that was given, and the usual ones where a projector may show them.
+/// The given sequence, and common ones that a projector may show instead.
 std::vector<std::string> strategy_choices(const LiveSession& session) {
   std::vector<std::string> labels{label_of(session.strategy)};
   if (!session.patterns_can_change) return labels;
@@ -85,7 +76,7 @@ std::vector<std::string> strategy_choices(const LiveSession& session) {
   return labels;
 }
 
-/// The caller holds the mutex, as of the next.
+/// The caller holds the mutex, here and below.
 void change_locked(LiveSession& session, EngineSetup setup) {
   if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
   session.pipeline.change(setup);
@@ -101,7 +92,7 @@ void set_recording(LiveSession& session, bool on) {
   session.recorder.record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
 }
 
-/// What the frames of a session's clouds say besides, as PublishedRun tells it; any sink may ask.
+/// The maps of a session's clouds for PublishedRun; callable from any sink.
 class CloudMaps {
  public:
   explicit CloudMaps(LiveSession& session) : session_(session) {}
@@ -129,7 +120,7 @@ class CloudMaps {
   }
 
  private:
-  /// The frames whose maps are made then; none where they are not of what is looked for now.
+  /// The frames to make maps from; empty if they belong to another sequence than the current one.
   std::optional<FrameViews> measure(const LiveCloud& cloud) {
     if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
       EngineSetup setup = setup_of(session_);
@@ -163,7 +154,7 @@ std::string trouble_of(const LivePipeline& pipeline, const Publisher& publisher)
   return pipeline.running() ? "" : "the source has ended";
 }
 
-/// When the newest cloud was saved last: once a second at most, whoever asks.
+/// When a cloud was last saved: at most one a second, over all callers.
 struct LastSave {
   std::mutex mutex{};
   std::chrono::steady_clock::time_point end{};
@@ -174,7 +165,7 @@ std::string save_newest(LiveSession& session, LastSave& last) {
   throw_if(std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1),
            "saved a moment ago");
   const Pooled<LiveCloud> newest = session.pipeline.newest();
-  throw_if(!newest, "no cloud has come that could be saved");
+  throw_if(!newest, "there is no cloud to save yet");
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
                          doubts(session.pipeline.statistics().findings));
@@ -204,27 +195,26 @@ void change_setup(LiveSession& session, const EngineSetup& setup) {
 std::vector<RunSetting> settings_of(LiveSession& session) {
   std::vector<RunSetting> all;
   const CameraControls* const camera = session.recorder.controls();
-  for (const auto& [which, name, help, unit] : camera_words) {
+  for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
     const auto control = camera ? camera->control(which) : std::nullopt;
     if (control) all.push_back(number(name, help, unit, *control));
   }
   const EngineSetup setup = setup_of(session);
   all.push_back({.name = "strategy",
-                 .help = "what the projector shows",
+                 .help = "patterns shown by the projector",
                  .value = label_of(setup.sequence.strategy),
                  .choices = strategy_choices(session)});
   for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
   const auto recording = session.recorder.recording();
-  all.push_back(off_or_on("record", "all frames, into a new file", recording.has_value()));
+  all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));
   if (recording) all.back().state = text_of(*recording);
   return all;
 }
 
 void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
   require_settable(settings_of(session), name, value);
-  const auto control = std::find_if(camera_words.begin(), camera_words.end(),
-                                    [&](const CameraWords& words) { return name == words.name; });
-  if (control != camera_words.end()) {
+  const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
+  if (control != camera_controls.end()) {
     session.recorder.controls()->set_control(control->which, number_in<double>(value).value_or(0));
     ++session.changes;
     return;
@@ -270,7 +260,7 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
                                const std::string& parent, const std::vector<std::string>& remarks) {
   Sequence sequence = setup.sequence;
   throw_if(frames.count() != frame_count(sequence),
-           "the frames shown are not of the strategy looked for");
+           "the displayed frames do not match the selected strategy");
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;
   const fs::path folder = path_named_by_time(parent, "scan", "");

@@ -22,7 +22,7 @@ constexpr int bad_input = 2;
 constexpr std::string_view in_whole_program = "";
 #else
 constexpr std::string_view in_whole_program =
-    " (this build only turns scans into clouds; ./dev build makes the whole program)";
+    " (this build only reconstructs scans; ./dev build builds the whole program)";
 #endif
 
 /// Flags that every subcommand has.
@@ -31,19 +31,19 @@ struct SharedFlags {
   int threads = 0;    ///< 0: as many as the machine has cores
 };
 
-/// Adds them, and --rig, to each subcommand of `app` that does work.
+/// Adds these and --rig to each subcommand of `app` that does work.
 void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared, RigSaid& rig) {
   for (CLI::App* const command : app.get_subcommands(nullptr)) {
     add_shared_flags(*command, program, shared, rig);
     if (!command->get_subcommands(nullptr).empty()) continue;
     add_rig_flag(*command, program, rig);
     const FlagGroup group{*command};
-    group.add("--json", shared.json, "one JSON document on stdout, words to stderr");
-    group.add("--threads", shared.threads, "at most so many; 0: one for each core");
+    group.add("--json", shared.json, "print one JSON document on stdout, text on stderr");
+    group.add("--threads", shared.threads, "maximum number of threads; 0: one per core");
   }
 }
 
-/// In one line, and in the document with what that held already.
+/// Prints the message in one line and adds it to the JSON document.
 int fail(Output& output, int code, std::string_view message) noexcept {
   bool told = false;
   try {
@@ -53,7 +53,7 @@ int fail(Output& output, int code, std::string_view message) noexcept {
     told = true;
     output.document["error"] = line;
     output.finish();
-  } catch (const std::exception&) {  // nobody reads stdout, or there is no memory for words
+  } catch (const std::exception&) {  // stdout is closed, or memory is exhausted
     if (!told) std::fputs("slipstream: not enough memory\n", stderr);
   }
   return code;
@@ -65,7 +65,7 @@ const CLI::App& chosen_command(const CLI::App& program) {
   return *command;
 }
 
-/// Why the arguments cannot be read, of words that are not known first, and which was meant.
+/// Explains why the arguments are wrong, unknown words first, with a suggestion.
 std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
   const CLI::App& command = chosen_command(program);
   const std::vector<std::string> words = program.remaining(true);
@@ -104,31 +104,50 @@ int run(const std::function<void(Output&)>& work, const SharedFlags& shared, Out
 struct ProgramCommand {
   std::string_view name;
   AddCommand* add;
+  const char* group;  ///< heading in --help
 };
 
 /// In the order of --help.
 constexpr ProgramCommand program_commands[] = {
-    {"demo", add_demo},         {"patterns", add_patterns},
-    {"design", add_design},     {"reconstruct", add_reconstruct},
-    {"check", add_check},       {"measure", add_measure},
-#ifdef SLIPSTREAM_ALL_COMMANDS
-    {"simulate", add_simulate}, {"calibrate", add_calibrate},
-    {"batch", add_batch},       {"convert", add_convert},
-    {"unwrap", add_unwrap},     {"height", add_height},
-    {"verify", add_verify},     {"compare", add_compare},
-    {"assist", add_assist},     {"live", add_live},
-    {"serve", add_serve},
+    {"demo", add_demo, "Scan"},
+    {"patterns", add_patterns, "Scan"},
 #ifdef SLIPSTREAM_VIEW
-    {"project", add_project},   {"view", add_view},
+    {"project", add_project, "Scan"},
 #endif
-    {"capture", add_capture},   {"record", add_record},
-    {"camera", add_camera},     {"reproduce", add_reproduce},
-    {"bench", add_bench},       {"gpu", add_gpu},
+#ifdef SLIPSTREAM_ALL_COMMANDS
+    {"capture", add_capture, "Scan"},
 #endif
+    {"reconstruct", add_reconstruct, "Scan"},
+    {"check", add_check, "Scan"},
+#ifdef SLIPSTREAM_ALL_COMMANDS
+    {"calibrate", add_calibrate, "Calibrate"},
+    {"assist", add_assist, "Calibrate"},
+    {"verify", add_verify, "Calibrate"},
+    {"live", add_live, "Live"},
+    {"serve", add_serve, "Live"},
+    {"camera", add_camera, "Live"},
+    {"gpu", add_gpu, "Live"},
+    {"record", add_record, "Files"},
+    {"convert", add_convert, "Files"},
+    {"batch", add_batch, "Files"},
+#endif
+#ifdef SLIPSTREAM_VIEW
+    {"view", add_view, "Measure"},
+#endif
+    {"measure", add_measure, "Measure"},
+#ifdef SLIPSTREAM_ALL_COMMANDS
+    {"height", add_height, "Measure"},
+    {"unwrap", add_unwrap, "Measure"},
+    {"simulate", add_simulate, "Learn"},
+    {"compare", add_compare, "Learn"},
+    {"reproduce", add_reproduce, "Learn"},
+    {"bench", add_bench, "Learn"},
+#endif
+    {"design", add_design, "Learn"},
 };
 
-/// Only the one that the arguments begin with, as all of them take milliseconds to add; all where
-/// that is none, or a rig file is read, which may hold settings of any.
+/// Adds only the command that is called, as adding all takes milliseconds; adds all if none is
+/// named or a rig file is read, which may hold settings of any command.
 void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const auto is_rig = [](std::string_view argument) { return argument.starts_with("--rig"); };
@@ -139,10 +158,12 @@ void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arg
   for (const ProgramCommand& command : program_commands) {
     if (alone && !is_first(command)) continue;
     command.add({program, chosen});
+    program.get_subcommand(std::string(command.name))->group(command.group);
   }
 }
 
-/// The last first, as CLI11 takes them; "--backwards true" becomes "--backwards=true".
+/// In CLI11's order, the last word first. "--backwards true" becomes "--backwards=true", "help
+/// live" "live --help", "version" "--version", and no words "--help".
 std::vector<std::string> reversed(std::span<char* const> arguments) {
   std::vector<std::string> words;
   for (const std::string word : arguments) {
@@ -153,14 +174,22 @@ std::vector<std::string> reversed(std::span<char* const> arguments) {
       words.push_back(word);
     }
   }
+  if (words.empty() || words.front() == "help") {
+    if (!words.empty()) words.erase(words.begin());
+    words.push_back("--help");
+  } else if (words.front() == "version") {
+    words.front() = "--version";
+  }
   std::reverse(words.begin(), words.end());
   return words;
 }
 
 int run_program(std::span<char* const> arguments, Output& output) {
-  CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
+  CLI::App program("3-D reconstruction by structured light", "slipstream");
+  program.formatter(help_layout());
   program.require_subcommand(1);
-  program.set_version_flag("--version", program_version);
+  program.get_help_ptr()->description("print this help");
+  program.set_version_flag("-V,--version", program_version)->description("print the version");
   Command chosen;
   SharedFlags shared;
   add_commands(program, chosen, arguments);
@@ -201,12 +230,12 @@ int main(int argc, char** argv) {
   using namespace slipstream;
   app::prepare_process();
   const auto is_json = [](const char* argument) { return std::string_view(argument) == "--json"; };
-  app::Output output(std::any_of(argv, argv + argc, is_json));  // also where flags are not read
+  app::Output output(std::any_of(argv, argv + argc, is_json));  // also if flags cannot be parsed
   try {
     return app::run_program({argv, static_cast<std::size_t>(argc)}, output);
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());
-  } catch (const std::filesystem::filesystem_error& error) {  // a name too long, links in a ring
+  } catch (const std::filesystem::filesystem_error& error) {  // e.g. name too long, circular links
     return app::fail(output, app::bad_input,
                      error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {

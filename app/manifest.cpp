@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 Manifest manifest_from(std::string_view text, const std::string& name) {
   const std::string_view begin = "{\"";
   throw_if(text.substr(0, begin.size()) != begin.substr(0, text.size()),
-           "{}: is no manifest of slipstream", name);
+           "{}: not a manifest of slipstream", name);
   Manifest manifest;
   for (std::size_t end = 0; (end = text.find('\n', manifest.whole_bytes)) != text.npos;) {
     nlohmann::json entry = nlohmann::json::parse(
@@ -60,14 +60,14 @@ nlohmann::json sums_of(const std::vector<std::string>& paths) {
 std::string why_not_done(const Manifest& manifest, const ScanName& scan,
                          const nlohmann::json& asked, const std::vector<std::string>& outputs) {
   const auto found = manifest.entries.find(scan);
-  if (found == manifest.entries.end()) return "was not done";
+  if (found == manifest.entries.end()) return "not done yet";
   const nlohmann::json& entry = found->second;
   if (entry.contains("error")) return entry["error"].is_string() ? entry["error"] : "failed";
   for (const auto& [key, value] : asked.items()) {
-    if (!entry.contains(key) || entry[key] != value) return "was done with another " + key;
+    if (!entry.contains(key) || entry[key] != value) return "done with a different " + key;
   }
   const bool whole = entry.contains("outputs") && entry["outputs"] == sums_of(outputs);
-  return whole ? "" : "its outputs are not those that were written";
+  return whole ? "" : "its outputs were changed since";
 }
 
 }  // namespace slipstream::app

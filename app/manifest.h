@@ -13,29 +13,30 @@
 
 namespace slipstream::app {
 
-/// What became of scans, each a line of JSON, as docs/reference/files.md says; the last of a scan holds.
+/// Results of scans, one JSON line each, see docs/reference/files.md; the last line of a scan
+/// counts.
 struct Manifest {
   std::map<ScanName, nlohmann::json> entries{};
-  std::uint64_t lines = 0;        ///< that could be read
-  std::uint64_t whole_bytes = 0;  ///< up to the end of the last line that has one
+  std::uint64_t lines = 0;        ///< lines that could be read
+  std::uint64_t whole_bytes = 0;  ///< up to the end of the last complete line
 };
 
-/// Lines that cannot be read are left out, as a crash leaves one at the end. Throws Error, calling
-/// the file `name`, where it does not begin as a manifest does.
+/// Skips unreadable lines, as a crash leaves one at the end. Throws Error, naming the file `name`,
+/// if it does not start like a manifest.
 Manifest manifest_from(std::string_view text, const std::string& name);
-/// The same of a file; of one that is missing an empty one.
+/// Reads a file; a missing file gives an empty manifest.
 Manifest read_manifest(const std::filesystem::path& path);
 
-/// The beginning of a scan's entry: `scan`, `window`, `settings`, `version`.
+/// The start of a scan's entry: `scan`, `window`, `settings`, `version`.
 nlohmann::json entry_for(const ScanName& scan, const std::vector<std::string>& settings);
 
-/// Its line; bytes that are no UTF-8 are replaced.
+/// The entry's line; invalid UTF-8 is replaced.
 std::string line_of(const nlohmann::json& entry);
 
-/// `outputs` of an entry: path, bytes and checksum of each file; null of one that is not there.
+/// `outputs` of an entry: path, size in bytes and checksum of each file; null for a missing file.
 nlohmann::json sums_of(const std::vector<std::string>& paths);
 
-/// Why what is asked for is not done and whole with those outputs; empty where it is.
+/// Why the scan must be done again with these outputs; empty if it is complete.
 std::string why_not_done(const Manifest& manifest, const ScanName& scan,
                          const nlohmann::json& asked, const std::vector<std::string>& outputs);
 

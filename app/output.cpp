@@ -26,8 +26,8 @@ void to_json(nlohmann::json& json, const LiveFinding& finding) {
 namespace slipstream::app {
 namespace {
 
-/// The words of files and their names may hold characters that a terminal would obey: those of
-/// ASCII, and U+0080 to U+009F.
+/// File contents and names may hold control characters that a terminal would obey: ASCII, and
+/// U+0080 to U+009F.
 std::string printable(std::string_view text) {
   std::string shown;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -54,7 +54,7 @@ void Output::tell_failure(std::string_view message) {
 }
 
 void Output::finish() {
-  if (json_) {  // names of files need not be UTF-8
+  if (json_) {  // file names need not be UTF-8
     write_line(stdout, document.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
@@ -67,7 +67,7 @@ void Output::release(const Output& held) {
 
 void Output::write_line(std::FILE* stream, std::string_view line) {
   if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
-  // finish() tells whether stdout took it; stderr has nobody to tell.
+  // finish() reports a failed stdout; a failed stderr cannot be reported.
   const std::string shown = printable(line) + '\n';
   std::fwrite(shown.data(), 1, shown.size(), stream);
 }
@@ -119,8 +119,7 @@ void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding
     });
     if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
     if (now.end && (before == told.end() || !before->end)) {
-      output.say("frames: {}: this has ended, {} frames after it began", now.finding.what,
-                 *now.end - now.begin);
+      output.say("frames: {}: ended after {} frames", now.finding.what, *now.end - now.begin);
     }
   }
   told = findings;

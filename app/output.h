@@ -20,19 +20,18 @@
 
 namespace slipstream {
 
-/// A finding in JSON: `what`, `evidence` by name, `likely`, `try`, `refused`.
+/// A diagnostic in JSON: `what`, `evidence` by name, `likely`, `try`, `refused`.
 void to_json(nlohmann::json& json, const Finding& finding);
-/// As a finding of a scan, with `begin` and `end`: sequence of the frames at which it was first
-/// seen and first gone; null while it lasts.
+/// A live diagnostic: adds `begin` and `end`, the frame sequence numbers at which it appeared and
+/// disappeared; null while it lasts.
 void to_json(nlohmann::json& json, const LiveFinding& finding);
 
 }  // namespace slipstream
 
 namespace slipstream::app {
 
-/// A number or a text as it is, null for an empty optional, a list of such, pairs of a name and
-/// such as an object; ValidityCounts by the names of the reasons; what describes itself by its
-/// names, see LiveStatistics::for_each_figure.
+/// Converts numbers and texts; an empty optional to null; lists; pairs of a name and a value to an
+/// object; ValidityCounts by reason; and types with for_each_figure, see LiveStatistics.
 template <class Value>
 nlohmann::json as_json(const Value& value) {
   const auto nothing = [](auto&&...) {};
@@ -64,8 +63,8 @@ nlohmann::json as_json(const Value& value) {
   }
 }
 
-/// Puts values into an object by their names, describe(object, "frames", count, "rms_mm", rms),
-/// each as as_json says it; an optional that is empty is left out.
+/// Adds values by name, describe(object, "frames", count, "rms_mm", rms), each converted by
+/// as_json; empty optionals are omitted.
 template <class Value, class... More>
 void describe(nlohmann::json& object, const char* name, const Value& value, const More&... more) {
   if constexpr (requires { value.has_value(); }) {
@@ -76,7 +75,7 @@ void describe(nlohmann::json& object, const char* name, const Value& value, cons
   if constexpr (sizeof...(more) > 0) describe(object, more...);
 }
 
-/// An object of these alone.
+/// An object of only these values.
 template <class... Named>
 nlohmann::json described(const Named&... named) {
   nlohmann::json object = nlohmann::json::object();
@@ -84,7 +83,7 @@ nlohmann::json described(const Named&... named) {
   return object;
 }
 
-/// A list of what `describe` says of each.
+/// A list of `describe` applied to each.
 template <class Values, class Describe>
 nlohmann::json as_json(const Values& values, const Describe& describe) {
   nlohmann::json list = nlohmann::json::array();
@@ -92,31 +91,31 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
-/// Where a subcommand's words go: to stdout for people, or to stderr when stdout is for the one
-/// JSON document that a machine reads. Control characters in them are shown as "\x1b".
+/// A subcommand's output: text on stdout, or on stderr if stdout carries the JSON document. Control
+/// characters are shown as "\x1b".
 class Output {
  public:
   explicit Output(bool json) : json_(json) {}
 
-  /// One of the same kind whose lines wait for `release` of this one.
+  /// An output of the same kind whose lines wait for `release` on this one.
   [[nodiscard]] Output held() const {
     Output output(json_);
     output.holds_ = true;
     return output;
   }
-  /// Says what the other holds.
+  /// Prints the lines held by the other.
   void release(const Output& held);
 
-  /// Whether the document is wanted.
+  /// Whether the JSON document is requested.
   [[nodiscard]] bool is_json() const { return json_; }
 
-  /// A line for people.
+  /// A line of text.
   template <class... Values>
   void say(fmt::format_string<Values...> format, Values&&... values) {
     write_line(json_ ? stderr : stdout, fmt::format(format, std::forward<Values>(values)...));
   }
 
-  /// A line on stderr that begins with "warning:".
+  /// A line on stderr, prefixed with "warning:".
   void warn(std::string_view message);
   void warn(const std::vector<std::string>& messages) {
     for (const std::string& message : messages) warn(message);
@@ -124,35 +123,35 @@ class Output {
   void warn(const std::vector<Finding>& findings) {
     for (const Finding& finding : findings) warn(text_of(finding));
   }
-  /// A line on stderr that begins with the program's name.
+  /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message);
 
-  /// The document that `--json` prints. What is in it is made whole, here and by list and object:
-  /// what [] or push_back make of nothing is broken where they get no memory.
+  /// The document that `--json` prints. Values are built before they are inserted, here and by list
+  /// and object, as [] and push_back leave broken values when out of memory.
   nlohmann::json document = nlohmann::json::object();
 
-  /// Puts values into it, see describe.
+  /// Adds values, see describe.
   template <class... Named>
   void add(const Named&... named) {
     describe(document, named...);
   }
-  /// That of the name in the document, empty where it was not there.
+  /// The document's entry of that name, created empty if missing.
   nlohmann::json& list(const std::string& name) {
     return *document.emplace(name, nlohmann::json::array()).first;
   }
   nlohmann::json& object(const std::string& name) {
     return *document.emplace(name, nlohmann::json::object()).first;
   }
-  /// Says that the file was written, "NAME: PATH", and puts it among the document's `files`.
+  /// Prints "NAME: PATH" for a written file and adds it to the document's `files`.
   void add_file(const std::string& name, const std::string& path) {
     say("{}: {}", name, path);
     object("files")[name] = path;
   }
 
-  /// The program's exit code once all is said; 2 if what it judges is bad.
+  /// The program's exit code; 2 if a check failed.
   int exit_code = 0;
 
-  /// Prints the document if it is wanted. Throws WorldError when stdout does not take it.
+  /// Prints the document if requested. Throws WorldError if stdout fails.
   void finish();
 
  private:
@@ -163,8 +162,8 @@ class Output {
   std::vector<std::pair<std::FILE*, std::string>> held_{};
 };
 
-/// A bar on stderr that fills as work is done: shown only on a terminal, and only once the work has
-/// taken a second. Removed when it goes out of scope.
+/// A progress bar on stderr: shown only on a terminal and after one second of work. The destructor
+/// removes it.
 class Progress {
  public:
   template <class Count>
@@ -174,7 +173,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress() { finish(); }
 
-  /// One more of `total` is done; `already`: before, which does not count towards the rate.
+  /// Counts one more of `total` as done; with `already`, as done earlier, which does not count
+  /// towards the rate.
   void advance(bool already = false);
 
   /// Removes the bar.
@@ -190,16 +190,16 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Warns of all that is doubtful and says what was repaired. If something is wrong throws Error,
-/// naming the scan and all findings, what is wrong first; with `anyway` it warns of that too.
+/// Prints warnings and repairs. Throws Error with the scan's name and all diagnostics, errors
+/// first, if the scan is refused; with `anyway` prints them as warnings instead.
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
                     Output& output);
 
-/// Warns of each finding that has begun since `told`, which it updates, and says which have ended.
+/// Prints each diagnostic that has appeared or disappeared since `told`, and updates it.
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output);
 
-/// Warns of Engine::fallback_reason; false without one.
+/// Warns of Engine::fallback_reason; returns false if there is none.
 bool warn_of_fallback(const std::string& failure, Output& output);
 
 }  // namespace slipstream::app

@@ -23,14 +23,14 @@ struct DesignFlags {
   std::string plot;
 };
 
-/// Light and noise: the flags', else the scanner file's.
+/// Light and noise from flags, or else from the scanner file.
 DesignGoal goal_from(const DesignFlags& flags) {
   DesignGoal goal = flags.goal;
   PhotometricCalibration known;
   if (flags.scanner) known = read_photometric_calibration(*flags.scanner);
   const auto noise = flags.noise_variance ? flags.noise_variance : known.noise_variance;
   throw_if(!noise.has_value(),
-           "no noise variance; give --noise-variance, or a scanner file that holds it");
+           "no noise variance; give --noise-variance or a scanner file that contains it");
   goal.noise_variance = *noise;
   goal.ambient = flags.ambient.value_or(known.ambient.value_or(0));
   return goal;
@@ -53,7 +53,7 @@ Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
                   {std::move(noise), std::move(unit)}};
 }
 
-/// Strategies of every kind, side by side.
+/// Compares strategies of every kind.
 void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& output) {
   StrategyGoal wanted{.coordinate_sigma = flags.coordinate_noise,
                       .alpha = goal.alpha,
@@ -63,10 +63,10 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
   wanted.frames = flags.frames.value_or(24);
   const std::vector<StrategyDesign> designs = strategy_designs(wanted);
   throw_if(designs.empty(),
-           "no strategy of at most {} frames and {} periods does that; allow more of either, or "
-           "more noise",
+           "no strategy with at most {} frames and {} periods reaches that; allow more of either, "
+           "or more noise",
            wanted.frames, wanted.most_periods);
-  output.say("frames | noise of y | right orders | strategy");
+  output.say("frames | noise of y | correct orders | strategy");
   for (const auto& [strategy, success, sigma] : designs) {
     output.say("{:6} | {:10.3g} | {:10.4f} % | {}", frame_count(strategy), sigma, 100 * success,
                label_of(strategy));
@@ -76,13 +76,13 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
   }
 }
 
-/// What frames beyond a cycle do where things move.
+/// Effect of extra frames for motion compensation.
 void tell_motion(int steps, double speed, Output& output) {
   require_valid(Sinusoid{steps, 1}, "--steps");
   require_in_range(std::abs(speed) <= 1.5, "--phase-speed", speed, "-1.5 to 1.5 rad");
   const Layout cycle{.frames = steps, .bands = {phase_shifted_band(steps, 0, steps, 1)}};
   const double noise = component_noise(cycle.bands.front());
-  output.say("motion | frames | ripple, rad | noise over that of a cycle");
+  output.say("motion | frames | ripple, rad | noise relative to one cycle");
   for (const int extra : {0, 1, 2, 3, 4, 6, 8}) {
     const double ripple = motion_ripple(cycle, extra, speed);
     const double ratio =
@@ -102,8 +102,8 @@ void design(const DesignFlags& flags, Output& output) {
   output.say("pcmp, {} steps: f_h = {}, c_1 = {:.2f}, alpha_p = {}, beta_p = {}", strategy.steps,
              strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
   output.say(
-      "at alpha = {}: standard deviation of y {:.3g}, {:.1f} times less than {}-step pmp of "
-      "unit frequency; {:.2f} % of the pixels unwrapped each by itself",
+      "at alpha = {}: standard deviation of y {:.3g}, {:.1f} times less than {}-step pmp of unit "
+      "frequency; {:.2f} % of pixels unwrapped correctly on their own",
       goal.alpha, sigma, strategy.c1() * strategy.f_h(), strategy.steps, 100 * success);
   output.say(
       "slipstream patterns FOLDER --strategy pcmp --steps {} --high {} --share {:.2f} "
@@ -132,7 +132,7 @@ struct PatternsFlags {
 
 constexpr Size usual_projector{1920, 1080};
 
-/// Pictures of one grey level each, from 0 to 255, for `calibrate gamma --uniform`.
+/// Uniform pictures of grey levels from 0 to 255, for `calibrate gamma --uniform`.
 void write_uniform(const PatternsFlags& flags, Output& output) {
   require_in_range(flags.uniform >= 4 && flags.uniform <= 256, "--uniform", flags.uniform,
                    "4 to 256 pictures");
@@ -141,8 +141,8 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
     output.list("patterns").push_back(file.string());
   }
   output.say(
-      "wrote {} uniform patterns to {}; take a picture of each under the same name, and run: "
-      "slipstream calibrate gamma --uniform THAT_FOLDER",
+      "wrote {} uniform patterns to {}; photograph each, give the picture the same name, then run: "
+      "slipstream calibrate gamma --uniform PICTURES",
       flags.uniform, flags.folder);
 }
 
@@ -168,8 +168,8 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   output.say("wrote {} patterns of {} for a projector of {} to {}", pictures.size(),
              sequence.strategy.name(), text_of(sequence.projector), folder.string());
   output.say(
-      "project them in that order, put the camera's pictures beside scan.yaml under the same "
-      "names,\nand run: slipstream reconstruct THAT_FOLDER --scanner SCANNER.yaml -o cloud.ply");
+      "project them in this order, save the camera's pictures beside scan.yaml under the same "
+      "names,\nthen run: slipstream reconstruct FOLDER --scanner SCANNER.yaml -o cloud.ply");
 }
 
 void write_asked(const PatternsFlags& flags, Output& output) {
@@ -180,51 +180,55 @@ void write_asked(const PatternsFlags& flags, Output& output) {
 
 void add_patterns(const Commands& program) {
   const auto [command, flags] = program.add(
-      write_asked, "patterns", "write a strategy's patterns as images for any projector");
-  required(command.add("folder", flags.folder, "where the pictures and scan.yaml go"));
+      write_asked, "patterns", "write a strategy's patterns as pictures for any projector");
+  required(command.add("folder", flags.folder, "folder for the pictures and scan.yaml"));
   add_pattern_flags(command.app, flags.scan, true);
   command.app.get_option("--projector")->default_str(text_of(usual_projector));
-  command.add("--pattern-bits", flags.bits,
-              "of the pictures, as the projector takes them: 8 to 16");
-  command.add(
-      "--precompensate", flags.precompensate,
-      "a gamma, or a scanner file that holds one: its inverse is applied to the pictures, so "
-      "that the projector's light is as meant");
-  command.add(
-      "--colour", flags.in_colour,
-      "three patterns to a picture, its red, green and blue; and the pictures for calibrate "
-      "colour");
-  command.add("--sheet", flags.sheet, "also one picture of all patterns, a strip of each: .png");
+  command.add("--pattern-bits", flags.bits, "bit depth of the pictures, 8 to 16");
+  command.add("--precompensate", flags.precompensate,
+              "gamma, or a scanner file with one: apply its inverse, so that the projected light "
+              "is linear");
+  command.add("--colour", flags.in_colour,
+              "put three patterns into each picture's red, green and blue; also write pictures for "
+              "calibrate colour");
+  command.add("--sheet", flags.sheet,
+              "also write one overview picture with a strip of each pattern: .png");
   command
       .add("--uniform", flags.uniform,
-           "so many uniform pictures from black to white instead, to measure gamma with")
+           "write this many uniform pictures from black to white instead, to measure gamma")
       ->default_str("");
   command.exclude("--binary", {"--pattern-bits", "--precompensate", "--colour", "--uniform"});
   command.exclude("--pattern-bits", {"--colour", "--uniform"});
   command.exclude("--uniform", {"--precompensate", "--sheet"});
+  command.common({"--strategy", "--steps", "--high", "--low", "--axis", "--projector",
+                  "--exposures", "--colour", "--sheet", "--uniform"});
   command.examples(
       {"patterns patterns --strategy dual-frequency --steps 3 --high 16 --low 1 --axis x "
        "--projector 1824x1140"});
 }
 
 void add_design(const Commands& program) {
-  const auto [command, flags] =
-      program.add(design, "design", "patterns of least noise for a given light, noise and surface");
-  command.add("--frames", flags.frames, "compare strategies of every kind with at most so many");
+  const auto [command, flags] = program.add(
+      design, "design", "find the patterns with least noise for a given light, noise and surface");
+  command.add("--frames", flags.frames, "compare all strategies with at most this many frames");
   command.add("--coordinate-noise", flags.coordinate_noise,
-              "compare those of fewest frames that reach it: standard deviation of y, fields");
-  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more; with --phase-speed of pmp");
-  command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
-  command.add("--ambient", flags.ambient, "grey levels of 255, where not that of the scanner file")
+              "compare the strategies that reach this standard deviation of y with fewest frames, "
+              "field widths");
+  command.add("--steps", flags.goal.steps, "frames of pcmp, 3 or more; with --phase-speed, of pmp");
+  command.add("--least-reflectivity", flags.goal.alpha, "least reflectivity to measure, 0 to 1");
+  command
+      .add("--ambient", flags.ambient,
+           "ambient light, grey levels of 255; default: from the scanner file")
       ->default_str("0");
-  command.add("--noise-variance", flags.noise_variance, "sigma_w^2, grey levels^2 of 255");
-  command.add_file("--scanner", flags.scanner, "scanner file that says both");
-  command.add("--success", flags.goal.success,
-              "share of the pixels to be unwrapped rightly each by itself");
-  command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
-  command.add_output("--plot", flags.plot, "noise over f_h: .png");
+  command.add("--noise-variance", flags.noise_variance,
+              "noise variance sigma_w^2, squared grey levels of 255");
+  command.add_file("--scanner", flags.scanner,
+                   "scanner file with ambient light and noise variance");
+  command.add("--success", flags.goal.success, "share of pixels to unwrap correctly on their own");
+  command.add("--most-periods", flags.goal.most_periods, "largest f_h to consider");
+  command.add_output("--plot", flags.plot, "plot of noise over f_h: .png");
   command.add("--phase-speed", flags.phase_speed,
-              "things that move: rad that the phase of --steps moves from frame to frame");
+              "for moving scenes: phase change from frame to frame, rad");
   for (const char* compares : {"--frames", "--coordinate-noise"}) {
     command.exclude(compares, {"--steps", "--plot"});
   }

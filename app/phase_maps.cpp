@@ -20,8 +20,8 @@ struct UnwrapFlags {
 };
 
 void leave_out(Image<double>& phase, const Image<double>& mask) {
-  throw_if(mask.size() != phase.size(), "the mask is {}, but the phase {}", text_of(mask.size()),
-           text_of(phase.size()));
+  throw_if(mask.size() != phase.size(), "the mask is {}, but the phase map is {}",
+           text_of(mask.size()), text_of(phase.size()));
   for (std::size_t i = 0; i < phase.pixel_count(); ++i) {
     const double in = mask.begin()[i];
     if (in == 0 || std::isnan(in)) phase.begin()[i] = std::numeric_limits<double>::quiet_NaN();
@@ -33,7 +33,7 @@ void anchor(const UnwrapFlags& flags, UnwrappedPhase<double>& unwrapped) {
     const double row = flags.anchor[0], column = flags.anchor[1];
     for (const double place : {row, column}) {
       throw_if(std::rint(place) != place || std::abs(place) > 1e6,
-               "--anchor takes a row and a column, whole numbers, and a phase");
+               "--anchor: expected row and column (integers) and a phase");
     }
     anchor_at(unwrapped, static_cast<int>(column), static_cast<int>(row), flags.anchor[2]);
   }
@@ -96,11 +96,11 @@ struct HeightFlags {
 void add_phase_flags(CLI::App& command, CloudFlags& flags) {
   add_anyway_flag(command, flags.anyway);
   FlagGroup{command}.add("--min-modulation", flags.settings.minimum_modulation,
-                         "of a pixel that is measured, grey levels of 255");
+                         "minimum modulation of a valid pixel, grey levels of 255");
   add_scan_input_flags(command, flags);
 }
 
-/// Of a scan the projector coordinate, NaN where it is not measured; a phase map as it is.
+/// A scan's projector coordinate, NaN where invalid; a phase map unchanged.
 Image<double> measured_phase(const std::string& path, const CloudFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(path);
   if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
@@ -121,7 +121,7 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
   require_ending(flags.output, "calibration of heights", {".npy"});
   const std::vector<double> known = numbers_in<double>(flags.heights, ',');
   throw_if(known.size() != flags.planes.size(),
-           "--heights '{}' is not a number for each of {} planes, as 0,10,20", flags.heights,
+           "--heights '{}': expected one number for each of {} planes, e.g. 0,10,20", flags.heights,
            flags.planes.size());
   std::vector<PlanePhase> planes;
   Progress progress("planes", known.size());
@@ -153,8 +153,8 @@ void measure_heights(const HeightFlags& flags, Output& output) {
   output.say("{} of {} measured pixels have a height", pixels, measured);
   if (2 * pixels < measured) {
     output.warn(fmt::format(
-        "{}: most of its phases are of no calibrated height; other patterns or another axis than "
-        "the planes', a rig that was moved, or a thing beyond the planes",
+        "{}: most phases are outside the calibrated heights; the patterns or axis differ from the "
+        "planes', the rig moved, or the object reaches beyond the planes",
         flags.scan));
   }
   write_map(flags.output, found);
@@ -166,52 +166,51 @@ void measure_heights(const HeightFlags& flags, Output& output) {
 }  // namespace
 
 void add_calibrate_height(const Commands& calibrate) {
-  const auto [command, flags] =
-      calibrate.add(calibrate_height, "height",
-                    "heights over a reference plane, from scans of it moved by known heights");
+  const auto [command, flags] = calibrate.add(
+      calibrate_height, "height",
+      "calibrate heights over a reference plane, from scans of a plane at known heights");
   required(command.add_file(
       "planes", flags.planes,
-      "scans of a plane, three or more, or maps of its absolute phase: .tiff or .npy"));
-  required(
-      command.add("--heights", flags.heights, "of each plane, mm, the reference at 0: 0,10,20"));
-  required(command.add_output("-o,--output", flags.output, "the calibration: .npy"));
+      "three or more scans of a plane, or maps of its absolute phase: .tiff or .npy"));
+  required(command.add("--heights", flags.heights,
+                       "height of each plane over the reference, mm, e.g. 0,10,20"));
+  required(command.add_output("-o,--output", flags.output, "calibration file: .npy"));
   add_phase_flags(command.app, flags.phase);
+  command.common(
+      {"--heights", "--output", "--strategy", "--steps", "--high", "--low", "--min-modulation"});
   command.examples({"calibrate height plane_0 plane_10 plane_20 --heights 0,10,20 -o heights.npy"});
 }
 
 void add_height(const Commands& program) {
   const auto [command, flags] =
       program.add(measure_heights, "height",
-                  "a scan to heights over a reference plane, of a rig without a calibrated "
-                  "projector");
-  required(command.add_file("scan", flags.scan,
-                            "a scan, or a map of its absolute phase: .tiff or .npy"));
-  required(command.add_file("--calibration", flags.calibration,
-                            "what slipstream calibrate height wrote: .npy"));
+                  "measure heights over a reference plane, without a calibrated projector");
   required(
-      command.add_output("-o,--output", flags.output, "height of each pixel, mm: .tiff or .npy"));
-  command.add_output("--preview", flags.preview, "the heights in colours: .png");
+      command.add_file("scan", flags.scan, "a scan, or a map of absolute phase: .tiff or .npy"));
+  required(command.add_file("--calibration", flags.calibration,
+                            "calibration written by slipstream calibrate height: .npy"));
+  required(command.add_output("-o,--output", flags.output, "height map, mm: .tiff or .npy"));
+  command.add_output("--preview", flags.preview, "coloured height map: .png");
   add_phase_flags(command.app, flags.phase);
+  command.common({"--calibration", "--output", "--preview", "--strategy", "--steps", "--high",
+                  "--low", "--min-modulation"});
   command.examples({"height scan --calibration heights.npy -o height.tiff --preview height.png"});
 }
 
 void add_unwrap(const Commands& program) {
-  const auto [command, flags] = program.add(
-      unwrap, "unwrap", "unwraps a phase map of any instrument by its neighbouring pixels");
+  const auto [command, flags] =
+      program.add(unwrap, "unwrap", "unwrap a phase map of any instrument spatially");
   required(command.add_file("wrapped", flags.input,
-                            "phase in rad, NaN where there is none: .tiff or .npy"));
-  required(command.add_output("-o,--output", flags.output, "the unwrapped phase: .tiff or .npy"));
-  command.add("--method", flags.method, "how: see below");
-  command.add_file("--quality", flags.quality, "how sure each pixel is, as the modulation");
-  command.add_file("--mask", flags.mask, "0 where pixels are left out");
-  command.add("--anchor", flags.anchor, "a row, a column and the phase there, rad, that is known")
-      ->expected(3);
-  command.add_file("--coarse", flags.coarse,
-                   "an absolute phase that is right within half a period");
+                            "wrapped phase, rad, NaN where invalid: .tiff or .npy"));
+  required(command.add_output("-o,--output", flags.output, "unwrapped phase, rad: .tiff or .npy"));
+  command.add("--method", flags.method, "method, see below");
+  command.add_file("--quality", flags.quality, "quality of each pixel, e.g. its modulation");
+  command.add_file("--mask", flags.mask, "mask: 0 at pixels to ignore");
+  command.add("--anchor", flags.anchor, "row, column and known phase there, rad")->expected(3);
+  command.add_file("--coarse", flags.coarse, "absolute phase, accurate within half a period");
   command.exclude("--coarse", {"--anchor"});
-  command.add_output("--regions", flags.regions,
-                     "the number of the region of each pixel: .tiff or .npy");
-  command.add_output("--preview", flags.preview, "the phase in colours: .png");
+  command.add_output("--regions", flags.regions, "region number of each pixel: .tiff or .npy");
+  command.add_output("--preview", flags.preview, "coloured phase map: .png");
   command.app.footer(
       "Methods:" + methods() +
       "\nExamples:\n  slipstream unwrap wrapped.tiff -o phase.tiff --preview phase.png\n"

@@ -23,11 +23,11 @@
 namespace slipstream::app {
 namespace {
 
-// A signal handler reaches nothing else, and other threads than the one it ran in ask for it.
-std::atomic<int> stop_raised = 0;  // which signal it was
+// Global, as a signal handler reaches nothing else; read from other threads too.
+std::atomic<int> stop_raised = 0;  // the signal received
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// What nohup has the program ignore stays ignored.
+/// Signals ignored by nohup stay ignored.
 void handle_ends(void (*handler)(int)) {
   struct sigaction action {
   }, before{};
@@ -45,11 +45,10 @@ void end_program(int signal) {
   std::raise(signal);
 }
 
-/// What a destructor throws ends here, as where one of JSON gets no memory, and so does an
-/// exception that nothing caught.
+/// Reached by exceptions in destructors, e.g. of JSON without memory, and by uncaught exceptions.
 [[noreturn]] void end_by_exception() {
   remove_temporary_files();
-  const char* why = "ended by an error that nothing handles";
+  const char* why = "ended by an unhandled error";
   try {
     if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
   } catch (const std::bad_alloc&) {
@@ -60,7 +59,7 @@ void end_program(int signal) {
   std::_Exit(1);
 }
 
-/// The next signal ends the program, whichever it is.
+/// The next signal of any kind ends the program.
 void raise_stop(int signal) {
   stop_raised = signal;
   handle_ends(end_program);
@@ -71,7 +70,7 @@ void raise_stop(int signal) {
 void prepare_process() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0) continue;
-    // The lowest number that is free is this one's.
+    // open() returns the lowest free descriptor: this one.
     [[maybe_unused]] const int opened =
         ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
@@ -82,12 +81,12 @@ void prepare_process() {
 }
 
 void keep_memory() {
-  constexpr int most = 32 << 20;  // more is refused
+  constexpr int most = 32 << 20;  // larger values are refused
   constexpr std::uintptr_t page = 2 << 20;
   ::mallopt(M_MMAP_THRESHOLD, most);
   ::mallopt(M_TRIM_THRESHOLD, 16 * most);
   ::mallopt(M_TOP_PAD, 4 * most);
-  ::mallopt(M_ARENA_MAX, 1);  // what one thread frees another takes
+  ::mallopt(M_ARENA_MAX, 1);  // memory freed by one thread serves another
   void* const first = std::malloc(most / 2);
   const auto begin = (reinterpret_cast<std::uintptr_t>(first) + page - 1) / page * page,
              end = reinterpret_cast<std::uintptr_t>(::sbrk(0)) / page * page;
@@ -117,11 +116,11 @@ void tell_service_manager(const std::string& state) {
   if (path.size() < 2 || path.size() > sizeof address.sun_path) return;
   address.sun_family = AF_UNIX;
   std::copy(path.begin(), path.end(), address.sun_path);
-  if (path.front() == '@') address.sun_path[0] = '\0';  // a name that is no file's
+  if (path.front() == '@') address.sun_path[0] = '\0';  // not a file name
   const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM, 0);
   if (descriptor < 0) return;
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
-  // The manager's is the only ear; where it does not listen there is nobody to tell.
+  // Only the service manager listens; failures are ignored.
   static_cast<void>(::sendto(descriptor, state.data(), state.size(), 0,
                              reinterpret_cast<const sockaddr*>(&address), length));
   ::close(descriptor);

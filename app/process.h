@@ -8,25 +8,24 @@
 
 namespace slipstream::app {
 
-/// To be called once, first: standard streams that are closed take nothing and no file gets their
-/// numbers; SIGINT, SIGTERM and SIGHUP remove half-written files before they end the program; a
-/// reader that is gone and a file that may not grow are failures to write, not signals; an
-/// exception that nothing caught is a failure in one line.
+/// Call once, first. Closed standard streams go to /dev/null, so that no file gets their numbers;
+/// SIGINT, SIGTERM and SIGHUP remove half-written files before they end the program; a closed pipe
+/// or a file size limit is a write error, not a signal; an uncaught exception prints one line.
 void prepare_process();
 
-/// Memory of one scan serves the next: what goes back to the system comes again page by page,
-/// zeroed, which costs more than reconstructing. Large pages make that cheaper the first time.
+/// Keeps freed memory for the next scan: getting it back from the system page by page, zeroed,
+/// costs more than reconstructing. Large pages make the first time cheaper.
 void keep_memory();
 
-/// Tells systemd, where it started the program and wants to know: "READY=1", "STATUS=...".
+/// Notifies systemd, if it started the program as a notify service: "READY=1", "STATUS=...".
 void tell_service_manager(const std::string& state);
 
-/// Throws Error unless --duration is above 0 s, where it is given.
+/// Throws Error if --duration is given and not above 0 s.
 void require_duration(const std::optional<double>& duration);
 
-/// The end of a run that would go on for ever: by a signal, or once it has lasted for `duration` s.
-/// While it lives the first SIGINT, SIGTERM or SIGHUP does not end the program but is remembered,
-/// so that files can be finished; a second one ends it. There is one at a time.
+/// Decides when an endless run ends: by a signal or after `duration` s. While it exists the first
+/// SIGINT, SIGTERM or SIGHUP is remembered instead of ending the program, so that files can be
+/// completed; a second one ends it. At most one exists at a time.
 class RunEnd {
  public:
   explicit RunEnd(std::optional<double> duration);
@@ -35,9 +34,9 @@ class RunEnd {
   RunEnd& operator=(const RunEnd&) = delete;
 
   [[nodiscard]] bool reached() const;
-  /// As if no signal had come.
+  /// Forgets a received signal.
   void forget_signal() const;
-  /// Since it was made.
+  /// Since construction.
   [[nodiscard]] double seconds() const;
 
  private:
@@ -45,12 +44,12 @@ class RunEnd {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Whether the last RunEnd was reached by SIGHUP, and that is not forgotten.
+/// Whether SIGHUP ended the last run, unless forgotten.
 bool hung_up();
 
 class Stopwatch {
  public:
-  /// Seconds since it was made or last asked.
+  /// Seconds since construction or the last call.
   double lap() {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double>(now - std::exchange(start_, now)).count();

@@ -33,25 +33,26 @@ void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
 }
 
 const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
-  const auto place = static_cast<std::size_t>(number);  // below 0: a large one
+  const auto place = static_cast<std::size_t>(number);  // negative numbers become large ones
   throw_if(place >= monitors.size(),
-           "--monitor {} is not there; {} connected, numbered from 0, see --list", number,
+           "--monitor {} does not exist; {} connected, numbered from 0, see --list", number,
            monitors.size());
   return monitors[place];
 }
 
-/// What is shown, of the monitor's size.
+/// The pictures to show, of the monitor's size.
 Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
   Sequence sequence = default_sequence(monitor.size, flags.scan);
-  throw_if(sequence.projector != monitor.size,
-           "--projector {} is not the size of monitor {}, {}; set the monitor to it",
-           text_of(sequence.projector), flags.monitor, text_of(monitor.size));
+  throw_if(
+      sequence.projector != monitor.size,
+      "--projector {} differs from the size of monitor {}, {}; change the monitor's resolution",
+      text_of(sequence.projector), flags.monitor, text_of(monitor.size));
   sequence = cycle_of(std::move(sequence));
   if (flags.in_colour) require_in_colour(sequence, "--colour");
   return sequence;
 }
 
-/// Returns how many there are.
+/// Returns the number of monitors.
 std::size_t load_patterns(monitor::MonitorSink& sink, const Sequence& sequence, bool in_colour) {
   const PatternSet set = pattern_set(sequence);
   if (!in_colour) {
@@ -74,7 +75,9 @@ void tell(const monitor::ProjectionReport& report, const monitor::MonitorSink& p
   output.say("{} patterns in {:.1f} s, {:.2f} per second; {} late", report.shown, report.seconds,
              rate, report.late);
   if (!report.waits_for_refresh) {
-    output.warn("the driver does not wait for the monitor's refresh; patterns went by the clock");
+    output.warn(
+        "the driver does not wait for the monitor's refresh; patterns were timed by the clock "
+        "instead");
   }
   if (!projector.state().empty()) output.warn(projector.state());
   output.document = described("patterns", report.shown, "late", report.late, "seconds",
@@ -96,7 +99,7 @@ void project_scan(const ProjectFlags& flags, Output& output) {
 
   std::string log = "swap,pattern,seconds\n";
   const RunEnd end(flags.duration);
-  output.say("showing {} patterns; Ctrl-C or Esc ends it", count);
+  output.say("showing {} patterns; press Ctrl-C or Esc to stop", count);
   std::fflush(stdout);
   const monitor::ProjectionSettings settings{
       .refresh_hz = projector.refresh_hz(),
@@ -119,21 +122,23 @@ void project_scan(const ProjectFlags& flags, Output& output) {
 
 void add_project(const Commands& program) {
   const auto [command, flags] = program.add(
-      project_scan, "project", "show a strategy's patterns on a projector that is a monitor");
-  command.add("--list", flags.list, "say which monitors there are, and end");
-  command.add("--monitor", flags.monitor, "its number in --list");
+      project_scan, "project", "show a strategy's patterns on a projector connected as a monitor");
+  command.add("--list", flags.list, "list the monitors and exit");
+  command.add("--monitor", flags.monitor, "monitor number, see --list");
   command.add("--rate", flags.rate,
-              "patterns per second: the monitor's refreshes divided by a whole number");
-  command.add("--hold", flags.hold, "refreshes that each pattern stays for")->default_str("1");
-  command.add("--duration", flags.duration, "seconds, then it ends");
-  command.add_output("--log", flags.log, "which pattern was shown when: .csv");
+              "patterns per second: the monitor's refresh rate divided by a whole number");
+  command.add("--hold", flags.hold, "monitor refreshes per pattern")->default_str("1");
+  command.add("--duration", flags.duration, "stop after this many seconds");
+  command.add_output("--log", flags.log, "log of when each pattern was shown: .csv");
   add_pattern_flags(command.app, flags.scan, true);
   command.add("--colour", flags.in_colour,
-              "three patterns to a picture, its red, green and blue, which count as one");
+              "show three patterns at once, in red, green and blue; they count as one");
+  command.common({"--list", "--monitor", "--strategy", "--steps", "--high", "--low", "--rate",
+                  "--colour", "--duration"});
   command.examples({"project --list", "project --monitor 1 --strategy pmp --steps 4 --rate 30",
                     "project --monitor 1 --colour --strategy de-bruijn"},
-                   "Every pixel of the monitor shows its own grey level, with the monitor's gamma "
-                   "table off. Esc or Ctrl-C ends it.");
+                   "Patterns are shown pixel for pixel, with the monitor's gamma table off. Press "
+                   "Esc or Ctrl-C to stop.");
 }
 
 }  // namespace slipstream::app

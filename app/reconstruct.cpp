@@ -15,31 +15,34 @@
 namespace slipstream::app {
 namespace {
 
-/// One scan's results, as they are told.
+/// One scan's results, ready to print.
 struct ReconstructedScan {
   ScanName name;
-  std::string failure;  ///< why there are none; else empty
-  Output words{false};  ///< what is said of it, until its turn comes
+  std::string failure;  ///< reason if it failed, or empty
+  Output words{false};  ///< its lines, held until its turn
   Cloud cloud;
   ValidityCounts counts{};
-  Maps maps;  ///< where asked for
+  Maps maps;  ///< if requested
   std::optional<Uncertainty> uncertainty;
-  std::optional<EpipolarCheck> epipolar;  ///< of a scan along both axes
+  std::optional<EpipolarCheck> epipolar;  ///< both axes only
   std::string backend;
   std::vector<std::string> warnings;
   SoundScan sound;
-  ResultFiles files;                                       ///< written
-  std::optional<double> rms, median_sigma;                 ///< mm
-  double least_modulation = 0;                             ///< of a point, grey levels of 255
+  ResultFiles files;                        ///< files written
+  std::optional<double> rms, median_sigma;  ///< mm
+  double least_modulation = 0;              ///< minimum modulation of a point, grey levels of 255
   double read = 0, tables = 0, computed = 0, written = 0;  ///< s
-  bool done_before = false;                                ///< nothing else is told then
-  nlohmann::json entry;                                    ///< of the manifest
+  bool done_before = false;  ///< done by an earlier run; prints nothing else
+  nlohmann::json entry;      ///< its manifest entry
 };
 
-/// What was done, as it is done.
+/// The manifest as it grows.
 struct ManifestLog {
   ManifestLog(const std::string& path, Output& output)
-      : file(path, [&] { output.warn(path + ": another run writes it; waiting for its end"); }),
+      : file(path,
+             [&] {
+               output.warn(path + ": another run is writing it; waiting for that run to end");
+             }),
         before(read_manifest(path)) {
     file.cut(before.whole_bytes);
   }
@@ -88,7 +91,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms, "epipolar",
       epipolar, "warnings", scan.warnings, "findings", scan.sound.checked.findings, "repairs",
       scan.sound.checked.repairs, "seconds", seconds);
-  // Only what --anyway went on with is wrong and was reconstructed.
+  // Only --anyway reconstructs a refused scan.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   return told;
 }
@@ -98,18 +101,18 @@ void tell(const ReconstructedScan& scan, Output& output) {
              scan.cloud.validity.pixel_count(), scan.backend);
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (scan.counts[i] == 0) continue;
-    output.say("  left out, {}: {}", name_of(static_cast<Validity>(i)), scan.counts[i]);
+    output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), scan.counts[i]);
   }
   if (scan.counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
     const auto [nearest, farthest] = depth_range(scan.sound.setup);
-    output.say("  depths kept: {:.0f} to {:.0f} mm; --nearest, --farthest and --raw change that",
+    output.say("  depths kept: {:.0f} to {:.0f} mm; change with --nearest, --farthest or --raw",
                nearest, farthest);
   }
   if (scan.rms) output.say("  RMS error against truth: {:.4g} mm", *scan.rms);
   if (scan.epipolar) {
     output.say(
-        "  from epipolar lines: median {:+.3f}, without signs {:.3f} projector pixels, sigma by "
-        "noise {:.3f}; {} points were too far and left out",
+        "  distance from epipolar lines: median {:+.3f}, absolute {:.3f} projector pixels, "
+        "expected sigma {:.3f}; {} points rejected as too far",
         scan.epipolar->median, scan.epipolar->median_length, scan.epipolar->median_sigma,
         scan.epipolar->doubted);
   }
@@ -127,10 +130,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
 void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSetup& setup,
                                   bool two_cameras) {
   if (!flags.uncertainty) return;
-  throw_if(two_cameras, "--uncertainty is of one camera and the projector; add --one-camera");
+  throw_if(two_cameras, "--uncertainty works with one camera and the projector; add --one-camera");
   throw_if(!setup.scanner.photometry.noise_variance.has_value(),
-           "the scanner file has no noise variance in it, which --uncertainty needs; measure it "
-           "with slipstream calibrate noise, or give --noise-variance");
+           "--uncertainty needs a noise variance, and the scanner file has none; measure it with "
+           "slipstream calibrate noise, or give --noise-variance");
 }
 
 void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
@@ -163,29 +166,28 @@ void add_finding(Finding finding, ReconstructedScan& result) {
   result.sound.checked.findings.push_back(std::move(finding));
 }
 
-/// What both axes say of the calibration.
+/// Checks the calibration by patterns along both axes.
 Finding contradiction(const EpipolarCheck& check) {
-  return {.what = "the coordinates along x and y are not those of one projector pixel",
-          .evidence = {{"median distance from the epipolar lines, projector pixels",
-                        check.median_length},
-                       {"sigma by noise", check.median_sigma}},
-          .likely =
-              "camera or projector moved since they were calibrated, or frames are in a wrong "
-              "order",
-          .advice =
-              "calibrate again: slipstream calibrate geometry; patterns along x alone are not held "
-              "to this"};
+  return {
+      .what = "the coordinates along x and y do not meet in one projector pixel",
+      .evidence = {{"median distance from the epipolar lines, projector pixels",
+                    check.median_length},
+                   {"expected sigma", check.median_sigma}},
+      .likely = "the camera or projector moved since calibration, or frames are in the wrong order",
+      .advice =
+          "calibrate again with slipstream calibrate geometry; scans along x alone do not show "
+          "this"};
 }
 
-/// What the check does not see by its pixels, or leaves to --nearest and --farthest.
+/// Problems the pixel check misses or leaves to --nearest and --farthest.
 Finding no_points(const ValidityCounts& counts) {
   const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
   return {.what = "not one pixel became a point",
-          .likely = fmt::format("{} in most of them", name_of(static_cast<Validity>(most))),
+          .likely = fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most))),
           .advice = "look at the frames with slipstream view"};
 }
 
-/// The cloud with its normals and uncertainty on the grid asked for; maps and preview on the
+/// Writes the cloud with normals and uncertainty on the requested grid; maps and preview on the
 /// camera's.
 void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   ResultFiles maps = scan.files;
@@ -211,7 +213,7 @@ bool measures_motion(const EngineSetup& setup) {
   return MotionMeasurement::is_possible(measuring_band(setup.sequence.strategy.layout()));
 }
 
-/// A scan as it was read, and what is known of its results then.
+/// A scan that was read, and its results so far.
 struct LoadedScan {
   Scan scan;
   ReconstructedScan result;
@@ -242,14 +244,14 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     result.sound = sound_scan(loaded.scan, text_of(name), flags.cloud, result.words);
   } catch (const Error& error) {
     result.failure = error.what();
-  } catch (const WorldError& error) {  // a file that the disk does not give ends no others
+  } catch (const WorldError& error) {  // an unreadable file fails only its own scan
     if (flags.scans.size() == 1) throw;
     result.failure = error.what();
   }
   return loaded;
 }
 
-/// What one scan leaves to the next.
+/// State passed from one scan to the next.
 struct Reused {
   std::optional<Engine> engine;
   bool fallback_told = false;
@@ -264,7 +266,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
     result.cloud = std::move(reused.clouds.back());
     reused.clouds.pop_back();
   }
-  // The system makes the pages of a new cloud as slowly as the engine its tables.
+  // Getting a new cloud's memory pages takes as long as building the engine's tables.
   auto memory =
       std::async(parallel_threads() == 1 ? std::launch::deferred : std::launch::async, [&] {
         const Size size = scan.frames.size();
@@ -275,18 +277,18 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   const bool two_cameras = !scan.further_cameras.empty();
   require_uncertainty_possible(flags, setup, two_cameras);
   throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
-           "--epipolar is of one camera and patterns along both axes: --axis both");
+           "--epipolar needs one camera and patterns along both axes: --axis both");
   throw_if(!flags.files.motion.empty() && (two_cameras || !measures_motion(setup)),
-           "--motion-map is of one camera and frames beyond a cycle: --motion 2");
+           "--motion-map needs one camera and extra frames: --motion 2");
   result.least_modulation =
       two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
   if (result.least_modulation > flags.cloud.settings.minimum_modulation) {
-    output.say("{}: least modulation {:.1f} instead of {:.1f}, where noise hides the fringe order",
-               text_of(result.name), result.least_modulation,
-               flags.cloud.settings.minimum_modulation);
+    output.say(
+        "{}: minimum modulation is {:.1f} instead of {:.1f}: below it noise hides the fringe order",
+        text_of(result.name), result.least_modulation, flags.cloud.settings.minimum_modulation);
   }
   if (!two_cameras && (!engine || engine->setup() != setup)) {
-    engine.emplace(setup);  // else its tables serve again
+    engine.emplace(setup);  // otherwise its tables are reused
   }
   result.tables = watch.lap();
   if (!result.sound.gamma.sentence.empty()) {
@@ -342,7 +344,7 @@ std::string line_of(const ReconstructedScan& scan) {
   return app::line_of(entry);
 }
 
-/// One that failed ends the program where it is the only one.
+/// A failure ends the program if it is the only scan.
 void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
   output.release(scan.words);
   if (scan.failure.empty()) {
@@ -350,7 +352,7 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
     return tell(scan, output);
   }
   if (only_one) {
-    output.document.update(scan.words.document);  // the findings that it was refused for
+    output.document.update(scan.words.document);  // the diagnostics that refused it
     throw Error(scan.failure);
   }
   nlohmann::json failed = described("scan", text_of(scan.name), "error", scan.failure);
@@ -360,13 +362,14 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
   output.exit_code = 2;
 }
 
-/// Each scan as if it were alone, told in the order given; while one is reconstructed, those after
-/// it are read and those before it are written. On one thread one after another.
+/// Reconstructs each scan as if alone and prints results in the given order; while one is
+/// reconstructed, later ones are read and earlier ones written. One after the other on a single
+/// thread.
 void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output& output) {
   const std::size_t count = flags.scans.size();
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
-  // Who writes waits for the disk more than for a core.
+  // Writers wait for the disk more than for a core.
   const std::size_t most_written = threads == 1 ? 0 : threads;
   OpenedRecording opened;
   std::deque<std::future<LoadedScan>> loading;
@@ -404,7 +407,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   while (!writing.empty()) tell_next();
   if (log == nullptr) return;
   output.document["done_before"] = done_before;
-  if (done_before > 0) output.say("{} of {} scans were done before", done_before, count);
+  if (done_before > 0) output.say("{} of {} scans were already done", done_before, count);
 }
 
 void reconstruct(const ReconstructFlags& given, Output& output) {
@@ -422,30 +425,31 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   keep_memory();
   output.document["scans"] = nlohmann::json::array();
   throw_if(!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest),
-           "{}: is there already; --resume goes on with it", flags.manifest);
+           "{}: already exists; use --resume to continue it", flags.manifest);
   std::optional<ManifestLog> log;
   if (!flags.manifest.empty()) log.emplace(flags.manifest, output);
   reconstruct_in_turn(flags, log ? &*log : nullptr, output);
   if (flags.files.named().empty()) {
-    output.say("nothing was asked to be written; -o cloud.ply writes the cloud");
+    output.say("nothing was written; -o cloud.ply writes the cloud");
   }
 }
 
 void add_reconstruct(const Commands& program) {
-  const auto [command, flags] =
-      program.add(reconstruct, "reconstruct", "scans to cloud, depth, phase, preview");
+  const auto [command, flags] = program.add(
+      reconstruct, "reconstruct", "reconstruct scans: clouds, depth maps, phase maps, previews");
   add_scans_flags(command, flags);
-  command.add_output("--manifest", flags.manifest,
-                     "what was done, as it is done, a line of JSON for each scan");
+  command.add_output("--manifest", flags.manifest, "log of finished scans, one JSON line each");
   command
       .add("--resume", flags.resume,
-           "leave out what the manifest says is done, if input, settings and outputs are as then")
+           "skip scans that the manifest lists as done with the same input, settings and outputs")
       ->needs("--manifest");
   add_reconstruct_flags(command.app, flags);
+  command.common({"--output", "--mesh", "--depth", "--preview", "--scanner", "--strategy",
+                  "--steps", "--high", "--low", "--projector"});
   command.examples({"reconstruct scan -o cloud.ply --depth depth.tiff --preview preview.png",
                     "reconstruct frames --strategy dual-frequency --steps 3 --high 16 --low 1 "
                     "--axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply"},
-                   "Several scans: {name} in a path stands for each scan's name, as in -o "
+                   "Several scans: {name} in a path is replaced by the scan's name, e.g. -o "
                    "clouds/{name}.ply\nWhole recordings: slipstream reconstruct scan.slip "
                    "--windows : -o clouds/{name}-{window}.ply");
 }

@@ -11,27 +11,26 @@ namespace {
 void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   const FlagGroup group{command, "What to write"};
   ResultFiles& files = flags.files;
-  group.add_output("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz");
+  group.add_output("-o,--output", files.cloud, "point cloud: .ply, .pcd or .xyz");
   group.add_output("--mesh", files.mesh,
-                   "its points joined, with the camera's picture: .ply, .stl, .obj or .glb");
+                   "triangle mesh textured with the camera's picture: .ply, .stl, .obj or .glb");
   group.add_output("--depth", files.depth, "depth map, mm: .tiff");
   group.add_output("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff");
   group.add_output("--phase", files.phase, "wrapped phase, rad: .tiff");
   group.add_output("--modulation", files.modulation, "modulation B, grey levels: .tiff");
   group.add_output("--mean", files.mean, "mean A, grey levels: .tiff");
-  group.add_output(
-      "--epipolar", files.epipolar,
-      "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
+  group.add_output("--epipolar", files.epipolar,
+                   "distance from the epipolar line (--axis both), projector pixels: .tiff");
   group.add_output("--motion-map", files.motion,
-                   "with --motion: how far the phase moves from frame to frame, rad: .tiff");
-  group.add_output("--preview", files.preview, "depth as a coloured picture with a scale: .png");
-  group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
-  group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");
+                   "phase change from frame to frame (--motion), rad: .tiff");
+  group.add_output("--preview", files.preview, "coloured depth picture with a scale: .png");
+  group.add("--subsample", flags.subsample, "keep every Nth pixel of the cloud: 1, 2 or 4");
+  group.add("--normals", flags.normals, "add surface normals to the cloud, from 5x5 pixels");
   group.add("--uncertainty", flags.uncertainty,
-            "standard deviation of each point, by the frames' noise, into the cloud");
+            "add each point's standard deviation to the cloud, from the frames' noise");
 }
 
-/// With paths as from where the program runs: in the list they are relative to it.
+/// Paths in a list are relative to the list; converts them to the working directory.
 std::vector<ListedScans> scans_in_list(const fs::path& list) {
   const std::vector<std::uint8_t> bytes = read_file(list);
   std::vector<ListedScans> scans =
@@ -43,8 +42,8 @@ std::vector<ListedScans> scans_in_list(const fs::path& list) {
 void set_end(ListedScans& listed, const ScanChanges& changes) {
   const std::string& path = listed.path;
   if (!is_recording(path)) {
-    throw_if(fs::exists(path), "{}: windows are of recordings", path);
-    return listed.windows.reset();  // who reads it says why, and goes on
+    throw_if(fs::exists(path), "{}: only recordings have windows", path);
+    return listed.windows.reset();  // the reader reports why and continues
   }
   std::uint64_t count = 0;
   try {
@@ -52,7 +51,7 @@ void set_end(ListedScans& listed, const ScanChanges& changes) {
   } catch (const Error&) {
     return listed.windows.reset();
   }
-  throw_if(listed.windows->first >= count, "{}: {} windows; none is in {}:", path, count,
+  throw_if(listed.windows->first >= count, "{}: has {} windows; none in the range {}:", path, count,
            listed.windows->first);
   listed.windows->end = std::min(listed.windows->end, count);
 }
@@ -62,25 +61,23 @@ void set_end(ListedScans& listed, const ScanChanges& changes) {
 void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags) {
   required(command.add_file(
       "scans", flags.paths,
-      "scan folders (pictures, and scan.yaml or flags), recordings, or lists of them: "
-      ".txt"));
+      "scan folders (pictures with scan.yaml or flags), recordings, or lists of them: .txt"));
   command.add("--windows", flags.windows,
-              "recordings: windows A:B of their frames, B not among them; : for all");
+              "recordings: windows A to B of their frames, B excluded; ':' for all");
 }
 
 void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   const FlagGroup command{subcommand};
   flags.command = &subcommand;
-  command.add("--every", flags.every, "of a range's windows every so many");
+  command.add("--every", flags.every, "keep every Nth window");
   ReconstructSettings& settings = flags.cloud.settings;
   add_backend_flag(command, settings);
   command.add_named(
       "--cue-rule", settings.cue_rule, cue_rule_named, name_of(settings.cue_rule),
-      "fringe order from a cue in the same frames: consensus, likelihood or published");
-  command.add("--one-camera", flags.one_camera,
-              "use the first camera alone where the scan has two");
+      "how a cue in the same frames gives the fringe order: consensus, likelihood or published");
+  command.add("--one-camera", flags.one_camera, "use only the first camera of a scan with two");
   command.add("--match-window", flags.match.window,
-              "two cameras: half the width of the window whose plane gives the depth, pixels");
+              "two cameras: half-width of the matching window, pixels");
   add_output_flags(subcommand, flags);
   add_cloud_flags(subcommand, flags.cloud);
 }
@@ -109,7 +106,7 @@ std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
 }
 
 std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted) {
-  // What is done, and by whom, is not how.
+  // Which scans, and the number of threads, do not affect an output's content.
   static const std::set<std::string> of_run{"rig",      "json",   "threads", "windows",
                                             "manifest", "resume", "tasks",   "plan"};
   std::vector<std::string> arguments;

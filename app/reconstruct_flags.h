@@ -26,37 +26,37 @@ struct ReconstructFlags {
   bool normals = false;
   bool uncertainty = false;
   ResultFiles files;
-  std::string manifest;  ///< file; none if empty
+  std::string manifest;  ///< output file; empty: not written
   bool resume = false;
-  std::vector<ScanName> scans;        ///< of the paths, what is asked for
+  std::vector<ScanName> scans;        ///< outputs requested by the paths
   std::vector<std::string> settings;  ///< Arguments::settings of the command
-  const CLI::App* command = nullptr;  ///< whose flags they are
+  const CLI::App* command = nullptr;  ///< the command that owns the flags
 };
 
-/// Adds those that say which scans.
+/// Adds the flags that select scans.
 void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags);
 
-/// Adds those that say how they are reconstructed, and what is written where.
+/// Adds the flags for reconstruction and outputs.
 void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags);
 
-/// The scans that are asked for: folders, recordings, and lists of them, whose names end in .txt.
-/// --windows is the range of recordings without one of their own. A range ends at the end of its
-/// recording, which is opened for that unless the list says end and cost; one that cannot be read
-/// is one scan. Throws Error for a range that is none or has no window.
+/// The requested scans: folders, recordings, and .txt lists of them. --windows applies to
+/// recordings without their own range. Ranges are cut at the recording's end, which opens the
+/// recording unless the list states end and cost; an unreadable recording counts as one scan.
+/// Throws Error for an invalid range or one without a window.
 std::vector<ListedScans> listed_scans(const ReconstructFlags& flags);
 
 enum class Arguments {
   all,
-  settings  ///< that decide what outputs hold, beside files that are read
+  settings  ///< arguments that determine the outputs' content, apart from input files
 };
-/// Of its flags those of add_reconstruct_flags that were given, also by a rig file, as arguments:
-/// "--subsample=2", with absolute paths.
+/// The flags of add_reconstruct_flags given on the command line or in a rig file, as arguments ("--
+/// subsample=2") with absolute paths.
 std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted);
 
-/// Throws Error for values that cannot be.
+/// Throws Error for impossible values.
 void require_valid(const ReconstructFlags& flags);
 
-/// Reconstructs `scans` and tells each. Throws Error for flags that do not fit together.
+/// Reconstructs `scans` and prints each result. Throws Error for contradictory flags.
 void reconstruct_scans(ReconstructFlags flags, Output& output);
 
 }  // namespace slipstream::app

@@ -9,7 +9,7 @@
 namespace slipstream::app {
 namespace {
 
-/// low_steps to --low-steps.
+/// Converts low_steps to --low-steps.
 std::string flag_of(std::string setting) {
   std::replace(setting.begin(), setting.end(), '_', '-');
   return "--" + setting;
@@ -17,7 +17,7 @@ std::string flag_of(std::string setting) {
 
 std::vector<double> exposures_from(const std::string& text) {
   std::vector<double> exposures = numbers_in<double>(text, ',');
-  throw_if(exposures.empty(), "--exposures {} are no numbers with commas between, as 1,4,16 are",
+  throw_if(exposures.empty(), "--exposures '{}': expected comma-separated numbers, e.g. 1,4,16",
            text);
   return exposures;
 }
@@ -28,7 +28,7 @@ std::vector<double> settings_in(const std::string& text) {
   return numbers;
 }
 
-/// What is wrong with a setting that is no number; empty where nothing is.
+/// Why a non-numeric setting is invalid; empty if it is valid.
 std::string numbers_only(const std::string& text) {
   try {
     settings_in(text);
@@ -54,26 +54,25 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add_read<>(
       "--period-pixels",
       [&changes](const std::string& text) { changes.period_pixels = settings_in(text); },
-      "--periods, each in projector pixels");
-  group.add("--stripe", changes.stripe_pixels, "--stripes as the width of one in projector pixels");
+      "--periods as period lengths in projector pixels");
+  group.add("--stripe", changes.stripe_pixels,
+            "--stripes as the width of a stripe in projector pixels");
   group.add("--axis", changes.axes,
             "x: the pattern varies along projector columns; y: rows; both: first x, then y");
-  group.add("--projector", changes.projector, "projector pixels, as 1824x1140");
+  group.add("--projector", changes.projector, "projector size in pixels, e.g. 1824x1140");
   group.add("--alpha-p", changes.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", changes.beta_p, "darkest grey level of the patterns");
   group.add_read<>(
       "--exposures",
       [&changes](const std::string& text) { changes.exposures = exposures_from(text); },
-      "all patterns once for each, as 1,4,16: relative, or in ms; merged to one scan");
-  group.add(
-      "--motion", changes.motion,
-      "so many frames more than a cycle of one sinusoid, shown over and over, become a cloud: "
-      "2 or 4 where things move");
+      "repeat all patterns for each exposure and merge them, e.g. 1,4,16: relative, or in ms");
+  group.add("--motion", changes.motion,
+            "extra frames per cloud for motion compensation: 0, 2 or 4");
 }
 
 void set_box(std::optional<PointBox>& box, const std::vector<double>& numbers) {
-  throw_if(numbers.size() != 6, "--box takes 6 numbers, mm, not {}: -50,-50,600,50,50,800",
-           numbers.size());
+  throw_if(numbers.size() != 6,
+           "--box: expected 6 numbers in mm, got {}; e.g. -50,-50,600,50,50,800", numbers.size());
   box.emplace();
   std::copy_n(numbers.begin(), 3, box->least.begin());
   std::copy_n(numbers.begin() + 3, 3, box->largest.begin());
@@ -81,7 +80,8 @@ void set_box(std::optional<PointBox>& box, const std::vector<double>& numbers) {
 
 void set_outline(std::vector<PictureCorner>& outline, const std::vector<double>& numbers) {
   throw_if(numbers.size() % 2 != 0 || numbers.size() == 2,
-           "--outline takes column and row of two corners or more, not {} numbers: 100,80,500,400",
+           "--outline: expected column and row of two or more corners, got {} numbers; e.g. "
+           "100,80,500,400",
            numbers.size());
   outline.clear();
   for (std::size_t i = 0; i < numbers.size(); i += 2) {
@@ -89,12 +89,12 @@ void set_outline(std::vector<PictureCorner>& outline, const std::vector<double>&
   }
 }
 
-/// Puts into the scan the response that its phases are corrected for, both in the check and in the
-/// cloud. Two cameras under one projector match whatever phase it shows.
+/// Sets the response that corrects the scan's phases in check and cloud. Two cameras match each
+/// other's phase, so they need none.
 GammaChoice gamma_of(Scan& scan, const ScanFlags& flags) {
   GammaChoice choice = choose_response(scan, flags.gamma);
   if (scan.further_cameras.empty()) return choice;
-  return {.source = "two cameras", .sentence = "two cameras, free of gamma"};
+  return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
 }
 
 StoredCloud cloud_of_scan(const std::string& path, const CloudFlags& flags, Output& output) {
@@ -117,15 +117,12 @@ StoredCloud cloud_of_scan(const std::string& path, const CloudFlags& flags, Outp
 }  // namespace
 
 void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker) {
-  const FlagGroup group{subcommand, "What the patterns are"};
+  const FlagGroup group{subcommand, "Patterns"};
   add_sequence_flags(group, changes);
-  group.add("--binary", changes.binary,
-            "in pixels that are dark or bright alone, whose mean is the pattern: for a DMD that "
-            "shows a bit at a time");
+  group.add("--binary", changes.binary, "dither patterns to 1 bit, for DMD projectors");
   if (with_marker) {
-    group.add(
-        "--marker", changes.marker,
-        "a dark frame ends each cycle, so that a camera that begins anywhere finds its place");
+    group.add("--marker", changes.marker,
+              "end each cycle with a dark frame, so that a camera can start anywhere");
   }
   const Sequence usual = default_sequence({1024, 1024}, {});
   subcommand.get_option("--strategy")->default_str(usual.strategy.name());
@@ -135,11 +132,11 @@ void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with
 }
 
 void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
-  const FlagGroup group{subcommand, "What the patterns are, where not as the scan says"};
+  const FlagGroup group{subcommand, "Patterns (override the scan's own)"};
   add_sequence_flags(group, changes.sequence);
   group.add("--order", changes.order,
-            "which frame shows each pattern, counted from 0, as 2,0,1; or code,sinusoids where the "
-            "code comes first; else as they come");
+            "frame index of each pattern, from 0, e.g. 2,0,1; or 'code,sinusoids' if the code "
+            "comes first");
 }
 
 bool is_pattern_switch(const std::string& word) {
@@ -151,20 +148,17 @@ bool is_pattern_switch(const std::string& word) {
 
 void add_anyway_flag(CLI::App& subcommand, bool& anyway) {
   FlagGroup{subcommand}.add("--anyway", anyway,
-                            "go on where the check refuses the scan, and mark the results");
+                            "continue with a scan that the check refuses, and mark the results");
 }
 
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
   const FlagGroup options{subcommand};
-  options.add_file("--scanner", flags.scanner, "scanner file; where not that of the scan");
-  options.add("--ambient", flags.photometry.ambient,
-              "ambient light, grey levels of 255, where not that of the scanner file");
-  options.add("--noise-variance", flags.photometry.noise_variance,
-              "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
+  options.add_file("--scanner", flags.scanner, "scanner file; default: the scan's own");
+  options.add_settings(flags.photometry);
   options.add("--gamma", flags.gamma,
-              "the response the phase is corrected for: scanner (as its file says, if it does), "
-              "blind (from the frames), none, or a number");
-  options.add("--camera-bits", flags.bits, "of the camera, where 16-bit files hold fewer");
+              "response correction: scanner (from its file, if present), blind (from the frames), "
+              "none, or a gamma");
+  options.add("--camera-bits", flags.bits, "bit depth of the camera, if below 16 in 16-bit files");
   add_scan_flags(subcommand, flags);
 }
 
@@ -174,19 +168,18 @@ void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
 }
 
 void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
-  FlagGroup{subcommand, "Which pixels become points"}.add_settings(settings,
-                                                                   [](const Setting&, auto&) {});
+  FlagGroup{subcommand, "Valid pixels"}.add_settings(settings);
 }
 
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
-  const FlagGroup group{subcommand, "Which points stay, and how"};
+  const FlagGroup group{subcommand, "Cleaning"};
   const auto take_raw = [&settings] {
     settings.clean = CleanSettings::none();
     settings.nearest = settings.nearest.value_or(0);
     settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
   };
-  subcommand  // first, so that flags set what it has cleared
-      .add_flag_callback("--raw", take_raw, "leave all points in: no filter but those asked for")
+  subcommand  // first, so that later flags set again what it clears
+      .add_flag_callback("--raw", take_raw, "keep all points; apply only filters given by flag")
       ->group(group.name);
   group.add_settings(settings.clean, [&group](const Setting& setting, auto& value) {
     const auto read = [&value](const std::vector<double>& numbers) {
@@ -198,7 +191,7 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
     };
     group.add_read<std::vector<double>>(setting.flag, read, setting.help)->delimiter(',');
   });
-  subcommand.get_option("--min-component")->default_str("");  // its help says it
+  subcommand.get_option("--min-component")->default_str("");  // its help names the default
 }
 
 void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {
@@ -232,7 +225,7 @@ Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_ca
 Scan load(const std::string& path, const ScanFlags& flags, bool all_cameras, Output& output) {
   Scan scan = load_checkable(path, flags, all_cameras, output);
   throw_if(!scan.scanner.has_value(),
-           "{}: no scanner is known for it; name its file with --scanner or in scan.yaml", path);
+           "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
   return scan;
 }
 
@@ -245,7 +238,7 @@ SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flag
   scan.further_cameras.empty() ? require_reconstructible(sound.setup) : require_valid(sound.setup);
   sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
   refuse_or_warn(sound.checked, name, flags.anyway, output);
-  if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags);  // may be another
+  if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags);  // may differ
   sound.setup.scanner.photometry.response = sound.gamma.response;
   sound.checking = watch.lap();
   return sound;
@@ -255,8 +248,7 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
   if (!is_cloud_file(path)) return cloud_of_scan(path, flags, output);
   StoredCloud stored = read_cloud(path);
   throw_if(!stored.organised,
-           "{}: its points are not in the order of pixels, by which they are named; measure the "
-           "scan, or an organised .pcd",
+           "{}: its points are not organised by pixel; measure the scan, or an organised .pcd",
            path);
   return stored;
 }

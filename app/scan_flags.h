@@ -13,24 +13,25 @@
 
 namespace slipstream::app {
 
-/// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p,
-/// --beta-p, --exposures, --motion and --binary; `with_marker` also --marker, for what shows
-/// patterns again and again, or sees them. A switch also has its opposite: --no-backwards.
+/// Adds --strategy, a flag per setting of the registry, --axis, --projector, --alpha-p, --beta-p,
+/// --exposures, --motion and --binary; `with_marker` also --marker, for commands that show or see
+/// repeated patterns. Switches also have an opposite: --no-backwards.
 void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker = false);
 
-/// Adds those of add_pattern_flags but --binary, and --order, for what reads scans.
+/// Adds the flags of add_pattern_flags except --binary, and --order; for commands that read scans.
 void add_scan_flags(CLI::App& subcommand, ScanChanges& changes);
 
-/// Whether the word is a flag that switches a setting of patterns on.
+/// Whether the word is a switch of a pattern setting.
 bool is_pattern_switch(const std::string& word);
 
-/// What flags say over what a scan says itself: its frames and what took them.
+/// Overrides of a scan's own description and scanner, from flags.
 struct ScanFlags : ScanChanges {
   std::string gamma = "scanner";
-  PhotometricCalibration photometry;  ///< what flags say of it
+  PhotometricCalibration photometry;  ///< its flags
 };
 
-/// Adds --scanner, --camera-bits, --gamma, --ambient, --noise-variance and those of add_scan_flags.
+/// Adds --scanner, --camera-bits, --gamma, --ambient, --noise-variance and the flags of
+/// add_scan_flags.
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// Adds --anyway.
@@ -45,19 +46,19 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
 /// Adds --raw, which also removes the limits of depth, and the flags of `settings.clean`.
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings);
 
-/// The flags of what makes clouds of scans.
+/// Flags of commands that reconstruct scans.
 struct CloudFlags : ScanFlags {
   ReconstructSettings settings;
   bool anyway = false;
 };
 
-/// Adds --anyway and those of points, cleaning and scans.
+/// Adds --anyway and the flags of points, cleaning and scans.
 void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags);
 
-/// Of the windows of a recording the first opens it for all. Thread-safe.
+/// Recordings opened once for all their windows. Thread-safe.
 class OpenedRecording {
  public:
-  /// Null for what is not a recording. Throws Error as RecordingReader.
+  /// Null if the path is not a recording. Throws Error like RecordingReader.
   std::shared_ptr<const RecordingReader> at(const std::string& path);
 
  private:
@@ -66,33 +67,32 @@ class OpenedRecording {
   std::shared_ptr<const RecordingReader> reader_;
 };
 
-/// A scan, a folder or a recording, with its scanner, changed by the flags; that of a second camera
-/// with it if `all_cameras`. Warnings of the frames' reader go to `output`.
+/// Loads a scan folder or recording with its scanner and the flags' overrides; with `all_cameras`
+/// also the second camera's. Warnings of the reader go to `output`.
 Scan load(const std::string& path, const ScanFlags& flags, bool all_cameras, Output& output);
 
-/// The same of a scan whose scanner need not be known.
+/// Loads a scan whose scanner may be unknown.
 Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
                     Output& output);
 
-/// A scan that the check did not refuse.
+/// A scan that passed the check.
 struct SoundScan {
-  EngineSetup setup;  ///< of what reconstructs it
-  GammaChoice gamma;  ///< that its phases are corrected for
+  EngineSetup setup;  ///< for its engine
+  GammaChoice gamma;  ///< the response correction in use
   CheckedScan checked;
-  double choosing = 0, checking = 0;  ///< s that both took
+  double choosing = 0, checking = 0;  ///< time of both, s
 };
 
-/// Chooses the scan's gamma and checks it; its frames may have been put in order. Throws Error if
-/// it cannot be reconstructed or is refused.
+/// Chooses the scan's gamma and checks it; may reorder its frames. Throws Error if it cannot be
+/// reconstructed or is refused.
 SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output);
 
 inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;
 }
 
-/// An organised cloud: of a .pcd file, or of a scan as reconstruct makes it, with its uncertainty
-/// if the noise is known. Throws Error for a cloud that is not organised, or a scan that is
-/// refused.
+/// An organised cloud from a .pcd file, or from a scan as reconstruct makes it, with uncertainty if
+/// the noise is known. Throws Error if the cloud is not organised or the scan is refused.
 StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output);
 
 }  // namespace slipstream::app

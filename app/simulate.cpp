@@ -12,7 +12,7 @@ struct SimulateFlags {
   std::string folder;
   VirtualFlags devices;
   SequenceChanges scan;
-  std::optional<int> boards;  ///< poses of a board; none: a scene is wanted
+  std::optional<int> boards;  ///< poses of a board; 0: a scene
   BoardFlags board;
   bool unquantised = false;
   bool second_camera = false;
@@ -21,7 +21,7 @@ struct SimulateFlags {
   double paint = 0;
 };
 
-/// Pictures of the scene under each of the projector's colours.
+/// Takes pictures of the scene under each of the projector's colours.
 void write_primaries(const SimulateFlags& flags, const VirtualWorld& world, Output& output) {
   const FrameSet frames = take_colour_scan(world.scanner, world.scene, primary_patterns({}),
                                            world.photometry, {usual_mixture, flags.paint})
@@ -33,11 +33,10 @@ void write_primaries(const SimulateFlags& flags, const VirtualWorld& world, Outp
   }
   make_folder(flags.folder);
   write_colour_frames(pictures, frames);
-  output.say("took pictures under black, red, green and blue; they are in {}", flags.folder);
+  output.say("wrote pictures under black, red, green and blue to {}", flags.folder);
 }
 
-/// Takes scans of the board along x and along y in each pose, as `sequence` says, into folders
-/// board01/x, board01/y and so on.
+/// Takes scans of the board along x and y in each pose into folders board01/x, board01/y and so on.
 void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
                      const Sequence& sequence, Output& output) {
   const fs::path folder = flags.folder;
@@ -54,9 +53,9 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
       save_board_scans(folder, sequence, world, misprinted(sheet, world.photometry.physics), poses,
                        [&] { progress.advance(); });
   progress.finish();
-  output.say("took a {} of {}x{}, {:g} mm apart, in {} poses of {}; they are in {}",
-             name_of(board.kind), board.columns, board.rows, board.spacing, count,
-             text_of(scanner.camera.size), folder.string());
+  output.say("took a {} of {}x{}, spacing {:g} mm, in {} poses of {}, into {}", name_of(board.kind),
+             board.columns, board.rows, board.spacing, count, text_of(scanner.camera.size),
+             folder.string());
   output.document = described("folder", folder.string(), "poses", names, "width",
                               scanner.camera.size.width, "height", scanner.camera.size.height);
 }
@@ -66,13 +65,13 @@ void simulate(const SimulateFlags& flags, Output& output) {
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
   if (flags.unquantised) world.photometry.bits.reset();
   if (flags.boards) {
-    throw_if(flags.second_camera, "--second-camera is of a scene; --boards takes none");
+    throw_if(flags.second_camera, "--second-camera needs a scene; it does not work with --boards");
     return simulate_boards(flags, world, sequence, output);
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
   throw_if(!(!flags.second_camera || lower_case_extension(flags.folder) != ".slip"),
-           "--second-camera takes a folder; a recording holds the frames of one");
+           "--second-camera needs a folder; a recording holds one camera's frames");
   Stopwatch watch;
   if (flags.in_colour) world.scanner.photometry.colour_mixture = usual_mixture;
   const VirtualScan virtual_scan =
@@ -93,20 +92,20 @@ void simulate(const SimulateFlags& flags, Output& output) {
     write_scan_files(folder / "scan.yaml", files);
   }
 
-  output.say("took {} frames of {} ({}) in {:.2f} s; the scan is in {}",
-             virtual_scan.frames.count(), text_of(world.scanner.camera.size),
+  output.say("took {} frames of {} ({}) in {:.2f} s, into {}", virtual_scan.frames.count(),
+             text_of(world.scanner.camera.size),
              flags.devices.mesh.value_or(flags.devices.scene).string(), seconds, folder.string());
   output.document = described("scan", folder.string(), "frames", virtual_scan.frames.count(),
                               "width", world.scanner.camera.size.width, "height",
                               world.scanner.camera.size.height, "render_s", seconds);
 }
 
-/// Adds --boards, which excludes the flags of a scene and --axis, and the flags of the board, which
-/// need it. Those must have been added before.
+/// Adds --boards, which excludes scene flags and --axis, and the board flags, which need it. Call
+/// after the scene flags are added.
 void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
   CLI::Option* boards = simulate.add_option(
       "--boards", flags.boards,
-      "instead of a scene: a calibration board in so many poses, scanned along x and y");
+      "scan a calibration board in this many poses, along x and y, instead of a scene");
   boards->group("Board");
   FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
                                            "--move", "--turn", "--vibrate", "--breathe", "--axis"});
@@ -119,31 +118,33 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
 void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   const FlagGroup group{command, "Devices"};
   group.add_file("--scanner", flags.devices.scanner_file,
-                 "scanner file to imitate; an example where not given");
+                 "scanner file to imitate; default: an example");
   group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
   group.add("--second-camera", flags.second_camera,
-            "a second camera beyond the projector sees the scan too, into second/");
+            "add a second camera on the other side of the projector; its scan goes into second/");
   group.add("--colour", flags.in_colour,
-            "camera and projector in colour: three frames are one picture's channels, which see a "
-            "fifth of each other's light");
+            "colour camera and projector: three patterns per picture, with 20 % crosstalk between "
+            "channels");
   group.add("--primaries", flags.primaries,
-            "instead, pictures of the scene in colour under black, red, green and blue");
+            "take colour pictures of the scene under black, red, green and blue instead");
   group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries"});
   group.add("--paint", flags.paint,
-            "in colour: surfaces of all hues, which take at most that share of a channel's light");
+            "with --colour: coloured surfaces that absorb up to this share of a channel's light");
 }
 
 }  // namespace
 
 void add_simulate(const Commands& program) {
   const auto [command, flags] =
-      program.add(simulate, "simulate", "let the virtual scanner take a scan (with ground truth)");
-  required(command.add("folder", flags.folder,
-                       "where the scan goes: a folder, or a recording where it ends in .slip"));
+      program.add(simulate, "simulate", "take a scan with the virtual scanner, with ground truth");
+  required(
+      command.add("folder", flags.folder, "output folder, or a recording if it ends in .slip"));
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
   add_pattern_flags(command.app, flags.scan);
   add_boards_flags(command.app, flags);
+  command.common({"--scene", "--mesh", "--strategy", "--steps", "--high", "--low", "--camera",
+                  "--world", "--exposures", "--boards"});
   command.examples(
       {"simulate scan --scene statue --strategy dual-frequency --steps 3 --high 16 --low 1"});
 }

@@ -53,7 +53,7 @@ nlohmann::json json_of(const BenchReport& report) {
 void bench(const BenchFlags& flags, Output& output) {
   BenchSettings settings;
   TimingSettings timing;
-  using Threads = tbb::global_control;  // as --threads limits them
+  using Threads = tbb::global_control;  // limited by --threads
   settings.most_threads = static_cast<int>(Threads::active_value(Threads::max_allowed_parallelism));
   if (flags.quick) {
     settings.steps = {3};
@@ -140,24 +140,25 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
 }  // namespace
 
 void add_reproduce(const Commands& program) {
-  const auto [command, flags] = program.add(
-      reproduce, "reproduce", "the dissertation's tables and figures: published beside recomputed");
-  command.add("names", flags.names, "as table-4.1 figure-4.7 section-4.5, or all");
-  command.add("--list", flags.list, "say what there is");
-  command.add("--plots", flags.plots, "folder for the figures as PNG");
-  command.add_output("--report", flags.report, "a Markdown report: .md");
-  command.add("--seed", flags.seed, "of the simulated noise");
+  const auto [command, flags] =
+      program.add(reproduce, "reproduce",
+                  "recompute the dissertation's tables and figures beside the published values");
+  command.add("names", flags.names,
+              "what to recompute, e.g. table-4.1 figure-4.7 section-4.5, or all");
+  command.add("--list", flags.list, "list tables, figures and sections");
+  command.add("--plots", flags.plots, "folder for the figures (PNG)");
+  command.add_output("--report", flags.report, "Markdown report: .md");
+  command.add("--seed", flags.seed, "seed of the simulated noise");
   command.examples({"reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report report.md"});
 }
 
 void add_bench(const Commands& program) {
   const auto [command, flags] =
-      program.add(bench, "bench", "times of every stage on this machine, and of its peers");
-  command.add("--quick", flags.quick, "N = 3 and 640x480 alone, one run of each row");
-  command.add("--gpu", flags.gpu,
-              "the first GPU beside the fused pass on all threads, and nothing else");
+      program.add(bench, "bench", "time every stage on this machine, beside other implementations");
+  command.add("--quick", flags.quick, "only N = 3 and 640x480, one run per row");
+  command.add("--gpu", flags.gpu, "only compare the first GPU with the fused pass on all threads");
   command.examples({"bench", "bench --json > bench.json"},
-                   "Ratios within one run hold better than times from run to run: other work on "
+                   "Compare ratios within one run rather than times between runs: other load on "
                    "the machine slows all rows.");
 }
 

@@ -1,4 +1,4 @@
-// All that needs windows, for builds with SLIPSTREAM_VIEW.
+// Commands and displays that need windows, for builds with SLIPSTREAM_VIEW.
 #include <system_error>
 
 #include "app/live.h"
@@ -16,14 +16,14 @@ void draw(const view::ViewSource& source, const ViewFlags& flags, view::Surround
           const char* name, const std::string& path, Output& output) {
   if (path.empty()) return;
   if (!source.newest()) {
-    throw WorldError(fmt::format("{}: no cloud came that could be drawn", path));
+    throw WorldError(fmt::format("{}: no cloud to draw", path));
   }
   write_image(path, view::render_screen(source, flags.settings, flags.size, surround));
   output.add_file(name, path);
 }
 
-/// Draws --snapshot, and --screenshot if wanted, without a window, as far as they are given. Throws
-/// WorldError without a cloud.
+/// Draws --snapshot and, if requested, --screenshot without a window. Throws WorldError without a
+/// cloud.
 void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool screenshot_too,
                     Output& output) {
   draw(source, flags, view::Surround::nothing, "snapshot", flags.snapshot, output);
@@ -40,7 +40,7 @@ view::ViewSource view_source_of(LiveSession& session) {
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
                                  cycle_length(source.setup->sequence), name);
   source.camera = session.recorder.controls();
-  source.camera_region = fmt::format("{} pixels; --region at the start changes that",
+  source.camera_region = fmt::format("{} pixels; set by --region at the start",
                                      text_of(session.recorder.format().size));
   source.change = [&session](const EngineSetup& setup) { change_setup(session, setup); };
   source.changed = [&session, seen = session.changes.load()]() mutable {
@@ -63,16 +63,15 @@ view::ViewSource view_source_of(LiveSession& session) {
 }  // namespace
 
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
-  const FlagGroup group{subcommand, "What is drawn"};
+  const FlagGroup group{subcommand, "Drawing"};
   group.add_output("--snapshot", flags.snapshot,
-                   "the cloud as a picture, drawn without a window: .png, .tiff or .bmp");
-  group.add_output("--screenshot", flags.screenshot,
-                   "likewise with the panel and the camera's pictures beside it");
-  group.add("--size", flags.size, "of window and pictures, pixels");
+                   "draw the cloud without a window into a picture: .png, .tiff or .bmp");
+  group.add_output("--screenshot", flags.screenshot, "the same with panel and camera pictures");
+  group.add("--size", flags.size, "size of window and pictures, pixels");
   group.add_named("--colour", flags.settings.colour, view::point_colour_named,
                   view::point_colour_names().front(),
-                  fmt::format("of the points: {}", fmt::join(view::point_colour_names(), ", ")));
-  group.add("--save-to", flags.save_to, "where the viewer's Save makes a folder for each scan");
+                  fmt::format("point colours: {}", fmt::join(view::point_colour_names(), ", ")));
+  group.add("--save-to", flags.save_to, "folder in which Save makes a folder per scan");
 }
 
 void require_good(const ViewFlags& flags) {
@@ -124,7 +123,7 @@ namespace {
 struct ViewPathFlags {
   std::string path;
   CloudFlags cloud;
-  std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
+  std::vector<const CLI::Option*> of_scans;  ///< flags for scans only
   const CLI::App* command = nullptr;
   ViewFlags view;
   std::string web;  ///< [ADDRESS:]PORT; empty: in a window
@@ -151,7 +150,7 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
   return source;
 }
 
-/// Scan folders and files in a folder that can be viewed, by name.
+/// Viewable scan folders and files in a folder, by name.
 std::vector<std::string> viewable_in(const fs::path& folder) {
   std::vector<std::string> paths;
   std::error_code none;
@@ -181,16 +180,16 @@ view::ViewSource source_of(const ViewPathFlags& flags, Output& output) {
   return source;
 }
 
-/// Nothing yet, but files to open.
+/// An empty scene with a list of files to open.
 view::ViewSource source_of_nothing() {
   return {.title = "slipstream view",
           .newest = [] { return view::ShownCloud{}; },
           .waits_for = "Drop a scan folder or a cloud here, or choose one at the left."};
 }
 
-/// A page instead of a window: the frames over and over, as live does it.
+/// A page instead of a window: loops the frames as live does.
 void serve_page(const ViewPathFlags& flags, Output& output) {
-  throw_if(!is_scan(flags.path), "--web shows scan folders and recordings, which '{}' is not",
+  throw_if(!is_scan(flags.path), "--web shows scan folders and recordings; '{}' is neither",
            flags.path);
   LiveFlags replay;
   replay.headless = true;
@@ -200,7 +199,7 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
   replay.source.loop = true;
   replay.source.sequence = flags.cloud.sequence;
   replay.source.scanner = flags.cloud.scanner;
-  if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no times of its own
+  if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no timestamps
   replay.publish = {"web:" + flags.web};
   replay.view = flags.view;
   live(replay, output);
@@ -210,10 +209,10 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   if (!flags.web.empty()) return serve_page(flags, output);
   require_good(flags.view);
   const bool scan = is_scan(flags.path);
-  const bool of_rig = flags.command->count("--rig") > 0;  // which says more than a cloud needs
+  const bool of_rig = flags.command->count("--rig") > 0;  // errors here would not concern a cloud
   for (const CLI::Option* option : flags.of_scans) {
     throw_if(!(scan || of_rig || option->count() == 0 || !fs::exists(flags.path)),
-             "{}: {} is of scans", flags.path, option->get_name());
+             "{}: {} applies to scans only", flags.path, option->get_name());
   }
   view::ViewSource source = flags.path.empty() ? source_of_nothing() : source_of(flags, output);
   output.document = described("path", flags.path, "files", nlohmann::json::object());
@@ -238,14 +237,13 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 }  // namespace
 
 void add_view(const Commands& program) {
-  const auto [command, flags] =
-      program.add(view_path, "view", "look at a cloud or a scan, in a window or as a picture");
-  command.add_file(
-      "path", flags.path,
-      "a scan folder, a recording, or a cloud or mesh: .ply .pcd .xyz .stl .obj .glb; chosen "
-      "in the window without");
+  const auto [command, flags] = program.add(
+      view_path, "view", "view a cloud or a scan in a window, or draw it into a picture");
+  command.add_file("path", flags.path,
+                   "a scan folder, a recording, a cloud or a mesh: .ply .pcd .xyz .stl .obj .glb; "
+                   "default: choose in the window");
   command.add("--web", flags.web,
-              "a page at this [ADDRESS:]PORT in place of a window, as live --publish web: has it");
+              "serve a web page at [ADDRESS:]PORT instead of a window, see live --publish web:");
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.cloud);
@@ -254,6 +252,8 @@ void add_view(const Commands& program) {
   const std::vector<CLI::Option*> options = command.app.get_options();
   flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
+  command.common(
+      {"--snapshot", "--screenshot", "--size", "--colour", "--web", "--scanner", "--raw"});
   command.examples(
       {"view scan", "view cloud.ply --colour depth --snapshot cloud.png --size 1920x1080"},
       "Drag to turn, with the right button to move, wheel to zoom; Tab hides the panel, Esc "

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Engine.cloud from numpy beside the row `engine` of `slipstream bench`, and from several threads.
+"""Times Engine.cloud from numpy, from several threads, and the row `engine` of `slipstream bench`.
 
-bench_python.py PROGRAM, with the module on PYTHONPATH. The scan is that of the row: 640x480, N = 3.
+bench_python.py PROGRAM, with the module on PYTHONPATH. The scan is the row's: 640x480, N = 3.
 """
 
 import json
@@ -28,7 +28,7 @@ def bench_engine():
 
 
 def milliseconds(work):
-    """The median of one call, of SCANS of them."""
+    """Median time of SCANS calls."""
     times = []
     for _ in range(SCANS):
         start = time.perf_counter()
@@ -38,9 +38,9 @@ def milliseconds(work):
 
 
 def milliseconds_in_program(program):
-    told = subprocess.run(
+    finished = subprocess.run(
         [program, "bench", "--threads", "1", "--json"], capture_output=True, check=True)
-    rows = json.loads(told.stdout)["rows"]
+    rows = json.loads(finished.stdout)["rows"]
     return next(row for row in rows if row["name"] == "engine" and row["steps"] == 3
                 and row["threads"] == 1)["ms"]
 
@@ -67,7 +67,7 @@ def main():
         eight = clouds_per_second(engine, frames, 8)
         points = milliseconds(lambda: engine.cloud(frames).points)
     print(f"Engine.cloud from numpy: {in_python:.3f} ms; with .points {points:.3f} ms")
-    print(f"8 threads give {eight:.0f} clouds per second, {eight / alone:.2f} times those of one")
+    print(f"8 threads: {eight:.0f} clouds per second, {eight / alone:.2f} times one thread")
     if len(sys.argv) > 1:
         in_program = milliseconds_in_program(sys.argv[1])
         print(f"row engine of slipstream bench: {in_program:.3f} ms; "

@@ -7,13 +7,13 @@
 namespace slipstream {
 namespace {
 
-/// Ratios told as how many times as fast the fused pass is, and the others as times of its own.
+/// Rows reported by how many times as fast the fused pass is; other ratios are of times.
 constexpr std::array peers{"lut", "traditional", "simd", "opencv-psp", "opencv-hand"};
 constexpr std::array<std::pair<const char*, const char*>, 6> relatives{
     {{"engine", "time of the public call, times that of the fused pass alone:"},
      {"clean", "time of cleaning a cloud by default, times that of the fused pass alone:"},
-     {"live-check", "time of live's look at a cycle of 3 frames, times that of one of its clouds:"},
-     {"model-view", "time of taking a view into a model, times that of the fused pass:"},
+     {"live-check", "time of live's check of a cycle of 3 frames, times that of one cloud:"},
+     {"model-view", "time of adding a view to a model, times that of the fused pass:"},
      {"fused-corrected", "time with a phase correction, times the time without:"},
      {"fused-dual", "time of two frequencies (6 frames), times that of one:"}}};
 
@@ -21,7 +21,7 @@ bool is_fused_of_three(const TimedRow& timed) {
   return timed.row.name == "fused" && timed.row.steps == 3;
 }
 
-/// The row of that name and N, 640x480, on one thread; null where there is none.
+/// Row with this name and N, 640x480, on one thread; null if there is none.
 const TimedRow* find(const std::vector<TimedRow>& rows, const std::string& name, int steps) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const TimedRow& timed) {
     return timed.row.name == name && timed.row.steps == steps && timed.row.width == 640 &&
@@ -84,7 +84,7 @@ std::string sizes(const BenchReport& report) {
   return text;
 }
 
-/// Each row of the GPU beside that of the fused pass which gives the same.
+/// Rows of the GPU, each with the fused pass's row of the same result.
 std::string beside_gpu(const std::vector<TimedRow>& rows) {
   std::string text =
       "\nframes to                                gpu ms        /s   GB/s   fused ms   "

@@ -9,14 +9,13 @@
 
 namespace slipstream {
 
-/// What the fused pass is held against, on one thread at N = 3 and 640x480 where nothing else is
-/// said. What has no row has no ratio.
+/// Speed of the fused pass compared with others, on one thread at N = 3 and 640x480 unless stated.
+/// Rows that were not run have no ratio.
 struct BenchRatios {
-  /// Time of the row of that name over the time of `fused`.
+  /// Time of the row with that name divided by the time of `fused`.
   std::map<std::string, double> over_fused{};
-  std::optional<double>
-      largest_per_pixel{};          ///< time per pixel of the largest picture over 640x480
-  std::optional<double> threads{};  ///< time on one thread over that on all
+  std::optional<double> largest_per_pixel{};  ///< time per pixel of the largest over 640x480
+  std::optional<double> threads{};            ///< time on one thread over time on all
 };
 
 BenchRatios bench_ratios(const std::vector<TimedRow>& rows);
@@ -32,15 +31,15 @@ inline constexpr std::array<PublishedMark, 2> published_marks{
 /// One run of `slipstream bench`.
 struct BenchReport {
   BenchMachine machine{};
-  std::string gpu{};  ///< and its driver; of gpu_rows
+  std::string gpu{};  ///< GPU of gpu_rows, and its driver
   std::vector<TimedRow> rows{};
   BenchRatios ratios{};
 };
 
-/// What a terminal shows of the machine, a line each.
+/// Machine, for a terminal, one property per line.
 std::string text_of(const BenchMachine& machine);
 
-/// And of the times: tables, ratios, published marks.
+/// Times, for a terminal: tables, ratios, published marks.
 std::string text_of(const BenchReport& report);
 
 }  // namespace slipstream

@@ -25,7 +25,7 @@ namespace {
 using SharedScan = std::shared_ptr<const Scan>;
 
 constexpr double cloud_bytes = 4 * sizeof(float) + 1;  ///< x, y, z, intensity, validity
-/// The blocks' share in a pixel; those of the rows between two knots are the same.
+/// Bytes of blocks per pixel; rows between two knots share them.
 constexpr double block_bytes =
     static_cast<double>(sizeof(RayBlocks::Block)) / (RayBlocks::width * RayBlocks::spacing);
 constexpr double published_cloud_bytes = 4 * sizeof(double);
@@ -51,7 +51,7 @@ BenchRow row_for(const Scan& scan, std::string name, int steps, double bytes,
 void add_published(std::vector<BenchRow>& rows, const SharedScan& scan, int steps) {
   const auto loops =
       std::make_shared<PublishedLoops>(*scan->scanner, Axis::x, bytes_of(scan->frames));
-  loops->general();  // the phase that the rows of points start from
+  loops->general();  // gives the rows of points their phase
   const auto add = [&](const char* name, double bytes, void (PublishedLoops::*loop)()) {
     rows.push_back(row_for(*scan, name, steps, bytes, [scan, loops, loop] { ((*loops).*loop)(); }));
   };
@@ -71,8 +71,8 @@ void add_published(std::vector<BenchRow>& rows, const SharedScan& scan, int step
   add("lut", N + sizeof(PointForm3) + published_cloud_bytes, &PublishedLoops::lut);
 }
 
-/// The kernels of the fused pass, but each over the whole picture before the next, with images of
-/// phase and flags between them.
+/// The kernels of the fused pass, each over the whole image before the next, with intermediate
+/// images of phase and flags.
 class StageByStage {
  public:
   explicit StageByStage(const Scan& scan)
@@ -127,8 +127,8 @@ class StageByStage {
   std::vector<const std::uint8_t*> frame_rows_;
 };
 
-/// What is asked of a scan; `resident`: a cloud of frames that are on the device, and it stays
-/// there. Points are not asked of a GPU.
+/// Result requested from a scan; `resident`: a cloud from frames on the device, which stays there.
+/// The GPU gives no points.
 enum class Asked { cloud, depth, depth16, resident, points };
 constexpr std::array<const char*, 4> asked_names{"cloud", "depth", "depth16", "resident"};
 constexpr std::array<double, 5> result_bytes{cloud_bytes, sizeof(float) + 1, sizeof(std::uint16_t),
@@ -149,7 +149,7 @@ struct Results {
   }
 };
 
-/// The fused pass itself.
+/// The fused pass alone.
 BenchRow fused_row(const SharedScan& scan, std::string name, int steps,
                    Asked asked = Asked::cloud) {
   struct Work {
@@ -169,8 +169,8 @@ BenchRow fused_row(const SharedScan& scan, std::string name, int steps,
   });
 }
 
-/// What Engine::cloud does after the fused pass: the raw cloud's points that a cleaning takes are
-/// put back first, which is timed with it.
+/// Cleaning, as Engine::cloud does after the fused pass. First restores the points that the last
+/// cleaning removed, which is timed too.
 class CleanAgain {
  public:
   explicit CleanAgain(const Scan& scan) {
@@ -208,7 +208,7 @@ class CleanAgain {
   std::vector<Taken> taken_;
 };
 
-/// The same through the call that everybody makes.
+/// The same through the public call.
 BenchRow engine_row(const SharedScan& scan, std::string name, int steps,
                     const ReconstructSettings& settings = {}) {
   struct Work {
@@ -223,10 +223,10 @@ BenchRow engine_row(const SharedScan& scan, std::string name, int steps,
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
 
-/// Scans that the GPU takes in one submission: small ones, and those of 640x480 that fit one.
+/// Scans in one GPU submission: small ones, and as many of 640x480 as fit.
 constexpr std::size_t many_small = 64, many = GpuEngine::pixels_at_once / (std::size_t{640} * 480);
 
-/// A scan on the GPU, many times where asked for, and in the fused pass. `results`: so many scans.
+/// A scan on the GPU, many times if requested, and in the fused pass. `results`: one per scan.
 class OnBoth {
  public:
   OnBoth(const Scan& scan, std::shared_ptr<std::vector<Results>> results)
@@ -279,17 +279,17 @@ void add_gpu_rows(std::vector<BenchRow>& rows, const SharedScan& scan, const cha
   }
 }
 
-/// The look that live takes at each cycle of frames.
+/// Check of each cycle of frames in live.
 BenchRow live_check_row(const SharedScan& scan, int steps) {
   const auto check =
       std::make_shared<LiveCheck>(scan->sequence, *scan->scanner, scan->frames.size());
   const FrameViews frames = scan->frames;
-  check->look(frames);  // the first one checks the scan whole
+  check->look(frames);  // the first check covers the whole scan
   return row_for(*scan, "live-check", steps, 0,
                  [scan, check, frames] { static_cast<void>(check->look(frames)); });
 }
 
-/// Views of a statue that turns to and fro, taken into its model.
+/// Adds views of a statue, turned back and forth, to its model.
 BenchRow model_view_row() {
   struct Work {
     std::array<Cloud, 2> views{statue_cloud(false), statue_cloud(true)};
@@ -305,14 +305,14 @@ BenchRow model_view_row() {
       }};
 }
 
-/// The scan with a response to correct for.
+/// The scan, with a response to correct.
 SharedScan with_gamma(const Scan& scan, double gamma) {
   Scan bent = scan;
   bent.scanner->photometry.response = {.response = PowerLaw{gamma}, .gamma = gamma};
   return std::make_shared<const Scan>(std::move(bent));
 }
 
-/// The rows of one N at 640x480.
+/// Adds the rows of one N at 640x480.
 void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
   const Frames<std::uint8_t> frames = bytes_of(scan->frames);
   add_published(rows, scan, steps);

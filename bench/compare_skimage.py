@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The same phases by scikit-image: spatial_table --npy FOLDER, then this with FOLDER."""
+"""Unwraps phases with scikit-image: run spatial_table --npy FOLDER, then this with FOLDER."""
 
 import pathlib
 import sys

@@ -15,7 +15,7 @@
 namespace slipstream {
 namespace {
 
-/// OpenCV takes no picture that it may not write; none of these functions does.
+/// OpenCV has no read-only images; these functions do not write to them.
 std::vector<cv::Mat> mats_of(const Frames<std::uint8_t>& frames) {
   std::vector<cv::Mat> mats;
   for (const auto& frame : frames) {
@@ -36,7 +36,7 @@ cv::Mat projection(const Eigen::RowVector4d& first, const Eigen::RowVector4d& se
   return matrix;
 }
 
-/// Frames to points; what is kept between calls is what a loop over scans would keep.
+/// Frames to points; keeps buffers between calls, as a loop over scans would.
 class ByHand {
  public:
   ByHand(const Frames<std::uint8_t>& frames, const Scanner& scanner, Axis axis)

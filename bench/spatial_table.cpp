@@ -1,5 +1,4 @@
-// How often each unwrapping is right, how long it takes and what memory: the table of
-// docs/how-to/unwrap-phase-maps.md.
+// Success rate, time and memory of each unwrapping: the table of docs/how-to/unwrap-phase-maps.md.
 //
 //   spatial_table [--small | --large] [--only METHOD] [--phase NAME]     METHOD may be opencv
 //   spatial_table --npy FOLDER    writes the phases, for compare_skimage.py
@@ -26,9 +25,9 @@ namespace slipstream {
 namespace {
 namespace fs = std::filesystem;
 
-/// The most memory so far, MB; from now on if `anew`.
-double peak_memory(bool anew) {
-  if (anew) std::ofstream("/proc/self/clear_refs") << 5;
+/// Peak memory, MB; resets the peak first if `restart`.
+double peak_memory(bool restart) {
+  if (restart) std::ofstream("/proc/self/clear_refs") << 5;
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
     if (word != "VmHWM:") continue;
@@ -75,7 +74,7 @@ void measure(const std::string& method, const NamedPhase& phase, Size size) {
   const std::clock_t busy = std::clock();
   const Image<float> unwrapped = unwrapped_by(method, known.wrapped);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  // Of the processor, by all threads: what others take away counts for the time alone.
+  // CPU time of all threads; other programs affect only the wall-clock time.
   const double worked = static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC;
   std::printf("%-13s %-9s %9s  right %8.4f %%  %8.3f s  %8.3f s of work  %6.0f MB\n",
               method.c_str(), phase.name.c_str(), text_of(size).c_str(),

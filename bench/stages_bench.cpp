@@ -1,4 +1,4 @@
-// Benchmarks of the single stages.
+// Benchmarks of single stages.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -22,12 +22,12 @@
 namespace slipstream {
 namespace {
 
-// The stages of the fused pass, a row of 640 pixels in cache, on every vector target.
+// Stages of the fused pass on a row of 640 pixels in cache, for every vector target.
 
 constexpr int width = 640;
 constexpr std::size_t row_size = width;
 
-/// A row through the middle of the scene and everything that the stages write.
+/// A row through the middle of the scene, and the outputs of the stages.
 struct Row {
   explicit Row(const Strategy& strategy)
       : scan(bench_scan(strategy)),
@@ -101,7 +101,7 @@ void turns_to_points(benchmark::State& state, const std::string& target) {
   return true;
 }();
 
-// What a change of the scanner costs: the tables of the fused pass at 640x480.
+// Cost of a new scanner: the tables of the fused pass at 640x480.
 
 void ray_table_640x480(benchmark::State& state) {
   const Lens camera = example_scanner().camera;
@@ -115,10 +115,11 @@ void stripe_geometry_with_projector_lens(benchmark::State& state) {
 }
 BENCHMARK(stripe_geometry_with_projector_lens)->Unit(benchmark::kMillisecond);
 
-// A real scan taken by others, 1688x1352, six frames, from images in memory to cloud on one thread.
+// A real public scan, 1688x1352, six frames: images in memory to a cloud on one thread.
 void skull_to_cloud(benchmark::State& state) {
   const std::filesystem::path folder = shared_data() / "skull";
-  if (!std::filesystem::exists(folder)) return state.SkipWithError("the skull's data is not there");
+  if (!std::filesystem::exists(folder))
+    return state.SkipWithError("the data set 'skull' is missing");
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const Scanner scanner = read_scanner(folder / "calibration.xml");
   const FrameSet frames = read_frames(images_in_folder(folder / "dual-frequency")).frames;

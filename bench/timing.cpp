@@ -19,8 +19,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Milliseconds of one scan. One thread's own time leaves out what the machine gave to others in
-/// between; of several threads only the clock on the wall says how long they took together.
+/// Milliseconds of one scan: CPU time for one thread, which excludes other programs; wall-clock
+/// time for several, since only that covers all of them.
 double milliseconds_of(const BenchRow& row) {
   const auto own_time = [] {
     timespec now{};

@@ -6,7 +6,7 @@
 
 namespace slipstream {
 
-/// What the times are of.
+/// Machine on which the times are measured.
 struct BenchMachine {
   std::string processor;
   std::string vectors;   ///< the vector instructions in use
@@ -14,29 +14,27 @@ struct BenchMachine {
                          ///< large array to another
 };
 
-/// This one; the bandwidth is measured.
+/// Describes this machine; measures the bandwidth.
 BenchMachine bench_machine();
 
-/// One thing to time. Everything that it needs stands in memory; `run` does it once.
+/// One operation to time. Its inputs are in memory; `run` does it once.
 struct BenchRow {
   std::string name;
   int steps = 0;
   int width = 0;
   int height = 0;
   int threads = 1;
-  int scans = 1;  ///< of one run; times are for each
-  /// Bytes that one pixel reads and writes, tables and output included, when each is touched once;
-  /// 0 where that says nothing.
+  int scans = 1;  ///< per run; times are per scan
+  /// Bytes read and written per pixel, with tables and output, each touched once; 0 if meaningless.
   double bytes_per_pixel = 0;
-  bool is_coding = false;      ///< held against `fused` of three steps in a table of its own
-  bool is_beside_gpu = false;  ///< of a GPU, or held against one; the clock on the wall counts
+  bool is_coding = false;      ///< compared with `fused` at three steps, in a separate table
+  bool is_beside_gpu = false;  ///< on a GPU or compared with one; wall-clock time counts
   std::function<void()> run;
 
   [[nodiscard]] double pixels() const { return static_cast<double>(width) * height; }
 };
 
-/// Milliseconds of one scan, of the thread's own time for rows of one thread, else by the clock on
-/// the wall: the median, and between which the middle half of the runs lies.
+/// Milliseconds per scan: median and quartiles. CPU time on one thread, else wall-clock time.
 struct Timing {
   double median = 0;
   double lower_quartile = 0;
@@ -55,11 +53,11 @@ struct TimedRow {
 };
 
 struct TimingSettings {
-  int rounds = 7;             ///< over all rows, so that a slow while of the machine meets all
-  double row_seconds = 0.05;  ///< at least so long for each row in each round
+  int rounds = 7;             ///< over all rows, so that a slow phase of the machine affects all
+  double row_seconds = 0.05;  ///< minimum for each row in each round
 };
 
-/// Each row with its timing, in order. `after_row` is called after every row of every round.
+/// Times each row, in order. Calls `after_row` after every row of every round.
 std::vector<TimedRow> timed(const std::vector<BenchRow>& rows, const TimingSettings& settings,
                             const std::function<void()>& after_row);
 

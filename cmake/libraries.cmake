@@ -1,7 +1,7 @@
-# Where the libraries come from that rooms link. The build reads this, and so does the installed
-# package, so that a program finds what the rooms it asks for need and nothing else.
+# Where to find the libraries that rooms link. The build and the installed package both read this,
+# so a program finds only the libraries that its rooms need.
 set(slipstream_libraries
-  # target                       pkg-config      find_package (without: found with pkg-config)
+  # target                       pkg-config      find_package (if omitted: pkg-config)
   "Eigen3::Eigen                 eigen3          Eigen3"
   "fmt::fmt                      fmt             fmt"
   "TBB::tbb                      tbb             TBB"
@@ -30,7 +30,7 @@ set(slipstream_libraries
   "PkgConfig::epoxy              epoxy"
   "PkgConfig::imgui              imgui")
 
-# The words of the library's line above, less the target.
+# The words of the library's line above, without the target.
 function(slipstream_library_origin library result)
   foreach(line IN LISTS slipstream_libraries)
     separate_arguments(words UNIX_COMMAND "${line}")
@@ -40,10 +40,10 @@ function(slipstream_library_origin library result)
       return()
     endif()
   endforeach()
-  message(FATAL_ERROR "cmake/libraries.cmake does not say where ${library} comes from")
+  message(FATAL_ERROR "cmake/libraries.cmake has no line for ${library}")
 endfunction()
 
-# slipstream_find_library(TBB::tbb REQUIRED), or QUIET: afterwards the target exists, if it can.
+# slipstream_find_library(TBB::tbb REQUIRED) or QUIET: defines the target if the library is found.
 function(slipstream_find_library library mode)
   if(TARGET ${library})
     return()

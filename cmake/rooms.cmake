@@ -1,16 +1,15 @@
-# A room is a folder of slipstream/ and the target slipstream::<room>. It may include headers of the
-# rooms it USES and of no others; tests/rooms/rooms_test.cpp reads the list written here and fails
-# when a source file includes another.
+# A room is a folder of slipstream/ and the target slipstream::<room>. It may include only headers
+# of the rooms it USES; tests/rooms/rooms_test.cpp reads the list written here and fails if a source
+# includes any other.
 #
-#   slipstream_room(phase
-#     USES error image capture          rooms to its left
-#     LINKS Eigen3::Eigen               libraries that its headers show
-#     HIDES TBB::tbb                    libraries that only its sources see
-#     LEAVES_OUT some.cpp)              sources that this build goes without
+#   slipstream_room(decode
+#     USES base codes frames            rooms declared before it
+#     LINKS Eigen3::Eigen               libraries that its headers include
+#     HIDES TBB::tbb                    libraries that only its sources include
+#     LEAVES_OUT some.cpp)              sources not to compile
 #
-# The libraries are found when a room names them: cmake/libraries.cmake says where. A room that is
-# compiled also hides fmt::fmt. Headers in folders below it, and those called *-inl.h, are its own
-# affair and are not installed.
+# cmake/libraries.cmake says where to find each library. A room with sources also hides fmt::fmt.
+# Headers in subfolders and headers named *-inl.h are private: they are not installed.
 #
 # Each room is installed as a component of the CMake package and as slipstream-<room>.pc.
 include(${CMAKE_CURRENT_LIST_DIR}/libraries.cmake)
@@ -20,8 +19,8 @@ set_property(GLOBAL PROPERTY SLIPSTREAM_ROOMS "")
 set_property(GLOBAL PROPERTY SLIPSTREAM_ROOM_LINES "")
 set_property(GLOBAL PROPERTY SLIPSTREAM_PACKAGE_LINES "")
 
-# Read once, not by each source: headers of the standard library and of the packages that all need.
-# Sources include what they use all the same: CMAKE_DISABLE_PRECOMPILE_HEADERS goes without.
+# Precompiled: standard headers and those of libraries that every room uses. Sources still include all
+# that they use, so CMAKE_DISABLE_PRECOMPILE_HEADERS works.
 slipstream_find_library(Eigen3::Eigen REQUIRED)
 slipstream_find_library(fmt::fmt REQUIRED)
 set(slipstream_precompiled_headers
@@ -33,8 +32,8 @@ target_compile_features(slipstream_precompiled PRIVATE cxx_std_20)
 target_link_libraries(slipstream_precompiled PRIVATE Eigen3::Eigen fmt::fmt slipstream_warnings)
 target_precompile_headers(slipstream_precompiled PRIVATE ${slipstream_precompiled_headers})
 
-# Several sources are compiled as one: what they all read is read once. No two sources of a target
-# may give one name to two things of their own. -DCMAKE_UNITY_BUILD=OFF compiles each alone.
+# Compiles several sources as one, to parse shared headers once. Sources of a target must not reuse
+# each other's file-local names. -DCMAKE_UNITY_BUILD=OFF compiles each alone.
 function(slipstream_unity target batch)
   if(NOT DEFINED CMAKE_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
@@ -65,7 +64,7 @@ function(slipstream_room room)
     slipstream_unity(${target} 10)
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE ${arg_HIDES} $<BUILD_INTERFACE:slipstream_warnings>)
-    # They hold for one set of options only: those of Aravis have -pthread.
+    # Precompiled headers require equal options; Aravis, for one, adds -pthread.
     if(NOT library_options)
       target_precompile_headers(${target} REUSE_FROM slipstream_precompiled)
     endif()
@@ -79,10 +78,9 @@ function(slipstream_room room)
   target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   if(hwy::hwy IN_LIST arg_HIDES)
-    # Vector targets that are not compiled. SSSE3 is older than any machine worth it, AVX3_DL has
-    # nothing more that is used here, and vectors of a length unknown to the compiler (SVE, RVV)
-    # cannot be members of a class. Sanitized builds have AVX2 and what any machine has: the other
-    # targets come from the same source, and they take long to compile.
+    # Vector targets not compiled: SSSE3 machines are too old to matter, AVX3_DL adds no instruction
+    # used here, and vectors of unknown length (SVE, RVV) cannot be class members. Sanitized builds
+    # have only AVX2 and the baseline: the others compile slowly from the same source.
     set(unused_targets HWY_SSSE3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)
     if(CMAKE_CXX_FLAGS MATCHES "SLIPSTREAM_TWO_VECTOR_TARGETS")
       string(APPEND unused_targets "|HWY_SSE4|HWY_AVX3")
@@ -100,7 +98,7 @@ function(slipstream_room room)
   endif()
 endfunction()
 
-# Part of slipstream_room(), whose arguments it reads.
+# Part of slipstream_room(); reads its variables.
 function(slipstream_install_room room sources)
   file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.h)
   list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
@@ -112,7 +110,7 @@ function(slipstream_install_room room sources)
   set_property(GLOBAL APPEND_STRING PROPERTY SLIPSTREAM_PACKAGE_LINES
     "set(slipstream_${room}_uses ${uses})\nset(slipstream_${room}_libraries ${libraries})\n")
 
-  # Who links an archive links what it hides, too; a shared library brings that along.
+  # Users of a static library must link its hidden libraries too; a shared library links them itself.
   set(hidden "")
   if(BUILD_SHARED_LIBS)
     set(hidden .private)
@@ -141,7 +139,7 @@ function(slipstream_install_room room sources)
     list(REMOVE_DUPLICATES ${variable})
     list(JOIN ${variable} " " ${variable})
   endforeach()
-  # The prefix is told from where the file lies, so that the folder can be moved.
+  # Paths are relative to the .pc file, so the installation can be moved.
   set(modules_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
   cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}
              OUTPUT_VARIABLE libraries_folder)
@@ -153,8 +151,8 @@ function(slipstream_install_room room sources)
   install(FILES ${module} DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 
-# slipstream_shaders(reconstruct points): gpu/points.comp of the room to points.spirv.inc, the
-# words of a constant that a source includes.
+# slipstream_shaders(reconstruct points): compiles the room's gpu/points.comp to points.spirv.inc,
+# an initialiser list that a source includes.
 function(slipstream_shaders room)
   set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room}/gpu)
   set(all "")
@@ -166,7 +164,7 @@ function(slipstream_shaders room)
         DEPENDS ${folder}/${shader}.comp ${folder}/stages.glsl ${folder}/gpu_stages.h
                 ${folder}/../fused/stage_numbers.h)
     else()
-      file(CONFIGURE OUTPUT ${words} CONTENT "{0}")  # for no device
+      file(CONFIGURE OUTPUT ${words} CONTENT "{0}")  # never used
     endif()
     target_sources(slipstream_${room} PRIVATE ${words})
     list(APPEND all ${words})
@@ -175,7 +173,7 @@ function(slipstream_shaders room)
   target_include_directories(slipstream_${room} PRIVATE ${PROJECT_BINARY_DIR}/shaders)
 endfunction()
 
-# After the last room: what makes one package of them.
+# Installs the CMake package; called after the last room.
 function(slipstream_install_package)
   get_property(rooms GLOBAL PROPERTY SLIPSTREAM_ROOMS)
   list(JOIN rooms " " rooms)
@@ -191,7 +189,7 @@ function(slipstream_install_package)
           RENAME slipstream-libraries.cmake)
 endfunction()
 
-# One line a room, "decode: base codes frames", for the test.
+# One line per room, "decode: base codes frames", for tests/rooms.
 function(slipstream_write_rooms file)
   get_property(lines GLOBAL PROPERTY SLIPSTREAM_ROOM_LINES)
   list(JOIN lines "\n" text)

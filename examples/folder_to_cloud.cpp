@@ -1,4 +1,4 @@
-// A scan folder to a cloud in one call: folder_to_cloud SCAN CLOUD.ply
+// Reconstructs a scan folder in one call: folder_to_cloud SCAN CLOUD.ply
 #include <cstdio>
 
 #include "slipstream/base/error.h"

@@ -1,4 +1,4 @@
-// The live pipeline: each new frame gives a cloud of the newest four, handed to a function.
+// Live pipeline: after each new frame, a callback gets a cloud of the newest four.
 #include <atomic>
 #include <chrono>
 #include <cstdio>

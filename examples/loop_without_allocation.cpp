@@ -1,5 +1,5 @@
-// Scan after scan through one engine: tables are built once, and from the second scan on nothing is
-// allocated. The frames stand in memory of the caller's, as a camera's driver would fill it.
+// Reconstructs many scans with one engine: tables are built once, and only the first scan allocates
+// memory. The caller owns the frame buffers, as with a camera driver.
 #include <cstdint>
 #include <cstdio>
 #include <vector>
@@ -15,7 +15,7 @@ int main() {
   const Sequence sequence{.strategy = make_strategy("pmp", {{"steps", 3}})};
   Engine engine(scanner, sequence);
 
-  // Three frames of 640x480 in rows of 704 bytes, one behind another.
+  // Three frames of 640x480 in one buffer, each row padded to 704 bytes.
   constexpr Size size{640, 480};
   constexpr std::ptrdiff_t stride = 704;
   std::vector<std::uint8_t> buffer(3 * 480 * stride);
@@ -23,7 +23,7 @@ int main() {
   for (int n = 0; n < 3; ++n) views.emplace_back(buffer.data() + n * 480 * stride, size, stride);
   const FrameViews frames(views);
 
-  // Three steps of a coordinate that rises from left to right, as a flat thing would show them.
+  // Simulates a flat object: the projector coordinate rises from left to right.
   const PatternSet patterns = pattern_set(sequence);
   for (int n = 0; n < 3; ++n) {
     for (int row = 0; row < size.height; ++row) {

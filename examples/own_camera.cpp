@@ -1,4 +1,4 @@
-// A camera of your own: a FrameSource that fills frames, here from pictures in memory.
+// Your own camera: a FrameSource that fills frames, here from images in memory.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -21,7 +21,7 @@ class OwnCamera : public FrameSource {
   void start() override { taken_ = 0; }
   Arrival next(Frame& frame, std::chrono::milliseconds) override {
     if (taken_ == pictures_.size()) return Arrival::ended;
-    frame.pixels = pictures_[taken_].pixels;  // a driver's buffer would be copied here
+    frame.pixels = pictures_[taken_].pixels;  // copy a driver's buffer here
     frame.stamp.sequence = taken_++;
     frame.stamp.host_time = std::chrono::steady_clock::now();
     return Arrival::frame;

@@ -1,5 +1,5 @@
-// A coding that slipstream does not know, declared as a layout and run by the fused engine: two
-// frames a quarter of a period apart and a flat one between them (2+1 phase shifting).
+// Your own strategy, declared as a layout and run by the fused engine: two frames shifted by a
+// quarter of a period, and a flat one (2+1 phase shifting).
 #include <cmath>
 #include <cstdio>
 #include <numbers>

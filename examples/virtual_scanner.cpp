@@ -1,4 +1,4 @@
-// A scan without hardware: what the virtual scanner sees, and how far the cloud is from the truth.
+// Simulates a scan, without hardware, and compares the cloud with the true depth.
 #include "slipstream/simulate/virtual_scanner.h"
 
 #include <cmath>

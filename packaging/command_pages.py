@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""What a shell and `man` want to know of the program, made of its --help.
+"""Writes shell completions and man pages from the program's --help.
 
-command_pages.py PROGRAM FOLDER: completions for bash, zsh and fish, and a page for the program and
-each of its commands, by help2man.
+command_pages.py PROGRAM FOLDER: completions for bash, zsh and fish, and a man page, made by
+help2man, for the program and for each command.
 """
 
 import pathlib
@@ -11,21 +11,21 @@ import subprocess
 import sys
 
 
-def told(program, *words):
+def output_of(program, *words):
     done = subprocess.run([program, *words], capture_output=True, text=True, check=True)
     return done.stdout
 
 
 def commands_of(program, *words):
-    """Each command by its words, with its help, its flags and the commands below it."""
-    text = told(program, *words, "--help")
-    head, _, tail = text.partition("\nSubcommands:\n")
-    below = dict(re.findall(r"^  (\S+) {2,}(.*)$", tail, re.MULTILINE))
-    # What it means is one space on, or on the line below, where the flag's own is full.
-    flags = dict(re.findall(r"^  (?:-\w,)?(--[\w-]+).*?(?:  |REQUIRED |\n) *(\S.*)$", head,
-                            re.MULTILINE))
-    for flag, opposite in re.findall(r"^  (--[\w-]+),(--no-[\w-]+)\{false\}", head, re.MULTILINE):
-        flags[opposite] = flags[flag]
+    """Yields each command as (words, flags, subcommands), with the description of each."""
+    text = re.sub(r"\n {20,}", "  ", output_of(program, *words, "--help"))  # wrapped descriptions
+    entries = re.findall(r"^  (\S.*?) {2,}(\S.*)$", text, re.MULTILINE)
+    below, flags = {}, {}
+    for term, said in entries:
+        names = re.findall(r"--[\w-]+", term)
+        flags |= {name: re.sub(r" {2,}", " ", said) for name in names}
+        if not names and f"Usage: {path_of(words)} COMMAND" in text:
+            below[term] = re.sub(r" {2,}", " ", said)
     yield words, flags, below
     for name in below:
         yield from commands_of(program, *words, name)
@@ -40,7 +40,7 @@ def path_of(words):
 
 
 def shell_script(commands, head, choice, offer):
-    """bash and zsh alike: the command so far by its words, then what may follow."""
+    """A bash or zsh script: finds the command typed so far, then offers what may follow."""
     known = " | ".join(f"'{path_of(words)}'" for words, _, _ in commands if words)
     cases = [f"    '{path_of(words)}') choices=({' '.join(choice(*one) for one in {**below, **flags}.items())}) ;;"
              for words, flags, below in commands]
@@ -86,7 +86,7 @@ def main():
     commands = list(commands_of(program))
     for name, make in [("slipstream.bash", bash), ("_slipstream", zsh), ("slipstream.fish", fish)]:
         (folder / name).write_text(make(commands))
-    version = told(program, "--version").strip()
+    version = output_of(program, "--version").strip()
     helps = {name: said for _, _, below in commands for name, said in below.items()}
     for words, _, _ in commands:
         page = folder / ("-".join(("slipstream", *words)) + ".1")

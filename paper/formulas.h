@@ -6,22 +6,22 @@
 #include "slipstream/codes/response.h"
 #include "slipstream/frames/frame_set.h"
 
-// What the dissertation says of noise and gamma beside what slipstream needs.
+// Formulas of the dissertation, on noise and gamma, that slipstream does not need.
 namespace slipstream {
 
 /// Variance of X and Y, and so of the reflectivity (3.36), under noise of variance sigma_w^2 (grey
 /// levels^2): Eq. (3.27); with c_1 or c_2 as `share`, (3.95) and (3.96).
 double reflectivity_variance(int steps, double alpha_p, double noise_variance, double share = 1);
 
-/// The estimate of alpha that stays stable whatever c_1: Eq. (3.97), c_1 alpha_1 + c_2 alpha_2, of
-/// the estimates by either modulation.
+/// Estimate of alpha that is stable for every c_1: Eq. (3.97), c_1 alpha_1 + c_2 alpha_2, from the
+/// estimates by either modulation.
 double weighted_reflectivity(double alpha_1, double alpha_2, double c1);
 
-/// Variance of that: Eq. (3.98), 16 sigma_w^2 / (N alpha_p^2).
+/// Variance of this estimate: Eq. (3.98), 16 sigma_w^2 / (N alpha_p^2).
 double weighted_reflectivity_variance(int steps, double alpha_p, double noise_variance);
 
-/// Variance of the reference signal in the half phase channel of 4-pattern PCMP, over sigma_w^2:
-/// Eq. (3.76).
+/// Variance of the reference signal in the half phase channel of 4-pattern PCMP, relative to
+/// sigma_w^2: Eq. (3.76).
 double half_phase_reference_variance(double alpha, double alpha_p, double c1, double R);
 
 /// B_k of Liu 2010, Eq. (4.9), for alpha alpha_p = 1: twice the mean of ((1 + cos theta) / 2)^gamma
@@ -35,22 +35,22 @@ using HarmonicRatios = std::vector<double>;
 /// G_0 ... G_highest by the recurrence (4.40). highest >= 1; gamma > 0.
 HarmonicRatios harmonic_ratios(double gamma, int highest);
 
-/// The same from the harmonics given alone, H_s (4.43) and H_c (4.44) cut off there.
+/// distorted_phase from the given harmonics only: H_s (4.43) and H_c (4.44) are truncated.
 double distorted_phase(const HarmonicRatios& G, int steps, double phi);
 
 double phase_error(const HarmonicRatios& G, int steps, double phi);
 
-/// The true phase behind one that was measured with the given harmonics alone, as Table 4.1 has it.
+/// True phase for a measured one, from the given harmonics only, as in Table 4.1.
 double true_phase(const HarmonicRatios& G, int steps, double measured);
 
 /// RMS of the phase error over the circle, rad.
 double rms_phase_error(const Response& response, int steps);
 
-/// Double three-step phase shifting: six frames of one sinusoid are two sets of three, a sixth of a
-/// turn apart, whose phases are averaged. The error of Eq. (4.45) with N = 3 is odd in the sixth of
-/// a turn, so its largest part cancels. What people do instead of correcting the phase; it costs
-/// three frames. Wrapped phase of every pixel, rad, [0, 2 pi), from the 6 frames that start at
-/// `first`.
+/// Double three-step phase shifting, a common alternative to phase correction: six frames of one
+/// sinusoid are two sets of three, a sixth of a turn apart, whose phases are averaged. The error of
+/// Eq. (4.45) for N = 3 changes its sign with a sixth of a turn, so its largest part cancels; this
+/// costs three frames. Wrapped phase of every pixel, rad, [0, 2 pi), from the 6 frames that start
+/// at `first`.
 Image<double> double_three_step_phase(const FrameViews& frames, int first);
 
 }  // namespace slipstream

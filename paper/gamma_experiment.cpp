@@ -21,11 +21,11 @@ using Parameters = std::vector<std::pair<std::string, double>>;
 
 constexpr Size camera{320, 240};
 
-/// What the paper prints of one N; the textured object only for N = 3 with calibration.
+/// Printed results for one N; the textured object with calibration only for N = 3.
 struct Published {
   int steps;
   double gamma;
-  double ambient;  ///< grey levels: none for N = 3, as the paper has it
+  double ambient;  ///< grey levels: none for N = 3, as in the paper
   double before;
   std::optional<double> calibrated;
   double blind;
@@ -45,7 +45,7 @@ PhaseCorrections correction_for(int steps, double gamma) {
   return {{steps, phase_correction(PowerLaw{gamma}, steps)}};
 }
 
-/// The middle row of a map of errors, over the column.
+/// Errors in the middle row, over the column.
 PlotLine middle_row(std::string label, const Image<double>& errors) {
   PlotLine line{std::move(label)};
   for (int column = 0; column < errors.width(); ++column) {
@@ -54,7 +54,7 @@ PlotLine middle_row(std::string label, const Image<double>& errors) {
   return line;
 }
 
-/// The middle row of a surface seen from above.
+/// Middle row of a surface, from above.
 PlotLine middle_row_from_above(std::string label, const Cloud& surface) {
   const float* x = surface.x.row(surface.size().height / 2);
   const float* z = surface.z.row(surface.size().height / 2);
@@ -62,7 +62,7 @@ PlotLine middle_row_from_above(std::string label, const Cloud& surface) {
   return {std::move(label), {x, x + width}, {z, z + width}};
 }
 
-/// The surface from the front, before and after correction, and from above.
+/// Plots the surface from the front, before and after correction, and from above.
 void add_surface_plots(const BoardExperiment& board, const Image<double>& measured,
                        const Image<double>& calibrated, const std::string& figure,
                        Reproduction& result) {
@@ -75,7 +75,7 @@ void add_surface_plots(const BoardExperiment& board, const Image<double>& measur
   result.plots.push_back({figure + "-corrected", ReliefPlot{std::move(after)}});
 }
 
-/// Before, with the true gamma, and without calibration.
+/// Errors before correction, with the true gamma, and without calibration.
 void add_correction_cells(const BoardExperiment& board, const Published& paper, bool textured,
                           Reproduction& result) {
   const auto& [steps, gamma, ambient, before_printed, calibrated_printed, blind_printed, figure] =
@@ -127,7 +127,7 @@ void add_correction_cells(const BoardExperiment& board, const Published& paper, 
                middle_row("without calibration", board.error(blind))});
 }
 
-/// Gamma of the projector from 20 steps, on this surface.
+/// Gamma of the projector from 20 steps, on this board.
 GammaEstimate calibrated_gamma(const BoardExperiment& board, double gamma, Reproduction* plots) {
   constexpr int steps = 20;
   const FrameSet frames = board.averaged(steps, gamma, 5, 12);
@@ -168,7 +168,7 @@ Reproduction section_45(std::uint64_t seed) {
     result.add("gamma calibrated on the textured object", {{"gamma", gamma}}, published(2.2079),
                on_texture);
   }
-  // What people do instead, on the white board.
+  // Common alternatives to phase correction, on the white board.
   const Parameters parameters{{"gamma", 2.21}};
   const FrameSet six = white.averaged(6, 2.21, 5);
   const Image<std::uint8_t> lit = well_lit(pixel_harmonics(six, 0, 6), six);
@@ -181,7 +181,7 @@ Reproduction section_45(std::uint64_t seed) {
              white.rms_error(inverse, {}, lit));
   result.notes.emplace_back(
       "The virtual scanner, 8-bit frames, sigma_w^2 = 1.55, averaged over 48 scans, f = 8; all lit "
-      "pixels of the board, where the paper has one row of a real board.");
+      "pixels of the board, while the paper has one row of a real board.");
   return result;
 }
 

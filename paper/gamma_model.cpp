@@ -13,10 +13,10 @@ namespace {
 
 using std::numbers::pi;
 
-/// The gamma of most of the chapter's figures.
+/// Gamma of most figures in Chapter 4.
 constexpr double paper_gamma = 3.18;
 
-/// A line of y over evenly spaced x.
+/// Line of y over evenly spaced x.
 template <class Function>
 PlotLine line_of(std::string label, double low, double high, int pieces, const Function& y) {
   PlotLine line{std::move(label)};
@@ -29,7 +29,7 @@ PlotLine line_of(std::string label, double low, double high, int pieces, const F
 
 constexpr int circle_samples = 3000;
 
-/// RMS over the circle of a function of the phase, which is asked `circle_samples` times.
+/// RMS over the circle of a function of the phase, at `circle_samples` phases.
 template <class Function>
 double rms_over_circle(const Function& f) {
   double sum = 0;
@@ -45,7 +45,7 @@ double measured_in_circle(const Response& response, int steps, double phi) {
   return measured - 2 * pi * std::floor(measured / (2 * pi));
 }
 
-/// What a table of the correction leaves of the error.
+/// RMS error left after correction by a table.
 double rms_left_by(const PhaseCorrection& correction, const Response& response) {
   return rms_over_circle([&](double phi) {
     const double measured = measured_in_circle(response, correction.steps, phi);
@@ -67,7 +67,7 @@ Reproduction table_41(std::uint64_t /*seed*/) {
     result.add("RMS phase error after correction, rad",
                {{"N", 3}, {"gamma", 3.18}, {"highest harmonic", highest}}, published, rms, table);
   }
-  result.notes.emplace_back("Improved is the table that slipstream corrects with: all harmonics.");
+  result.notes.emplace_back("Improved: slipstream's correction table, with all harmonics.");
   return result;
 }
 
@@ -139,7 +139,7 @@ Reproduction figure_46(std::uint64_t /*seed*/) {
   result.draw("figure-4.6", "RMS phase error against gamma", "gamma", "rad", PlotScale::logarithmic,
               lines);
   result.notes.emplace_back(
-      "The error vanishes at whole gamma up to N - 2; the plot passes beside those points.");
+      "The error is 0 at whole gamma up to N - 2; the plot does not sample these points.");
   return result;
 }
 

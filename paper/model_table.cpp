@@ -11,8 +11,8 @@
 namespace slipstream {
 namespace {
 
-/// Signed distances of a model's points from the scene's surfaces along their normals, mm; infinite
-/// where there is none.
+/// Signed distances of a model's points from the scene's surfaces along the points' normals, mm;
+/// infinite if there is no surface.
 std::vector<double> distances_from(const Scene& scene, const ModelPoints& model) {
   constexpr double reach = 5;
   std::vector<double> distances;
@@ -62,23 +62,23 @@ Reproduction model_table(std::uint64_t seed) {
   const auto add = [&](std::string what, double value) {
     result.add(std::move(what), {}, std::nullopt, std::nullopt, value);
   };
-  add("views taken in", model.views());
+  add("views merged", model.views());
   add("points", all);
   add("RMS error, mm", std::sqrt(squares / near));
   add("mean error, mm", sum / near);
   add("points off by more than 1 mm, %", 100 * (all - near) / all);
-  add("turn of the last view off by, degrees",
+  add("rotation error of the last view, degrees",
       Eigen::AngleAxisd(off).angle() * 180 / std::numbers::pi);
   result.notes.emplace_back(
-      "Against the statue where the first view saw it; of points within 1 mm. 640x480, noise of "
-      "variance 1.55.");
+      "Compared with the statue at its position in the first view, over points within 1 mm. "
+      "640x480, noise variance 1.55.");
   return result;
 }
 
 }  // namespace
 
 std::vector<Reproducible> model_reproducibles() {
-  return {{"experiment", "model", "A statue of 360 views, one model", model_table}};
+  return {{"experiment", "model", "one model of a statue from 360 views", model_table}};
 }
 
 }  // namespace slipstream

@@ -50,7 +50,7 @@ bool inside(const VirtualScan& scan, int column, int row) {
   return true;
 }
 
-/// As of a user who knows the range of depth, which some strategies need.
+/// Settings of a user who knows the depth range, which some strategies need.
 ReconstructSettings settings_for(const VirtualScan& scan) {
   constexpr double beyond = 5;  // mm
   ReconstructSettings settings{.clean = CleanSettings::none()};
@@ -62,8 +62,8 @@ ReconstructSettings settings_for(const VirtualScan& scan) {
   return settings;
 }
 
-/// What 90 % of the depth errors stay below, mm, against what is there in the middle of the scan,
-/// away from edges; free of noise and not quantised. None where there is no point.
+/// 90th percentile of the depth errors, mm, relative to the depth in the middle of the scan, away
+/// from edges, without noise or quantisation. Nullopt if there are no points.
 std::optional<double> depth_error(const Scanner& scanner, Scene scene, const Sequence& sequence,
                                   const Eigen::Vector3d& motion) {
   const Photometry exact{.noise_variance = 0, .bits = std::nullopt};
@@ -123,18 +123,16 @@ Reproduction motion_table() {
     }
   }
   result.notes.push_back(
-      "Free of noise; one period of the 4 steps. Against the depth in the middle of each scan, "
-      "away "
-      "from edges, of surfaces of one paint. The order of one frame is that of the depth range, "
-      "and in "
-      "doubt for the statue before its wall.");
+      "Without noise; the 4 steps have one period. Errors are relative to the depth in the middle "
+      "of each scan, away from edges, on surfaces of uniform paint. With one frame the depth "
+      "range gives the fringe order, which is ambiguous for the statue in front of its wall.");
   return result;
 }
 
 }  // namespace
 
 std::vector<Reproducible> motion_reproducibles() {
-  return {{"experiment", "motion", "Things that move, by frames and weights",
+  return {{"experiment", "motion", "moving objects, by frames and weights",
            [](std::uint64_t) { return motion_table(); }}};
 }
 

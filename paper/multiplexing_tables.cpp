@@ -21,7 +21,7 @@ namespace {
 constexpr NoisyPixels pixels{.alpha = 0.5, .beta = -7, .noise_variance = 1.55};
 constexpr int projector_length = 1140;
 
-/// The cells as printed.
+/// The cells, as printed.
 std::vector<UnwrappingCell> printed_unwrapping_table(int steps) {
   const auto cells = [&](std::array<double, 3> alpha_p, std::array<double, 3> c1,
                          std::array<double, 3> high, std::array<double, 9> percent) {
@@ -46,13 +46,13 @@ std::vector<UnwrappingCell> printed_unwrapping_table(int steps) {
       return cells({200, 200, 200}, {0.5, 0.6, 0.8}, {6, 8, 12},
                    {99.61, 99.61, 99.61, 99.50, 99.50, 99.49, 98.99, 98.95, 98.83});
     default:
-      throw Error(fmt::format("{} steps have no table of unwrapping; 3, 4 and 5 have", steps));
+      throw Error(fmt::format("no unwrapping table for {} steps; choose 3, 4 or 5", steps));
   }
 }
 
 /// 1 where the coordinate is within half a period of the truth.
-Image<std::uint8_t> rightly_unwrapped(const Strategy& strategy, const FrameSet& frames,
-                                      const Image<double>& y, const CueSettings& cue) {
+Image<std::uint8_t> correctly_unwrapped(const Strategy& strategy, const FrameSet& frames,
+                                        const Image<double>& y, const CueSettings& cue) {
   const BasicMaps<double> maps =
       Decoder(strategy.layout(), projector_length, PhaseMethod::equation, {}, cue)(frames);
   Image<std::uint8_t> right(y.size());
@@ -71,9 +71,9 @@ void recompute(UnwrappingCell& cell, const Image<double>& y, std::uint64_t seed)
                   .noise_variance = pixels.noise_variance,
                   .rule = CueRule::published};
   const FrameSet frames = noisy_frames(pattern_set(strategy, Axis::y, cue.light), y, pixels, seed);
-  const Image<std::uint8_t> published = rightly_unwrapped(strategy, frames, y, cue);
+  const Image<std::uint8_t> published = correctly_unwrapped(strategy, frames, y, cue);
   cue.rule = CueRule::consensus;
-  const Image<std::uint8_t> improved = rightly_unwrapped(strategy, frames, y, cue);
+  const Image<std::uint8_t> improved = correctly_unwrapped(strategy, frames, y, cue);
 
   const double percent = 100.0 / static_cast<double>(y.pixel_count());
   for (std::size_t i = 0; i < y.pixel_count(); ++i) {
@@ -107,11 +107,11 @@ std::vector<VarianceRatioCell> printed_variance_table(int steps) {
       return cells({0.5, 0.6, 0.8}, {6, 8, 12},
                    {8.35, 15.27, 32.87, 12.01, 20.61, 41.94, 21.33, 36.86, 73.70});
     default:
-      throw Error(fmt::format("{} steps have no table of variance ratios; 4 and 5 have", steps));
+      throw Error(fmt::format("no table of variance ratios for {} steps; choose 4 or 5", steps));
   }
 }
 
-/// Variance of decoded less true y over the pixels that are lit and unwrapped rightly.
+/// Variance of decoded minus true y over the pixels that are lit and unwrapped correctly.
 double measured_variance(const Strategy& strategy, const FrameSet& frames,
                          const Image<double>& truth, int length, const CueSettings& cue) {
   const BasicMaps<double> maps =
@@ -127,7 +127,7 @@ double measured_variance(const Strategy& strategy, const FrameSet& frames,
   return squares / count - sum * sum / (count * count);
 }
 
-/// Variance of PMP over that of each cell's PCMP, for frames taken with that photometry.
+/// Variance of PMP divided by the variance of each cell's PCMP, for frames with this photometry.
 std::vector<double> measured_ratios(const std::vector<VarianceRatioCell>& table, Size camera,
                                     Photometry photometry) {
   const Scanner scanner = example_scanner(camera);
@@ -153,7 +153,7 @@ constexpr auto smooth = UnwrappingTrial::Surface::smooth;
 constexpr auto stepped = UnwrappingTrial::Surface::stepped;
 
 ReproducedCell reproduced(const UnwrappingCell& cell, std::optional<double> published) {
-  return {"pixels unwrapped rightly, %",
+  return {"pixels unwrapped correctly, %",
           {{"N", cell.steps}, {"alpha_p", cell.alpha_p}, {"c_1", cell.c1}, {"f_h", cell.high}},
           published,
           cell.recomputed,
@@ -177,10 +177,10 @@ Reproduction unwrapping_at_edges(std::uint64_t seed) {
       worse += cell.worse;
     }
   }
-  result.notes.push_back(fmt::format(
-      "Of the pixels of all 27 scans {} are unwrapped rightly by the published rule and wrongly by "
-      "the default one.",
-      worse));
+  result.notes.push_back(
+      fmt::format("Of the pixels of all 27 scans {} are unwrapped correctly by the published rule "
+                  "and incorrectly by the default one.",
+                  worse));
   return result;
 }
 
@@ -196,15 +196,15 @@ Reproduction variance_ratios(int steps, std::uint64_t seed) {
                        recomputed,
                        {}});
     };
-    add(result.cells, "variance of PMP over that of PCMP", cell.predicted, cell.measured);
-    add(of_foam, "the same, of foam", cell.published, cell.of_foam);
+    add(result.cells, "variance of PMP over variance of PCMP", cell.predicted, cell.measured);
+    add(of_foam, "the same, foam board", cell.published, cell.of_foam);
   }
   result.cells.insert(result.cells.end(), of_foam.begin(), of_foam.end());
   result.notes.emplace_back(
-      "Published: the theory, c_1^2 f_h^2; recomputed: a board before the virtual scanner, 8-bit "
+      "Published: the theory, c_1^2 f_h^2; recomputed: a board in the virtual scanner, 8-bit "
       "frames.");
   result.notes.push_back(fmt::format(
-      "Of foam: published the dissertation's experiment; recomputed with gamma {} and a "
+      "Foam board: published is the dissertation's experiment; recomputed with gamma {} and a "
       "board in which half of the light spreads by {} mm.",
       trial.gamma, trial.translucency));
   return result;
@@ -291,13 +291,13 @@ std::vector<Reproducible> multiplexing_table_reproducibles() {
   const auto ratios_of = [](int steps) {
     return [steps](std::uint64_t seed) { return variance_ratios(steps, seed); };
   };
-  return {
-      {"table", "3.1", "pixels unwrapped rightly by 3-pattern PCMP", unwrapping_of(3)},
-      {"table", "3.2", "pixels unwrapped rightly by 4-pattern PCMP", unwrapping_of(4)},
-      {"table", "3.3", "pixels unwrapped rightly by 5-pattern PCMP", unwrapping_of(5)},
-      {"section", "3.2", "pixels unwrapped rightly by PCMP with depth edges", unwrapping_at_edges},
-      {"table", "3.5", "variance of 4-step PMP over that of 4-pattern PCMP", ratios_of(4)},
-      {"table", "3.7", "variance of 5-step PMP over that of 5-pattern PCMP", ratios_of(5)}};
+  return {{"table", "3.1", "pixels unwrapped correctly by 3-pattern PCMP", unwrapping_of(3)},
+          {"table", "3.2", "pixels unwrapped correctly by 4-pattern PCMP", unwrapping_of(4)},
+          {"table", "3.3", "pixels unwrapped correctly by 5-pattern PCMP", unwrapping_of(5)},
+          {"section", "3.2", "pixels unwrapped correctly by PCMP with depth edges",
+           unwrapping_at_edges},
+          {"table", "3.5", "variance of 4-step PMP over variance of 4-pattern PCMP", ratios_of(4)},
+          {"table", "3.7", "variance of 5-step PMP over variance of 5-pattern PCMP", ratios_of(5)}};
 }
 
 }  // namespace slipstream

@@ -9,19 +9,19 @@
 
 namespace slipstream {
 
-/// What the simulations of Chapter 3 assume of every pixel.
+/// Properties of every pixel in the simulations of Chapter 3.
 struct NoisyPixels {
   double alpha = 0.5;
   double beta = -7;              ///< ambient light, grey levels
   double noise_variance = 1.55;  ///< sigma_w^2, grey levels^2
 };
 
-/// Frames of the patterns as the camera sees them where the projector coordinate is `y`: Liu 2010,
-/// Eqs. (3.2) and (3.10), Gaussian noise, not quantised.
+/// Frames of the patterns at projector coordinate `y`: Liu 2010, Eqs. (3.2) and (3.10), Gaussian
+/// noise, not quantised.
 FrameSet noisy_frames(const PatternSet& patterns, const Image<double>& y, const NoisyPixels& pixels,
                       std::uint64_t seed);
 
-/// One cell of Tables 3.1, 3.2, 3.3 of Liu 2010: how many pixels are unwrapped rightly, in %.
+/// One cell of Tables 3.1, 3.2, 3.3 of Liu 2010: share of pixels unwrapped correctly, %.
 struct UnwrappingCell {
   int steps = 3;  ///< N
   double alpha_p = 200;
@@ -30,12 +30,12 @@ struct UnwrappingCell {
   double published = 0;   ///< as printed, %
   double recomputed = 0;  ///< by the published rule, %
   double improved = 0;    ///< by the default rule, %
-  /// Pixels that the published rule unwraps rightly and the default rule does not.
+  /// Pixels that the published rule unwraps correctly and the default rule does not.
   std::size_t worse = 0;
 };
 
-/// What the cells are computed from: noise of sigma_w^2 = 1.55 at alpha = 0.5, beta = -7, beta_p =
-/// 255 - alpha_p, frames not quantised.
+/// Simulation of the cells: noise of sigma_w^2 = 1.55 at alpha = 0.5, beta = -7, beta_p = 255 -
+/// alpha_p, frames not quantised.
 struct UnwrappingTrial {
   enum class Surface { smooth, stepped };
   Surface surface = Surface::smooth;  ///< `stepped` has depth edges
@@ -44,18 +44,18 @@ struct UnwrappingTrial {
 };
 
 /// The nine cells of Table 3.1, 3.2 or 3.3, row by row, as printed and recomputed. `steps`: 3, 4 or
-/// 5. Throws Error for another.
+/// 5. Throws Error for other steps.
 std::vector<UnwrappingCell> unwrapping_table(int steps, const UnwrappingTrial& trial = {});
 
 /// Projector coordinate of a smooth surface: from one end of the field to the other down the rows.
 Image<double> smooth_coordinate(Size size);
 
-/// Projector coordinate of a slope with 24 discs, blocks and strips before it, each set off by
-/// another amount, from a small part of a period to many and close to whole ones.
+/// Projector coordinate of a slope behind 24 discs, blocks and strips. Their offsets differ, from a
+/// small part of a period to many periods, some close to whole ones.
 Image<double> stepped_coordinate(Size size);
 
-/// One cell of Tables 3.5 and 3.7 of Liu 2010: variance of y by PMP of unit frequency over that by
-/// PCMP of as many steps, over the pixels that PCMP unwraps rightly.
+/// One cell of Tables 3.5 and 3.7 of Liu 2010: variance of y with unit-frequency PMP divided by the
+/// variance with PCMP of the same N, over the pixels that PCMP unwraps correctly.
 struct VarianceRatioCell {
   int steps = 4;
   double high = 4;
@@ -63,15 +63,15 @@ struct VarianceRatioCell {
   double published = 0;  ///< the dissertation's measurement, as printed
   double predicted = 0;  ///< c_1^2 f_h^2, Eqs. (3.40) and (3.63)
   double measured = 0;   ///< on a virtual scan of a board
-  double of_foam = 0;    ///< the same with VarianceRatioTrial's gamma and translucency
+  double of_foam = 0;    ///< the same with the gamma and translucency of VarianceRatioTrial
 };
 
-/// What the cells are measured on: a board in view of the example scanner, alpha_p = 200, beta_p =
-/// 55, beta = -7, sigma_w^2 = 1.55, 8 bits.
+/// Setup of the measurement: a board in view of the example scanner, alpha_p = 200, beta_p = 55,
+/// beta = -7, sigma_w^2 = 1.55, 8 bits.
 struct VarianceRatioTrial {
   Size camera{640, 480};
   std::uint64_t seed = 1;
-  /// What (3.79) less (3.20) says of the dissertation's projector: a second harmonic of 1.4 %.
+  /// Gamma of the dissertation's projector, from (3.79) minus (3.20): a second harmonic of 1.4 %.
   double gamma = 1.04;
   double translucency = 4.5;  ///< mm in a white foam board, see Physics
 };

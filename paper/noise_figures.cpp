@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 constexpr Size picture{320, 240};
 
-/// Variance of the values; NaN does not count.
+/// Variance of the values, without NaN.
 double variance_of(const Image<double>& values) {
   double sum = 0, squares = 0, count = 0;
   for (const double value : values) {
@@ -40,7 +40,7 @@ FrameSet frames_of(const Strategy& strategy, const PatternLight& light, const No
                       seed);
 }
 
-/// Ten measurements of sigma_w^2 = 2, their mean beside the printed one.
+/// Mean of ten measurements of sigma_w^2 = 2, and the printed one.
 template <class Measure>
 Reproduction ten_measurements(const char* figure, const char* equation, double published,
                               std::uint64_t seed, const Measure& measure) {
@@ -86,7 +86,7 @@ Reproduction figure_38(std::uint64_t seed) {
   });
 }
 
-/// Of N = 3, alpha_p = 255, sigma_w^2 = 2: what 3-step PMP makes of noise at each reflectivity.
+/// Effect of noise on 3-step PMP at each reflectivity, for alpha_p = 255, sigma_w^2 = 2.
 struct NoiseOfPmp {
   PlotLine reflectivity{"measured"}, phase{"measured"};
 };
@@ -111,7 +111,7 @@ NoiseOfPmp noise_of_pmp(std::uint64_t seed) {
   return noise;
 }
 
-/// What was measured beside what an equation predicts at the same reflectivities.
+/// Measured values, and the values that an equation predicts at the same reflectivities.
 template <class Predict>
 Reproduction compared(const char* figure, const char* quantity, const char* unit,
                       const PlotLine& measured, const char* equation, const Predict& predict) {
@@ -141,7 +141,7 @@ Reproduction figure_33(std::uint64_t seed) {
                   [](double alpha) { return phase_variance(3, alpha, 255, 2); });
 }
 
-/// Normalised variance of the reference over c_1, averaged over the field; `variance` of (c_1, y).
+/// Normalised variance of the reference over c_1, averaged over the field; `variance`: of (c_1, y).
 template <class Variance>
 Reproduction best_share(const char* figure, const char* title, const Variance& variance) {
   PlotLine line{"mean over the field"};
@@ -183,7 +183,7 @@ struct Modulations {
 };
 
 Modulations modulations(double c1, std::uint64_t seed) {
-  // With so little for the high frequency more periods are needed to be worth while, Eq. (3.64).
+  // At so small a share the high frequency needs more periods to be worthwhile, Eq. (3.64).
   const Strategy strategy =
       PhaseChannelMultiplexing{.steps = 5, .high = 12, .share = c1, .reference = {}};
   const FrameSet frames =
@@ -230,7 +230,7 @@ Reproduction figure_311(std::uint64_t seed) {
     line.add(c1, noise_from_modulations(B_1, B_2, 5, c1, everywhere()).variance);
     result.add("sigma_w^2 by (3.99)", {{"c_1", c1}}, 1.6, line.y.back());
   }
-  result.notes.emplace_back("Published: the variance of the noise put in.");
+  result.notes.emplace_back("Published: the variance of the simulated noise.");
   result.draw("figure-3.11", "Noise variance from one 5-pattern PCMP scan", "c_1", "sigma_w^2",
               PlotScale::linear, {line});
   return result;

@@ -11,12 +11,12 @@
 namespace slipstream {
 
 /// The computations of Liu 2010, Table 2.2, for N frames of one period across the field: one loop
-/// over the pixels for each, in double and on one thread, as published: without the projector's
-/// lens distortion. What they write stands in public images, so that nothing is optimised away and
-/// tests can look.
+/// over the pixels each, in double, on one thread and, as published, without the projector's lens
+/// distortion. Results are public images, so that the compiler cannot remove the loops and tests
+/// can read them.
 class PublishedLoops {
  public:
-  /// Throws Error for other than 3, 4 or 6 frames.
+  /// Throws Error unless there are 3, 4 or 6 frames.
   PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::uint8_t> frames);
 
   void general();      ///< B and phase by Eqs. (1.4)-(1.7)

@@ -56,7 +56,7 @@ std::vector<Reproducible> reproducibles_named(const std::vector<std::string>& na
     if (!known) {
       std::vector<std::string> possible;
       for (const Reproducible& item : all) possible.push_back(item.name());
-      throw Error(fmt::format("'{}' is not known; it is all or some of: {}", name,
+      throw Error(fmt::format("unknown item '{}'; choose all, or some of: {}", name,
                               fmt::join(possible, ", ")));
     }
   }

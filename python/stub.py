@@ -1,8 +1,7 @@
 """Writes the stub of the built module beside it: /usr/bin/python3 stub.py FOLDER/slipstream
 
 Names, arguments, defaults and most types come from the module: from the signatures that pybind11
-writes, and from the keywords that its functions describe themselves. What these cannot say stands
-here."""
+writes, and from the keywords that its functions describe themselves. The rest is listed here."""
 
 import contextlib
 import pathlib
@@ -79,7 +78,7 @@ PYTHON = {  # what __init__.py adds
 
 
 def typed(text, given):
-    """pybind11's name of a type, as type checkers know it: of an argument, or of what is given."""
+    """The type of an argument or a return value, from pybind11's name to type checkers'."""
     text = re.sub(r"slipstream(\._slipstream)?(\.|::)", "", text)
     text = re.sub(r"numpy\.ndarray(\[numpy\.\w+(\[[^]]*\])?\])?",
                   lambda array: "ArrayLike" if not given else
@@ -110,7 +109,7 @@ def argument(name, kind, default):
 
 
 def described(call):
-    """The keywords of a call that refuses them once it has said what they are."""
+    """The keywords of a call, which raises TypeError after describing them."""
     keywords = []
     with contextlib.suppress(TypeError):
         call(keywords)
@@ -122,7 +121,7 @@ def described(call):
 
 
 def function(owner, name, doc, keywords):
-    """`def name(...) -> ...: ...` by pybind11's first line."""
+    """`def name(...) -> ...: ...` from pybind11's first line."""
     signature, result = re.match(r"\w+\((.*)\) -> (.*)", doc.splitlines()[0]).groups()
     place = f"{owner}.{name}" if owner else name
     arguments = []

@@ -1,8 +1,8 @@
-"""What a run of ctest left in a folder: the slowest tests, those that were skipped, and how many there were.
+"""Summarises a ctest run: the slowest tests, failed and skipped tests, and counts.
 
     python3 tests/report.py build/tests
 
-Suites of GoogleTest are counted by their cases (results/*.json), other tests as one each (report.xml).
+GoogleTest suites count once per case (results/*.json), other tests once each (report.xml).
 """
 
 import json
@@ -14,7 +14,7 @@ SLOWEST = 10
 
 
 def cases_of(file):
-    """Yields name, seconds and what became of each case of one suite's process."""
+    """Yields name, seconds and outcome of each case of one suite."""
     for suite in json.loads(file.read_text())["testsuites"]:
         for case in suite["testsuite"]:
             outcome = ("failed" if "failures" in case else

@@ -1,13 +1,13 @@
-# Run when a test program was built: one test for each of its suites, so that what a suite's cases
-# share is made once, and one for those of its cases that only a night runs (night.txt).
+# Runs after a test program is built. Adds one test per suite, so that its cases share their fixtures,
+# and a second for the suite's nightly cases (night.txt).
 #
 #   cmake -D PROGRAM=... -D ROOM=... -D NIGHT=tests/night.txt -D RESULTS=folder
 #         -D FILE=... -D PORT_SUITES=pattern -P suites.cmake
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX REPLACE " *#[^\n]*" "" listed "${listed}")  # values of parameters
+string(REGEX REPLACE " *#[^\n]*" "" listed "${listed}")  # parameter values
 string(REPLACE "\n" ";" lines "${listed}")
 
-# What is not in a pattern's notation stands for itself but for *.
+# Names in night.txt are literal except for *; turn them into regular expressions.
 file(STRINGS ${NIGHT} night REGEX "^${ROOM}\\.")
 list(TRANSFORM night REPLACE " .*$" "")
 list(TRANSFORM night REPLACE "^${ROOM}\\." "")
@@ -83,7 +83,7 @@ endforeach()
 end_suite()
 foreach(pattern IN LISTS patterns)
   if(NOT used_${pattern})
-    message(FATAL_ERROR "${NIGHT} names a test that ${ROOM} has not: ${pattern}")
+    message(FATAL_ERROR "${NIGHT} names a test that ${ROOM} does not have: ${pattern}")
   endif()
 endforeach()
 file(WRITE ${FILE} "${text}")

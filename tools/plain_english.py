@@ -11,7 +11,6 @@ import ast
 import pathlib
 import random
 import re
-import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).parents[1]
@@ -23,10 +22,12 @@ HABITS = {
     "relative clause instead of a noun": (
         r"\bwhat (it|they|is|was|has|are|were|had|a|an|the|its|their|each|one|all|else)\b", 45),
     "of those which": (
-        r"\b(of (those|that|what|which)|that which|those which|(at|in|to|by|from|with|for) "
-        r"(those|that) (which|that|of|where))\b", 15),
+        r"\b(of (those|what|which)|that which|those which|"
+        r"(of|at|in|to|by|from|with|for|as) that(?= (which|of|where|is|has|are|it)\b|[,.;])|"
+        r"(at|in|to|by|from|with|for) those (which|that|of|where))\b|\bthat of\b", 15),
     "none where": (
-        r"\b(none|nothing|empty) (where|of|if|is|to)\b|(?<=[.,;:] )(none|nothing)[.,]", 15),
+        r"\b(none|nothing|empty|null|false) where\b|\b(none|nothing) (of|is)\b|"
+        r"(?<=[.,;:] )(none|nothing)[.,]|\bwhere (none|not|no|there is)\b", 15),
     "bookish words": (
         r"\b(amiss|anew|likewise|reckon\w*|nobody|somebody|so (many|much|long|often)|but for|"
         r"of itself|wherewith|thereof|therein|hence|alike|save for|lest|whence|thither)\b", 15),
@@ -47,10 +48,11 @@ def comments_of(path):
                     yield (node.body[0].lineno, docstring)
         pattern = r"(?:^|(?<=  ))# ?.*(?:\n[ \t]*# ?.*)*"
     else:
-        pattern = r"(?<![:\"'])//.*(?:\n[ \t]*//.*)*|/\*(?s:.*?)\*/"
+        pattern = r"(?<![:\"'])//(?!/<).*(?:\n[ \t]*//.*)*|///<.*|/\*(?s:.*?)\*/"
     for match in re.finditer(pattern, text, re.M):
         words = re.sub(r"^[ \t]*(///?<?!?|#|/?\*+/?) ?", "", match[0], flags=re.M)
-        yield (text.count("\n", 0, match.start()) + 1, words)
+        if not re.match(r"namespace\b", words):
+            yield (text.count("\n", 0, match.start()) + 1, words)
 
 
 def messages_of(path):
@@ -58,7 +60,7 @@ def messages_of(path):
     text = path.read_text()
     if path.suffix == ".html":
         return
-    text = re.sub(r"(?m)(^|[ ;{}])//.*$", r"\1", text) if path.suffix in CODE else text
+    text = re.sub(r"(?m)(^|[ ;{}])//.*$|^#include.*$", r"\1", text)
     for match in re.finditer(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', text):
         words = "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', match[0]))
         if len(re.findall(r"[A-Za-z]{2,}", words)) >= 3:
@@ -74,10 +76,8 @@ def prose_of(path):
 
 
 def files():
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"],
-                            capture_output=True, text=True, check=True).stdout.splitlines()
-    return [ROOT / name for name in listed if (ROOT / name).exists()
-            and (name.split("/")[0] in FOLDERS or re.fullmatch(r"[A-Z]+\.md|dev", name))]
+    inside = [path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*"))]
+    return [*inside, *sorted(ROOT.glob("*.md"))]
 
 
 def texts_of(path):

@@ -1,7 +1,7 @@
-"""A rig from scans of a board and of a plain surface: calibrate.py POSES FLAT... SCANNER.yaml
+"""Calibrates a rig from scans of boards and a surface: calibrate.py POSES FLAT... SCANNER.yaml
 
-POSES holds a folder for each pose of a 9x6 chessboard of 20 mm squares, with scans x and y in it;
-each FLAT is a scan of one unmoved surface, of eight steps."""
+POSES has one folder per pose of a 9x6 chessboard with 20 mm squares, each with scans x and y.
+FLAT: scans of the same surface, unmoved, with eight phase steps."""
 
 import sys
 
@@ -11,7 +11,7 @@ poses, *flats, target = sys.argv[1:]
 found = slipstream.calibrate_geometry(poses, columns=9, rows=6, spacing=20)
 print(found.text)
 for finding in found.findings:
-    print("mind:", finding)
+    print("warning:", finding)
 scanner = found.scanner
 noise = slipstream.calibrate_noise(flats)
 scanner.noise_variance, scanner.noise_gain = noise.variance, noise.gain

@@ -1,4 +1,4 @@
-"""Which patterns for at most twelve frames: proposed, drawn, and tried in the virtual world."""
+"""Proposes patterns of at most twelve frames, and simulates a scan with each of the best three."""
 
 import numpy
 
@@ -11,4 +11,4 @@ for choice in slipstream.design(frames=12, noise_variance=2.0)[:3]:
     error = numpy.nanmedian(numpy.abs(cloud.z - taken.depth))
     print(f"{choice.strategy.label}: {sequence.frames} frames, sigma "
           f"{choice.coordinate_sigma:.1e}, median error {error:.3f} mm of {len(cloud)} points")
-print(f"its pictures: {sequence.patterns().shape}")
+print(f"patterns: {sequence.patterns().shape}")

@@ -1,4 +1,4 @@
-"""A scan folder to a cloud: folder_to_cloud.py SCAN CLOUD.ply"""
+"""Reconstructs a scan folder: folder_to_cloud.py SCAN CLOUD.ply"""
 
 import sys
 

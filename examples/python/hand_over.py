@@ -1,6 +1,6 @@
-"""A cloud to Open3D and PyVista, where they are installed: hand_over.py SCAN
+"""Passes a cloud to Open3D and PyVista, if they are installed: hand_over.py SCAN
 
-Open3D is Debian's python3-open3d, PyVista comes from PyPI; what they take are plain arrays."""
+Install Open3D from Debian (python3-open3d) and PyVista from PyPI; both take plain arrays."""
 
 import importlib
 import sys
@@ -20,10 +20,10 @@ try:
 except ImportError:
     print("Open3D is not installed")
 else:
-    theirs = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
-    theirs.colors = open3d.utility.Vector3dVector(numpy.repeat(grey[:, None], 3, axis=1))
-    theirs.normals = open3d.utility.Vector3dVector(cloud.normals()[valid])
-    print(theirs)
+    open3d_cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
+    open3d_cloud.colors = open3d.utility.Vector3dVector(numpy.repeat(grey[:, None], 3, axis=1))
+    open3d_cloud.normals = open3d.utility.Vector3dVector(cloud.normals()[valid])
+    print(open3d_cloud)
 
 try:
     pyvista = importlib.import_module("pyvista")

@@ -1,5 +1,5 @@
-"""Scan after scan through one engine: tables are built once, frames are not copied, and the memory
-of a cloud that nobody holds is used again. Threads share the engine."""
+"""Reconstructs many scans with one engine: tables are built once, frames are not copied, and memory
+of released clouds is reused. Threads share the engine."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -12,7 +12,7 @@ scan = slipstream.simulate(sequence, scene="sphere", camera=(320, 240)).scan
 assert scan.scanner is not None
 engine = slipstream.Engine(scan.scanner, scan.sequence)
 
-ring = numpy.empty((8, 3, 240, 320), numpy.uint8)  # as a camera's driver would fill it
+ring = numpy.empty((8, 3, 240, 320), numpy.uint8)  # as filled by a camera driver
 for frames in ring:
     for n, pixels in enumerate(scan.frames):
         frames[n] = pixels

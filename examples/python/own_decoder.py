@@ -1,4 +1,4 @@
-"""A decoder of one's own in numpy, held against slipstream's: two frequencies of three steps."""
+"""Your own decoder in numpy, compared with slipstream's: two frequencies, three steps each."""
 
 import numpy
 from numpy.typing import NDArray

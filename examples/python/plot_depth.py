@@ -1,4 +1,4 @@
-"""Depth and reasons with matplotlib: plot_depth.py SCAN PICTURE.png"""
+"""Plots depth and rejected pixels with matplotlib: plot_depth.py SCAN PICTURE.png"""
 
 import sys
 
@@ -6,7 +6,7 @@ import matplotlib  # type: ignore[import]
 
 import slipstream
 
-matplotlib.use("Agg")  # a picture, no window
+matplotlib.use("Agg")  # draws to a file, without a window
 from matplotlib import pyplot  # noqa: E402
 
 scan = slipstream.load_scan(sys.argv[1])

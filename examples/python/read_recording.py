@@ -1,4 +1,4 @@
-"""The raw frames of a recording, one by one and as scans: read_recording.py SCAN.slip"""
+"""Reads the frames of a recording, one by one and as scans: read_recording.py SCAN.slip"""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""The library by Conan 2: conan create packaging/conan"""
+"""Conan 2 recipe of the library: conan create packaging/conan"""
 
 import os
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# A batch on Slurm: an array with a task for each shard, each tried again where it or its node
-# fails, and the merge once all have ended. Where jobs are submitted, with flags of sbatch:
+# Runs a batch on Slurm: a job array with one task per shard, each retried if it or its node fails,
+# then a merge job. Run it on the submit host; further arguments are passed to sbatch:
 #
 #   slipstream batch plan archive.txt --tasks 200 --plan /shared/plan -o '/shared/{name}.ply'
 #   packaging/slurm/batch.sh /shared/plan --cpus-per-task=2 --time=1:00:00
 #
-# SLIPSTREAM names the program where it is not in PATH, SLIPSTREAM_TRIES how often a shard that
-# fails is begun: 3.
+# SLIPSTREAM: path of the program, if it is not in PATH. SLIPSTREAM_TRIES: attempts per shard,
+# default 3.
 set -euo pipefail
 
 program=${SLIPSTREAM:-slipstream}
@@ -24,7 +24,7 @@ else
   tasks=$(sed -n 's/.*"tasks": \([0-9]*\).*/\1/p' "$plan/batch.json")
   array=$(sbatch --parsable --job-name=slipstream --requeue --open-mode=append \
     --output="$plan/shard-%a.log" "${@:2}" --array="1-$tasks" "$0" "$plan")
-  # afterany: what a shard could not do is what the merge has to tell.
+  # afterany: merge reports failed shards, so it must run after failures too.
   sbatch --job-name=slipstream-merge --dependency="afterany:$array" --output="$plan/merge.log" \
     "$0" "$plan"
 fi

@@ -1,4 +1,4 @@
-# An overlay port of the tree that it lies in: vcpkg install slipstream --overlay-ports=packaging/vcpkg
+# Overlay port of this source tree: vcpkg install slipstream --overlay-ports=packaging/vcpkg
 set(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../..")
 vcpkg_check_features(OUT_FEATURE_OPTIONS parts
   FEATURES

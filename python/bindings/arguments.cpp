@@ -18,16 +18,16 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
   for (const py::object& of : frames) {
     if (!py::isinstance<py::array_t<Pixel>>(of)) throw Error("frames: arrays of different types");
     const auto frame = py::reinterpret_borrow<py::array>(of);
-    throw_if((frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0,
-             "frames: the pixels of a row do not lie side by side; numpy.ascontiguousarray makes a "
-             "copy whose do");
+    throw_if(
+        (frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0,
+        "frames: the pixels of a row are not contiguous; pass numpy.ascontiguousarray(frames)");
     const Size size{static_cast<int>(frame.shape(1)), static_cast<int>(frame.shape(0))};
     views.emplace_back(static_cast<const Pixel*>(frame.data()), size, frame.strides(0) / pixel);
   }
   if constexpr (sizeof(Pixel) == 2) {
     return {views, bits};
   } else {
-    throw_if(bits != 8, "frames: not of 16-bit pixels, but of {} bits", bits);
+    throw_if(bits != 8, "frames: expected 16-bit pixels, got {} bits", bits);
     return {views};
   }
 }
@@ -35,37 +35,18 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
 std::vector<py::object> arrays_in(const py::object& frames) {
   std::vector<py::object> arrays;
   throw_if(py::isinstance<py::array>(frames) && frames.attr("ndim").cast<int>() != 3,
-           "frames: one array is frames x rows x columns");
+           "frames: expected one array of frames x rows x columns");
   for (const py::handle frame : frames) {
     const py::array array = py::array::ensure(frame);
     if (!array) throw py::error_already_set();
-    if (array.ndim() != 2) throw Error("frames: each array is rows x columns");
+    if (array.ndim() != 2) throw Error("frames: expected arrays of rows x columns");
     arrays.push_back(array);
   }
-  if (arrays.empty()) throw Error("frames: there are none");
+  if (arrays.empty()) throw Error("frames: empty");
   return arrays;
 }
 
-template <class Settings>
-void take_described(Keywords& keywords, Settings& settings) {
-  Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
-    using Value = std::remove_reference_t<decltype(value)>;
-    if constexpr (std::is_same_v<Value, std::optional<PointBox>>) {
-      using Corner = std::array<double, 3>;
-      std::optional<std::pair<Corner, Corner>> box;
-      keywords.take(setting.name, box);
-      if (box) value = PointBox{box->first, box->second};
-    } else if constexpr (std::is_same_v<Value, std::vector<PictureCorner>>) {
-      std::vector<std::pair<double, double>> corners;
-      keywords.take(setting.name, corners);
-      for (const auto& [column, row] : corners) value.push_back({column, row});
-    } else {
-      keywords.take(setting.name, value);
-    }
-  });
-}
-
-/// A name too long, links in a ring: bad input, which the next translator tells.
+/// E.g. name too long or circular links: bad input, reported by the next translator.
 void translate(std::exception_ptr failure) {
   try {
     if (failure) std::rethrow_exception(failure);
@@ -77,7 +58,7 @@ void translate(std::exception_ptr failure) {
 }  // namespace
 
 Image<float> image_from(const ArrayOf<float>& array) {
-  if (array.ndim() != 2) throw Error("an array of rows x columns is wanted");
+  if (array.ndim() != 2) throw Error("expected an array of rows x columns");
   Image<float> image({static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))});
   for_each_pixel_in_order(image.size(),
                           [&](int column, int row) { image(column, row) = array.at(row, column); });
@@ -96,7 +77,7 @@ BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
   } else if (py::isinstance<py::array_t<double>>(first)) {
     views = views_of<double>(arrays, bits.value_or(8));
   } else {
-    throw Error(fmt::format("frames: of {}; uint8, uint16 or float64 are wanted",
+    throw Error(fmt::format("frames: type {}; expected uint8, uint16 or float64",
                             py::str(first.attr("dtype")).cast<std::string>()));
   }
   return {std::move(arrays), std::move(views)};
@@ -130,7 +111,7 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
   set_backend(settings, backend);
   settings.cue_rule = cue_rule_named(cue_rule);
   take_described(keywords, settings);
-  if (raw) {  // what keywords do not set
+  if (raw) {  // settings without a keyword
     settings.clean = CleanSettings::none();
     settings.nearest = settings.nearest.value_or(0);
     settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
@@ -143,9 +124,9 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
 PYBIND11_MODULE(_slipstream, module) {
   using namespace slipstream::python;
   py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError).attr("__doc__") =
-      "Bad input; one line says what is wrong and what would be right.";
+      "Bad input; one line with the problem and its remedy.";
   py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError)
-      .attr("__doc__") = "A failure of the world: disk full, folder not writable, camera gone.";
+      .attr("__doc__") = "A system failure: disk full, folder not writable, camera disconnected.";
   py::register_exception_translator(translate);
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
     if (most == 0) throw slipstream::Error("threads: 1 or more");

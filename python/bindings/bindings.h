@@ -47,8 +47,7 @@ using Unlocked = py::call_guard<py::gil_scoped_release>;
 template <class Number>
 using ArrayOf = py::array_t<Number, py::array::forcecast>;
 
-// What each file of this folder adds to the module; those that follow use the types of those
-// before.
+// Parts of the module, one per file of this folder; later ones use the types of earlier ones.
 void bind_scanners(py::module_& module);
 void bind_scans(py::module_& module);
 void bind_clouds(py::module_& module);
@@ -57,7 +56,8 @@ void bind_virtual_world(py::module_& module);
 void bind_calibration(py::module_& module);
 void bind_live(py::module_& module);
 
-/// Members, or functions of the object, to read: add(bound, "gamma", &T::gamma, "size", size_of).
+/// Adds read-only members or functions of the object: add(bound, "gamma", &T::gamma, "size",
+/// size_of).
 template <class Bound, class Member, class... More>
 void add(Bound& bound, const char* name, Member member, const More&... more) {
   if constexpr (std::is_member_object_pointer_v<Member>) {
@@ -97,7 +97,7 @@ auto unlocked(const Compute& compute) {
   return compute();
 }
 
-/// The pixels themselves, rows x columns, or x 3 of points; the array keeps `owner` alive.
+/// The pixels without a copy, rows x columns, x 3 for points; the array keeps `owner` alive.
 template <class Pixel>
 py::array array_over(const ImageView<const Pixel>& image, const py::object& owner) {
   constexpr auto pixel = static_cast<py::ssize_t>(sizeof(Pixel));
@@ -114,7 +114,7 @@ py::array array_over(const ImageView<const Pixel>& image, const py::object& owne
   }
 }
 
-/// The same, to read; None of an image without pixels.
+/// The same, read-only; None for an image without pixels.
 template <class Pixel>
 py::object array_of(const ImageView<const Pixel>& image, const py::object& owner) {
   if (image.width() == 0) return py::none();
@@ -127,7 +127,7 @@ py::object array_of(const Image<Pixel>& image, const py::object& owner) {
   return array_of(ImageView<const Pixel>(image), owner);
 }
 
-/// An image that is the array's alone: it may be written.
+/// An image owned by the array: writable.
 template <class Pixel>
 py::array array_from(Image<Pixel> image) {
   auto held = std::make_unique<Image<Pixel>>(std::move(image));
@@ -136,38 +136,39 @@ py::array array_from(Image<Pixel> image) {
   return array_over(view, owner);
 }
 
-/// A copy of an array, rows x columns. Throws Error for another shape.
+/// A copy of an array, rows x columns. Throws Error for other shapes.
 Image<float> image_from(const ArrayOf<float>& array);
 
-/// Frames where they stand, and what keeps them there.
+/// Borrowed frames, and the object that keeps them alive.
 struct BorrowedFrames {
   std::vector<py::object> owners;
   FrameViews views;
 };
 
-/// Of `Frames`, of one array frames x rows x columns or of a list of arrays rows x columns: uint8,
-/// uint16 of `bits` (16 where not said), or float64. Nothing is copied. Throws Error where the
-/// pixels of a row do not lie side by side, or the arrays are no frames.
+/// Takes `Frames`, one array frames x rows x columns, or a list of arrays rows x columns: uint8,
+/// uint16 of `bits` (default 16), or float64. Copies nothing. Throws Error if a row's pixels are
+/// not contiguous or the arrays are not frames.
 BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits);
 
-/// As warnings.warn, each as "NAME: LINE", or the line alone where there is no name.
+/// Calls warnings.warn for each line, as "NAME: LINE" or the line alone without a name.
 void warn_of(const std::string& name, const std::vector<std::string>& lines);
 
-/// Warns of findings and repairs; throws Error where something is wrong, unless `anyway`.
+/// Warns of diagnostics and repairs; throws Error if the scan is refused, unless `anyway`.
 void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool anyway);
 
-/// A Scan, or the path of one, checked and put in order, and what messages call it. `of_gamma`:
-/// what blames the response is no finding. Throws Error where it is refused.
+/// A Scan, or one loaded from a path, checked and with its frames in order, and its name for
+/// messages. `of_gamma`: ignores diagnostics that blame the response. Throws Error if it is
+/// refused.
 std::pair<Scan, std::string> checked_scan(const py::handle& scan, bool of_gamma);
 
-/// Keyword arguments, taken one by one. Given a list as `_describe`, it describes those that it
-/// takes instead: python/stub.py asks for that.
+/// Keyword arguments, taken one by one. With a list as `_describe`, describes the accepted keywords
+/// instead, for python/stub.py.
 class Keywords {
  public:
   explicit Keywords(const py::kwargs& given);
 
-  /// Those that were given, by name: take("rate", rate, "loop", loop). Throws TypeError for what is
-  /// no such value.
+  /// Takes given keywords by name: take("rate", rate, "loop", loop). Throws TypeError for a value
+  /// of the wrong type.
   template <class Value, class... More>
   void take(const char* name, Value& value, More&... more) {
     known_.emplace_back(name);
@@ -182,20 +183,20 @@ class Keywords {
     }
     if constexpr (sizeof...(more) > 0) take(more...);
   }
-  /// The same of one that must be given.
+  /// Takes a required keyword.
   template <class Value>
   void need(const char* name, Value& value) {
     if (described_) return describe<Value>(name, py::ellipsis());
     if (!left_.contains(name)) throw py::type_error(std::string(name) + " is missing");
     take(name, value);
   }
-  /// Throws TypeError, and says what was meant, where any is left, or once they are described.
+  /// Throws TypeError with a suggestion if any keyword is left, or after describing them.
   void require_none_left() const;
 
  private:
   [[noreturn]] static void refuse(const char* name, const py::object& given);
 
-  /// Its name, a signature that has its type, and its default.
+  /// Name, a signature with its type, and default.
   template <class Value>
   void describe(const char* name, const py::object& usual) {
     described_->append(py::make_tuple(name, py::cpp_function([](const Value&) {}).doc(), usual));
@@ -206,13 +207,32 @@ class Keywords {
   std::vector<std::string> known_;
 };
 
-// Those of CleanSettings, ReconstructSettings and FringeOrderConsensus by the names they have
-// there; of the second also `backend`, see set_backend, and `raw` for no cleaning and no range of
-// depth.
+// Takes the members of CleanSettings, ReconstructSettings and FringeOrderConsensus by name; also
+// `backend`, see set_backend, and `raw` for no cleaning and no depth range.
 void take(Keywords& keywords, CleanSettings& clean);
 void take(Keywords& keywords, ReconstructSettings& settings);
 
-/// Settings of keywords that say nothing else.
+/// Takes the settings that a struct describes: see Setting.
+template <class Settings>
+void take_described(Keywords& keywords, Settings& settings) {
+  Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, std::optional<PointBox>>) {
+      using Corner = std::array<double, 3>;
+      std::optional<std::pair<Corner, Corner>> box;
+      keywords.take(setting.name, box);
+      if (box) value = PointBox{box->first, box->second};
+    } else if constexpr (std::is_same_v<Value, std::vector<PictureCorner>>) {
+      std::vector<std::pair<double, double>> corners;
+      keywords.take(setting.name, corners);
+      for (const auto& [column, row] : corners) value.push_back({column, row});
+    } else {
+      keywords.take(setting.name, value);
+    }
+  });
+}
+
+/// Settings from keywords, none of which may be left.
 template <class Settings>
 Settings settings_from(const py::kwargs& given) {
   Keywords keywords(given);
@@ -222,19 +242,19 @@ Settings settings_from(const py::kwargs& given) {
   return settings;
 }
 
-/// By `scene` or `mesh`, `world`, `scanner` or `camera`, `ambient`, `noise_variance`,
-/// `reflectivity`, `response`, `bits`, `seed`, `rays`, and how it moves from frame to frame:
-/// `step`, mm, and `turn`, degrees about the upright axis.
+/// Takes `scene` or `mesh`, `world`, `scanner` or `camera`, `ambient`, `noise_variance`,
+/// `reflectivity`, `response`, `bits`, `seed`, `rays`, and the motion per frame: `step`, mm, and
+/// `turn`, degrees about the vertical axis.
 VirtualWorld world_from(Keywords& keywords);
 
-/// A cloud in Python's hands; its arrays show it and nothing writes to it any more.
+/// A cloud owned by Python; its arrays view it, and nothing writes to it any more.
 class HeldCloud {
  public:
   using Points = Image<std::array<float, 3>>;
 
-  /// X, Y, Z of each pixel side by side: made when first asked for. From any thread.
+  /// X, Y, Z of each pixel side by side, made on first use. From any thread.
   const Points& points();
-  /// To be written anew.
+  /// Resets it for reuse.
   Cloud& fresh() {
     has_points_ = false;
     remarks.clear();
@@ -242,7 +262,7 @@ class HeldCloud {
   }
 
   Cloud cloud{};
-  std::vector<std::string> remarks{};  ///< of what is wrong with it: for the header of its file
+  std::vector<std::string> remarks{};  ///< its diagnostics, for the header of its file
 
  private:
   std::mutex mutex_;
@@ -250,14 +270,14 @@ class HeldCloud {
   Points points_;
 };
 
-/// Values that come back with the last share in them, 16 at most, and are given out again, in any
-/// thread: memory that is fresh from the system costs about as much as a cloud.
+/// Recycles up to 16 values when their last owner is gone, in any thread: fresh memory from the
+/// system costs about as much as a cloud.
 template <class Value>
 class Reused {
  public:
   Reused() { free_->set_capacity(16); }
 
-  /// One that came back, as its last holder left it, or else a new one made of those arguments.
+  /// A recycled value, unchanged since its last use, or a new one made from the arguments.
   template <class... Arguments>
   std::shared_ptr<Value> take(const Arguments&... arguments) {
     std::unique_ptr<Value> value;

@@ -72,7 +72,7 @@ py::tuple phases_of(const py::object& frames, int steps, int first, std::optiona
   const BorrowedFrames given = borrowed(frames, bits);
   if (first < 0 || steps < 3 || first + steps > given.views.count()) {
     throw Error("frames " + std::to_string(first) + " to " + std::to_string(first + steps - 1) +
-                " of " + std::to_string(given.views.count()) + "; 3 steps or more are wanted");
+                " of " + std::to_string(given.views.count()) + "; expected 3 steps or more");
   }
   PhaseMaps maps = unlocked(
       [&] { return PhaseDecoder(PhaseMethod::equation, {steps})(given.views, first, steps); });
@@ -140,19 +140,18 @@ py::object calibrated(const fs::path& folder, const std::optional<fs::path>& rep
 
 void bind_calibration(py::module_& module) {
   module.def("find_gamma", &found_gamma, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
-             "bits"_a = py::none(), "Gamma as the frames of one sinusoid tell it by themselves.");
-  module.def(
-      "calibrate_gamma", &calibrated_gamma, "scans"_a, py::kw_only(), "minimum_modulation"_a = 0.,
-      "The response to be a scanner's, from scans of one unmoved scene, or their paths, best "
-      "of 8 steps or more; misfit: the phase error that a power law leaves, rad.");
-  module.def(
-      "calibrate_noise", &calibrated_noise, "scans"_a,
-      "The noise_variance and noise_gain to be a scanner's, from scans of one unmoved scene, "
-      "or their paths; the most trusted measurement first.");
+             "bits"_a = py::none(), "Gamma estimated from the frames of one sinusoid alone.");
+  module.def("calibrate_gamma", &calibrated_gamma, "scans"_a, py::kw_only(),
+             "minimum_modulation"_a = 0.,
+             "A scanner's response, from scans of one static scene or their paths, best with 8 "
+             "steps or more; misfit: the phase error left by a power law, rad.");
+  module.def("calibrate_noise", &calibrated_noise, "scans"_a,
+             "A scanner's noise_variance and noise_gain, from scans of one static scene or their "
+             "paths; the most reliable measurement first.");
   module.def("calibrate_ambient", &calibrated_ambient, "scans"_a, py::kw_only(),
              "least_alpha"_a = 0.5, "response"_a = py::none(),
-             "Ambient light, grey levels of 255, from scans of a bright surface, or their paths; "
-             "its mode is to be a scanner's.");
+             "Ambient light, grey levels of 255, from scans of a bright surface or their paths; "
+             "use its mode for a scanner.");
   module.def("phases", &phases_of, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
              "bits"_a = py::none(),
              "Mean, modulation and wrapped phase (rad, 0 to 2 pi) of N-step frames, in double.");
@@ -166,9 +165,9 @@ void bind_calibration(py::module_& module) {
              py::vectorize(py::overload_cast<double, double>(&coordinate_variance)),
              "phase_variance"_a, "frequency"_a, "fields^2, Eq. (3.40).");
   module.def("calibrate_geometry", &calibrated, "folder"_a, "report"_a = py::none(),
-             "Scans of a board in several poses, a folder for each, to a scanner: with the RMS of "
-             "corners as seen against as predicted, pixels, and what speaks against it; `report`: "
-             "a folder for a page with pictures.");
+             "Calibrates a scanner from scans of a board in several poses, one folder each; "
+             "returns it with the RMS reprojection error of corners, pixels, and diagnostics; "
+             "`report`: folder for a page with pictures.");
 }
 
 }  // namespace slipstream::python

@@ -11,7 +11,7 @@
 namespace slipstream::python {
 namespace {
 
-/// Into memory that is used where it is of the size.
+/// Reuses memory of the right size.
 void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
           HeldCloud::Points& points) {
   if (points.size() != x.size()) points = HeldCloud::Points(x.size());
@@ -22,10 +22,11 @@ void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
   });
 }
 
-/// Of points rows x columns x 3, not finite where there is none.
+/// From points rows x columns x 3, not finite if invalid.
 std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
                                       const std::optional<ArrayOf<float>>& intensity) {
-  if (points.ndim() != 3 || points.shape(2) != 3) throw Error("points are rows x columns x 3");
+  if (points.ndim() != 3 || points.shape(2) != 3)
+    throw Error("points: expected rows x columns x 3");
   const auto axis = [&](int i) {
     return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));
   };
@@ -36,7 +37,8 @@ std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
   cloud.z = axis(2);
   cloud.validity = Image<Validity>(cloud.size(), Validity::valid);
   cloud.intensity = intensity ? image_from(*intensity) : Image<float>(cloud.size());
-  if (cloud.intensity.size() != cloud.size()) throw Error("intensity is not of the points' size");
+  if (cloud.intensity.size() != cloud.size())
+    throw Error("intensity: size differs from the points'");
   for_each_row(cloud.size().height, [&](int row) {
     for (int i = 0; i < cloud.size().width; ++i) {
       const bool is_point = std::isfinite(cloud.x(i, row) + cloud.y(i, row) + cloud.z(i, row));
@@ -81,7 +83,7 @@ py::dict counts_of(const HeldCloud& of) {
   return counts;
 }
 
-/// Images of `Held` itself, or of the cloud that it holds, as arrays.
+/// Images of `Held`, or of its cloud, as arrays.
 template <class Held, class Member, class... More>
 void add_images(py::class_<Held, std::shared_ptr<Held>>& held, const char* name, Member member,
                 const More&... more) {
@@ -99,12 +101,12 @@ void add_images(py::class_<Held, std::shared_ptr<Held>>& held, const char* name,
 void bind_cloud(py::module_& module) {
   py::class_<HeldCloud, std::shared_ptr<HeldCloud>> cloud(
       module, "Cloud",
-      "A point, or the reason why there is none, for each camera pixel: x, y, z in mm in the "
-      "camera's frame, NaN without a point; intensity in grey levels of 255; validity as the "
-      "number of a Validity. These are rows x columns, to read, and its own memory. `points` has "
-      "x, y, z side by side, rows x columns x 3, copied when first asked for.");
+      "A point, or the reason why it is invalid, for each camera pixel: x, y, z in mm in the "
+      "camera's frame, NaN if invalid; intensity in grey levels of 255; validity as a Validity "
+      "number. These are read-only views, rows x columns. `points` has x, y, z side by side, rows "
+      "x columns x 3, copied on first use.");
   cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none(),
-            "Of a copy of points of your own, rows x columns x 3, NaN where there is none.");
+            "A cloud from a copy of your own points, rows x columns x 3, NaN if invalid.");
   add_images(cloud, "x", &Cloud::x, "y", &Cloud::y, "z", &Cloud::z, "intensity", &Cloud::intensity,
              "validity", &Cloud::validity);
   add(cloud, "points", [](const py::object& self) {
@@ -125,10 +127,9 @@ void bind_cloud(py::module_& module) {
           return joined;
         }));
       },
-      "Unit normals towards the camera, rows x columns x 3, smoothed; NaN without a point.");
-  cloud.def(
-      "cleaned", &cleaned,
-      "A copy without the points that its neighbours speak against; settings as an Engine's.");
+      "Smoothed unit normals towards the camera, rows x columns x 3; NaN if invalid.");
+  cloud.def("cleaned", &cleaned,
+            "A copy without points that contradict their neighbours; settings as for Engine.");
   cloud.def("write", &write, "path"_a, "uncertainty"_a = py::none(), py::kw_only(),
             "normals"_a = false, Unlocked(), "Writes .ply, .pcd or .xyz.");
   cloud.def("write_mesh", &write_mesh, "path"_a, py::kw_only(), "largest_step"_a = 8., Unlocked(),
@@ -136,7 +137,7 @@ void bind_cloud(py::module_& module) {
   cloud.def(
       "write_preview",
       [](const HeldCloud& of, const fs::path& path) { write_depth_preview(path, of.cloud); },
-      "path"_a, Unlocked(), "Depth in colours: .png.");
+      "path"_a, Unlocked(), "Writes a coloured depth picture: .png.");
   module.def(
       "load_cloud",
       [](const fs::path& path) {
@@ -144,8 +145,7 @@ void bind_cloud(py::module_& module) {
         held->cloud = read_cloud(path).cloud;
         return held;
       },
-      "path"_a, Unlocked(),
-      "The points of a cloud's or a mesh's file; one row where it has no order.");
+      "path"_a, Unlocked(), "Reads the points of a cloud or mesh file; one row if unorganised.");
 }
 
 }  // namespace
@@ -160,25 +160,24 @@ void bind_clouds(py::module_& module) {
   bind_cloud(module);
   py::class_<Maps, std::shared_ptr<Maps>> maps(
       module, "Maps",
-      "What frames say of each camera pixel: mean and modulation in their grey levels, the wrapped "
-      "phase of the highest frequency (rad, 0 to 2 pi), the doubt about its order (periods), the "
-      "projector coordinate (0 to 1 across the field), motion (rad from frame to frame). None "
-      "where they do not say it.");
+      "Maps of each camera pixel: mean and modulation in the frames' grey levels, wrapped phase of "
+      "the highest frequency (rad, 0 to 2 pi), fringe order doubt (periods), projector coordinate "
+      "(0 to 1 across the field), motion (rad from frame to frame). None if not available.");
   add_images(maps, "mean", &Maps::mean, "modulation", &Maps::modulation, "wrapped_phase",
              &Maps::wrapped_phase, "fringe_order_doubt", &Maps::fringe_order_doubt, "coordinate",
              &Maps::coordinate, "motion", &Maps::motion);
   py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(
       module, "Uncertainty",
-      "What noise does to each point: standard deviations, mm, of the coordinate in fields.");
+      "Standard deviation of each point from noise: mm; of the coordinate in field widths.");
   add_images(uncertainty, "coordinate", &Uncertainty::coordinate, "x", &Uncertainty::x, "y",
              &Uncertainty::y, "z", &Uncertainty::z);
   module.def(
       "write_map",
       [](const fs::path& path, const ArrayOf<float>& map) { write_map(path, image_from(map)); },
-      "path"_a, "map"_a, "Rows x columns as TIFF of 32-bit float, NaN kept.");
+      "path"_a, "map"_a, "Writes rows x columns as a 32-bit float TIFF, keeping NaN.");
   module.def(
       "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a,
-      "Such a file as an array of float64.");
+      "Reads such a file as a float64 array.");
   module.def(
       "unwrap_in_space",
       [](const ArrayOf<float>& phase, const std::optional<ArrayOf<float>>& quality,
@@ -190,9 +189,9 @@ void bind_clouds(py::module_& module) {
                        "region"_a = array_from(std::move(unwrapped.region)));
       },
       "phase"_a, "quality"_a = py::none(), "method"_a = "flow",
-      "A wrapped phase, rad, rows x columns, NaN where there is none, unwrapped by its "
-      "neighbouring pixels: .phase, and .region, the number of the region that each pixel is "
-      "connected with, 0 where there is no phase. Methods as those of slipstream unwrap.");
+      "Unwraps a wrapped phase map spatially (rad, rows x columns, NaN if invalid): .phase, and "
+      ".region, the number of each pixel's connected region, 0 if invalid. Methods as in "
+      "slipstream unwrap.");
 }
 
 }  // namespace slipstream::python

@@ -11,7 +11,7 @@
 namespace slipstream::python {
 namespace {
 
-/// An engine that any number of threads may use at a time: each call takes one of its copies.
+/// A thread-safe engine: each call takes one of its copies.
 class SharedEngine {
  public:
   explicit SharedEngine(const EngineSetup& setup) : first_(setup) {}
@@ -38,7 +38,7 @@ class SharedEngine {
   std::string backend_for(const FrameViews& frames) { return engine()->backend_for(frames); }
 
  private:
-  const Engine first_;  // is copied and does nothing else
+  const Engine first_;  // only serves as the original of copies
   Reused<Engine> engines_;
   Reused<HeldCloud> clouds_;
   Reused<Maps> maps_;
@@ -60,7 +60,7 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
   });
 }
 
-/// A scan that was checked, into a cloud.
+/// Reconstructs a checked scan.
 void reconstruct(const Scan& scan, const EngineSetup& setup, Cloud& cloud) {
   if (!scan.further_cameras.empty()) {
     const Scan& second = scan.further_cameras.front();
@@ -92,7 +92,7 @@ std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bo
   if (!checked.repairs.empty()) choose_response(scan, gamma);
   auto& response = setup.scanner.photometry.response;
   response = scan.scanner->photometry.response;
-  if (two_cameras) response.reset();  // they match whatever phase is shown
+  if (two_cameras) response.reset();  // two cameras match any phase, so no response is needed
   auto result = std::make_shared<HeldCloud>();
   result->remarks = doubts(checked.findings);
   reconstruct(scan, setup, result->cloud);
@@ -111,7 +111,7 @@ std::shared_ptr<Maps> decoded(const py::object& frames, const Sequence& sequence
   });
 }
 
-/// A LivePipeline whose clouds Python takes.
+/// A LivePipeline for Python.
 class Live {
  public:
   Live(NamedSource source, const EngineSetup& setup, LiveSettings settings, py::object on_cloud)
@@ -120,7 +120,7 @@ class Live {
     pipeline_ = std::make_unique<LivePipeline>(std::move(source.frames), setup, settings);
   }
   ~Live() {
-    const py::gil_scoped_release release;  // the threads that end here may wait for the lock
+    const py::gil_scoped_release release;  // the threads ending here may wait for the GIL
     pipeline_.reset();
   }
 
@@ -128,13 +128,13 @@ class Live {
     pipeline_->start();
     told_ = false;
   }
-  /// What a stage, the source or `on_cloud` threw comes out here, once.
+  /// Rethrows an exception of a stage, the source or `on_cloud`, once.
   void stop() {
     unlocked([this] { pipeline_->stop(); });
     const auto failure = pipeline_->failure();
     if (failure && !std::exchange(told_, true)) std::rethrow_exception(failure);
   }
-  /// The newest cloud, as soon as there is one that was not given yet.
+  /// Waits for the newest cloud not returned yet.
   std::shared_ptr<HeldCloud> next() {
     while (!has_new()) {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -153,7 +153,7 @@ class Live {
   [[nodiscard]] LiveStatistics statistics() const { return pipeline_->statistics(); }
 
  private:
-  /// In the thread of the show stage.
+  /// Called in the thread of the show stage.
   void take(const Pooled<LiveCloud>& cloud) {
     if (!on_cloud_.is_none()) {
       std::shared_ptr<HeldCloud> copy = copy_of(*cloud);
@@ -178,7 +178,7 @@ class Live {
   py::object on_cloud_;
   bool told_ = false;
   Reused<HeldCloud> clouds_;
-  std::mutex mutex_;  // of the next two
+  std::mutex mutex_;  // guards the next two
   std::condition_variable came_;
   Pooled<LiveCloud> newest_;
   std::unique_ptr<LivePipeline> pipeline_;
@@ -192,8 +192,8 @@ std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence
   std::string indexing = "told", gamma = "scanner";
   LiveSettings settings;
   ReconstructSettings points;
-  keywords.take("rate", request.rate, "loop", request.loop, "indexing", indexing, "gamma", gamma,
-                "most_frames", settings.most_frames);
+  take_described(keywords, request);
+  keywords.take("indexing", indexing, "gamma", gamma, "most_frames", settings.most_frames);
   if (sequence) request.sequence = changes_to(*sequence);
   if (scheme_of(name) == "virtual") request.world = world_from(keywords);
   take(keywords, points);
@@ -213,12 +213,18 @@ std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence
 
 py::dict statistics_of(const Live& live) {
   const LiveStatistics of = live.statistics();
-  return py::dict("clouds"_a = of.clouds, "clouds_per_second"_a = of.clouds_per_second,
-                  "captured"_a = of.frames.captured, "lost"_a = of.frames.lost,
-                  "overwritten"_a = of.frames.overwritten, "repeated"_a = of.frames.repeated,
-                  "windows_lost"_a = of.windows_lost, "seconds"_a = of.seconds,
-                  "latency_p50"_a = of.latency.p50, "latency_p99"_a = of.latency.p99,
-                  "source_state"_a = of.source_state);
+  py::dict told;
+  const auto tell = [&](const std::string& name, const auto& figure, const auto&...) {
+    using Figure = std::remove_cvref_t<decltype(figure)>;
+    if constexpr (std::is_arithmetic_v<Figure> || std::is_same_v<Figure, std::string>) {
+      told[py::str(name)] = figure;
+    }
+  };
+  of.for_each_figure(tell);
+  of.frames.for_each_figure(tell);
+  of.latency.for_each_figure(
+      [&](const char* name, double ms) { tell("latency_" + std::string(name), ms); });
+  return told;
 }
 
 }  // namespace
@@ -227,9 +233,9 @@ void bind_engine(py::module_& module) {
   const py::arg_v bits = "bits"_a = py::none();
   py::class_<SharedEngine> engine(
       module, "Engine",
-      "Frames to clouds and maps, for one scanner and sequence: tables are built once and memory "
-      "is used again. Frames are one array frames x rows x columns, a list of arrays, or "
-      "Scan.frames, and are not copied. Any number of threads may use it.");
+      "Reconstructs clouds and maps for one scanner and sequence: builds tables once and reuses "
+      "memory. Frames are one array frames x rows x columns, a list of arrays, or Scan.frames, and "
+      "are not copied. Thread-safe.");
   engine.def(
       py::init([](const Scanner& scanner, const Sequence& sequence, const py::kwargs& given) {
         const EngineSetup setup{scanner, sequence, settings_from<ReconstructSettings>(given)};
@@ -239,13 +245,13 @@ void bind_engine(py::module_& module) {
   engine.def("cloud", &computed<&SharedEngine::cloud>, "frames"_a, py::kw_only(), bits,
              "The cloud of a scan's frames.");
   engine.def("maps", &computed<&SharedEngine::maps>, "frames"_a, py::kw_only(), bits,
-             "What they say before geometry.");
+             "The maps of a scan's frames.");
   engine.def("cloud_and_maps", &computed<&SharedEngine::cloud_and_maps>, "frames"_a, py::kw_only(),
-             bits, "Both in one pass.");
+             bits, "Cloud and maps in one pass.");
   engine.def("uncertainty", &uncertainty, "cloud"_a, "maps"_a, "frames"_a, py::kw_only(), bits,
-             "How sure each point is, of the frames that cloud and maps were made of.");
+             "Uncertainty of each point, for the frames of the cloud and maps.");
   engine.def("backend_for", &computed<&SharedEngine::backend_for>, "frames"_a, py::kw_only(), bits,
-             "What computes such frames: 'fused', or methods of the reference engine.");
+             "The engine that processes such frames: 'fused', or methods of the reference engine.");
   const auto in_setup = [](auto member) {
     return [member](const SharedEngine& of) { return of.setup().*member; };
   };
@@ -253,25 +259,23 @@ void bind_engine(py::module_& module) {
       in_setup(&EngineSetup::sequence));
   module.def("reconstruct", &reconstructed, "scan"_a, py::kw_only(), "gamma"_a = "scanner",
              "anyway"_a = false,
-             "The cloud of a scan as `slipstream reconstruct` makes it: its response chosen, its "
-             "frames checked and refused where they cannot be right. Settings as an Engine's.");
+             "Reconstructs a scan like `slipstream reconstruct`: chooses the response, checks the "
+             "frames and refuses wrong ones. Settings as for Engine.");
   module.def("decode", &decoded, "frames"_a, "sequence"_a, py::kw_only(), bits,
-             "The maps of frames without any scanner. Settings as an Engine's.");
+             "The maps of frames, without a scanner. Settings as for Engine.");
 }
 
 void bind_live(py::module_& module) {
   py::class_<Live> bound(
       module, "Live",
-      "Frames to clouds as they come, of a source by its name: virtual, replay:PATH, aravis:NAME "
-      "or v4l2:NUMBER; each new frame gives a cloud of the newest ones. `with Live(...) as live: "
-      "for "
-      "cloud in live:` "
-      "gives the newest each time, `on_cloud` takes them all, in a thread of its own. Statistics "
-      "count from the start, latencies are in ms.");
+      "Reconstructs live from a source: virtual, replay:PATH, aravis:NAME or v4l2:NUMBER; each new "
+      "frame gives a cloud of the newest frames. `with Live(...) as live: for cloud in live:` "
+      "yields the newest each time; `on_cloud` receives all, in its own thread. Statistics count "
+      "from the start, latencies are in ms.");
   bound.def(py::init(&live), "source"_a, "sequence"_a = py::none(), "scanner"_a = py::none(),
             "on_cloud"_a = py::none());
   bound.def("start", &Live::start, Unlocked());
-  bound.def("stop", &Live::stop, "Ends it; raises what went wrong.");
+  bound.def("stop", &Live::stop, "Stops it; raises any error of its threads.");
   bound.def("__next__", &Live::next);
   add(bound, "running", &Live::running, "statistics", &statistics_of, "findings",
       [](const Live& of) { return of.statistics().findings; });

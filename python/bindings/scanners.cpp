@@ -135,13 +135,14 @@ void bind_strategies(py::module_& module) {
       py::overload_cast<const Strategy&>(&has_coordinate));
   py::implicitly_convertible<py::str, Strategy>();
   module.def("strategy_names", &strategy_names, "Names of all strategies.");
-  module.def("strategy_settings", &described_settings,
-             "Each setting: name, what it means, which strategies have it and their defaults.");
+  module.def(
+      "strategy_settings", &described_settings,
+      "Each setting: name, description, and the strategies that have it with their defaults.");
   module.def("design", &designs,
-             "Of each kind of strategy the one of least noise within so many frames, or of fewest "
-             "frames for that noise; the best first.");
+             "The best setting of each kind of strategy: least noise within a number of frames, or "
+             "fewest frames for a given noise; best first.");
 
-  py::class_<Sequence> sequence(module, "Sequence", "What a projector shows for one scan.");
+  py::class_<Sequence> sequence(module, "Sequence", "The pattern sequence of one scan.");
   sequence.def(py::init(&sequence_from), "strategy"_a, "axis"_a = "x").def(py::self == py::self);
   add(sequence, "strategy", &Sequence::strategy, "axis", &axes_of, "projector",
       &Sequence::projector, "marker", &Sequence::marker, "exposures", &Sequence::exposures,
@@ -150,19 +151,19 @@ void bind_strategies(py::module_& module) {
       within(&Sequence::light, &PatternLight::alpha_p), "beta_p",
       within(&Sequence::light, &PatternLight::beta_p));
   sequence.def("patterns", &patterns_of, "bits"_a = 8,
-               "The pictures to project, frames x rows x columns: uint8, uint16 of more bits.");
+               "The pictures to project, frames x rows x columns: uint8, or uint16 above 8 bits.");
   sequence.def(
       "write_patterns",
       [](const Sequence& of, const fs::path& folder, int bits) {
         return write_patterns(folder, pattern_set(cycle_of(of)), of, bits, [] {});
       },
       "folder"_a, "bits"_a = 8, Unlocked(),
-      "Writes them with a scan.yaml that says what they are.");
+      "Writes the pictures with a scan.yaml that describes them.");
 }
 
 void bind_responses(py::module_& module) {
   py::class_<MeasuredResponse> response(
-      module, "Response", "How light answers a pattern's value: a power law, or a curve near one.");
+      module, "Response", "Response of light to pattern values: a power law, or a curve near one.");
   response.def(py::init([](double gamma) {
                  require_gamma(gamma, "gamma");
                  return MeasuredResponse{PowerLaw{gamma}, gamma};
@@ -178,7 +179,8 @@ void bind_responses(py::module_& module) {
         return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(
             phases);
       },
-      "phases"_a, "steps"_a, "Wrapped phases, rad, of so many steps, without what it did to them.");
+      "phases"_a, "steps"_a,
+      "Wrapped phases, rad, of N-step patterns, corrected for this response.");
 }
 
 }  // namespace
@@ -188,8 +190,8 @@ void bind_scanners(py::module_& module) {
   bind_responses(module);
   py::class_<Scanner> scanner(
       module, "Scanner",
-      "All that calibration knows of a camera and a projector; mm, the world is the camera's "
-      "frame. Sizes are (width, height), light in grey levels of 255; None is what is not known.");
+      "Calibration of a camera and a projector; mm, the world frame is the camera's. Sizes are "
+      "(width, height), light is in grey levels of 255; unknown values are None.");
   scanner.def(py::init(&scanner_from)).def(py::self == py::self);
   add_lens<&Scanner::camera>(scanner, "camera");
   add_lens<&Scanner::projector>(scanner, "projector");
@@ -198,16 +200,16 @@ void bind_scanners(py::module_& module) {
   add_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain");
   add_photometry<&PhotometricCalibration::response>(scanner, "response");
   add(scanner, "rotation", &Scanner::rotation, "translation", &Scanner::translation);
-  scanner.def_readwrite("measured", &Scanner::measured, "How and when, for people.");
+  scanner.def_readwrite("measured", &Scanner::measured, "How and when it was calibrated, as text.");
   scanner.def(
       "write", [](const Scanner& of, const fs::path& path) { write_scanner(path, of); }, "path"_a,
       Unlocked(), "Writes a scanner file: .yaml or .xml.");
   module.def(
       "load_scanner", &read_scanner, "path"_a, Unlocked(),
-      "The scanner of an OpenCV file (YAML or XML) in slipstream's layout or another's, or "
-      "of a recording; where the file says no sizes, load_scan(..., scanner=path) finds them.");
+      "Reads a scanner from an OpenCV file (YAML or XML) in slipstream's or a known other layout, "
+      "or from a recording; if the file has no sizes, load_scan(..., scanner=path) finds them.");
   module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480},
-             "A camera of that size beside a projector of 1280x800, for the virtual world.");
+             "A camera of that size beside a 1280x800 projector, for the virtual world.");
 }
 
 }  // namespace slipstream::python

@@ -44,7 +44,7 @@ Scan scan_from(const py::object& frames, const Sequence& sequence,
 
 using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
 
-/// What is given takes the place of what the folder or the recording says.
+/// Given values override those of the folder or the recording.
 Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
                  std::optional<std::uint64_t> window) {
@@ -74,13 +74,13 @@ std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool movi
 py::object frame_at(const py::object& self, int n) {
   const FrameViews frames = self.cast<const FrameSet&>().views();
   const int place = n < 0 ? n + frames.count() : n;
-  if (place < 0 || place >= frames.count()) throw py::index_error("there is no such frame");
+  if (place < 0 || place >= frames.count()) throw py::index_error("frame index out of range");
   return frames.visit(
       [&](const auto& views) { return array_of(views[static_cast<std::size_t>(place)], self); });
 }
 
 void bind_findings(py::module_& module) {
-  py::class_<Finding> finding(module, "Finding", "Something that does not fit, as data.");
+  py::class_<Finding> finding(module, "Finding", "A diagnostic of a scan check.");
   add(
       finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
       "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; }, "evidence",
@@ -88,12 +88,12 @@ void bind_findings(py::module_& module) {
   finding.def("__str__", [](const Finding& of) { return text_of(of); });
   module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
              "moving"_a = false, "gamma"_a = "scanner", Unlocked(),
-             "Whether the frames of a scan fit its sequence, its scanner and each other.");
+             "Checks whether the frames of a scan fit its sequence, its scanner and each other.");
 }
 
-/// None for a damaged frame.
+/// None if the frame is damaged.
 py::object recorded_frame(const RecordingReader& of, std::uint64_t n) {
-  if (n >= of.count()) throw py::index_error("there is no such frame");
+  if (n >= of.count()) throw py::index_error("frame index out of range");
   Frame frame;
   if (!unlocked([&] { return of.read(n, frame); })) return py::none();
   const FrameStamp& stamp = frame.stamp;
@@ -112,7 +112,7 @@ py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
   keywords.require_none_left();
   const Size projector = world.scanner.projector.size;
   if (sequence.projector == Size{}) sequence.projector = projector;
-  if (sequence.projector != projector) throw Error("the sequence is of another projector");
+  if (sequence.projector != projector) throw Error("the sequence belongs to another projector");
   VirtualScan taken = unlocked([&] {
     require_shown(sequence);
     VirtualScan made =
@@ -162,16 +162,16 @@ std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma
 }
 
 void bind_scans(py::module_& module) {
-  py::class_<FrameSet> frames(
-      module, "Frames", "The frames of a scan: arrays rows x columns, to read, of its memory.");
+  py::class_<FrameSet> frames(module, "Frames",
+                              "The frames of a scan: read-only views, rows x columns.");
   frames.def("__len__", &FrameSet::count).def("__getitem__", &frame_at);
   add(frames, "bits", &FrameSet::bits, "size", &FrameSet::size);
 
   py::class_<Scan, std::shared_ptr<Scan>> scan(
-      module, "Scan", "Frames, what they show, and what took them, where that is known.");
+      module, "Scan", "Frames, their sequence, and their scanner if known.");
   scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
-           "bits"_a = py::none(), "Of a copy of frames; several exposures are merged.");
-  scan.def_property(  // never taken away: Python may hold it
+           "bits"_a = py::none(), "A scan from a copy of frames; several exposures are merged.");
+  scan.def_property(  // never removed: Python may hold it
       "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; },
       [](Scan& of, const Scanner& scanner) { of.scanner = scanner; });
   add(scan, "frames", &Scan::frames, "sequence", &Scan::sequence, "exposures", &Scan::exposures,
@@ -182,18 +182,19 @@ void bind_scans(py::module_& module) {
       [](const Scan& of, const fs::path& path) {
         save_scan(path, of.frames, of.sequence, of.scanner);
       },
-      "path"_a, Unlocked(), "Into a folder with scan.yaml, or a recording where it ends in .slip.");
+      "path"_a, Unlocked(),
+      "Writes a folder with scan.yaml, or a recording if the path ends in .slip.");
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
              "window"_a = py::none(),
-             "The scan in a folder or a recording; what is given goes before what is said there.");
+             "Loads a scan from a folder or a recording; arguments override its contents.");
   bind_findings(module);
   py::class_<RecordingReader> recording(
       module, "Recording",
-      "Raw frames in one file. recording[n] has pixels (to read), bits, sequence (the device's "
-      "count), pattern_index and device_time (s), or is None where the frame is damaged; going "
-      "over it leaves those out. What is not known of it is None. Where it is in_colour three "
-      "frames are the channels of a picture, as they were taken.");
+      "Raw frames in one file. recording[n] has pixels (read-only), bits, sequence (the device's "
+      "count), pattern_index and device_time (s), or is None if the frame is damaged; iteration "
+      "skips damaged frames. Unknown values are None. If in_colour, three frames are the raw "
+      "channels of one picture.");
   recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
   recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
   const auto in_header = [](auto member) {
@@ -211,11 +212,8 @@ VirtualWorld world_from(Keywords& keywords) {
   std::array<double, 3> step{};
   double turn = 0;
   keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", of.scanner, "camera", of.camera,
-                "reflectivity", of.reflectivity, "step", step, "turn", turn, "world", of.world,
-                "ambient", of.ambient, "noise_variance", of.noise_variance, "response", response);
-  int rays = photometry_named(of.world).rays;
-  keywords.take("bits", of.bits, "seed", of.seed, "rays", rays);
-  of.rays = rays;
+                "step", step, "turn", turn, "world", of.world, "response", response);
+  take_described(keywords, of);
   if (response) of.response = response->response;
   of.motion.step = Eigen::Vector3d(step.data());
   of.motion.turn.y() = turn * std::numbers::pi / 180;
@@ -224,10 +222,10 @@ VirtualWorld world_from(Keywords& keywords) {
 
 void bind_virtual_world(py::module_& module) {
   module.def("simulate", &simulated, "sequence"_a, "path"_a = py::none(),
-             "What the virtual scanner sees of patterns, a `scan`, and what was there: depth (mm), "
-             "coordinate and reflectivity; into a folder too, or a recording (.slip).");
+             "Simulates a scan: `scan`, and ground truth: depth (mm), coordinate and reflectivity; "
+             "optionally also written to a folder or a recording (.slip).");
   module.def("scene_names", &scene_names, "Scenes of the virtual world.");
-  module.def("world_names", &world_names, "Worlds, by how light, optics and sensor are.");
+  module.def("world_names", &world_names, "Names of virtual worlds (light, optics and sensor).");
 }
 
 }  // namespace slipstream::python

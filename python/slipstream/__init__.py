@@ -1,4 +1,4 @@
-"""slipstream: pictures of an object under projected stripes to a measured 3-D point cloud."""
+"""slipstream: 3-D point clouds from pictures of an object under projected stripes."""
 
 import atexit as _atexit
 import contextlib as _contextlib
@@ -13,7 +13,7 @@ Validity = _enum.IntEnum(
     "Validity",
     "VALID TOO_DARK SATURATED DOUBTFUL_ORDER NO_POINT OUTSIDE_FIELD OUT_OF_RANGE LOW_TRUST MIXED "
     "OUTLIER SMALL_COMPONENT OUTSIDE_REGION MOVED", start=0, module=__name__)
-Validity.__doc__ = "Why a camera pixel has a point or none: the numbers in Cloud.validity."
+Validity.__doc__ = "Why a camera pixel has a point or is invalid: the numbers in Cloud.validity."
 
 _SAYS = {
     "Strategy": "{0.label}",
@@ -40,7 +40,7 @@ def _say(self):
 
 @_contextlib.contextmanager
 def threads(most):
-    """with threads(1): each call works on so many threads at most."""
+    """Context manager: `with threads(1):` limits the threads of each call."""
     limit = _slipstream._ThreadLimit(most)
     try:
         yield
@@ -61,12 +61,12 @@ def _end_live(self, kind=None, *_):
     try:
         self.stop()
     except BaseException:
-        if kind is None:  # else what is under way says more
+        if kind is None:  # otherwise the exception in progress matters more
             raise
 
 
 @_atexit.register
-def _end_all():  # their threads cannot call an interpreter that is gone
+def _end_all():  # their threads must not call a closed interpreter
     for live in list(_running):
         _end_live(live, "exit")
 

@@ -23,7 +23,7 @@ namespace slipstream_ros {
 using namespace slipstream;
 namespace {
 
-/// Clouds as messages of a node, which are CDR already.
+/// Publishes clouds as serialised CDR messages of a node.
 class NodeSink final : public DisjointCloudSink {
  public:
   NodeSink(rclcpp_lifecycle::LifecycleNode& node, Lens camera) : run_{.camera = std::move(camera)} {
@@ -55,16 +55,16 @@ class NodeSink final : public DisjointCloudSink {
 
 }  // namespace
 
-/// A scanner: configured it has its camera, active it publishes clouds.
+/// A scanner node: configured, it has its camera; active, it publishes clouds.
 class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
  public:
   explicit ScannerNode(const rclcpp::NodeOptions& options) : LifecycleNode("scanner", options) {
-    declare_parameter<std::string>("source", "aravis:");  // what slipstream live calls --source
-    declare_parameter<std::string>("scanner", "");        // its file; else the source's own
-    declare_parameter<std::string>("strategy", "");       // as "dual-frequency, high 16, steps 3"
-    declare_parameter<double>("exposure", 0.0);           // ms; 0: as the camera has it
-    declare_parameter<bool>("loop", false);               // a recording begins again
-    declare_parameter<std::string>("save_to", ".");       // where capture writes
+    declare_parameter<std::string>("source", "aravis:");  // as in slipstream live --source
+    declare_parameter<std::string>("scanner", "");        // scanner file; default: the source's own
+    declare_parameter<std::string>("strategy", "");       // e.g. "dual-frequency, high 16, steps 3"
+    declare_parameter<double>("exposure", 0.0);           // ms; 0: the camera's own
+    declare_parameter<bool>("loop", false);               // restarts a recording at its end
+    declare_parameter<std::string>("save_to", ".");       // output folder of capture
   }
   ~ScannerNode() override { forget(); }
 
@@ -112,7 +112,7 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
     if (exposure > 0) request.camera.exposure = exposure / 1000;
     NamedSource source = open_source(request);
     if (!source.warning.empty()) RCLCPP_WARN(get_logger(), "%s", source.warning.c_str());
-    if (!source.scanner) throw Error("no scanner is known: set the parameter scanner");
+    if (!source.scanner) throw Error("no scanner is known; set the parameter 'scanner'");
     const EngineSetup setup{completed(*source.scanner, source.scanner_name,
                                       source.frames->format().size, source.sequence.projector),
                             source.sequence};
@@ -151,10 +151,10 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
                                    });
   }
 
-  /// Writes the newest cloud; returns where.
+  /// Writes the newest cloud and returns its path.
   std::string capture() {
     const auto newest = pipeline_->newest();
-    if (!newest) throw Error("no cloud has come that could be saved");
+    if (!newest) throw Error("there is no cloud to save yet");
     const auto file = path_named_by_time(text("save_to"), "cloud", ".ply");
     write_cloud(file, newest->cloud);
     return file.string();
@@ -162,10 +162,11 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
 
   std::string check() {
     const LiveStatistics now = pipeline_->statistics();
-    std::string amiss = now.source_state;
-    for (const auto& finding : now.findings) amiss += (amiss.empty() ? "" : "; ") + finding.what;
-    if (!amiss.empty()) throw Error(amiss);
-    return "nothing is amiss";
+    std::string problems = now.source_state;
+    for (const auto& finding : now.findings)
+      problems += (problems.empty() ? "" : "; ") + finding.what;
+    if (!problems.empty()) throw Error(problems);
+    return "OK: no problems found";
   }
 
   std::unique_ptr<Publisher> publisher_;

@@ -9,7 +9,7 @@
 namespace slipstream {
 namespace {
 
-/// Straight lines between colours at even distances.
+/// Linear interpolation between equally spaced colours.
 ColourMap between(std::span<const Colour> stops) {
   ColourMap map;
   for (std::size_t i = 0; i < map.size(); ++i) {

@@ -5,7 +5,7 @@
 
 namespace slipstream {
 
-/// A pixel of a picture for the screen.
+/// An 8-bit RGB pixel for the screen.
 struct Colour {
   std::uint8_t red = 0;
   std::uint8_t green = 0;
@@ -16,18 +16,17 @@ struct Colour {
 
 using ColourMap = std::array<Colour, 256>;
 
-/// The colours of depth, in the viewer as in pictures that are written: red over yellow and green
-/// to violet, so that what is near stands out. Of even steps in hue, with yellow and cyan no
-/// brighter than they must be.
+/// Colour map for depth, in the viewer and in written pictures: red through yellow and green to
+/// violet, so that near points stand out. Hue steps are even; yellow and cyan are no brighter than
+/// necessary.
 ColourMap depth_colours();
 
-/// Once round the hues, so that 2 pi looks as 0 does.
+/// Cyclic hue map: 2 pi has the same colour as 0.
 ColourMap phase_colours();
 
-/// What the red, green and blue channel of a camera see of a projector's red, green and blue:
-/// channel c of a white surface is the sum of mixture[c][p] times what it would be if the
-/// projector's colour p were seen by a channel of its own, and mixture[c][3], its level without any
-/// light of the projector, grey levels of 255.
+/// Crosstalk between the projector's red, green and blue and the camera's channels. Channel c of a
+/// white surface is the sum over p of mixture[c][p] times the level that projector colour p alone
+/// would give, plus mixture[c][3], the level without projector light, in grey levels of 255.
 using ColourMixture = std::array<std::array<double, 4>, 3>;
 
 }  // namespace slipstream

@@ -19,15 +19,14 @@ void require_in_range(const Setting& setting, double value) {
   std::string name = setting.name;
   std::replace(name.begin(), name.end(), '_', ' ');
   const std::string unit = *setting.unit == '\0' ? "" : fmt::format(" {}", setting.unit);
-  require_in_range(false, name, value,
-                   most < std::numeric_limits<double>::max()
-                       ? fmt::format("{} to {}{}", least, most, unit)
-                   : setting.above_least ? fmt::format("more than {}{}", least, unit)
-                                         : fmt::format("{}{} or more", least, unit));
+  const char* const range = most < std::numeric_limits<double>::max()
+                                ? (setting.above_least ? "above {}, at most {}{}" : "{} to {}{}")
+                                : (setting.above_least ? "more than {0}{2}" : "{0}{2} or more");
+  require_in_range(false, name, value, fmt::format(fmt::runtime(range), least, most, unit));
 }
 
 std::size_t edit_distance(std::string_view from, std::string_view to) {
-  std::vector<std::size_t> row(to.size() + 1);  // from the characters so far to each begin of `to`
+  std::vector<std::size_t> row(to.size() + 1);  // distance to each prefix of `to`
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < from.size(); ++i) {
     std::size_t diagonal = row[0]++;

@@ -9,12 +9,12 @@
 
 namespace slipstream {
 
-/// Bad input: a file that is missing, truncated or of another size, a parameter outside its domain,
-/// a singular calibration. The message is one line that names the thing, its value and what would
-/// be right. The program prints it and exits 2.
+/// Bad input: a missing or truncated file, one of the wrong size, a parameter out of range, a
+/// singular calibration. The message is one line with the thing, its value and the remedy. The
+/// program prints it and exits with 2.
 class Error : public std::runtime_error {
  public:
-  /// Line breaks, which the words of files may have, become spaces.
+  /// Line breaks, e.g. in texts from files, become spaces.
   explicit Error(std::string message) : std::runtime_error(one_line(std::move(message))) {}
 
  private:
@@ -24,21 +24,21 @@ class Error : public std::runtime_error {
   }
 };
 
-/// A failure of the world that no other input would mend: disk full, folder not writable, camera
-/// gone. The program prints it and exits 1.
+/// A failure of the system, not of the input: disk full, folder not writable, camera disconnected.
+/// The program prints it and exits with 1.
 class WorldError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Throws Error, "name value is out of range; range", unless the value `holds`.
+/// Throws Error "name value is out of range; range" unless `holds`.
 void require_in_range(bool holds, std::string_view name, double value, std::string_view range);
 
-/// The least number of characters to insert, remove or replace that turns one into the other.
+/// Levenshtein distance: insertions, deletions and replacements that turn one text into the other.
 std::size_t edit_distance(std::string_view from, std::string_view to);
 
-/// "; did you mean pmp?" for the end of a message: the known name nearest to an unknown one. Empty
-/// if none is near.
+/// A suffix for messages with the known name nearest to an unknown one, e.g. "; did you mean pmp?",
+/// or nothing.
 template <class Names>
 std::string did_you_mean(std::string_view name, const Names& known) {
   std::string_view nearest;

@@ -11,8 +11,8 @@
 
 namespace slipstream {
 
-/// Borrowed pixels: rows of `width` pixels that start `stride` pixels apart. Does not own; valid as
-/// long as the memory it was made from. Pixel centres are at integer coordinates.
+/// Non-owning view of rows of `width` pixels, `stride` pixels apart; valid as long as the memory it
+/// refers to. Pixel centres are at integer coordinates.
 template <class Pixel>
 class ImageView {
  public:
@@ -21,7 +21,7 @@ class ImageView {
       : pixels_(pixels), size_(size), stride_(stride) {}
   ImageView(Pixel* pixels, Size size) : ImageView(pixels, size, size.width) {}
 
-  /// A view that may write is also a view that only reads.
+  /// A writable view converts to a read-only one.
   operator ImageView<const Pixel>() const requires(!std::is_const_v<Pixel>) {
     return {pixels_, size_, stride_};
   }
@@ -40,11 +40,11 @@ class ImageView {
 };
 
 struct Uninitialised {};
-/// Of an image every pixel of which is written before it is read: its memory is not touched twice.
+/// Tag for images that are fully written before they are read: skips the initial fill.
 inline constexpr Uninitialised uninitialised;
 
-/// Owned pixels, rows without gaps, the first aligned to 64 bytes. A value: copies copy,
-/// into the memory that is there where the size is the same.
+/// Owned pixels, rows without gaps, the first aligned to 64 bytes. Copies are deep and reuse memory
+/// of the same size.
 template <class Pixel>
 class Image {
  public:
@@ -112,8 +112,7 @@ class Image {
   Size size_;
 };
 
-/// The same picture in another type of number; into `to`, whose memory is used where it is of the
-/// size.
+/// Converts each pixel to the type of `to`, reusing its memory if the size matches.
 template <class To, class From>
 void convert(const Image<From>& from, Image<To>& to) {
   if (to.size() != from.size()) to = Image<To>(from.size());

@@ -11,8 +11,7 @@ namespace slipstream::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Lines of numbers that lie `stride` apart, and one over how many of them are within `reach` of
-/// each.
+/// A line of numbers `stride` apart, and for each 1 / (count of numbers within `reach`).
 struct Line {
   int length;
   std::ptrdiff_t stride;
@@ -20,7 +19,7 @@ struct Line {
   const float* inverse;
 };
 
-/// A few vectors of numbers side by side, place after place: each to the mean about it.
+/// Moving mean of adjacent lines, several vectors at once.
 template <int vectors, class Tag>
 HWY_INLINE void mean_along(Tag d, const float* from, float* to, Line line) {
   const auto [length, stride, reach, inverse] = line;
@@ -45,7 +44,7 @@ HWY_INLINE void mean_along(Tag d, const float* from, float* to, Line line) {
   }
 }
 
-/// All passes over `count` lines side by side; `lines` and `other` hold them, the result is in
+/// All three passes over `count` adjacent lines; both arrays are overwritten, the result is in
 /// `other`.
 template <int vectors, class Tag>
 HWY_INLINE void smooth(Tag d, int count, float* lines, float* other, Line line) {
@@ -59,7 +58,7 @@ HWY_INLINE void smooth(Tag d, int count, float* lines, float* other, Line line) 
 constexpr int group = 16;  // lines
 using Vectors = hn::CappedTag<float, group / 2>;
 
-/// Four rows of four as columns.
+/// Transposes a 4 x 4 block.
 HWY_INLINE void turn(const float* from, std::ptrdiff_t stride, float* to,
                      std::ptrdiff_t to_stride) {
 #if HWY_TARGET == HWY_SCALAR
@@ -79,7 +78,7 @@ HWY_INLINE void turn(const float* from, std::ptrdiff_t stride, float* to,
 #endif
 }
 
-/// Sixteen rows to the means along them; `lines` and `other` have room for as many.
+/// Moving means along sixteen rows; `lines` and `other` are scratch of sixteen rows each.
 void SmoothRows(float* rows, int width, int reach, const float* inverse, float* lines,
                 float* other) {
   constexpr int count = group;
@@ -103,7 +102,7 @@ void SmoothRows(float* rows, int width, int reach, const float* inverse, float* 
   }
 }
 
-/// Columns from `first` to before `last`: the means along them are in `other`.
+/// Moving means along the columns [first, last); the result is in `other`.
 void SmoothColumns(float* picture, float* other, Size size, int first, int last, int reach,
                    const float* inverse) {
   const Line line{size.height, size.width, reach, inverse};
@@ -123,7 +122,7 @@ HWY_EXPORT(SmoothColumns);
 
 namespace {
 
-/// One over how many places of a line are within `reach` of each.
+/// For each place of a line, 1 / (count of places within `reach`).
 std::vector<float> inverse_counts(int length, int reach) {
   std::vector<float> inverse(static_cast<std::size_t>(length));
   for (int i = 0; i < length; ++i) {
@@ -146,7 +145,7 @@ void take_moving_mean(Image<float>& picture, Size window, Image<float>& scratch)
   if (scratch.size() != picture.size()) scratch = Image<float>(picture.size());
   const std::vector<float> along = inverse_counts(width, beside),
                            down = inverse_counts(height, above);
-  // Lines side by side are vectors: rows are turned to columns in groups of sixteen.
+  // A vector holds adjacent lines, so rows are transposed to columns in groups of sixteen.
   constexpr int group = 16, wide = 64;
   for_each_row((height + group - 1) / group, [&](int block) {
     const int first = block * group, rows = std::min(group, height - first);

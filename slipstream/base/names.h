@@ -6,7 +6,7 @@
 
 namespace slipstream {
 
-/// The value of an enumeration whose names, in its order, these are; nullopt for any other name.
+/// The enumerator with that name; `names` are in enumeration order. nullopt for unknown names.
 template <class Value, std::size_t count>
 std::optional<Value> value_named(std::string_view name,
                                  const std::array<std::string_view, count>& names) {

@@ -19,11 +19,11 @@
 
 namespace slipstream {
 
-inline constexpr double two_pi = 2 * std::numbers::pi;    ///< a whole turn, in radians
+inline constexpr double two_pi = 2 * std::numbers::pi;    ///< a full turn, rad
 inline constexpr double degree = std::numbers::pi / 180;  ///< radians
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The number that a text says; nullopt for any other text.
+/// Parses a number; nullopt unless the whole text is one.
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {
   Number number{};
@@ -32,7 +32,7 @@ std::optional<Number> number_in(std::string_view text) {
   return failure == std::errc() && after == end ? std::optional(number) : std::nullopt;
 }
 
-/// The numbers of a text such as "2,0,1", with that mark between them; empty for any other text.
+/// Parses numbers separated by `mark`, such as "2,0,1"; any other text gives an empty list.
 template <class Number>
 std::vector<Number> numbers_in(std::string_view text, char mark) {
   std::vector<Number> numbers;
@@ -46,7 +46,7 @@ std::vector<Number> numbers_in(std::string_view text, char mark) {
   }
 }
 
-/// The size that "1824x1140" says, of 1 to 65536 pixels each way; nullopt for any other text.
+/// Parses a size such as "1824x1140", 1 to 65536 pixels each way; nullopt for any other text.
 inline std::optional<Size> size_of_text(std::string_view text) {
   const std::vector<int> sides = numbers_in<int>(text, 'x');
   const bool good = sides.size() == 2 && std::min(sides[0], sides[1]) >= 1 &&
@@ -54,8 +54,8 @@ inline std::optional<Size> size_of_text(std::string_view text) {
   return good ? std::optional(Size{sides[0], sides[1]}) : std::nullopt;
 }
 
-/// The rectangle that "640x480+16+8" says, width x height + x + y, or "640x480", which begins at
-/// 0, 0; nullopt for any other text.
+/// Parses a rectangle: "640x480+16+8" is width x height + x + y, "640x480" starts at 0, 0. nullopt
+/// for any other text.
 inline std::optional<Rectangle> rectangle_of_text(std::string_view text) {
   const std::size_t plus = std::min(text.find('+'), text.size());
   const std::optional<Size> size = size_of_text(text.substr(0, plus));
@@ -68,7 +68,7 @@ inline std::optional<Rectangle> rectangle_of_text(std::string_view text) {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Adds the bytes of each number in that order; of a few numbers in a row as they lie in memory.
+/// Appends the bytes of each number in that order; an array of numbers as it lies in memory.
 template <std::endian Order = std::endian::little, class Bytes, class... Numbers>
 void append_numbers(Bytes& bytes, const Numbers&... numbers) {
   const auto add = [&](const auto& number) {
@@ -76,7 +76,7 @@ void append_numbers(Bytes& bytes, const Numbers&... numbers) {
     const auto* const first = reinterpret_cast<const Byte*>(&number);
     if constexpr (std::is_same_v<Byte, char> && Order == std::endian::little) {
       bytes.append(first, sizeof number);
-    } else {  // compilers see faults in inserting them at once
+    } else {  // compilers warn falsely about inserting all at once
       for (std::size_t i = 0; i < sizeof number; ++i) {
         bytes.push_back(first[Order == std::endian::little ? i : sizeof number - 1 - i]);
       }
@@ -85,7 +85,7 @@ void append_numbers(Bytes& bytes, const Numbers&... numbers) {
   (add(numbers), ...);
 }
 
-/// The number that those bytes make, which are there.
+/// The number in the bytes from `at` on; they must exist.
 template <class Number, std::endian Order = std::endian::little>
 Number number_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   std::array<std::uint8_t, sizeof(Number)> own;

@@ -13,7 +13,7 @@
 
 namespace slipstream {
 
-/// A report in Markdown that grows part by part.
+/// A Markdown report, built part by part.
 class Page {
  public:
   explicit Page(std::string_view title) : text_(fmt::format("# {}\n", title)) {}
@@ -23,7 +23,7 @@ class Page {
   void paragraph(fmt::format_string<Values...> format, Values&&... values) {
     text_ += fmt::format("\n{}\n", fmt::format(format, std::forward<Values>(values)...));
   }
-  /// A table of those columns begins; its rows follow.
+  /// Starts a table with those columns; rows follow.
   void table(const std::vector<std::string>& columns) {
     text_ += '\n';
     row(columns);
@@ -32,7 +32,7 @@ class Page {
   void row(const std::vector<std::string>& cells) {
     text_ += fmt::format("| {} |\n", fmt::join(cells, " | "));
   }
-  /// `file`: relative to the page's folder.
+  /// `file` is relative to the page's folder.
   void picture(std::string_view says, std::string_view file) {
     text_ += fmt::format("\n![{}]({})\n", says, file);
   }
@@ -41,7 +41,7 @@ class Page {
     pictures_.emplace_back(std::move(file), std::move(pixels));
   }
   [[nodiscard]] const std::string& text() const { return text_; }
-  /// Those whose pixels were given, with their files' names.
+  /// File names and pixels of the pictures added with pixels.
   [[nodiscard]] const std::vector<std::pair<std::string, Image<Colour>>>& pictures() const {
     return pictures_;
   }

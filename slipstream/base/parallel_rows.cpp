@@ -35,7 +35,7 @@ namespace slipstream {
 #if defined(__SANITIZE_THREAD__)
 
 // The thread sanitizer cannot see inside oneTBB as distributions build it and reports every
-// hand-over between its threads as a race. Threads that it sees let it judge the bodies.
+// hand-over between its threads as a race. Plain threads let it check the bodies.
 int parallel_threads() {
   return 2;
 }
@@ -84,12 +84,12 @@ void go_when_woken() {
 #ifdef __linux__
   const sched_param first{.sched_priority = 1};
   if (::pthread_setschedparam(::pthread_self(), SCHED_RR, &first) == 0) return;
-  struct {  // the system's sched_attr, whose header does not go with the library's
+  struct {  // the kernel's sched_attr; libc headers do not define it
     std::uint32_t size = 48, policy = SCHED_OTHER;
     std::uint64_t flags = 0;
     std::int32_t nice = ::getpriority(PRIO_PROCESS, 0);
     std::uint32_t priority = 0;
-    std::uint64_t slice = 100'000, deadline = 0, period = 0;  // ns, the least
+    std::uint64_t slice = 100'000, deadline = 0, period = 0;  // ns; 100 us is the shortest slice
   } share;
   static_assert(sizeof share == 48);
   static_cast<void>(::syscall(SYS_sched_setattr, 0, &share, 0));

@@ -6,11 +6,11 @@
 
 namespace slipstream {
 
-/// Calls `body(row)` for every row in [0, height), in no order, on as many threads as oneTBB is
-/// allowed (limit it with `tbb::global_control`). What `body` throws comes out here, once.
+/// Calls `body(row)` for every row in [0, height), in any order, on as many threads as oneTBB
+/// allows (limit it with `tbb::global_control`). Rethrows the first exception that `body` throws.
 void for_each_row(int height, const std::function<void(int row)>& body);
 
-/// Calls `body(column, row)` for every pixel of a picture, its rows as by for_each_row.
+/// Calls `body(column, row)` for every pixel, rows in parallel as in for_each_row.
 template <class Body>
 void for_each_pixel(Size size, const Body& body) {
   for_each_row(size.height, [&](int row) {
@@ -18,16 +18,16 @@ void for_each_pixel(Size size, const Body& body) {
   });
 }
 
-/// On how many threads at most for_each_row would call now.
+/// The most threads for_each_row would use now.
 int parallel_threads();
 
-/// The calling thread gets what time the others of the program leave. Called once. Nothing is
-/// changed outside Linux, where this would be of the whole program.
+/// Lowers the calling thread's priority below the program's other threads. Call it once per thread.
+/// No effect outside Linux, where it would apply to the whole process.
 void let_others_go_first();
 
-/// The calling thread works for a moment at a time and is to begin at once when it wakes up: it
-/// goes before all that computes where the system allows it (`ulimit -r`), else, from Linux 6.12
-/// on, before what has had its share.
+/// Lets the calling thread start at once when it wakes, for threads that work briefly: real-time
+/// priority if the system allows it (`ulimit -r`), else, from Linux 6.12 on, the shortest time
+/// slice.
 void go_when_woken();
 
 }  // namespace slipstream

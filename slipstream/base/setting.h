@@ -6,33 +6,33 @@
 
 namespace slipstream {
 
-/// One setting of a struct, described beside the struct, which visits each with its member:
+/// Describes one setting of a struct. The struct visits each setting with its member:
 ///   template <class Self, class Visit>
 ///   static void for_each_setting(Self& self, const Visit& visit);  // visit(Setting, self.member)
-/// Validation, command line, rig file, changes of a live run and Python's keywords use this line.
+/// Validation, command line, rig file, live changes and Python keywords are all driven by it.
 struct Setting {
-  /// How it may change during a live run; not at all without `help`.
+  /// How it may change during a live run; without `help` it cannot.
   struct Live {
     const char* help = "";
     const char* unit = "";
-    double least = 0, most = 0;  ///< of a number
+    double least = 0, most = 0;  ///< range of a number
   };
 
-  const char* name;       ///< the member's, and Python's keyword; in messages with spaces
-  const char* unit = "";  ///< "mm"
+  const char* name;       ///< member name and Python keyword; messages show it with spaces
+  const char* flag = "";  ///< command-line flag, e.g. "--fill"; empty: none
+  const char* help = "";  ///< of the flag
+  const char* unit = "";  ///< e.g. "mm"
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool above_least = false;  ///< `least` itself is out of range
-  const char* flag = "";     ///< on the command line: "--fill"; empty: none
-  const char* help = "";     ///< of the flag
-  bool flag_clears = false;  ///< the flag of a switch sets it to false
+  bool above_least = false;  ///< excludes `least` itself from the range
+  bool flag_clears = false;  ///< the flag of a boolean sets it to false
   Live live{};
 };
 
-/// Throws Error: "widest gap -1 is out of range; 0 pixels or more".
+/// Throws Error if out of range: "widest gap -1 is out of range; 0 pixels or more".
 void require_in_range(const Setting& setting, double value);
 
-/// The same for every number of a struct of settings; optional ones only if they are set.
+/// Checks every number of a struct of settings; optional ones only if set.
 template <class Settings>
 void require_in_range(const Settings& settings) {
   Settings::for_each_setting(settings, [](const Setting& setting, const auto& value) {

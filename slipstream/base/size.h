@@ -4,7 +4,7 @@
 
 namespace slipstream {
 
-/// Width and height of a picture or of a device's pixel grid.
+/// Width and height of an image or a device's pixel grid.
 struct Size {
   int width = 0;
   int height = 0;
@@ -20,12 +20,12 @@ void for_each_pixel_in_order(Size size, const Visit& visit) {
   }
 }
 
-/// "1824x1140".
+/// Formats a size, e.g. "1824x1140".
 inline std::string text_of(Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-/// A part of a picture or of a sensor: columns from x, rows from y.
+/// A rectangle of an image or sensor: columns from x, rows from y.
 struct Rectangle {
   int x = 0;
   int y = 0;

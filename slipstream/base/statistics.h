@@ -7,9 +7,8 @@
 
 namespace slipstream {
 
-/// The value that has a share of the others below it, 0 for the least to 1 for the greatest; of two
-/// that are as near the greater. The values, at least one and none of them NaN, are put in another
-/// order.
+/// The quantile `share` of the values, 0 (least) to 1 (greatest), without interpolation; of two
+/// equally near values the greater. Reorders the values, which must be non-empty and free of NaN.
 template <class Number>
 Number quantile(std::vector<Number>& values, double share) {
   const auto place = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
@@ -17,7 +16,7 @@ Number quantile(std::vector<Number>& values, double share) {
   return *place;
 }
 
-/// The values of a picture that are finite, of every `step`-th pixel.
+/// The finite values among every `step`-th pixel of an image.
 template <class Number>
 std::vector<Number> finite_values(const Image<Number>& image, std::size_t step = 1) {
   std::vector<Number> finite;
@@ -27,32 +26,32 @@ std::vector<Number> finite_values(const Image<Number>& image, std::size_t step =
   return finite;
 }
 
-/// The middle value of a list that is not empty.
+/// The median of a non-empty list.
 inline double median(std::vector<double> values) {
   return quantile(values, 0.5);
 }
 
-/// Tukey's weight of a residual in units of the standard deviation: 1 at 0, 0 from 4.685 on, where
-/// it keeps 95 % of the efficiency of least squares on Gaussian noise.
+/// Tukey's biweight of a residual in standard deviations: 1 at 0, 0 from 4.685 on, which gives 95 %
+/// of the efficiency of least squares on Gaussian noise.
 inline double tukey_weight(double residual) {
   const double share = residual / 4.685;
   const double rest = 1 - share * share;
   return rest > 0 ? rest * rest : 0;
 }
 
-/// The standard deviation of Gaussian values with that median of their magnitudes.
+/// Standard deviation of Gaussian values whose magnitudes have that median.
 inline double deviation_from_median(double median_magnitude) {
   return 1.4826 * median_magnitude;
 }
 
-/// The standard deviation of Gaussian values about their centre by the median of their distances.
+/// Robust standard deviation of values about a centre, from their median absolute deviation.
 inline double robust_deviation(std::vector<double> values, double centre) {
   for (double& value : values) value = std::abs(value - centre);
   return deviation_from_median(median(std::move(values)));
 }
 
-/// How many of the finite values fall into each of as many bins of one width; values outside are
-/// not counted.
+/// Counts of finite values in `bins` bins of equal width from low to high; values outside are
+/// ignored.
 struct Histogram {
   double low = 0;
   double high = 1;
@@ -67,22 +66,22 @@ inline Histogram histogram(const Image<double>& map, double low, double high, in
   return result;
 }
 
-/// Three times the mean over a window around each pixel, of odd width and height: near to a
-/// Gaussian of half of them as standard deviations, and nothing passes of what repeats after its
-/// width along rows or its height along columns. Beyond the edges there is nothing: means are over
-/// what there is. In place; `scratch` takes the picture's size.
+/// Applies a moving mean of the window's odd width and height three times, in place: close to a
+/// Gaussian with half of each as standard deviation. It removes anything periodic in the window's
+/// width along rows or in its height along columns. At the edges the mean is over the pixels inside
+/// the image. `scratch` is resized to the image.
 void take_moving_mean(Image<float>& picture, Size window, Image<float>& scratch);
 
-/// The odd length next to one.
+/// The nearest odd length.
 int odd_length(double length);
 
-/// A place in the unit square.
+/// A point of the unit square.
 struct SpreadPlace {
   double x = 0, y = 0;  ///< [0, 1)
 };
 
-/// Place i of a row of places any first part of which is spread evenly, without a grid that stripes
-/// could fall in step with.
+/// Point i of a low-discrepancy sequence: any first part of it covers the square evenly, without a
+/// grid that could alias with stripes.
 inline SpreadPlace spread_place(int i) {
   // The inverses of 1.3247..., the root of x^3 = x + 1, and of its square.
   constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;

@@ -9,7 +9,7 @@
 
 namespace slipstream {
 
-/// Throws Error with that text if the input is `wrong`.
+/// Throws Error with the formatted text if `wrong`.
 template <class... Args>
 void throw_if(bool wrong, fmt::format_string<Args...> text, Args&&... args) {
   if (wrong) throw Error(fmt::format(text, std::forward<Args>(args)...));

@@ -32,7 +32,7 @@ OnlyVectorTarget::OnlyVectorTarget(const std::string& name) {
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return;
   }
-  throw Error(fmt::format("vector target '{}' is not there; it is one of: {}", name,
+  throw Error(fmt::format("vector target '{}' is not available; expected one of: {}", name,
                           fmt::join(vector_targets(), ", ")));
 }
 

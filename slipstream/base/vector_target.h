@@ -5,12 +5,12 @@
 
 namespace slipstream {
 
-/// The vector instruction sets that the kernels were compiled for and this machine has, best first:
-/// "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", and last one that every machine has.
+/// Vector instruction sets that the kernels were compiled for and this machine supports, best
+/// first: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", and last the baseline.
 std::vector<std::string> vector_targets();
 
-/// While it lives the kernels use that target alone, in the whole process: for tests and
-/// measurements. Throws Error for a target that is not there.
+/// While it lives, all kernels of the process use only that target: for tests and measurements.
+/// Throws Error if the target is not available.
 class OnlyVectorTarget {
  public:
   explicit OnlyVectorTarget(const std::string& name);

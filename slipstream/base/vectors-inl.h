@@ -15,7 +15,7 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
-/// For lambdas: of the target's instructions, and always written out where they are called.
+/// For lambdas in kernels: compiled for the vector target and always inlined.
 #ifndef SLIPSTREAM_STEP
 #define SLIPSTREAM_STEP HWY_ATTR __attribute__((always_inline))
 #endif
@@ -30,33 +30,32 @@ using Floats = hn::Vec<FloatTag>;
 using Ints = hn::Vec<IntTag>;
 using FloatMask = hn::Mask<FloatTag>;
 
-/// Calls `body(i)` for the vectors of a row; the last overlaps the one before it where the width is
-/// no multiple.
+/// Calls `body(i)` for each vector of a row; the last overlaps the one before it if the width is
+/// not a multiple of the vector.
 template <class Body>
 HWY_INLINE void for_each_vector(int width, const Body& body) {
   const auto count = static_cast<std::size_t>(width);
   const std::size_t lanes = hn::Lanes(FloatTag());
-  // One place that calls, so that the body is inlined and its constants stay in registers.
+  // A single call site, so that the body is inlined and its constants stay in registers.
   for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
-/// Vectors that are worked on together: each operation of one waits for the one before it, and the
-/// others fill the wait.
+/// Vectors processed together, to hide the latency of dependent operations.
 #if HWY_MAX_BYTES == 64
 inline constexpr std::size_t at_once = 4;
 #else
 inline constexpr std::size_t at_once = 2;
 #endif
 
-/// Where what is kept of each would fill the registers.
+/// For bodies whose values would otherwise not fit in the registers.
 inline constexpr std::size_t few_at_once = 2;
 
 template <std::size_t count>
 using Together = std::integral_constant<std::size_t, count>;
 
-/// Calls `body(Together<count>(), i)` for `count` vectors from pixel i on, all the vectors of a
-/// row, `most` of them where there are so many. The last overlap those before them where the width
-/// is no multiple.
+/// Calls `body(Together<count>(), i)` for `count` vectors from pixel i on, covering the row: `most`
+/// vectors at a time, then single ones. The last overlap those before if the width is not a
+/// multiple of the vector.
 template <std::size_t most = at_once, class Body>
 HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
   const std::size_t lanes = hn::Lanes(FloatTag()), together = most * lanes;
@@ -65,7 +64,7 @@ HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
   for (; i < width; i += lanes) body(Together<1>(), std::min(i, width - lanes));
 }
 
-/// An array of them; that of the standard library is not compiled for each target.
+/// An array of vectors: std::array is not compiled for each target.
 template <std::size_t count, class Vector = Floats>
 class Several {
  public:
@@ -77,14 +76,14 @@ class Several {
   Vector vectors_[count];  // NOLINT(modernize-avoid-c-arrays)
 };
 
-/// One step of the work on each of them, written out so that all stay in registers.
+/// Applies one step to each of them, unrolled so that all stay in registers.
 template <std::size_t count, class Step>
 HWY_INLINE void each(const Step& step) {
   HWY_UNROLL(16) for (std::size_t k = 0; k < count; ++k) step(k);
 }
 
-/// Past the cache a picture that does not fit in it is not read before it is written. `to` is then
-/// aligned to eight floats.
+/// Stores a vector. `past_cache` uses streaming stores, which do not first read an image too large
+/// for the cache; `to` must then be aligned to eight floats.
 HWY_INLINE void store(Floats values, float* to, bool past_cache) {
   const FloatTag d;
   if (!past_cache) return hn::StoreU(values, d, to);
@@ -98,17 +97,16 @@ HWY_INLINE void store(Floats values, float* to, bool past_cache) {
   hn::Stream(values, d, to);
 }
 
-/// Fetches what will be written a little later than `to`: a store waits for the line that it
-/// changes.
+/// Prefetches memory soon to be written after `to`: a store waits for its cache line.
 template <class Value>
 HWY_INLINE void fetch_ahead(const Value* to, bool past_cache) {
-  constexpr std::uintptr_t bytes_ahead = 512;  // past the end of an array, too: it is not read
+  constexpr std::uintptr_t bytes_ahead = 512;  // may lie past the array; not accessed
   if (past_cache) return;
   hwy::Prefetch(reinterpret_cast<const Value*>(reinterpret_cast<std::uintptr_t>(to) + bytes_ahead));
 }
 
-/// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:
-/// a third of a division's time.
+/// a / b to within one or two units in the last place: approximate reciprocal and one correction,
+/// in a third of a division's time.
 HWY_INLINE Floats quotient(Floats a, Floats b) {
 #if HWY_ARCH_X86
   const Floats r = hn::ApproximateReciprocal(b);
@@ -119,7 +117,7 @@ HWY_INLINE Floats quotient(Floats a, Floats b) {
 #endif
 }
 
-/// 1 / b as `quotient` has it.
+/// 1 / b to the accuracy of `quotient`.
 HWY_INLINE Floats reciprocal(Floats b) {
   const Floats one = hn::Set(FloatTag(), 1.0F);
 #if HWY_ARCH_X86
@@ -130,7 +128,7 @@ HWY_INLINE Floats reciprocal(Floats b) {
 #endif
 }
 
-/// a / b of each.
+/// a / b for each.
 template <std::size_t count>
 HWY_INLINE Several<count> quotients(const Several<count>& a, const Several<count>& b) {
   Several<count> q;
@@ -147,7 +145,7 @@ HWY_INLINE Several<count> quotients(const Several<count>& a, const Several<count
   return q;
 }
 
-/// sum = sum x + c of each.
+/// sum = sum x + c for each.
 template <std::size_t count>
 HWY_INLINE void add_term(Several<count>& sum, const Several<count>& x, float c) {
   each<count>([&](std::size_t k)

@@ -12,30 +12,28 @@
 namespace slipstream {
 namespace {
 
-/// Throws Error where frames of that strategy alone do not give the projector coordinate.
+/// Throws Error if the strategy's frames alone do not give the projector coordinate.
 void require_coordinate(const Strategy& strategy) {
   throw_if(!has_coordinate(strategy),
            "{} with these settings gives no projector coordinate; use one period, or a "
            "strategy that unwraps",
            strategy.name());
   throw_if(needs_ambient_light(strategy.layout()),
-           "{} of {} steps needs the ambient light; scan boards with {}", strategy.name(),
+           "{} of {} steps requires the ambient light; scan boards with {}", strategy.name(),
            frame_count(strategy), default_strategy().name());
 }
 
-/// Adds what the frames of a pose along an axis say of how they were taken, and puts those in order
-/// that have slipped.
+/// Adds the diagnostics of a pose's frames along an axis, and puts slipped frames in order.
 void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSettings& settings,
                       std::vector<Finding>& findings) {
   const int wanted = frame_count(scan.sequence.strategy);
-  throw_if(scan.frames.count() != wanted, "{} frames, but a scan takes {}", scan.frames.count(),
-           wanted);
-  // Darker pixels would be judged by their noise.
+  throw_if(scan.frames.count() != wanted, "{} frames; a scan has {}", scan.frames.count(), wanted);
+  // Darker pixels are too noisy for the check.
   const double least = std::max(10.0, 2 * settings.minimum_modulation);
   ScanFindings found =
       check_frames(scan.frames, scan.sequence, std::nullopt,
                    {.minimum_modulation = least, .photometry = {.response = settings.response}});
-  // These are told once, of all poses, by what they do to the boards and their corners.
+  // These are reported once for all poses, by their effect on the corners.
   for (const std::string_view known :
        {gamma_is_to_blame, clipping_is_to_blame, darkness_is_to_blame}) {
     found.findings = without_cause(std::move(found.findings), known);
@@ -47,7 +45,7 @@ void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSet
   if (!found.order.empty()) scan.frames = reordered(std::move(scan.frames), found.order);
 }
 
-/// What a scan says of a board.
+/// A decoded scan of a board.
 struct ReadScan {
   BasicMaps<double> maps;
   FringeSigns signs;
@@ -77,48 +75,48 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
     const std::optional<Size> seen = chessboard_size(pictures);
     if (seen && seen != Size{board.columns, board.rows}) {
       return fmt::format(
-          "no chessboard of {}x{} corners is seen whole, but one of at least {}x{}; check "
+          "no chessboard of {}x{} corners is fully visible, but one of at least {}x{} is; check "
           "--corners",
           board.columns, board.rows, seen->width, seen->height);
     }
   }
   return fmt::format(
-      "no {} of {}x{} corners is seen{}; likely another board or count than said with "
-      "--board, --corners{}, or a picture that is dark, overexposed or out of focus",
+      "no {} of {}x{} corners is {}visible; likely a wrong --board, --corners{}, or a picture that "
+      "is dark, overexposed or out of focus",
       name_of(board.kind), board.columns, board.rows,
-      board.kind == BoardKind::charuco ? "" : " whole",
+      board.kind == BoardKind::charuco ? "" : "fully ",
       board.kind == BoardKind::charuco ? " or --dictionary" : "");
 }
 
-/// Why corners that are seen have no projector pixel.
+/// Why visible corners have no projector pixel.
 const char* why_unlit(const CaptureSigns& signs) {
   constexpr double much = 0.3;  // of the board's pixels
   if (std::max(signs.x.saturated, signs.y.saturated) > much) {
-    return "overexposed: expose less or dim the projector";
+    return "overexposed: shorten the exposure or dim the projector";
   }
-  return "too dark, or outside the projector's light";
+  return "too dark, or outside the projector's light: light the whole board";
 }
 
 void require_same(Size& known, Size size, const std::string& pose, const char* what) {
   if (known == Size{}) known = size;
   if (size == known) return;
   throw Error(
-      fmt::format("{}: {} {}, but in the poses before {}; likely frames of two cameras are mixed: "
-                  "all poses must be of one camera and projector",
+      fmt::format("{}: {} {}, but {} in earlier poses; likely frames of two cameras are mixed: use "
+                  "poses of one camera and projector",
                   pose, what, text_of(size), text_of(known)));
 }
 
 Scan scan_of(const BoardScans& pose, Axis axis, PoseCaptures& captures) {
   Scan scan = pose.along(axis);
   captures.warnings.insert(captures.warnings.end(), scan.warnings.begin(), scan.warnings.end());
-  throw_if(scan.sequence.projector == Size{}, "{}: no projector size; give it with --projector",
+  throw_if(scan.sequence.projector == Size{}, "{}: no projector size; set it with --projector",
            pose.name);
   require_same(captures.camera, scan.frames.size(), pose.name, "frames of");
   require_same(captures.projector, scan.sequence.projector, pose.name, "patterns for");
   return scan;
 }
 
-/// Finds the board in one more pose and adds what it gave; returns that in words.
+/// Finds the board in one more pose and adds the result; returns its description.
 std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const CalibrationBoard& board,
                      const BoardCaptureSettings& settings) {
   Scan x = scan_of(scans, Axis::x, captures), y = scan_of(scans, Axis::y, captures);
@@ -130,7 +128,7 @@ std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const Cali
       return found.told;
     }
     captures.unused.push_back({scans.name, found.told});
-    return fmt::format("left out: {}", found.told);
+    return fmt::format("rejected: {}", found.told);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", scans.name, error.what()));
   }
@@ -146,8 +144,8 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   require_coordinate(along_x.sequence.strategy);
   require_coordinate(along_y.sequence.strategy);
   throw_if(projector == Size{} || along_y.sequence.projector != projector,
-           "the scans say projectors of {} and {}; both are one, and known", text_of(projector),
-           text_of(along_y.sequence.projector));
+           "the scans are for projectors of {} and {}; both must have one known size",
+           text_of(projector), text_of(along_y.sequence.projector));
   const FringeFreePictures pictures = fringe_free_pictures(along_x.frames, along_y.frames);
   std::optional<BoardCorners> found = find_board(board, pictures);
   if (!found) {
@@ -173,12 +171,10 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   }
   const int lit = lit_corners(view);
   if (lit < fewest_lit) {
-    return {
-        std::nullopt,
-        fmt::format("the projector lights {} of {} corners well enough; at least {} are needed; "
-                    "likely {}",
-                    lit, view.places.size(), fewest_lit, why_unlit(signs)),
-        std::move(findings)};
+    return {std::nullopt,
+            fmt::format("the projector lights {} of {} corners (limit {}); likely {}", lit,
+                        view.places.size(), fewest_lit, why_unlit(signs)),
+            std::move(findings)};
   }
   std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",
                                  view.places.size(), found->detector, lit);
@@ -191,7 +187,7 @@ void require_enough_poses(const PoseCaptures& captures, const std::string& folde
       captures.unused.empty()
           ? ""
           : fmt::format(" ({}: {})", captures.unused[0].name, captures.unused[0].why);
-  throw Error(fmt::format("{}: {} of {} poses can be used{}; at least {} are needed", folder,
+  throw Error(fmt::format("{}: {} of {} poses are usable{}; at least {} are required", folder,
                           captures.views.size(), captures.views.size() + captures.unused.size(),
                           first_reason, fewest_poses));
 }
@@ -202,7 +198,7 @@ PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardSca
                            const std::function<void(const std::string& words)>& told) {
   for (const std::string& name : excluded) {
     throw_if(std::ranges::count(poses, name, &BoardScans::name) == 0,
-             "--exclude {}: there is no such pose in {}", name, folder);
+             "--exclude {}: no such pose in {}", name, folder);
   }
   PoseCaptures captures;
   for (const BoardScans& pose : poses) {

@@ -20,7 +20,7 @@ namespace {
 
 using Corners = std::vector<cv::Point2f>;
 
-/// Mean and maximum go on to further frames.
+/// Adds frames to mean and maximum.
 void add_frames(const FrameViews& frames, FringeFreePictures& pictures, int total) {
   const auto scale = static_cast<float>(255 / frames.full_scale());
   frames.visit([&](const auto& images) {
@@ -35,7 +35,7 @@ void add_frames(const FrameViews& frames, FringeFreePictures& pictures, int tota
   });
 }
 
-/// Contrast from the 1st to the 99.5th percentile spread over 8 bits, as the detectors want it.
+/// Stretches the contrast from the 1st to the 99.5th percentile over 8 bits, for the detectors.
 cv::Mat stretched(const cv::Mat& picture) {
   std::vector<float> values(picture.begin<float>(), picture.end<float>());
   const double low = quantile(values, 0.01),
@@ -45,10 +45,10 @@ cv::Mat stretched(const cv::Mat& picture) {
   return grey;
 }
 
-/// How far about a chessboard's corner only its four squares are seen, in distances to the next.
+/// Radius around a chessboard corner that contains only its four squares, in distances to the next.
 constexpr double half_square = 0.5;
 
-/// Least distance in the picture from a corner to another.
+/// Smallest distance between two corners, pixels.
 double least_distance(const Corners& corners) {
   double least = 1e9;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -57,9 +57,9 @@ double least_distance(const Corners& corners) {
   return least;
 }
 
-/// The point near `start` from which the pixels within `radius` lie most nearly across their
-/// gradients (Förstner and Gülch 1987). It asks the pixels as they are: cv::cornerSubPix looks
-/// between them, linearly, which draws corners by up to 0.013 pixels to where pixels meet.
+/// The point near `start` at which the edges within `radius` intersect best (Förstner and Gülch
+/// 1987). Uses the pixels without interpolation: the linear one of cv::cornerSubPix pulls corners
+/// by up to 0.013 pixels towards pixel borders.
 Eigen::Vector2d meeting_of_edges(const cv::Mat& picture, const Eigen::Vector2d& start,
                                  double radius) {
   constexpr int most_rounds = 50;
@@ -90,8 +90,8 @@ Eigen::Vector2d meeting_of_edges(const cv::Mat& picture, const Eigen::Vector2d& 
   return corner;
 }
 
-/// Moves chessboard corners to where the edges about them meet, at a fraction of a pixel, as seen
-/// in a square window that goes to `reach` of the least distance between them.
+/// Refines chessboard corners to subpixel accuracy, in a square window that extends to `reach` of
+/// the smallest distance between corners.
 void refine(const cv::Mat& mean, Corners& corners, double reach) {
   constexpr double smoothing = 1;  // pixels; 0.7 to 1.4 give the same residuals on real boards
   cv::Mat smooth;
@@ -158,8 +158,8 @@ std::vector<int> all_places(const CalibrationBoard& board) {
   return places;
 }
 
-/// A chessboard's corners from the left to the right, and from the top to the bottom as a camera
-/// that does not mirror sees it.
+/// Orders a chessboard's corners from left to right, and from top to bottom for a camera that does
+/// not mirror.
 void order_as_seen(const CalibrationBoard& board, Corners& corners) {
   const auto at = [&](int column, int row) -> cv::Point2f& {
     return corners[static_cast<std::size_t>(row * board.columns + column)];
@@ -175,7 +175,7 @@ void order_as_seen(const CalibrationBoard& board, Corners& corners) {
 }
 
 /// Contrast of the four squares that meet at `corner`; `along` and `down` lead to the next corners.
-/// Nothing out of the picture.
+/// nullopt outside the picture.
 std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, cv::Point2f along,
                                       cv::Point2f down) {
   const auto grey = [&](float right, float below) -> std::optional<double> {
@@ -184,23 +184,23 @@ std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, c
     if (!cv::Rect({}, mean.size()).contains(pixel)) return std::nullopt;
     return mean.at<float>(pixel);
   };
-  constexpr float middle = 0.3F;  // of a square, from its corner
+  constexpr float middle = 0.3F;  // of a square, from the corner
   const auto a = grey(-middle, -middle), b = grey(middle, -middle), c = grey(-middle, middle),
              d = grey(middle, middle);
   if (!a || !b || !c || !d) return std::nullopt;
   return std::abs((*a + *d) - (*b + *c)) / 2;
 }
 
-/// Throws Error where one row or column further out there are corners too. At the real end of a
-/// board half of the squares about such a place are missing, and with them half of the contrast.
+/// Throws Error if the board has corners one row or column further out. Beyond the true edge half
+/// of the squares are missing, and with them half of the contrast.
 void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Corners& corners) {
   constexpr double share_of_contrast = 0.75;
   constexpr std::size_t fewest_seen = 3;
   const auto at = [&](int column, int row) {
     return corners[static_cast<std::size_t>(row * board.columns + column)];
   };
-  // Contrast `outwards` places beyond the end of each line of corners; corner_of(i, k) is k places
-  // inwards of the end of line i.
+  // Contrast `outwards` places beyond the end of each line of corners; corner_of(i, k) lies k
+  // places inside the end of line i.
   const auto contrast = [&](int count, const auto& corner_of, float outwards) {
     std::vector<double> seen;
     for (int i = 0; i + 1 < count; ++i) {
@@ -217,8 +217,8 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
     const std::vector<double> outside = contrast(count, corner_of, 1);
     if (inside.size() < fewest_seen || outside.size() < fewest_seen) return;
     if (median(outside) < share_of_contrast * median(inside)) return;
-    throw Error(fmt::format("the board goes on beyond {}x{} corners; check --corners",
-                            board.columns, board.rows));
+    throw Error(fmt::format("the board has more than {}x{} corners; check --corners", board.columns,
+                            board.rows));
   };
   check(board.rows, [&](int i, int inwards) { return at(inwards, i); });
   check(board.rows, [&](int i, int inwards) { return at(right - inwards, i); });
@@ -232,10 +232,10 @@ BoardCorners board_corners(std::vector<int> places, const Corners& corners, std:
   return result;
 }
 
-/// Centre of the ellipse as which a circle about `centre` is seen through a homography.
+/// Centre of the ellipse that a homography makes of a circle around `centre`.
 Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eigen::Vector2d& centre,
                                    double radius) {
-  Eigen::Matrix3d dual;  // of the circle's conic; its lines go through a homography H as H dual H^T
+  Eigen::Matrix3d dual;  // dual of the circle's conic; a homography H maps it to H dual H^T
   const Eigen::Vector3d c = centre.homogeneous();
   dual =
       c * c.transpose() - radius * radius * Eigen::Vector3d(1, 1, 0).asDiagonal().toDenseMatrix();
@@ -243,7 +243,8 @@ Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eige
   return seen.col(2).hnormalized();
 }
 
-/// The centre of a tilted circle's picture is not the picture of its centre: takes away how far.
+/// Corrects the offset between the centre of a tilted circle's picture and the picture of its
+/// centre.
 void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) {
   const BoardPlaces places = printed_places(board);
   std::vector<cv::Point2d> on_board, in_picture;
@@ -263,8 +264,8 @@ void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) 
   }
 }
 
-/// Paints markers over as bright as the squares that they are in, to the middle of the margin about
-/// them, so that a plain chessboard is left.
+/// Paints markers over with the brightness of their squares, to the middle of their margins, which
+/// leaves a plain chessboard.
 cv::Mat without_markers(const cv::Mat& mean, const std::vector<Corners>& markers,
                         double marker_side) {
   const auto growth = static_cast<float>((1 + 1 / marker_side) / 2);
@@ -299,7 +300,7 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
   Corners corners;
   cv::aruco::interpolateCornersCharuco(markers, marker_ids, picture, charuco, corners, places);
   if (corners.size() < fewest_corners) return std::nullopt;
-  // Near a marker that was not found, and so not painted over, its edges would draw the corner.
+  // The edges of an undetected marker, which is not painted over, would attract the corner.
   const double to_marker = (1 - board.marker_side) / 2;
   refine(mean, corners, to_marker);
   Corners by_squares = corners;
@@ -319,7 +320,7 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
 
 FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameViews& along_y) {
   throw_if(along_x.size() != along_y.size(),
-           "the frames along x are {}x{}, those along y {}x{}; both must agree",
+           "the frames along x are {}x{}, along y {}x{}; both must have one size",
            along_x.size().width, along_x.size().height, along_y.size().width,
            along_y.size().height);
   FringeFreePictures pictures{Image<float>(along_x.size()), Image<float>(along_x.size())};

@@ -18,7 +18,7 @@
 namespace slipstream {
 namespace {
 
-/// The picture between its pixels; none outside.
+/// Interpolated grey level; nullopt outside the picture.
 std::optional<double> grey_at(const Image<float>& picture, const Eigen::Vector2d& at) {
   const int left = static_cast<int>(std::floor(at.x())), top = static_cast<int>(std::floor(at.y()));
   if (left < 0 || top < 0 || left + 1 >= picture.width() || top + 1 >= picture.height()) {
@@ -29,12 +29,12 @@ std::optional<double> grey_at(const Image<float>& picture, const Eigen::Vector2d
                    std::lerp(picture(left, top + 1), picture(left + 1, top + 1), x), y);
 }
 
-/// Standard deviation, pixels, of the Gaussian edge with that height and slope somewhere on the way
-/// from one place to another; none where there is no edge to speak of.
+/// Standard deviation, pixels, of the Gaussian edge between two places, from its height and
+/// steepest slope; nullopt without a clear edge.
 std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2d& from,
                                const Eigen::Vector2d& to) {
   constexpr double step = 0.25;       // pixels
-  constexpr int across = 4;           // steps over which the slope is taken: a pixel
+  constexpr int across = 4;           // steps for the slope: one pixel
   constexpr double least_height = 8;  // grey levels
   const double length = (to - from).norm();
   std::vector<double> profile;
@@ -56,18 +56,18 @@ std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
-/// Pixels of a board and what the frames show there, grey levels of 8 bits: a row for each
-/// pixel, a column for each frame.
+/// Pixels of a board and their intensities, grey levels of 8 bits: a row for each pixel, a column
+/// for each frame.
 struct Samples {
-  double saturated = 0;     ///< share of the board's pixels, which are left out
-  Eigen::MatrixX2d pixels;  ///< from the board's middle, in its largest half side
+  double saturated = 0;     ///< share of the board's pixels; those are excluded
+  Eigen::MatrixX2d pixels;  ///< from the board's centre, in units of its larger half side
   Eigen::MatrixXd light;
 };
 
-constexpr int wanted_samples = 3000;  // by which a ripple of a hundredth of a radian stands out
+constexpr int wanted_samples = 3000;  // enough to detect a ripple of 0.01 rad
 constexpr Eigen::Index fewest_samples = 200;
 
-/// Pixels evenly spread about each corner, as far as half way to the next.
+/// Pixels evenly spread around each corner, up to half way to the next.
 std::vector<std::pair<int, int>> pixels_about(const PixelPlaces& corners, Size size) {
   const int side = static_cast<int>(
       std::ceil(std::sqrt(wanted_samples / std::max(1.0, static_cast<double>(corners.size())))));
@@ -104,8 +104,7 @@ Eigen::MatrixXd light_at(const FrameViews& frames, const std::vector<std::pair<i
   return light;
 }
 
-/// The bright ones of the pixels, where what is dark of the print does not blur into them, without
-/// those that are saturated.
+/// The bright, unsaturated pixels, away from dark parts of the print that would blur into them.
 Samples samples_of(const Scan& scan, const PixelPlaces& corners, double minimum_modulation) {
   constexpr double bright_share = 0.6, bright_quantile = 0.8;
   const auto pixels = pixels_about(corners, scan.frames.size());
@@ -133,7 +132,7 @@ Samples samples_of(const Scan& scan, const PixelPlaces& corners, double minimum_
   return samples;
 }
 
-/// C + i S of every sample.
+/// C + i S for each sample.
 Eigen::VectorXcd phasors(const Samples& samples, const Band& band) {
   const auto count = samples.light.cols();
   return samples.light *
@@ -141,7 +140,7 @@ Eigen::VectorXcd phasors(const Samples& samples, const Band& band) {
           Complex(0, 1) * Eigen::Map<const Eigen::VectorXd>(band.sine.data(), count));
 }
 
-/// Phase of every sample, [0, 2 pi), corrected as decoding corrects it.
+/// Phase of each sample, [0, 2 pi), corrected as in decoding.
 Eigen::VectorXd phases(const Samples& samples, const Band& band,
                        const PhaseCorrections& corrections) {
   const auto run = step_run(band);
@@ -152,8 +151,8 @@ Eigen::VectorXd phases(const Samples& samples, const Band& band,
   });
 }
 
-/// The smooth course of a coordinate over a flat board that a lens looks at: y = (cubic in u, v) /
-/// (1 + g u + h v), written y = cubic - y (g u + h v) with the y so far on the right.
+/// Smooth model of the coordinate on a flat board seen through a lens: y = (cubic in u, v) /
+/// (1 + g u + h v), solved as y = cubic - y (g u + h v) with the previous y on the right.
 Eigen::VectorXd smooth_course(const Eigen::MatrixX2d& pixels, const Eigen::VectorXd& y,
                               const Eigen::VectorXd& weights) {
   Eigen::MatrixXd terms(pixels.rows(), 12);
@@ -172,8 +171,8 @@ Eigen::VectorXd smooth_course(const Eigen::MatrixX2d& pixels, const Eigen::Vecto
          (1 + pixels.col(0).array() * solution[10] + pixels.col(1).array() * solution[11]);
 }
 
-/// How far the measured phase is off the smooth course, rad, within half a turn. `turns`: the
-/// phase as unwrapped, in turns; whole turns that are wrong do not count.
+/// Error of the measured phase relative to the smooth model, rad, within half a turn. `turns`: the
+/// unwrapped phase in turns; wrong whole turns do not count.
 Eigen::VectorXd phase_errors(const Samples& samples, Eigen::VectorXd turns) {
   constexpr int rounds = 6;
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(turns.size());
@@ -194,8 +193,8 @@ Eigen::VectorXd phase_errors(const Samples& samples, Eigen::VectorXd turns) {
   return 2 * pi * errors;
 }
 
-/// The phase of every sample in turns, unwrapped from each to the nearest that is not yet: without
-/// the coarser bands, which what is looked for would spoil most.
+/// Phase of each sample in turns, unwrapped from sample to nearest sample. Does not use the coarser
+/// bands, which a ripple spoils most.
 Eigen::VectorXd unwrapped_turns(const Samples& samples, const Eigen::VectorXd& phase) {
   const Eigen::Index count = phase.size();
   Eigen::VectorXd turns = phase / (2 * pi);
@@ -254,7 +253,7 @@ EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& 
     const Eigen::Vector2d along = right->second - corner, down = below->second - corner;
     std::optional<double> width;
     if (board.kind == BoardKind::circles) {
-      // Out of the middle of a circle, of half a place in the row, to where paper is white.
+      // From the centre of a circle to the white paper beside it.
       width = softness(picture, corner, corner + 0.4 * along);
       spacings.push_back(along.norm() / 2);
     } else {
@@ -290,9 +289,9 @@ FringeSigns fringe_signs(const Scan& scan, const PixelPlaces& corners, double mi
 }
 
 bool has_ripple(const FringeSigns& signs) {
-  // A gamma of 1.1 under three steps; what is less moves no corner by a fifth of a pixel.
+  // A gamma of 1.1 with three steps; less moves no corner by a fifth of a pixel.
   constexpr double least = 0.03;    // rad
-  constexpr double deviations = 5;  // once in a million scans by chance
+  constexpr double deviations = 5;  // one false alarm in a million scans
   return signs.ripple > std::max(least, deviations * signs.ripple_deviation);
 }
 

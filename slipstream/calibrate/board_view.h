@@ -8,92 +8,88 @@
 
 namespace slipstream {
 
-/// What the frames of one scan of a board say about how they were taken, by a few thousand of its
-/// pixels that are bright and not saturated.
+/// Quality of one scan of a board, from a few thousand bright, unsaturated pixels.
 struct FringeSigns {
-  double saturated = 0;  ///< share of the board's pixels that some frame shows at full scale
-  int steps = 0;         ///< N of the band that measures; 0 where that is no run of steps
-  double period = 0;  ///< of a fringe of that band, projector pixels; 0 where nothing was measured
-  /// Amplitude, rad, of the error of that band's phase that repeats N times in each fringe, against
-  /// the smooth course of the phase over a flat board; and its standard deviation.
+  double saturated = 0;  ///< share of the board's pixels with a saturated frame
+  int steps = 0;         ///< N of the measuring band; 0 if it is not a run of steps
+  double period = 0;     ///< of the measuring band's fringe, projector pixels; 0 if not measured
+  /// Amplitude and standard deviation, rad, of the phase error that repeats N times per fringe,
+  /// relative to the smooth phase of a flat board.
   double ripple = 0;
   double ripple_deviation = 0;
-  /// Modulation of the finest band over that of the coarsest, each by its share: 1 where fringes
-  /// are sharp, less where they are blurred.
+  /// Ratio of the finest to the coarsest band's modulation, each divided by its share: 1 for sharp
+  /// fringes, less if blurred.
   double contrast = 1;
 };
 
-/// `corners`: of the board, pixels. Phases are corrected by what `corrections` has for their N.
-/// Nothing is measured where too few pixels are bright. The frames must be the layout's.
+/// `corners`: of the board, pixels. `corrections`: phase corrections by N. Measures only if enough
+/// pixels are bright. The frames must match the layout.
 FringeSigns fringe_signs(const Scan& scan, const PixelPlaces& corners, double minimum_modulation,
                          const PhaseCorrections& corrections);
 
-/// Whether a ripple is one: larger than noise and than what does no harm.
+/// Whether the ripple exceeds both its noise and a harmless amplitude.
 bool has_ripple(const FringeSigns& signs);
 
-/// How soft the edges of a board's print are in a picture: the standard deviation of the Gaussian
-/// that would blur them so, pixels, the median of all edges; and the same in spacings of the board.
+/// Blur of the board's printed edges in a picture: standard deviation of the equivalent Gaussian,
+/// median over all edges, in pixels and in spacings of the board.
 struct EdgeSoftness {
   double pixels = 0;
   double spacings = 0;
 };
 
-/// Whether that is too soft: more than an eighth of a spacing, so that less than half of it is flat
-/// and corners move with what is beside them, and more than the one and a half pixels of the pixels
-/// themselves.
+/// True above 1/8 of a spacing (less than half of a square is then flat, and neighbouring edges
+/// shift corners) and above 1.5 pixels, the blur of the pixels themselves.
 bool is_soft(const EdgeSoftness& edges);
 
-/// `places` and `corners`: which places of the board are where in the picture. Zero where no two
-/// neighbours are seen.
+/// `places`: board places of the `corners` in the picture. Zero unless two neighbours are visible.
 EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,
                            const std::vector<int>& places, const PixelPlaces& corners);
 
-/// All of it of one pose.
+/// Quality of one pose's frames.
 struct CaptureSigns {
   FringeSigns x{};
   FringeSigns y{};
   EdgeSoftness edges{};
 };
 
-/// One pose of the board: where camera and projector see its corners.
+/// One pose of the board: its corners in the camera's and the projector's picture.
 struct BoardView {
   std::string name;         ///< of the pose's folder
-  std::vector<int> places;  ///< which corner of the board each is
+  std::vector<int> places;  ///< board place of each corner
   PixelPlaces camera;       ///< pixels
-  PixelPlaces projector;    ///< pixels; NaN where it could not be told
-  /// d projector / d camera: a corner that the camera sees a little off was looked for in the
-  /// projector's picture a little off too, by as much as this makes of it. Empty, or zero, where
-  /// the projector pixels are independent of the camera's.
+  PixelPlaces projector;    ///< pixels; NaN where unknown
+  /// d projector / d camera: an error of a corner's camera pixel causes this error of its projector
+  /// pixel. Empty or zero if the projector pixels are independent of the camera's.
   std::vector<Eigen::Matrix2d> slopes{};
-  CaptureSigns signs{};  ///< how its frames were taken; nothing where there were none
+  CaptureSigns signs{};  ///< quality of its frames; default if it has none
 };
 
 using BoardViews = std::vector<BoardView>;
 
 enum class Device { camera, projector };
 
-/// Where that device sees the corners.
+/// The corners in the device's picture.
 inline const PixelPlaces& corners_of(const BoardView& view, Device device) {
   return device == Device::camera ? view.camera : view.projector;
 }
 
-/// `slopes` of a corner, zero where there is none.
+/// `slopes` of a corner; zero if empty.
 inline Eigen::Matrix2d slope_at(const BoardView& view, std::size_t corner) {
   return view.slopes.empty() ? Eigen::Matrix2d(Eigen::Matrix2d::Zero()) : view.slopes[corner];
 }
 
-/// Corners whose projector pixel is known.
+/// Number of corners with a known projector pixel.
 inline int lit_corners(const BoardView& view) {
   int count = 0;
   for (const Eigen::Vector2d& pixel : view.projector) count += pixel.allFinite() ? 1 : 0;
   return count;
 }
 
-/// How many boards cover each of the cells into which a device's picture is divided, 100 of
-/// them across. Only the hull of a board's corners counts.
+/// Number of boards that cover each cell of a device's picture, divided into 100 columns of square
+/// cells. A board covers the hull of its corners.
 Image<std::uint8_t> coverage_map(const BoardViews& views, Device device, Size size);
 
-/// Share of the cells that some board covers.
+/// Share of the cells that at least one board covers.
 double covered_share(const Image<std::uint8_t>& coverage);
 
 }  // namespace slipstream

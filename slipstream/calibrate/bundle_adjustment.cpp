@@ -1,4 +1,4 @@
-// The one source that sees Ceres.
+// The only source that includes Ceres.
 #include "slipstream/calibrate/bundle_adjustment.h"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ void set_lens(Lens& lens, const LensNumbers& numbers) {
   std::copy(numbers.begin() + 4, numbers.end(), lens.distortion.coefficients.begin());
 }
 
-/// Camera, projector and how they stand to each other, in a row.
+/// Camera, projector and their relative pose, concatenated.
 using RigNumbers = Eigen::Matrix<double, 2 * lens_size + 6, 1>;
 
 RigNumbers numbers_of(const Scanner& scanner) {
@@ -68,7 +68,7 @@ RigNumbers numbers_of(const Scanner& scanner) {
   return numbers;
 }
 
-/// Calls `use` with each number of a deviation and that number of a row in its order.
+/// Calls `use` with each number of a deviation and the corresponding number of a row.
 template <class Deviation, class Row, class Use>
 void with_row(Deviation& deviation, Row& row, const Use& use) {
   auto* next = row.data();
@@ -99,14 +99,14 @@ RigNumbers numbers_of(const BundleDeviation& deviation) {
 template <int Columns>
 using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Columns, Eigen::RowMajor>>;
 
-/// Sets a parameter's block of the Jacobian where Ceres asks for it.
+/// Sets a parameter's block of the Jacobian if Ceres requests it.
 template <int Columns, class Derivative>
 void set_block(double** jacobians, int block, const Derivative& derivative) {
   if (jacobians == nullptr || jacobians[block] == nullptr) return;
   Block<Columns>(jacobians[block], derivative.rows(), Columns) = derivative;
 }
 
-/// How far off the camera sees a corner, in standard deviations: of lens, pose, place.
+/// Camera residual of a corner, in standard deviations. Parameters: lens, pose, place.
 class CameraError : public ceres::SizedCostFunction<2, lens_size, 6, 3> {
  public:
   CameraError(Eigen::Vector2d seen, double deviation)  // pixels
@@ -131,14 +131,14 @@ class CameraError : public ceres::SizedCostFunction<2, lens_size, 6, 3> {
   double deviation_;
 };
 
-/// How far off camera and projector see a corner, in standard deviations; the projector's without
-/// what comes of the camera's: of camera, projector, rig, pose, place.
+/// Camera and projector residual of a corner, in standard deviations; the projector's without the
+/// part that the camera's causes. Parameters: camera, projector, rig, pose, place.
 class PairError : public ceres::SizedCostFunction<4, lens_size, lens_size, 6, 6, 3> {
  public:
   PairError(Eigen::Vector2d camera_seen, Eigen::Vector2d projector_seen,
             const Eigen::Matrix2d& slope, const PixelDeviations& deviations)
       : camera_seen_(std::move(camera_seen)), projector_seen_(std::move(projector_seen)) {
-    // Both distances to what the residuals are made of: own deviation, carried over taken away.
+    // From pixel distances to residuals: subtracts the camera's part, divides by the deviations.
     to_residuals_ << Eigen::Matrix2d::Identity() / deviations.camera, Eigen::Matrix2d::Zero(),
         -slope / deviations.projector, Eigen::Matrix2d::Identity() / deviations.projector;
   }
@@ -172,7 +172,7 @@ class PairError : public ceres::SizedCostFunction<4, lens_size, lens_size, 6, 6,
   Eigen::Matrix4d to_residuals_;
 };
 
-/// How far a corner lies from where it should be printed, in standard deviations.
+/// Printing error of a corner, in standard deviations.
 class PrintError : public ceres::SizedCostFunction<3, 3> {
  public:
   PrintError(Eigen::Vector3d printed, double deviation)  // mm
@@ -191,7 +191,7 @@ class PrintError : public ceres::SizedCostFunction<3, 3> {
   double deviation_;
 };
 
-/// The parameters of a BundleState as Ceres moves them.
+/// The parameters of a BundleState, as Ceres adjusts them.
 struct Parameters {
   explicit Parameters(const BundleState& state)
       : camera(numbers_of(state.scanner.camera)),
@@ -219,8 +219,8 @@ struct Parameters {
   BoardPlaces places;
 };
 
-/// While any lives, Ceres logs nothing: a step that fails is tried again smaller, and a library
-/// does not write to its caller's terminal.
+/// Silences Ceres' log while one lives: a failed step is retried smaller, and a library must not
+/// write to its caller's terminal.
 class QuietCeres {
  public:
   QuietCeres() {
@@ -237,13 +237,13 @@ class QuietCeres {
   }
 
  private:
-  // The level is one for the whole process.
+  // The log level is global.
   static inline std::mutex mutex;
   static inline int living = 0;
   static inline int level_before = 0;
 };
 
-/// Diagonal of the inverse of J^T J; none where that is singular.
+/// Diagonal of the inverse of J^T J; nullopt if singular.
 std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
   for (std::size_t row = 0; row + 1 < jacobian.rows.size(); ++row) {
@@ -255,7 +255,7 @@ std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
     }
   }
   if (!(normal.diagonal().array() > 0).all()) return std::nullopt;
-  // Pixels, radians and millimetres are brought to one scale.
+  // Scale away the units: pixels, radians and millimetres.
   const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   const Eigen::LDLT<Eigen::MatrixXd> factors(scaled);
@@ -290,12 +290,13 @@ class BundleProblem {
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
     throw_if(!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost),
-             "bundle adjustment found no solution; the corners contradict one another");
+             "bundle adjustment did not converge; likely corners that contradict each other: check "
+             "--board and --corners");
   }
 
   [[nodiscard]] const Parameters& parameters() const { return parameters_; }
 
-  /// False where the data do not determine the parameters.
+  /// Returns false if the data do not determine the parameters.
   bool estimate(BundleDeviation& deviation) {
     ceres::Problem::EvaluateOptions options;
     options.apply_loss_function = false;
@@ -377,7 +378,7 @@ class BundleProblem {
   }
 
   Parameters parameters_;
-  // Not the problem's, which loses them where there is no more memory.
+  // Owned here: the problem would leak them when memory runs out.
   std::vector<std::unique_ptr<ceres::CostFunction>> errors_;
   std::vector<std::unique_ptr<ceres::Manifold>> manifolds_;
   ceres::HuberLoss huber_{huber_reach};
@@ -406,7 +407,7 @@ BundleState bundle_adjusted(const BoardViews& views, BundleState start, const Bo
   PixelDeviations deviations = settings.pixel_deviations.value_or(pixel_deviations(views, state));
   for (int round = 0; round < rounds; ++round) {
     BundleProblem problem(views, state, printed, settings, deviations);
-    problem.solve(settings.pixel_deviations ? 1e-7 : 1e-9);  // the start was adjusted or not
+    problem.solve(settings.pixel_deviations ? 1e-7 : 1e-9);  // first solution or refinement
     problem.parameters().write_to(state);
     deviations = pixel_deviations(views, state);
     throw_if(

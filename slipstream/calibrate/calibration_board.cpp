@@ -33,7 +33,7 @@ cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
   };
   const double radius = board.circle_diameter / 2;
   for (const Eigen::Vector3d& place : printed_places(board)) {
-    // Places are counted from the picture's edge, pixels from their centres.
+    // Places are relative to the picture's edge, pixels to their centres.
     const Eigen::Vector3d pixel =
         (place / board.spacing + Eigen::Vector3d::Constant(2)) * pixels_per_spacing -
         Eigen::Vector3d::Constant(0.5);
@@ -50,10 +50,10 @@ cv::Mat drawn_charuco(const CalibrationBoard& board, int side) {
   return picture;
 }
 
-/// What a length read off a ruler may be off, mm: a quarter of a division at either end.
+/// Error of a length read off a ruler, mm: a quarter of a division at either end.
 constexpr double ruler_error = 0.3;
 
-/// From the first to the last corner of a row and of a column, mm, as said.
+/// Nominal lengths from the first to the last corner of a row and of a column, mm.
 Eigen::Array2d said_lengths(const CalibrationBoard& board) {
   const Eigen::Vector3d last = printed_places(board).back();
   const double shifted = board.kind == BoardKind::circles && board.rows % 2 == 0 ? 1 : 0;
@@ -69,7 +69,7 @@ std::string_view name_of(BoardKind kind) {
 BoardKind board_kind_named(std::string_view name) {
   const auto found = std::ranges::find(kinds, name);
   if (found != kinds.end()) return static_cast<BoardKind>(found - kinds.begin());
-  throw Error(fmt::format("board '{}' is not known; it is chessboard, circles or charuco", name));
+  throw Error(fmt::format("board '{}': expected chessboard, circles or charuco", name));
 }
 
 void require_valid(const CalibrationBoard& board) {
@@ -93,8 +93,8 @@ void require_valid(const CalibrationBoard& board) {
   require(bits >= 4 && bits <= 7, fmt::format("marker bits {}", bits), "4 to 7");
   const int markers = (columns + 1) * (rows + 1) / 2;
   throw_if(kind == BoardKind::charuco && markers > charuco_dictionary_size,
-           "a ChArUco board of {}x{} corners needs {} markers; there are {}", columns, rows,
-           markers, charuco_dictionary_size);
+           "a ChArUco board of {}x{} corners needs {} markers; OpenCV has {}: use fewer corners",
+           columns, rows, markers, charuco_dictionary_size);
 }
 
 int place_count(const CalibrationBoard& board) {
@@ -118,7 +118,7 @@ Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spa
   throw_if(pixels_per_spacing < 8 || pixels_per_spacing > 1000,
            "{} pixels for each spacing of the board is out of range; 8 to 1000",
            pixels_per_spacing);
-  if (board.row_spacing) throw Error("a board that is drawn has one spacing, not two");
+  if (board.row_spacing) throw Error("a board to print has one spacing; omit the row spacing");
   constexpr std::array draw{drawn_chessboard, drawn_circles, drawn_charuco};  // in order of kinds
   return image_from<std::uint8_t>(
       draw.at(static_cast<std::size_t>(board.kind))(board, pixels_per_spacing));
@@ -128,32 +128,33 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
                                        const MeasuredPrint& measured) {
   const Eigen::Array2d is(measured.along_row, measured.along_column);
   throw_if(!((is > 0).all() && is.isFinite().all()),
-           "measured {:g}x{:g} mm is out of range; both lengths are above 0", measured.along_row,
+           "--measured {:g}x{:g} mm: both lengths must be above 0", measured.along_row,
            measured.along_column);
   const Eigen::Array2d said = said_lengths(board), scale = is / said;
   if (((is - said).abs() <= ruler_error).all()) return {};
   const double row_spacing = board.row_spacing.value_or(board.spacing);
-  Finding finding{.what = "the print is not as large as said",
-                  .evidence = {{"rows, % too long", 100 * (scale[0] - 1)},
-                               {"columns, % too long", 100 * (scale[1] - 1)}},
-                  .likely = "a print of the wrong scale, such as by 'fit to page'",
-                  .advice = ""};
-  // One scale fits both lengths to what the ruler may be off.
+  Finding finding{
+      .what = fmt::format("the print has the wrong size, off by over {:g} mm", ruler_error),
+      .evidence = {{"rows, % too long", 100 * (scale[0] - 1)},
+                   {"columns, % too long", 100 * (scale[1] - 1)}},
+      .likely = "a print of the wrong scale, such as by 'fit to page'",
+      .advice = ""};
+  // One scale fits both lengths within the ruler's error.
   const double common = is.sum() / said.sum();
   const bool stretched = ((is - common * said).abs() > ruler_error).any();
   const auto spacings = [&](double across, double down) {
-    return fmt::format("give --spacing {:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
+    return fmt::format("use --spacing {:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
   };
   if (((is.reverse() - said).abs() <= ruler_error).all()) {
-    finding.likely = "the lengths of row and column were exchanged";
-    finding.advice = fmt::format("give --measured {:g}x{:g}", is[1], is[0]);
+    finding.likely = "the lengths of row and column are swapped";
+    finding.advice = fmt::format("use --measured {:g}x{:g}", is[1], is[0]);
   } else if (stretched) {
     finding.likely = "a print stretched along one axis, or of the wrong scale along each";
     finding.advice = spacings(scale[0], scale[1]);
   } else {
     finding.advice = board.row_spacing
                          ? spacings(common, common)
-                         : fmt::format("give --spacing {:.4g}", common * board.spacing);
+                         : fmt::format("use --spacing {:.4g}", common * board.spacing);
   }
   return {finding};
 }

@@ -13,7 +13,7 @@
 namespace slipstream {
 namespace {
 
-/// Corners, view by view, as OpenCV wants them.
+/// Corners, view by view, in OpenCV's form.
 struct SharedCorners {
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> camera, projector;
@@ -23,7 +23,7 @@ cv::Point2f point_of(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
 
-/// Those that the device sees.
+/// The corners visible to a device.
 SharedCorners corners_seen_by(Device device, const BoardViews& views, const BoardPlaces& printed) {
   SharedCorners shared;
   for (const BoardView& view : views) {
@@ -42,8 +42,8 @@ SharedCorners corners_seen_by(Device device, const BoardViews& views, const Boar
   return shared;
 }
 
-/// To 14 bits, which is near enough to start from. The last digits of OpenCV's solvers are not
-/// those of the run before: LAPACK's sums go by where their memory lies.
+/// Rounds to 14 bits, enough for a start. OpenCV's solvers are not reproducible in the last digits:
+/// LAPACK's order of summation depends on memory alignment.
 double rounded(double value) {
   int exponent = 0;
   const double mantissa = std::frexp(value, &exponent);
@@ -113,7 +113,7 @@ BundleState guess(const SharedCorners& shared, const BoardPlaces& printed, Size 
   return state;
 }
 
-/// A of the best projector pixel = A camera pixel + b.
+/// The A of the best fit: projector pixel = A camera pixel + b.
 Eigen::Matrix2d affine_map(const BoardView& view) {
   const int count = lit_corners(view);
   Eigen::MatrixX3d camera(count, 3);
@@ -155,12 +155,12 @@ void require_same_handedness(const BoardView& view) {
   const Eigen::Matrix2d A = affine_map(view);
   if (A.determinant() > 0) return;
   throw_if(A.diagonal().squaredNorm() < A.squaredNorm() / 2,
-           "{}: projector x and y are swapped; the scan along x seems to be the one along y: "
-           "check the order of the frames or --first-axis",
+           "{}: projector x and y are swapped; likely the scans along x and y are exchanged: check "
+           "the frame order or --first-axis",
            view.name);
   throw Error(
-      fmt::format("{}: the projector's picture is mirrored along {} (or the camera's is); "
-                  "turn the mirroring off in the device",
+      fmt::format("{}: the projector's (or camera's) picture is mirrored along {}; turn off "
+                  "mirroring in the device",
                   view.name, A(0, 0) < 0 ? "x" : "y"));
 }
 
@@ -173,8 +173,8 @@ BundleState first_guess(const BoardViews& views, const BoardPlaces& printed, Siz
     return guess(corners_seen_by(Device::projector, views, printed), printed, camera, projector);
   } catch (const cv::Exception& exception) {
     throw Error(fmt::format(
-        "the corners give no calibration to start from: {}; likely too few tilts of the "
-        "board, or corners that are not of one flat board",
+        "OpenCV finds no initial calibration: {}; likely too few tilts of the board, or corners "
+        "that are not on one flat board: add tilted poses",
         exception.err));
   }
 }
@@ -190,7 +190,7 @@ Lens simple_lens(const BoardViews& views, const BoardPlaces& printed, Size camer
   const QuietOpenCv quiet;
   const cv::Mat found =
       cv::initCameraMatrix2D(seen.board, seen.camera, {camera.width, camera.height}, 1);
-  // Boards that hardly lean say nothing of it.
+  // Boards with little tilt do not determine the focal length.
   const double focal = found.at<double>(0, 0), usual = 1.3 * camera.width;
   const double used = focal > 0.5 * camera.width && focal < 10 * camera.width ? focal : usual;
   Lens lens;
@@ -215,7 +215,9 @@ Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
   try {
     cv::solvePnP(board, seen, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, translation);
   } catch (const cv::Exception& exception) {
-    throw Error(fmt::format("{}: its corners give no pose: {}", view.name, exception.err));
+    throw Error(
+        fmt::format("{}: OpenCV finds no pose for its corners: {}; exclude it with --exclude",
+                    view.name, exception.err));
   }
   return pose_of(turn, translation);
 }

@@ -15,7 +15,7 @@
 namespace slipstream {
 namespace {
 
-/// Least squares of A x = b: x and its standard deviations by what is left.
+/// Least squares of A x = b: x and its standard deviations from the residuals.
 struct Fitted {
   Eigen::VectorXd values, deviations;
 };
@@ -28,7 +28,7 @@ Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return fit;
 }
 
-/// By the corners as a calibration estimated them, mm, in the frame of the `printed` ones.
+/// `places`: estimated corners, mm, in the frame of the `printed` ones.
 PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
   const auto count = static_cast<Eigen::Index>(printed.size());
   const Eigen::Map<const Eigen::Matrix3Xd> is(places.front().data(), 3, count);
@@ -54,8 +54,8 @@ PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
   return shape;
 }
 
-/// What a calibration of the other poses makes of each one, in `poses`; returns the scanners of
-/// these calibrations.
+/// Evaluates each of `poses` with a calibration of the others; returns the scanners of these
+/// calibrations.
 std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& state,
                                     const BoardPlaces& printed, BundleSettings settings,
                                     std::vector<CalibratedPose>& poses) {
@@ -88,7 +88,7 @@ double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
   return largest;
 }
 
-/// The board's corners as they would be estimated were they free.
+/// Shape of the print if its corners are free.
 PrintShape estimated_print(const BoardViews& views, const BundleState& state,
                            const BoardPlaces& printed, BundleSettings settings,
                            double usual_deviation) {
@@ -97,7 +97,7 @@ PrintShape estimated_print(const BoardViews& views, const BundleState& state,
   return print_shape(bundle_adjusted(views, state, printed, settings).places, printed);
 }
 
-/// From the nearest to the farthest corner of all boards.
+/// Depths of the nearest and the farthest corner of all boards.
 DepthRange depths_of(const BoardViews& views, const BundleState& state) {
   DepthRange range{std::numeric_limits<double>::infinity(), 0};
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -111,11 +111,11 @@ DepthRange depths_of(const BoardViews& views, const BundleState& state) {
 
 void require_known_model(const std::optional<int>& coefficients, const char* device) {
   if (!coefficients || std::ranges::count(lens_models, *coefficients) > 0) return;
-  throw Error(fmt::format("{} distortion coefficients for the {}; it is one of {}", *coefficients,
-                          device, fmt::join(lens_models, ", ")));
+  throw Error(fmt::format("{} distortion coefficients for the {}: expected one of {}",
+                          *coefficients, device, fmt::join(lens_models, ", ")));
 }
 
-/// Mean squared error of the poses that a fold leaves out.
+/// Mean squared error of a fold's held-out poses.
 double left_out_error(const BoardViews& views, const BundleState& state, BundleSettings settings,
                       std::size_t fold, std::size_t folds) {
   const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
@@ -136,8 +136,8 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Whether `errors` are worse than `best`, fold by fold, by more than the standard error, and by
-/// more than the half percent for which nobody wants further coefficients.
+/// Whether `errors` exceed `best`, fold by fold, by more than the standard error and by more than
+/// 0.5 %, below which further coefficients are not worthwhile.
 bool clearly_worse(const std::vector<double>& errors, const std::vector<double>& best) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
@@ -149,24 +149,24 @@ bool clearly_worse(const std::vector<double>& errors, const std::vector<double>&
   return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
 }
 
-/// The simplest lens model that the data support: each is calibrated without some of the
-/// poses and then has to explain how both devices see those with nothing free but the board's
-/// place. Chosen is the one with the fewest coefficients that is not worse than the best by more
-/// than the standard error of the difference; k1 k2 without the tangential ones is not tried.
-/// `state` is what the calibrations start from; the board's corners stay where it says.
+/// Chooses the simplest lens model that the data support: calibrates each model without some of the
+/// poses and evaluates it on these, with only the board's pose free. Returns the model with the
+/// fewest coefficients that is not worse than the best by more than the standard error of the
+/// difference; does not try k1 k2 without tangential coefficients. `state`: start of the
+/// calibrations; the board's corners are fixed.
 LensChoice choose_lens_model(const BoardViews& views, const BundleState& state, Device device) {
-  // Of few poses one is left out at a time; of many a quarter, for the time it takes.
+  // Hold out one of few poses at a time, or a quarter of many, to save time.
   constexpr std::size_t few = 6, parts = 4;
   const std::size_t folds = views.size() <= few ? views.size() : parts;
-  // Four of the other device: a fifth that is not there may spoil what is foreseen.
+  // Four for the other device: an unsupported fifth could spoil the predictions.
   BundleSettings settings{.camera_coefficients = 4, .projector_coefficients = 4};
   settings.pixel_deviations = pixel_deviations(views, state);
   std::vector<std::vector<double>> errors;
   std::size_t best = 0;
   LensChoice choice;
   for (const int coefficients : lens_models) {
-    // Without the tangential ones the principal point takes their place, and no standard deviation
-    // says so.
+    // Without tangential coefficients the principal point absorbs their effect, and its standard
+    // deviation does not reveal that.
     if (coefficients == 2) continue;
     (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
         coefficients;
@@ -211,8 +211,8 @@ std::optional<int> lens_model_named(const std::string& text, const std::string& 
   for (const int count : lens_models) {
     if (text == std::to_string(count)) return count;
   }
-  throw Error(fmt::format("{} {} is not known; it is auto or one of {}", name, text,
-                          fmt::join(lens_models, ", ")));
+  throw Error(
+      fmt::format("{} '{}': expected auto or one of {}", name, text, fmt::join(lens_models, ", ")));
 }
 
 GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard& board, Size camera,
@@ -221,7 +221,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   require_valid(board);
   require_known_model(settings.camera_coefficients, "camera");
   require_known_model(settings.projector_coefficients, "projector");
-  throw_if(views.size() < fewest_poses, "{} usable poses; at least {} are needed, ten are good",
+  throw_if(views.size() < fewest_poses, "{} usable poses; at least {} are required, take ten",
            views.size(), fewest_poses);
   const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);

@@ -15,7 +15,7 @@ auto from_to(std::size_t first, std::size_t end) {
   return [=](std::size_t pose) { return pose >= first && pose < end; };
 }
 
-/// RMS over both devices, of each pose.
+/// RMS over both devices for each pose.
 std::vector<double> stereo_rms(const BoardViews& views, const BundleState& state) {
   std::vector<double> rms;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -28,14 +28,14 @@ double largest_rms(const BoardViews& views, const BundleState& state) {
   return std::ranges::max(stereo_rms(views, state));
 }
 
-/// RMS of a pose, pixels, that is a blunder and not an imperfect board.
+/// RMS of a pose, pixels, above which it is a blunder rather than an imperfect board.
 double blunder(Size camera) {
   constexpr double share_of_width = 0.003;
   constexpr double least = 1.5;
   return std::max(least, share_of_width * camera.width);
 }
 
-/// A pose without which the others agree, and how it stands before their scanner.
+/// A pose without which the others agree, and its offset under their scanner.
 struct OddPose {
   std::size_t pose = 0;
   double rms_of_others = 0;  ///< the largest, pixels
@@ -57,7 +57,7 @@ std::optional<OddPose> odd_pose(const BoardViews& views, const BundleState& stat
   return odd;
 }
 
-/// The pose from which on another rig fits, where the poses before and those after each fit one.
+/// A split of the poses into two rigs that each fit.
 struct OtherRig {
   std::size_t first = 0;
   double rms = 0;  ///< the largest of a pose under its own rig, pixels
@@ -79,8 +79,7 @@ std::optional<OtherRig> other_rig(const BoardViews& views, const BundleState& st
   return other;
 }
 
-/// Squared error of those poses with the rig free to stand otherwise than `state` says, and nothing
-/// else of it.
+/// Squared error of these poses if only the rig of `state` is free.
 double error_of_own_rig(const BoardViews& views, const BundleState& state, std::size_t first,
                         std::size_t end, const BundleSettings& settings) {
   SomePoses some = some_poses(views, state, from_to(first, end));
@@ -125,7 +124,7 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
   const std::vector<double> rms = stereo_rms(views, state);
   const double limit = std::max(1.5, std::min(bound, most_of_median * median(rms)));
   if (std::ranges::max(rms) < limit) return;
-  // What spoils the frames of all poses spoils how they fit as well.
+  // A problem common to all frames also spoils the fit.
   const std::vector<Finding> of_frames = findings_of_frames(views);
   if (!of_frames.empty()) {
     throw Error(fmt::format("the poses do not fit one camera and projector: {}",
@@ -133,7 +132,7 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
   }
   const auto odd = odd_pose(views, state, printed);
   const auto other = other_rig(views, state, printed);
-  // One pose that is bad is the simpler cause: two rigs must explain them far better.
+  // One bad pose is the simpler cause: two rigs must fit far better.
   if (other && (!odd || other->rms < odd->rms_of_others / 2)) {
     throw Error(
         text_of(finding_of_moved_rig(views[other->first - 1].name, views[other->first].name)));
@@ -146,12 +145,12 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
   throw Error(
       fmt::format("the poses do not fit one camera and projector (median RMS {:.3g} px); likely "
                   "frames of two cameras are mixed, the rig was moved between poses, or the board "
-                  "is not as said: check --board and --corners, calibrate fewer poses",
+                  "settings are wrong: check --board and --corners, or --exclude some poses",
                   median(rms)));
 }
 
 std::optional<MovedRig> moved_rig(const BoardViews& views, const BundleState& state) {
-  // Of five poses and fewer two rigs explain one bad pose, too.
+  // With five poses or fewer, two rigs also explain one bad pose.
   constexpr std::size_t fewest = 2, fewest_in_all = 6;
   BundleSettings settings{.hold_camera = true, .hold_projector = true};
   settings.pixel_deviations = pixel_deviations(views, state);

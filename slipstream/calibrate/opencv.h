@@ -14,8 +14,8 @@
 
 namespace slipstream {
 
-/// While it lives, OpenCV prints nothing of its own: what goes wrong comes out as an exception, and
-/// a library does not write to its caller's terminal.
+/// Silences OpenCV's own output while it lives: errors arrive as exceptions, and a library must not
+/// write to its caller's terminal.
 class QuietOpenCv {
  public:
   QuietOpenCv()
@@ -35,14 +35,14 @@ class QuietOpenCv {
   cv::ErrorCallback callback_;
 };
 
-/// An OpenCV header over the same pixels, to read; valid as long as they are.
+/// A read-only OpenCV header over the same pixels; valid as long as the image.
 template <class Pixel>
 cv::Mat mat_of(const Image<Pixel>& image) {
   return {image.height(), image.width(), cv::traits::Type<Pixel>::value,
           const_cast<Pixel*>(image.row(0))};  // cv::Mat has no const form
 }
 
-/// A copy of an OpenCV picture: grey, or of red, green and blue.
+/// A copy of an OpenCV picture, grey or RGB.
 template <class Pixel>
 Image<Pixel> image_from(const cv::Mat& mat) {
   CV_Assert(mat.isContinuous() && mat.elemSize() == sizeof(Pixel));
@@ -56,7 +56,7 @@ inline cv::Point nearest_pixel(const Eigen::Vector2d& place) {
   return {cvRound(place.x()), cvRound(place.y())};
 }
 
-/// A mask of that size: 1 within the hull of these pixels, 0 outside.
+/// A mask of the given size: 1 within the hull of the pixels, 0 outside.
 inline cv::Mat within_hull(const std::vector<cv::Point>& pixels, cv::Size size) {
   std::vector<cv::Point> hull;
   cv::convexHull(pixels, hull);
@@ -65,10 +65,10 @@ inline cv::Mat within_hull(const std::vector<cv::Point>& pixels, cv::Size size) 
   return mask;
 }
 
-/// Markers that OpenCV has of each size.
+/// OpenCV's number of markers for each marker size.
 inline constexpr int charuco_dictionary_size = 1000;
 
-/// The board as OpenCV knows it, a square's side being 1.
+/// OpenCV's board with squares of side 1.
 inline cv::Ptr<cv::aruco::CharucoBoard> charuco_of(const CalibrationBoard& board) {
   constexpr int dictionaries[]{cv::aruco::DICT_4X4_1000, cv::aruco::DICT_5X5_1000,
                                cv::aruco::DICT_6X6_1000, cv::aruco::DICT_7X7_1000};

@@ -13,8 +13,8 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
-/// The rotation about `turn` by its length, and how a small change of `turn` turns it further, in
-/// the frame that is turned.
+/// The rotation about `turn` by its length, and the further rotation by a small change of `turn`,
+/// in the rotated frame.
 struct Turn {
   Eigen::Matrix3d rotation;
   Eigen::Matrix3d further;

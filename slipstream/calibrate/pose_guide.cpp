@@ -26,7 +26,7 @@ std::vector<float> greys_of(const Image<float>& picture, const BoardCorners& boa
   return greys;
 }
 
-/// Mean distance of the corners that both have, pixels; none where there is no such corner.
+/// Mean distance of the common corners, pixels; nullopt without common corners.
 std::optional<double> distance(const BoardCorners& seen, const BoardView& taken) {
   double sum = 0;
   int count = 0;
@@ -49,7 +49,7 @@ const BoardView* same_pose(const BoardCorners& seen, const BoardViews& taken, in
   return known == taken.end() ? nullptr : &*known;
 }
 
-/// What the light and the focus say; none where both serve.
+/// Verdict on exposure and focus; nullopt if both are fine.
 std::optional<PoseVerdict> unfit(const FringeFreePictures& pictures, const CalibrationBoard& board,
                                  const BoardCorners& seen) {
   constexpr float full_scale = 254.5F;
@@ -65,16 +65,17 @@ std::optional<PoseVerdict> unfit(const FringeFreePictures& pictures, const Calib
   if (share >= most_saturated) {
     return verdict(
         PoseState::overexposed,
-        fmt::format("{:.0f} % of the board is saturated: expose less, close the aperture or dim "
+        fmt::format("{:.0f} % of the board is saturated: shorten the exposure, stop down or dim "
                     "the projector",
                     100 * share));
   }
   const double white = quantile(greys, 0.9);
   if (white < least_white) {
-    return verdict(PoseState::dark,
-                   fmt::format("the board's white is {:.0f} of 255 grey levels: expose longer, "
-                               "open the aperture or hold it into the projector's light",
-                               white));
+    return verdict(
+        PoseState::dark,
+        fmt::format("the board's white is {:.0f} of 255 grey levels (limit 40): lengthen "
+                    "the exposure, open the iris or move it into the projector's light",
+                    white));
   }
   const EdgeSoftness edges = edge_softness(pictures.mean, board, seen.places, seen.pixels);
   if (is_soft(edges)) {
@@ -93,7 +94,7 @@ std::array<bool, 4> tilts_of(const BoardViews& taken, const CalibrationBoard& bo
   const BoardPlaces printed = printed_places(board);
   const Lens lens = simple_lens(taken, printed, camera);
   for (const BoardView& view : taken) {
-    // How much farther the board's right and its lower edge are.
+    // How much farther away the board's right and lower edges are.
     const Eigen::Matrix3d turn = pose_before_camera(view, lens, printed).linear();
     tilted[0] |= turn(2, 0) > least;
     tilted[1] |= turn(2, 0) < -least;
@@ -103,7 +104,7 @@ std::array<bool, 4> tilts_of(const BoardViews& taken, const CalibrationBoard& bo
   return tilted;
 }
 
-/// Whether boards cover half of a cell.
+/// Whether boards cover at least half of a cell.
 bool is_seen_in(const Image<std::uint8_t>& coverage, int row, int column) {
   constexpr int cells = PoseNeeds::cells;
   const auto corner = [&](int across, int down) {
@@ -113,7 +114,7 @@ bool is_seen_in(const Image<std::uint8_t>& coverage, int row, int column) {
   return 2 * cv::countNonZero(mat_of(coverage)(cell)) >= cell.area();
 }
 
-/// The places of the picture where no board was, as a person calls them.
+/// Names of the parts of the picture that no board has covered.
 std::vector<std::string> missing_places(const PoseNeeds& needs) {
   constexpr std::array rows{"top", "middle", "bottom"}, columns{"left", "middle", "right"};
   std::vector<std::string> places;
@@ -125,7 +126,7 @@ std::vector<std::string> missing_places(const PoseNeeds& needs) {
   return places;
 }
 
-/// `turn`: which of several places is named; not all of them may be in the projector's light.
+/// `turn`: selects one of several places, since some may be outside the projector's light.
 std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
   constexpr std::array edges{"left", "right", "upper", "lower"};
   std::vector<std::string> advice;
@@ -139,7 +140,7 @@ std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
     advice.push_back(
         fmt::format("hold it towards the {} of the picture", places[turn % places.size()]));
   }
-  if (advice.empty()) advice.emplace_back("hold it another way, nearer or farther");
+  if (advice.empty()) advice.emplace_back("change its tilt or its distance");
   return fmt::format("{}", fmt::join(advice, ", and "));
 }
 
@@ -150,7 +151,7 @@ cv::Scalar scalar_of(Colour colour) {
           static_cast<double>(colour.blue)};
 }
 
-/// What is drawn, `scale` of its pixels for one of the camera's.
+/// The drawing, with `scale` pixels per camera pixel.
 struct Drawing {
   cv::Mat picture;  ///< red, green, blue
   int scale = 1;
@@ -187,7 +188,7 @@ void draw_outline(const Drawing& drawing, const PixelPlaces& corners, const cv::
   cv::polylines(drawing.picture, hull, true, colour, drawing.line, cv::LINE_AA);
 }
 
-/// An arrow at each side of the picture, from its middle outwards.
+/// Draws an outward arrow at the middle of each side of the picture.
 void draw_tilts(const Drawing& drawing, const std::array<bool, 4>& tilted) {
   const int width = drawing.picture.cols, height = drawing.picture.rows;
   const int length = height / 14, gap = height / 40;
@@ -203,7 +204,7 @@ void draw_tilts(const Drawing& drawing, const std::array<bool, 4>& tilted) {
   }
 }
 
-/// The poses of one board before one camera, as they are taken.
+/// State of guided capture.
 struct GuidedPoses {
   ScanCamera& camera;
   const fs::path& folder;
@@ -211,7 +212,7 @@ struct GuidedPoses {
   const Sequence& sequence;
   const GuidedPosesSettings& settings;
   BoardViews taken{};
-  std::optional<PoseVerdict> refused{};  ///< the pose that stands there still
+  std::optional<PoseVerdict> refused{};  ///< the rejected pose, until the board moves
   bool enough = false;
 
   BoardViews take_all() {
@@ -234,20 +235,20 @@ struct GuidedPoses {
     if (frames) {
       verdict = keep(std::move(*frames), verdict);
     } else {
-      verdict = {PoseState::moving, "it moved while it was taken: hold still", verdict.board};
+      verdict = {PoseState::moving, "the board moved during capture: hold still", verdict.board};
     }
     if (verdict.state == PoseState::refused) refused = verdict;
     tell(pictures, verdict);
   }
 
-  /// Writes the scans of a pose where they serve.
+  /// Writes the scans of a pose if they are usable.
   PoseVerdict keep(std::vector<FrameSet> frames, const PoseVerdict& seen) {
     const std::string name = fmt::format("board{:02}", taken.size() + 1);
     std::vector<Scan> scans;
     for (const Axis axis : {Axis::x, Axis::y}) {
       scans.push_back(
           {.frames = std::move(frames.at(scans.size())), .sequence = along(sequence, axis)});
-      scans.back().sequence.marker = false;  // none of the frames is one
+      scans.back().sequence.marker = false;  // the frames contain no marker
     }
     BoardCapture found = board_capture(name, board, scans[0], scans[1], settings.capture);
     if (!found.view) return {PoseState::refused, "refused: " + found.told, seen.board};
@@ -255,7 +256,7 @@ struct GuidedPoses {
       settings.save(folder / name / name_of(scan.sequence.axis), scan);
     }
     taken.push_back(std::move(*found.view));
-    return {PoseState::taken, fmt::format("{} is taken: {}", name, found.told), seen.board};
+    return {PoseState::taken, fmt::format("{} captured: {}", name, found.told), seen.board};
   }
 
   void tell(const FringeFreePictures& pictures, const PoseVerdict& verdict) {
@@ -277,16 +278,17 @@ PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
   }
   if (!seen) {
     return {PoseState::unseen,
-            fmt::format("no {} of {}x{} corners is seen{}", name_of(board.kind), board.columns,
-                        board.rows, board.kind == BoardKind::charuco ? "" : " whole")};
+            fmt::format("no {} of {}x{} corners is {}visible", name_of(board.kind), board.columns,
+                        board.rows, board.kind == BoardKind::charuco ? "" : "fully ")};
   }
   if (std::optional<PoseVerdict> why = unfit(pictures, board, *seen)) return *why;
   if (const BoardView* const known = same_pose(*seen, taken, pictures.mean.width())) {
-    return {PoseState::known, fmt::format("this pose is taken ({}): another one", known->name),
+    return {PoseState::known,
+            fmt::format("pose already captured ({}): move or tilt the board", known->name),
             std::move(seen)};
   }
   if (!still) return {PoseState::moving, "hold still", std::move(seen)};
-  return {PoseState::good, "good: it is being taken, hold still", std::move(seen)};
+  return {PoseState::good, "good: capturing, hold still", std::move(seen)};
 }
 
 PoseNeeds pose_needs(const BoardViews& taken, const CalibrationBoard& board, Size camera,
@@ -337,7 +339,7 @@ BoardViews take_guided_poses(ScanCamera& camera, const fs::path& folder,
                              const CalibrationBoard& board, const Sequence& sequence,
                              const GuidedPosesSettings& settings) {
   throw_if(fs::exists(folder) && !fs::is_empty(folder),
-           "{}: is not empty; name a new folder for the poses", folder.string());
+           "{}: not empty; name a new folder for the poses", folder.string());
   return GuidedPoses{camera, folder, board, sequence, settings}.take_all();
 }
 

@@ -9,53 +9,52 @@
 
 namespace slipstream {
 
-/// Whether a pose of the board may be taken now, and if not why.
+/// State of the board in front of the camera.
 enum class PoseState { unseen, overexposed, dark, blurred, known, moving, good, refused, taken };
 
-/// What is said of the board that stands before the camera.
+/// Assessment of the board in front of the camera.
 struct PoseVerdict {
   PoseState state = PoseState::unseen;
-  std::string words{};                  ///< one line for people: what is so, what to do
-  std::optional<BoardCorners> board{};  ///< none where none is seen
+  std::string words{};                  ///< one line of text: the state and what to do
+  std::optional<BoardCorners> board{};  ///< nullopt if no board is visible
 };
 
-/// Judges what is seen without fringes: unseen where there is no such board, overexposed from a
-/// quarter of its pixels at full scale on, dark where its white is below 40 grey levels, blurred as
-/// is_soft says, known where a pose that was `taken` has its corners within 3 % of the picture's
-/// width, moving unless `still`.
+/// Judges pictures without fringes: unseen without a board, overexposed if a quarter of its pixels
+/// or more are at full scale, dark if its white is below 40 grey levels, blurred by is_soft, known
+/// if a `taken` pose has its corners within 3 % of the picture's width, moving unless `still`.
 PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
                        const CalibrationBoard& board, const BoardViews& taken);
 
-/// What the poses that were taken lack for a good calibration.
+/// Coverage of the poses so far, and advice for the next one.
 struct PoseNeeds {
   static constexpr int cells = 3;  ///< of the camera's picture, across and down
-  Image<std::uint8_t> coverage{};  ///< as coverage_map of the camera
+  Image<std::uint8_t> coverage{};  ///< coverage_map of the camera
   double covered = 0;              ///< share of the camera's picture
-  std::array<std::array<bool, cells>, cells> seen_in{};  ///< [row][column]: half of it or more
-  /// Whether the board's left, right, top or bottom edge was nearer to the camera than the one
-  /// across, by 12 degrees of tilt or more.
+  std::array<std::array<bool, cells>, cells> seen_in{};  ///< [row][column]: at least half covered
+  /// Whether the board's left, right, top or bottom edge was tilted towards the camera by 12
+  /// degrees or more.
   std::array<bool, 4> tilted{};
   bool enough = false;
-  std::string advice{};  ///< how to hold the next one; empty where there are enough
+  std::string advice{};  ///< how to hold the next pose; empty once `enough`
 };
 
-/// `wanted`: how many poses are enough; 0: ten that are tilted each way and cover 60 % of the
-/// camera's picture, or twenty. Tilts are those that a lens without distortion sees.
+/// `wanted`: number of poses; 0: ten that include every tilt and cover 60 % of the camera's
+/// picture, or twenty. Estimates tilts with a lens without distortion.
 PoseNeeds pose_needs(const BoardViews& taken, const CalibrationBoard& board, Size camera,
                      int wanted);
 
-/// The colour in which a state is told: green where the pose is good or taken, yellow where it only
-/// has to be held still, red where something speaks against it.
+/// Display colour of a state: green if good or taken, yellow if the board must be held still, red
+/// otherwise.
 Colour colour_of(PoseState state);
 
-/// The picture with what guides a person drawn on it: dim and blue where no board was yet, the
-/// outlines of the boards that were taken, the corners that are seen in the colour of the state,
-/// and at each side an arrow for the edge that was nearer there, green, or that has yet to be,
-/// orange. A small picture is enlarged, to `width` pixels at least, so that lines stay thin.
+/// The picture with guidance: uncovered areas dim and blue, outlines of the boards taken, visible
+/// corners in the colour of the state, and at each side an arrow, green if a pose had that edge
+/// tilted towards the camera, else orange. Enlarges small pictures to at least `width` pixels, so
+/// that lines stay thin.
 Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdict,
                           const PoseNeeds& needs, const BoardViews& taken, int width = 1600);
 
-/// How a person stands with the poses of a board, each time something was seen.
+/// Progress of guided poses, reported for every picture.
 struct PoseProgress {
   const FringeFreePictures& pictures;
   const PoseVerdict& verdict;
@@ -64,20 +63,19 @@ struct PoseProgress {
 };
 
 struct GuidedPosesSettings {
-  /// Writes a scan of a pose that is taken into a new folder.
+  /// Writes a scan of an accepted pose to a new folder.
   std::function<void(const std::filesystem::path& folder, const Scan& scan)> save;
   int wanted = 0;  ///< see pose_needs
   BoardCaptureSettings capture{};
-  std::function<void(const PoseProgress&)> told = {};  ///< called at every glimpse and pose
-  std::function<bool()> ends = {};                     ///< asked again and again
+  std::function<void(const PoseProgress&)> told = {};  ///< called for every picture and pose
+  std::function<bool()> ends = {};                     ///< polled; true stops
 };
 
-/// Watches the board before the camera and takes a pose of it whenever it is good, until there are
-/// enough or `ends` says so: scans along x and along y, into folders board01/x, board01/y,
-/// board02/x and so on, as `calibrate geometry` reads them. A pose whose scans do not serve, by
-/// board_capture, is refused and not kept; it is tried again once the board has moved. `camera`
-/// gives the two scans of `sequence`, which is of no axis of its own. Returns the poses. Throws
-/// Error where the folder holds something already, WorldError where it cannot be written.
+/// Watches the board and captures every good pose until there are enough or `ends` returns true:
+/// scans along x and y, in folders board01/x, board01/y, board02/x and so on, as
+/// `calibrate geometry` reads them. Discards a pose that board_capture rejects, and retries once
+/// the board has moved. `camera` captures the two scans of `sequence`, whose axis is ignored.
+/// Returns the poses. Throws Error if the folder is not empty, WorldError if it cannot be written.
 BoardViews take_guided_poses(ScanCamera& camera, const std::filesystem::path& folder,
                              const CalibrationBoard& board, const Sequence& sequence,
                              const GuidedPosesSettings& settings);

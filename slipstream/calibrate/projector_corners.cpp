@@ -16,7 +16,7 @@ namespace {
 using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 
-/// A camera pixel about a corner and the projector pixel that lights it.
+/// A camera pixel near a corner and the projector pixel that lights it.
 struct Sample {
   Eigen::Vector2d camera;     ///< from the corner, in radii
   Eigen::Vector2d projector;  ///< pixels, from `Neighbourhood::middle`
@@ -89,8 +89,7 @@ std::optional<Vector8> fitted(const std::vector<Sample>& samples,
   return h.allFinite() ? std::optional(h) : std::nullopt;
 }
 
-/// What the first fit starts with: 0 for pixels whose coordinate is off by fringes, far from the
-/// median of all, 1 for the others.
+/// Initial factors: 0 for pixels off by whole fringes (far from the median), 1 for the others.
 std::vector<double> starting_factors(const std::vector<Sample>& samples) {
   std::vector<double> distances;
   for (const Sample& sample : samples) distances.push_back(sample.projector.norm());
@@ -102,7 +101,7 @@ std::vector<double> starting_factors(const std::vector<Sample>& samples) {
 
 ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d& corner,
                                  double radius) {
-  constexpr double least_share = 0.3;  // of the pixels about the corner
+  constexpr double least_share = 0.3;  // of the pixels around the corner
   constexpr std::size_t fewest_samples = 24;
   constexpr int rounds = 5;
   const Neighbourhood about = neighbourhood(map, corner, radius);

@@ -38,7 +38,7 @@ double round_below(double value) {
   return power;
 }
 
-/// Of one device, for each view.
+/// One device's residuals for each view.
 using Residuals = std::vector<PixelPlaces>;
 
 /// The length that 95 % of the residuals do not exceed.
@@ -52,7 +52,7 @@ double usual_length(const Residuals& residuals) {
   return lengths.empty() ? 1 : std::max(quantile(lengths, 0.95), 1e-6);
 }
 
-/// Cells that more boards cover are darker.
+/// Cells covered by more boards are darker.
 cv::Mat drawn_coverage(const Image<std::uint8_t>& coverage, cv::Size size) {
   cv::Mat picture(coverage.height(), coverage.width(), CV_8UC3);
   for (int row = 0; row < coverage.height(); ++row) {
@@ -69,8 +69,8 @@ cv::Mat drawn_coverage(const Image<std::uint8_t>& coverage, cv::Size size) {
   return enlarged;
 }
 
-/// A device's picture: which parts how many boards covered, and at each corner its residual as an
-/// arrow, much enlarged; the length of a tenth of a pixel or so is drawn below.
+/// A device's picture with the coverage as shading and the residuals as enlarged arrows; a scale
+/// bar is drawn below.
 Image<Colour> residual_map(const BoardViews& views, const Residuals& residuals, Device device,
                            Size size) {
   constexpr int width = 800, legend = 34;
@@ -96,11 +96,11 @@ Image<Colour> residual_map(const BoardViews& views, const Residuals& residuals, 
   const double unit = round_below(2 * arrow / enlarged);
   const int length = cvRound(unit * enlarged), y = height + legend / 2;
   cv::line(picture, {12, y}, {12 + length, y}, ink, 2);
-  write(picture, fmt::format("{:g} px; shade: how many boards", unit), {24 + length, y + 5});
+  write(picture, fmt::format("{:g} px; shade: number of boards", unit), {24 + length, y + 5});
   return image_from<Colour>(picture);
 }
 
-/// Every residual as a point, x against y, a colour for each pose.
+/// Scatter plot of the residuals, y over x, one colour for each pose.
 Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residuals) {
   constexpr int side = 420, names_width = 150;
   const double reach = 1.6 * usual_length(residuals);
@@ -129,7 +129,7 @@ Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residua
   return image_from<Colour>(picture);
 }
 
-/// The cells of a table's row that say how a board was measured.
+/// Table cells for a board's quality.
 std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
   if (!quality) return {"-", "-", "-"};
   return {fmt::format("{:.4f}", quality->flatness), fmt::format("{:.4f}", quality->distance_error),
@@ -137,10 +137,9 @@ std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
 }
 
 void write_findings(Page& page, const std::vector<Finding>& findings) {
-  if (findings.empty())
-    return page.paragraph("Nothing in the data speaks against this calibration.");
-  page.heading("What speaks against it");
-  page.table({"seen", "evidence", "likely cause", "what to do"});
+  if (findings.empty()) return page.paragraph("No problems found with this calibration.");
+  page.heading("Diagnostics");
+  page.table({"symptom", "evidence", "likely cause", "remedy"});
   for (const Finding& finding : findings) {
     std::vector<std::string> numbers;
     for (const auto& [name, value] : finding.evidence) {
@@ -153,9 +152,7 @@ void write_findings(Page& page, const std::vector<Finding>& findings) {
 
 void write_poses(Page& page, const CalibrationReport& report) {
   page.heading("Poses");
-  page.paragraph(
-      "RMS distances, in pixels of the device, between where corners are seen and where the "
-      "calibration puts them.");
+  page.paragraph("RMS distances between observed and predicted corners, in pixels of the device.");
   page.table({"pose", "corners", "with projector coordinate", "camera", "projector", "stereo"});
   const auto row = [&](const std::string& name, const std::string& corners, const std::string& lit,
                        const ReprojectionRms& rms) {
@@ -167,22 +164,21 @@ void write_poses(Page& page, const CalibrationReport& report) {
   }
   row("**all**", "", "", report.calibration.rms);
   for (const UnusedPose& pose : report.unused) {
-    page.paragraph("{} took no part: {}.", pose.name, pose.why);
+    page.paragraph("{} was not used: {}.", pose.name, pose.why);
   }
 }
 
 void write_left_out(Page& page, const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   const ScannerComparison* other = report.comparison;
-  page.heading("What it measures");
+  page.heading("Measurement accuracy");
   page.paragraph(
-      "Each pose's board, measured with a calibration of all the other poses: the RMS "
-      "distance of its corners from their best plane, the RMS error of the distances between any "
-      "two of them, and by how much these are too large in the mean. The last two know the print "
-      "only as its spacing was said: a print of another scale is told by a ruler (--measured) "
-      "alone.{}",
-      other != nullptr ? fmt::format(" Beside it the same corners measured with {}, which "
-                                     "may have been made of these very poses.",
+      "Each pose's board, measured with a calibration of all other poses: the RMS distance of its "
+      "corners from their best plane, the RMS error of the distances between all pairs of corners, "
+      "and the mean relative error of these distances. The last two rely on the configured "
+      "spacing: only a ruler (--measured) reveals a print of another scale.{}",
+      other != nullptr ? fmt::format(" For comparison, the same corners measured with {}, which "
+                                     "may have been made from these poses.",
                                      other->name)
                        : "");
   std::vector<std::string> columns{"pose"};
@@ -218,8 +214,8 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
   const Eigen::Vector3d angles = turn.angle() * turn.axis() / degree;
   page.heading("Parameters");
   page.paragraph(
-      "The standard deviation is the larger of two: what the noise of corners that err "
-      "independently would do, and how calibrations without one of the poses scatter.");
+      "The standard deviation is the larger of two: the effect of independent corner noise, and "
+      "the scatter of calibrations that each omit one pose.");
   page.table({"parameter", "value", "standard deviation", "unit"});
   const auto row = [&](std::string name, double value, double its_deviation, const char* unit) {
     page.row({std::move(name), fmt::format("{:.6g}", value),
@@ -258,9 +254,9 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
                  name_of_lens_model(projector.coefficients));
   if (camera.scores.empty() && projector.scores.empty()) return;
   page.paragraph(
-      "RMS error, in standard deviations, of how both devices see poses that were left out, over "
-      "all poses in turn. Chosen is the simplest model that is not clearly worse than the "
-      "best.");
+      "RMS error of both devices on held-out poses, in standard deviations, over all poses in "
+      "turn. "
+      "The simplest model that is not clearly worse than the best is chosen.");
   page.table({"model", "camera", "projector"});
   const auto score = [](const LensChoice& choice, int model) {
     const auto found = std::ranges::find(choice.scores, model, &LensModelScore::coefficients);
@@ -275,14 +271,14 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
 void write_field(Page& page, const GeometryCalibration& calibration) {
   page.heading("Field of view and residuals");
   page.paragraph(
-      "The boards covered {:.0f} % of the camera's picture and {:.0f} % of the projector's; "
-      "they were at most {:.0f} degrees apart.",
+      "The boards covered {:.0f} % of the camera's picture and {:.0f} % of the projector's; the "
+      "largest angle between two boards was {:.0f} degrees.",
       100 * calibration.covered_camera, 100 * calibration.covered_projector,
       calibration.largest_tilt / degree);
   page.paragraph(
-      "Arrows go from where a corner was seen against where it is predicted, enlarged; they "
-      "should look random. A pattern common to all poses is a lens model too simple, one "
-      "pose with long arrows a board that moved.");
+      "Enlarged arrows show observed minus predicted corners; they should look random. A pattern "
+      "common to all poses indicates too simple a lens model, one pose with long arrows a board "
+      "that moved.");
   const Scanner& scanner = calibration.state.scanner;
   const BoardViews& views = calibration.views;
   for (const auto& [device, name, size] :
@@ -340,7 +336,7 @@ std::string text_of(const CalibrationReport& report) {
   };
   std::string text = fmt::format(
       "RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px\n"
-      "each pose measured with a calibration of the others: {}\n",
+      "held-out poses, measured with a calibration of the others: {}\n",
       camera, projector, stereo, told(left_out));
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);

@@ -6,7 +6,7 @@
 
 namespace slipstream {
 
-/// The same boards measured with a scanner file that came from elsewhere.
+/// The same boards measured with another scanner file.
 struct ScannerComparison {
   std::string name;  ///< of the file
   std::vector<std::optional<BoardQuality>> poses;
@@ -15,27 +15,26 @@ struct ScannerComparison {
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
                                 const BoardViews& views, const CalibrationBoard& board);
 
-/// Of each pose, measured with a calibration of the others.
+/// Quality of each pose, measured with a calibration of the others.
 std::vector<std::optional<BoardQuality>> left_out_qualities(const GeometryCalibration& calibration);
 
-/// One figure for all poses: the root mean square of each of the two. NaN where no pose has any.
+/// Root mean square of each figure over all poses; NaN without any.
 BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses);
 
-/// What a report is made of; refers to, does not own.
+/// Contents of a report. Holds references; owns nothing.
 struct CalibrationReport {
   const GeometryCalibration& calibration;
   const std::vector<UnusedPose>& unused;
   const CalibrationBoard& board;
   const ScannerComparison* comparison = nullptr;  ///< may be null
-  std::vector<Finding> findings{};                ///< of frames, ruler and calibration together
+  std::vector<Finding> findings{};                ///< of frames, ruler and calibration
 };
 
-/// The result in a few lines for people: RMS, what the left-out poses say beside what another
-/// scanner file says, lens models.
+/// A summary of a few lines: RMS, quality of the held-out poses, comparison, lens models.
 std::string text_of(const CalibrationReport& report);
 
-/// All of it with pictures: findings, RMS, what the left-out poses say beside what another scanner
-/// file says, parameters with their standard deviations, lens models, coverage and residuals.
+/// The full report with pictures: diagnostics, RMS, quality of the held-out poses, comparison,
+/// parameters with standard deviations, lens models, coverage and residuals.
 Page calibration_report(const CalibrationReport& report);
 
 }  // namespace slipstream

@@ -9,15 +9,15 @@
 namespace slipstream {
 namespace {
 
-/// Standard deviation of the components, by the median of their sizes.
+/// Standard deviation of the components, from the median of their magnitudes.
 double robust_deviation(std::vector<double> sizes) {
   if (sizes.empty()) return 1;
-  constexpr double least = 1e-3;  // pixels: noise-free pictures must not weigh without bound
+  constexpr double least = 1e-3;  // pixels: limits the weight of noise-free pictures
   return std::max(deviation_from_median(median(std::move(sizes))), least);
 }
 
-/// Calls `use` with the residuals of each corner of all views, the camera's and the projector's,
-/// and with what is the projector's own: without what comes of the camera's.
+/// Calls `use` for each corner of all views with the residuals of camera and projector, and the
+/// projector's residual without the part that the camera's causes.
 template <class Use>
 void for_each_corner(const BoardViews& views, const BundleState& state, const Use& use) {
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -61,7 +61,7 @@ double flatness_of(const BoardPlaces& points) {
   return std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / static_cast<double>(points.size()));
 }
 
-/// Sets what the distances between all pairs of points say.
+/// Sets the results from the distances between all pairs of points.
 void measure_distances(const BoardPlaces& points, const BoardPlaces& printed,
                        BoardQuality& quality) {
   double ratios = 0, squares = 0;

@@ -7,12 +7,12 @@
 namespace slipstream {
 namespace {
 
-// What a board is measured to that a good calibration has not seen, and as much again.
+// Twice the errors of a good calibration on a new board.
 constexpr double largest_epipolar = 0.5;       // projector pixels
 constexpr double largest_scale_error = 0.002;  // of a length
 constexpr double largest_flatness = 0.002;     // of the board's size
 
-/// Projector pixels from its pixel to the line on which what the camera sees must lie.
+/// Distance of the projector pixel from the camera pixel's epipolar line, projector pixels.
 double epipolar_distance(const Scanner& scanner, const Eigen::Vector2d& camera,
                          const Eigen::Vector2d& projector) {
   const Eigen::Vector3d line =
@@ -22,7 +22,7 @@ double epipolar_distance(const Scanner& scanner, const Eigen::Vector2d& camera,
   return distance * scanner.projector.intrinsic(0, 0);
 }
 
-/// A view that is pose `v` of the state, under its scanner.
+/// Measures a view, which is pose `v` of the state.
 BoardMeasure measured(const BoardView& view, const BundleState& state, std::size_t v) {
   Squares epipolar;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
@@ -30,7 +30,7 @@ BoardMeasure measured(const BoardView& view, const BundleState& state, std::size
     epipolar.add(std::pow(epipolar_distance(state.scanner, view.camera[i], view.projector[i]), 2));
   }
   const auto quality = board_quality(view, state.scanner, state.places);
-  throw_if(!quality, "{}: too few corners are lit to measure it", view.name);
+  throw_if(!quality, "{}: fewer than 4 corners are lit; light the whole board", view.name);
   return {epipolar.rms(), reprojection(view, state, v).rms(), *quality};
 }
 
@@ -56,11 +56,10 @@ bool is_good(const BoardMeasure& measure, double size) {
          measure.quality.flatness <= largest_flatness * size;
 }
 
-/// Whether all that the boards ask for is another scale: a baseline longer or shorter, as of a
-/// board whose spacing is not as said.
+/// Whether the correction only scales the baseline, as a wrong board spacing would.
 bool only_scale(const Verification& verification, const Scanner& scanner) {
   constexpr double negligible_turn = 0.05 * degree;
-  constexpr double most_across = 0.2;  // of the way
+  constexpr double most_across = 0.2;  // of the movement
   const Eigen::Vector3d moved = verification.corrected.translation - scanner.translation;
   const double across = moved.cross(scanner.translation.normalized()).norm();
   return verification.before.epipolar <= largest_epipolar &&
@@ -70,22 +69,26 @@ bool only_scale(const Verification& verification, const Scanner& scanner) {
 Finding finding_of(const Verification& verification, const Scanner& scanner,
                    const CalibrationBoard& board) {
   const BoardMeasure& before = verification.before;
-  Finding finding{.what = "the scanner does not hold any more",
-                  .evidence = {{"epipolar distance, px", before.epipolar},
-                               {"scale error, %", 100 * before.quality.scale_error},
-                               {"flatness, mm", before.quality.flatness}}};
+  Finding finding{
+      .what = fmt::format("the scanner is no longer accurate: limits {:g} px, {:g} % and "
+                          "{:g} of the board's size",
+                          largest_epipolar, 100 * largest_scale_error, largest_flatness),
+      .evidence = {{"epipolar distance, px", before.epipolar},
+                   {"scale error, %", 100 * before.quality.scale_error},
+                   {"flatness, mm", before.quality.flatness}}};
   if (verification.mended) {
     finding.likely = fmt::format(
-        "camera and projector moved against each other, by {:.2g} degrees and {:.2g} mm",
+        "camera and projector moved relative to each other, by {:.2g} degrees and {:.2g} mm",
         verification.rotation / degree, verification.translation);
-    finding.advice = "write the corrected scanner file with -o, and clamp them";
+    finding.advice = "write the corrected scanner file with -o, and clamp both devices";
   } else if (only_scale(verification, scanner)) {
     const double scale = scanner.translation.norm() / verification.corrected.translation.norm();
-    finding.likely = "another spacing of the board than said: only the scale is off";
-    finding.advice = fmt::format("measure the print; {:.4g} mm would fit", scale * board.spacing);
+    finding.likely = "another spacing of the board than configured: only the scale is off";
+    finding.advice =
+        fmt::format("measure the print; a --spacing of {:.4g} mm fits", scale * board.spacing);
   } else {
-    finding.likely = "more than a move: focus, zoom or a lens changed, or the board is not as said";
-    finding.advice = "check the board's flags, then calibrate geometry again";
+    finding.likely = "more than movement: focus, zoom or a lens changed, or wrong board settings";
+    finding.advice = "check the board's flags, then run slipstream calibrate geometry again";
   }
   return finding;
 }
@@ -96,7 +99,7 @@ Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
                             const Scanner& scanner) {
   require_valid(board);
   require_valid(scanner);
-  if (views.empty()) throw Error("no pose of the board to verify with");
+  if (views.empty()) throw Error("no pose of the board; verifying requires at least one");
   const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);
 

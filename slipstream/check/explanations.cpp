@@ -18,39 +18,52 @@ std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
   return {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
 }
 
-/// What of it does not fit, the clearest first.
+/// The clearest symptom of a scan that does not fit.
 Finding seen(const Fit& fit) {
   Finding finding{.gravity = Gravity::wrong};
   const auto& geometry = fit.geometry;
   if (!fit.patterns_made()) {
-    finding.what = "the frames are not what these patterns make";
+    const double limit = fit.moving ? FitLimits::most_residual_moving : FitLimits::most_residual;
+    finding.what = fmt::format(
+        "the frames do not match the patterns: over {:g} % of their variation is unexplained",
+        100 * limit);
     finding.evidence = {{"left over, share of their variation", fit.frames.residual}};
   } else if (!fit.bands_alike()) {
-    finding.what = "the bands are lit unlike each other from pixel to pixel";
+    finding.what = fmt::format(
+        "the bands' modulations do not vary together: the spread of their ratio is above {:g}",
+        FitLimits::most_ratio_spread);
     finding.evidence = {{"spread of their modulations' ratio", fit.frames.ratio_spread}};
   } else if (!fit.bands_agree()) {
-    finding.what = "the frames disagree about the fringe order";
+    finding.what = fmt::format(
+        "the frames disagree about the fringe order: agreement below {:g} or offset above {:g}",
+        FitLimits::least_agreement, FitLimits::most_offset);
     finding.evidence = relation_evidence(fit.frames);
   } else if (!fit.no_seam()) {
-    finding.what = "the coordinate leaps from one end of the field to the other in the light";
+    finding.what = fmt::format(
+        "the coordinate jumps across the whole field in over {:g} % of the lit pixel pairs",
+        100 * FitLimits::most_seams);
     finding.evidence = {{"share of the pixels near it", fit.frames.seams}};
   } else if (!fit.geometry_fits()) {
-    finding.what = "frames and scanner do not fit together";
+    finding.what = fmt::format(
+        "frames and scanner do not fit together: slope outside {:g} to {:g}, or over {:g} % of the "
+        "points impossible",
+        FitLimits::least_slope, FitLimits::most_slope, 100 * FitLimits::most_outside);
     finding.evidence = {{"slope of the coordinate", geometry->slope},
                         {"share outside the projector's light", geometry->outside},
                         {"share without a point", geometry->without_point}};
   } else {
-    finding.what = "most points lie outside of the depths that were calibrated";
+    finding.what = fmt::format("over {:g} % of the points lie outside the calibrated depths",
+                               100 * FitLimits::most_out_of_range);
     finding.evidence = {{"share", geometry->out_of_range},
                         {"median depth, mm", geometry->median_depth}};
   }
   return finding;
 }
 
-/// Where no usual mistake explains it.
+/// Names a broad cause if no common mistake explains the misfit.
 void name_broadly(const Fit& fit, Finding& finding) {
   const auto& geometry = fit.geometry;
-  // So few pixels are right then that none can be told from the wrong ones.
+  // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.2;
   constexpr double hopeless_outside = 0.6;
   finding.gravity = Gravity::doubtful;
@@ -63,36 +76,35 @@ void name_broadly(const Fit& fit, Finding& finding) {
         std::any_of(relations.begin(), relations.end(), hopeless)) {
       finding.gravity = Gravity::wrong;
     }
-    finding.likely = "other patterns than said, frames lost or mixed up, or something moved";
-    finding.advice = "compare the pictures with those of slipstream patterns";
+    finding.likely = "wrong pattern settings, lost or mixed-up frames, or motion during capture";
+    finding.advice = "compare the frames with the output of slipstream patterns";
   } else if (!fit.geometry_fits()) {
     if (geometry->outside + geometry->without_point > hopeless_outside)
       finding.gravity = Gravity::wrong;
     finding.likely =
         "a scanner file of another rig, pictures cropped or of another size, or a camera or "
-        "projector that moved since the calibration";
-    finding.advice = "check the file, and calibrate again where the rig was touched";
+        "projector that moved since calibration";
+    finding.advice = "check the scanner file; if the rig moved, run slipstream calibrate geometry";
   } else {
     finding.likely =
-        "something nearer or farther than the boards were, or a scanner file of another rig";
-    finding.advice = "calibrate with boards at those depths, or check the order of the frames";
+        "a scene nearer or farther than the calibration boards, or a scanner file of another rig";
+    finding.advice = "calibrate with boards at those depths, or check the frame order";
   }
 }
 
-/// How much brighter each frame is than the others, as a share, from what patterns of that shape
-/// cannot make; their mean is 0.
+/// Relative gain of each frame, estimated from the unexplained components; the mean is 0.
 struct FrameGains {
   Eigen::VectorXd gains;
-  double explained = 0;  ///< the share of the residual that they account for
+  double explained = 0;  ///< share of the residual explained by the gains
   struct OddFrame {
     int frame = 0;
     double gain = 0;
   };
-  /// The one whose gain alone accounts for nearly all, and for more than any other's does.
+  /// The frame whose gain alone explains nearly all, and more than any other frame's.
   std::optional<OddFrame> odd_frame{};
 };
 
-/// Of equations normal * gains = right, whose residual is `all`: what each gain accounts for alone.
+/// The odd frame, from the equations normal * gains = right with residual `all`.
 std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
                                               const Eigen::VectorXd& right, double all) {
   constexpr double least_share = 0.7, least_lead = 0.1;
@@ -110,8 +122,8 @@ std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
 
 FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
   const int count = model.layout().frames;
-  // Gains leave P diag(I) gain where P I of the true frames is nothing; both sides of a product are
-  // of different neighbours, which share no noise.
+  // P I is 0 for true frames, so gains leave P diag(I) gain. Both factors of each product come from
+  // different neighbours, which share no noise.
   const FrameOrder order = model.identity();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
@@ -133,17 +145,17 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
     right += changes_a.transpose() * left_b + changes_b.transpose() * left_a;
     all += 2 * left_a.dot(left_b);
   }
-  // All frames brighter alike are nothing to be seen: the mean is held at 0.
+  // A common gain is unobservable: fix the mean at 0.
   const double held = normal.trace() / count;
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
   return {gains, all > 0 ? gains.dot(right) / all : 0, odd_frame(normal, right, all)};
 }
 
-/// Light that changed between frames.
+/// Detects light that changed between frames.
 std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
-  // Right scans leave more at times, a real skull 0.0085, but then no gains explain it: at most
-  // 0.62 of it, and by half a percent. Lamps and exposures do not change by more than the last.
+  // Correct scans sometimes leave more (a real skull: 0.0085), but gains explain at most 0.62 of
+  // it, at half a percent. Lamps and exposures do not change by more than most_gain.
   constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
   constexpr double most_gain = 0.3;
   if (fit.frames.residual < least_residual) return std::nullopt;
@@ -152,22 +164,22 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   if (!(gains.explained >= least_explained && size >= least_gain && size <= most_gain)) {
     return std::nullopt;
   }
-  // Motion may look like light, but hardly like that of one frame alone.
+  // Motion may resemble flicker, but rarely of a single frame.
   if (scan.settings.moving && !gains.odd_frame) return std::nullopt;
   const auto& odd = gains.odd_frame;
   return Finding{
-      .what = "frames are brighter or darker than the patterns make them",
+      .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
+                          100 * least_gain),
       .evidence = {odd ? Evidence{fmt::format("frame {}, percent", odd->frame), 100 * odd->gain}
                        : Evidence{"the most, percent", 100 * size}},
       .likely = "light that flickers, or an exposure or gain that changed between frames",
-      .advice =
-          "fix exposure and gain, and expose for whole periods of the mains and the projector"};
+      .advice = "fix exposure and gain; expose for whole periods of the mains and the projector"};
 }
 
-/// Frames without any pattern, where they are no dark part of one.
+/// Finds frames without any pattern, unless the scene lies in a dark part of a pattern.
 std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
-  // Frames that contradict each other so much have lost one; where they cannot, what the scene sees
-  // of the patterns must make it bright somewhere.
+  // A large contradiction means that a frame is lost. Frames without redundancy cannot contradict
+  // each other; there, the scene must span enough of each pattern to be bright somewhere.
   constexpr double contradicting = 0.2, least_of_pattern = 0.5;
   if (scan.model.unexplained_count() > 0 && fit.frames.residual < contradicting) return {};
   if (!scan.model.has_redundancy()) {
@@ -186,7 +198,7 @@ ScanFindings explain(const JudgedScan& scan) {
   const Fit fit = fit_as_given(scan);
   auto flickering = flicker(scan, fit);
   if (fit.all()) {
-    // Where frames say something of each other a dark one would not have fitted.
+    // With redundancy, a dark frame would not have fitted.
     if (!scan.model.has_redundancy()) result.findings = dark_frames(scan, fit);
     if (flickering && result.findings.empty()) result.findings.push_back(std::move(*flickering));
     return result;
@@ -196,9 +208,8 @@ ScanFindings explain(const JudgedScan& scan) {
       fit.bands_agree() && fit.patterns_made() && fit.no_seam() && fit.geometry_fits();
   if (auto explanation = likeliest_mistake(scan, fit)) {
     if (only_depths) {
-      // The scene may be where no board was, as well.
       explanation->gravity = Gravity::doubtful;
-      explanation->likely += ", or something nearer or farther than the boards were";
+      explanation->likely += ", or a scene nearer or farther than the calibration boards";
     }
     finding.likely = std::move(explanation->likely);
     finding.advice = std::move(explanation->advice);

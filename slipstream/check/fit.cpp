@@ -28,8 +28,7 @@ double variation_of(const float* levels, int frames) {
   return squares - sum * sum / frames;
 }
 
-/// Where a point of the camera's frame is in the projector's picture, shares of its field along and
-/// across the axis.
+/// Position of a point in the projector's picture, share of the field along and across the axis.
 struct FieldPlace {
   double along = 0, across = 0;
   bool in_front = false;
@@ -43,7 +42,7 @@ FieldPlace place_in_field(const Scanner& scanner, Axis axis, const Eigen::Vector
   return axis == Axis::x ? FieldPlace{x, y, p.z() > 0} : FieldPlace{y, x, p.z() > 0};
 }
 
-/// Depth along the ray at which it meets the stripe of that coordinate.
+/// Depth at which the ray meets the stripe with this coordinate.
 double depth_of_stripe(const Scanner& scanner, Axis axis, const Eigen::Vector3d& ray,
                        double coordinate) {
   const Eigen::Matrix3d& K = scanner.projector.intrinsic;
@@ -56,33 +55,18 @@ double wrapped(double periods) {
   return periods - std::round(periods);
 }
 
-// Right scans: agreement above 0.69, and 0.81 on a real skull; offsets below 0.05. A wrong number
-// of periods or order of frames leaves less than 0.6 or more than 0.1 nearly always.
-constexpr double least_agreement = 0.6, most_offset = 0.1;
-// Below this noise leaves nothing to judge by.
+// Below this coherence, noise leaves no evidence.
 constexpr double least_noise = 0.3;
-// Right scans leave 0.014, real ones of twelve steps 0.07; two frames in each other's place 0.15 to
-// 0.4.
-constexpr double most_residual = 0.1;
-// Things that move between frames leave up to 0.15.
-constexpr double most_residual_moving = 0.25;
-// Right scans 0.31, a real skull 0.43; frames of two bands mixed up 0.7.
-constexpr double most_ratio_spread = 0.6;
-constexpr double most_seams = 0.015;
-// Surfaces seen at a slant change the slope, by 0.58 to 1.8 in the median of right scans.
-constexpr double least_slope = 0.35, most_slope = 2.8;
-constexpr double most_outside = 0.25;
-constexpr double most_out_of_range = 0.6;
 
-/// Of the slopes that noise leaves possible.
+/// The slope nearest to 1 within its uncertainty.
 double nearest_to_one(const GeometryEvidence& geometry) {
   return std::clamp(1.0, geometry.slope - geometry.slope_doubt,
                     geometry.slope + geometry.slope_doubt);
 }
 
 bool agrees(const BandRelation& relation) {
-  return relation.noise < least_noise ||
-         (relation.agreement >= least_agreement && std::abs(relation.offset) <= most_offset);
+  return relation.noise < least_noise || (relation.agreement >= FitLimits::least_agreement &&
+                                          std::abs(relation.offset) <= FitLimits::most_offset);
 }
 
 }  // namespace
@@ -139,7 +123,7 @@ void FrameJudge::add_pair(double variation) {
 void FrameJudge::add_far_pair() {
   const double f = model_.fewest_periods();
   const double a = f * here_.coarse, b = f * next_.coarse;
-  // So near to the leap noise alone carries a pixel over it.
+  // This close to the jump, noise alone carries a pixel across it.
   constexpr double margin = 0.004;
   if (std::min({a, 1 - a, b, 1 - b}) < margin) return;
   ++far_pairs_;
@@ -208,7 +192,7 @@ std::optional<double> periods_that_agree(const FrameModel& model, const ScanSamp
       sums[static_cast<std::size_t>(k)] += turn;
     }
   }
-  // In phase, not only alike: a right number leaves no offset.
+  // Real part, not magnitude: the right number leaves no offset.
   const auto best = std::max_element(sums.begin() + 1, sums.end(),
                                      [](Complex a, Complex b) { return a.real() < b.real(); });
   if (best->real() < least_agreement * static_cast<double>(samples.groups())) return std::nullopt;
@@ -218,13 +202,13 @@ std::optional<double> periods_that_agree(const FrameModel& model, const ScanSamp
 GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
                                    const Scanner& scanner, Axis axis, const FrameOrder& order,
                                    const PictureTurn& turn) {
-  // As far past the ends of the field a lens without its distortion may put a point.
+  // Ignoring distortion may move a point this far outside the field.
   constexpr double margin = 0.05;
-  // Boards stand in the middle of what is measured: this share of their depths more on either side.
+  // Scenes exceed the boards' depths: allow this share of the range on either side.
   constexpr double further = 0.5;
   const double f = model.layout().bands[model.measuring_band()].periods;
   const std::size_t band = model.measuring_band();
-  // A code alone rises by whole stripes, and most pixels are beside one of the same.
+  // A code alone changes by whole stripes, and most neighbours lie in the same stripe.
   const bool rises = !model.layout().unwrapping->whole_stripes;
   SampleReading here, next;
   std::vector<double> depths, slopes;
@@ -277,7 +261,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   if (!slopes.empty()) {
     result.slope = quantile(slopes, 0.5);
     for (double& slope : slopes) slope = std::abs(slope - result.slope);
-    // Of the median of values that scatter as these about their own.
+    // Standard error of the median.
     const double error = 1.25 * deviation_from_median(quantile(slopes, 0.5)) /
                          std::sqrt(static_cast<double>(slopes.size()));
     result.slope_doubt = 3 * error;
@@ -286,7 +270,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
 }
 
 bool Fit::bands_alike() const {
-  return frames.ratio_spread <= most_ratio_spread;
+  return frames.ratio_spread <= FitLimits::most_ratio_spread;
 }
 
 bool Fit::bands_agree() const {
@@ -294,34 +278,35 @@ bool Fit::bands_agree() const {
 }
 
 bool Fit::patterns_made() const {
-  return frames.residual <= (moving ? most_residual_moving : most_residual);
+  return frames.residual <= (moving ? FitLimits::most_residual_moving : FitLimits::most_residual);
 }
 
 bool Fit::no_seam() const {
-  return frames.seams <= most_seams;
+  return frames.seams <= FitLimits::most_seams;
 }
 
 bool Fit::geometry_fits() const {
   if (!geometry) return true;
-  return geometry->slope + geometry->slope_doubt >= least_slope &&
-         geometry->slope - geometry->slope_doubt <= most_slope &&
-         geometry->without_point + geometry->outside <= most_outside;
+  return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
+         geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
+         geometry->without_point + geometry->outside <= FitLimits::most_outside;
 }
 
 bool Fit::depths_fit() const {
-  return !geometry || geometry->out_of_range <= most_out_of_range;
+  return !geometry || geometry->out_of_range <= FitLimits::most_out_of_range;
 }
 
 double Fit::misfit() const {
-  double sum = frames.residual / most_residual + frames.seams / most_seams +
-               frames.ratio_spread / most_ratio_spread;
+  using L = FitLimits;
+  double sum = frames.residual / L::most_residual + frames.seams / L::most_seams +
+               frames.ratio_spread / L::most_ratio_spread;
   for (const BandRelation& relation : frames.relations) {
-    sum += std::max(0.0, 1 - relation.agreement) / (1 - least_agreement) +
-           std::abs(relation.offset) / most_offset;
+    sum += std::max(0.0, 1 - relation.agreement) / (1 - L::least_agreement) +
+           std::abs(relation.offset) / L::most_offset;
   }
   if (geometry) {
-    sum += (geometry->without_point + geometry->outside) / most_outside +
-           geometry->out_of_range / most_out_of_range +
+    sum += (geometry->without_point + geometry->outside) / L::most_outside +
+           geometry->out_of_range / L::most_out_of_range +
            std::abs(std::log(std::max(1e-3, nearest_to_one(*geometry))));
   }
   return sum;

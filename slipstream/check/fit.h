@@ -6,42 +6,42 @@
 
 namespace slipstream {
 
-/// How a band goes with what it is unwrapped by, from SampleReading::relations.
+/// How well a band agrees with the band or cue that unwraps it, from SampleReading::relations.
 struct BandRelation {
-  /// Length of the mean of exp(2 pi i r) over that which noise leaves of it, measured between
-  /// neighbours; 1 where r is the same all over, 0 where it is anything.
+  /// |mean of exp(2 pi i r)| divided by its value under noise alone, measured between neighbours:
+  /// 1 if r is the same everywhere, 0 if it is random.
   double agreement = 1;
   double offset = 0;  ///< of r, periods, -0.5 to 0.5
-  double noise = 1;   ///< what noise leaves, 0 to 1
+  double noise = 1;   ///< coherence under noise alone, 0 to 1
 };
 
-/// What the samples say about frames and sequence.
+/// Evidence about frames and sequence.
 struct FrameEvidence {
-  /// How far the frames are from what patterns of that shape can make, as a share of their
-  /// variation. Noise is not in it: only what neighbours share is counted.
+  /// Part of the frames that the patterns' shapes cannot explain, as a share of their variation.
+  /// Excludes noise: only what neighbours share counts.
   double residual = 0;
-  std::vector<BandRelation> relations;  ///< from few periods to many
-  /// How much the bands' modulations differ from pixel to pixel, over each other: the standard
-  /// deviation of the logarithm, without noise; the largest.
+  std::vector<BandRelation> relations;  ///< coarse to fine
+  /// Largest variation of a ratio of two bands' modulations from pixel to pixel: the standard
+  /// deviation of its logarithm, without noise.
   double ratio_spread = 0;
-  /// Where the coordinate leaps from one end of the field to the other in the middle of the light:
-  /// share of the pairs of far pixels that could show it.
+  /// Share of far pixel pairs across which the coordinate jumps from one end of the field to the
+  /// other inside the lit area.
   double seams = 0;
 };
 
-/// Gathers evidence; its memory is used again. One thread uses it.
+/// Gathers evidence. Reuses its memory; not thread-safe.
 class FrameJudge {
  public:
-  /// Refers to the model.
+  /// Keeps a reference to the model.
   explicit FrameJudge(const FrameModel& model);
 
-  /// Of the samples, or of the first so many groups, which are spread over the picture too, with
-  /// the frames in that order. Valid until the next call.
+  /// Evaluates the samples, or their first `most_groups` groups (also spread over the picture),
+  /// with the frames in that order. The result is valid until the next call.
   const FrameEvidence& operator()(const ScanSamples& samples, const FrameOrder& order,
                                   std::size_t most_groups = static_cast<std::size_t>(-1));
 
  private:
-  /// Mean of a product over neighbours, without the noise that they do not share.
+  /// Mean product over neighbours; independent noise cancels.
   struct SharedSpread {
     double products = 0, a = 0, b = 0;
     int count = 0;
@@ -54,7 +54,7 @@ class FrameJudge {
   void add_pair(double variation);
   void add_far_pair();
   void sum_up(std::size_t groups);
-  /// Logarithm of a band's modulation over that of the band of fewest periods.
+  /// Logarithm of the ratio of a band's modulation to the coarsest band's.
   [[nodiscard]] double ratio(const SampleReading& reading, std::size_t band) const;
 
   const FrameModel& model_;
@@ -66,53 +66,67 @@ class FrameJudge {
   int pairs_ = 0, seams_ = 0, far_pairs_ = 0;
 };
 
-/// The number of periods with which the band of that relation agrees best with what it is unwrapped
-/// by; none where no number agrees.
+/// The number of periods at which that relation's band agrees best with the band or cue that
+/// unwraps it. Returns nullopt if no number agrees.
 std::optional<double> periods_that_agree(const FrameModel& model, const ScanSamples& samples,
                                          std::size_t relation);
 
-/// What the samples say about frames and scanner.
+/// Evidence about frames and scanner.
 struct GeometryEvidence {
-  double without_point = 0;  ///< share whose ray meets its stripe nowhere in front of both devices
-  double outside = 0;        ///< share of points where the projector sends no light
+  double without_point = 0;  ///< share whose ray does not meet its stripe in front of both devices
+  double outside = 0;        ///< share of points outside the projector's field
   double median_depth = 0;   ///< mm
-  double out_of_range = 0;   ///< share of points outside of the calibrated depths, with a margin
-  /// Median over the pixels of how much the coordinate changes from one pixel to the next, over how
-  /// much it would on a surface that faces the camera: about 1 where all is right, negative where
-  /// the stripes run the other way, near 0 where they run along the other axis. 1
-  /// of a code alone.
+  double out_of_range = 0;   ///< share of points outside the calibrated depths, with a margin
+  /// Median over the pixels of the coordinate's change to the next pixel, divided by the change on
+  /// a surface that faces the camera: about 1 if all is right, negative if the stripes run the
+  /// other way, near 0 if they run along the other axis. Always 1 for a code alone.
   double slope = 1;
-  double slope_doubt = 0;  ///< three standard errors of it, by how much the pixels scatter
+  double slope_doubt = 0;  ///< three standard errors of `slope`, from the scatter of the pixels
 };
 
-/// Pictures that were turned over before they were saved.
+/// How pictures were flipped before they were saved.
 struct PictureTurn {
   bool columns = false;  ///< the right side is on the left
   bool rows = false;     ///< the top is at the bottom
 };
 
-/// Lens distortion of the projector is left out: it moves points by less than what is asked here.
+/// Ignores the projector's lens distortion: it moves points by less than these limits.
 GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
                                    const Scanner& scanner, Axis axis, const FrameOrder& order,
                                    const PictureTurn& turn = {});
 
-/// Whether evidence is that of a right scan. The limits lie between what right scans show, real and
-/// virtual ones with noise, and what mistakes do: tests/check shows both.
+/// Each limit separates correct scans (real ones, and virtual ones with noise) from mistaken ones;
+/// tests/check measures both.
+struct FitLimits {
+  // Correct scans: agreement above 0.69 (real skull 0.81), offset below 0.05. A wrong number of
+  // periods or frame order nearly always gives less than 0.6 or more than 0.1.
+  static constexpr double least_agreement = 0.6, most_offset = 0.1;
+  // Correct scans: 0.014, real ones of twelve steps 0.07; with two frames swapped 0.15 to 0.4.
+  static constexpr double most_residual = 0.1;
+  static constexpr double most_residual_moving = 0.25;  // motion between frames: up to 0.15
+  // Correct scans: 0.31, a real skull 0.43; with frames of two bands mixed up 0.7.
+  static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;
+  // Slanted surfaces change the slope: median 0.58 to 1.8 in correct scans.
+  static constexpr double least_slope = 0.35, most_slope = 2.8;
+  static constexpr double most_outside = 0.25, most_out_of_range = 0.6;
+};
+
+/// Evidence compared with FitLimits.
 struct Fit {
   FrameEvidence frames{};
   bool moving = false;                         ///< CheckSettings::moving
-  std::optional<GeometryEvidence> geometry{};  ///< where a scanner is known
+  std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
 
-  [[nodiscard]] bool bands_alike() const;    ///< about modulation
-  [[nodiscard]] bool bands_agree() const;    ///< about phase and modulation, and in their order
-  [[nodiscard]] bool patterns_made() const;  ///< frames are what such patterns make
+  [[nodiscard]] bool bands_alike() const;    ///< in modulation
+  [[nodiscard]] bool bands_agree() const;    ///< in phase and modulation
+  [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
   [[nodiscard]] bool no_seam() const;
-  [[nodiscard]] bool geometry_fits() const;  ///< true where there is none
-  [[nodiscard]] bool depths_fit() const;     ///< in the calibrated range; true where there is none
+  [[nodiscard]] bool geometry_fits() const;  ///< true without geometry
+  [[nodiscard]] bool depths_fit() const;     ///< in the calibrated range; true without geometry
   [[nodiscard]] bool all() const {
     return bands_agree() && patterns_made() && no_seam() && geometry_fits() && depths_fit();
   }
-  /// 0 for what could not be better; of two explanations the lesser is the likelier.
+  /// 0 for a perfect fit; of two explanations, the smaller misfit is likelier.
   [[nodiscard]] double misfit() const;
 };
 

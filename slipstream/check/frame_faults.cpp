@@ -11,7 +11,7 @@
 namespace slipstream {
 namespace {
 
-using Places = std::vector<std::size_t>;  ///< groups, from the top of the picture to its bottom
+using Places = std::vector<std::size_t>;  ///< groups, from the top of the picture to the bottom
 
 Places from_top(const ScanSamples& samples) {
   Places places(samples.groups());
@@ -29,7 +29,7 @@ struct Stretch {
   std::size_t length = 0, end = 0;  ///< in the order of the places
 };
 
-/// The longest stretch of lit pixels, from top to bottom, all of which have a property.
+/// The longest run of lit pixels, from top to bottom, that all have a property.
 template <class Has>
 Stretch longest_stretch(const Places& places, const Has& has) {
   Stretch longest;
@@ -54,13 +54,13 @@ std::vector<Evidence> evidence_of(const Stretch& stretch, const Places& places,
           {"last row", last}};
 }
 
-// Of the lit pixels.
+// Shares of the lit pixels.
 constexpr double part = 0.12, all = 0.97;
 
-/// Two frames of one pattern each are alike where their sinusoids cross, never all over.
+/// Frames of different patterns are equal only where their sinusoids cross.
 std::optional<Finding> same_picture(const ScanSamples& samples, const Places& places, int n,
                                     int m) {
-  // As far apart as rounding may put equal intensities.
+  // Equal intensities may differ by this through rounding.
   constexpr float rounding = 1e-3F;
   const Stretch alike = longest_stretch(places, [&](std::size_t group) {
     return std::abs(level(samples, group, n) - level(samples, group, m)) < rounding;
@@ -69,23 +69,25 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
   if (share < part) return std::nullopt;
   Finding finding{.gravity = Gravity::wrong, .evidence = evidence_of(alike, places, samples)};
   if (share > all) {
-    finding.what = fmt::format("frames {} and {} are the same picture", n, m);
+    finding.what = fmt::format(
+        "frames {} and {} are the same picture in over {:g} % of the lit pixels", n, m, 100 * all);
     finding.likely = fmt::format("a frame saved twice, in place of frame {} or {}", n, m);
-    finding.advice = "take the scan again";
+    finding.advice = "capture the scan again";
   } else {
     finding.gravity = Gravity::doubtful;
-    finding.what = fmt::format("frames {} and {} are the same in many rows", n, m);
+    finding.what = fmt::format("frames {} and {} are the same in over {:g} % of the lit pixels", n,
+                               m, 100 * part);
     finding.likely =
-        fmt::format("part of a frame lost, {} or {}, and the one before it left standing", n, m);
-    finding.advice = "take the scan again; look for lost packets of the camera";
+        fmt::format("part of frame {} or {} was lost and still shows the frame before it", n, m);
+    finding.advice = "capture the scan again; check the camera's link for lost packets";
   }
   return finding;
 }
 
-/// Rows in which a frame is black from one row to the next: a pattern's dark end comes by degrees.
+/// Finds rows that turn black abruptly: the dark part of a pattern begins gradually.
 std::optional<Finding> lost_part(const ScanSamples& samples, const Places& places, int n) {
   constexpr float black = 0.5F;
-  // Grey levels of the pixels next to what is lost; a pattern that is dark there has less.
+  // Minimum grey level next to the lost rows; the edge of a pattern's dark part is darker.
   constexpr float sharp = 12;
   const Stretch lost =
       longest_stretch(places, [&](std::size_t group) { return level(samples, group, n) <= black; });
@@ -98,14 +100,15 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
     if (i < first || i >= lost.end) beside.push_back(level(samples, places[i], n));
   }
   if (beside.empty() || quantile(beside, 0.5) < sharp) return std::nullopt;
-  return Finding{.what = fmt::format("frame {} is black in many rows", n),
-                 .evidence = evidence_of(lost, places, samples),
-                 .likely = fmt::format("part of frame {} was lost on its way", n),
-                 .advice = "take the scan again; look for lost packets of the camera"};
+  return Finding{
+      .what = fmt::format("frame {} is black in over {:g} % of the lit pixels", n, 100 * part),
+      .evidence = evidence_of(lost, places, samples),
+      .likely = fmt::format("part of frame {} was lost in transfer", n),
+      .advice = "capture the scan again; check the camera's link for lost packets"};
 }
 
-/// A frame that shows the room's light alone: flat but for what is seen in it, and no brighter than
-/// the darkest of the others nearly everywhere.
+/// Finds a frame that contains only ambient light: nearly uniform, and almost nowhere brighter than
+/// the darkest other frame.
 std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
   std::vector<float> levels, ranges;
   std::size_t darkest = 0;
@@ -126,19 +129,20 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
   const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
   const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
   if (share < all || spread > 0.08F * range + 2) return std::nullopt;
-  return Finding{.gravity = Gravity::wrong,
-                 .what = fmt::format("frame {} shows no pattern", n),
-                 .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
-                 .likely = fmt::format("frame {} is black: taken while the projector was dark", n),
-                 .advice = "take the scan again; check the trigger, or leave out the marker frame"};
+  return Finding{
+      .gravity = Gravity::wrong,
+      .what = fmt::format("frame {} contains no pattern", n),
+      .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
+      .likely = fmt::format("frame {} is black: captured while the projector was dark", n),
+      .advice = "capture the scan again; check the trigger, or omit the marker frame"};
 }
 
-/// What the light of a scan is judged by, beside its samples; grey levels of 255.
+/// Evidence about the light of a scan; grey levels of 255.
 struct LightEvidence {
-  int bits = 8;                  ///< as said
+  int bits = 8;                  ///< declared
   double least_modulation = 15;  ///< of a point
-  double modulation = 0;  ///< of the lit pixels, as of all the light in one sinusoid: the median
-  double mean = 0;        ///< the median of the lit pixels' means over their frames
+  double modulation = 0;  ///< median of the lit pixels, scaled to a sinusoid with all the light
+  double mean = 0;        ///< median of the lit pixels' means over their frames
 };
 
 LightEvidence light_of(const FrameModel& model, const ScanSamples& samples, int bits,
@@ -164,7 +168,7 @@ LightEvidence light_of(const FrameModel& model, const ScanSamples& samples, int 
   return light;
 }
 
-/// Bits of a camera that would do for what is in the pictures: 8, 10, 12, 14 or 16.
+/// The fewest camera bits that hold these grey levels: 8, 10, 12, 14 or 16.
 int bits_used(double brightest, int bits) {
   const double largest = brightest / 255 * ((1 << bits) - 1);
   int used = 8;
@@ -172,8 +176,8 @@ int bits_used(double brightest, int bits) {
   return used;
 }
 
-/// Pixels that stand at the same top in two frames and more, as a share of those lit; 0 where so
-/// many are as a sinusoid's crest makes: a few of those that reach the top at all.
+/// Share of the lit pixels that reach the top grey level in two frames or more; 0 if they are few
+/// of all that reach it, as at a sinusoid's crest.
 double flat_topped(const ScanSamples& samples) {
   constexpr double fewest_of_top = 0.25;
   float top = 0;
@@ -194,27 +198,26 @@ double flat_topped(const ScanSamples& samples) {
 Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
   Finding finding{.gravity = samples.groups() == 0 ? Gravity::wrong : Gravity::doubtful,
                   .what = samples.groups() == 0
-                              ? "no pixel sees enough of the patterns to become a point"
-                              : "hardly a pixel sees enough of the patterns to become a point",
+                              ? "no pixel reaches the minimum modulation"
+                              : "under 0.3 % of the pixels reach the minimum modulation",
                   .evidence = {{"brightest grey level of 255", samples.brightest()},
                                {"largest change between frames", samples.largest_range()},
                                {"least modulation", light.least_modulation}}};
   const int used = bits_used(samples.brightest(), light.bits);
   if (samples.saturated_share() > 0.5) {
-    finding.likely = "too much light: pictures saturated all over";
-    finding.advice = "expose shorter or close the iris";
+    finding.likely = "too much light: the pictures are saturated everywhere";
+    finding.advice = "shorten the exposure or close the iris";
   } else if (light.bits == 16 && used <= 14) {
     finding.likely =
-        fmt::format("pictures of {} bits in files of 16, or far too little light", used);
-    finding.advice = fmt::format("try --camera-bits {}; or expose longer", used);
+        fmt::format("pictures of {} bits in 16-bit files, or far too little light", used);
+    finding.advice = fmt::format("try --camera-bits {}, or lengthen the exposure", used);
   } else if (samples.largest_range() < 4) {
     finding.likely = "no pattern in the pictures: the projector was dark or not in view";
-    finding.advice = "look at the pictures";
+    finding.advice = "check the projector and inspect the frames with slipstream view";
   } else {
-    finding.likely = "far too little light for this surface, or a very small one";
+    finding.likely = "far too little light for this surface, or a very small object";
     finding.advice =
-        "expose longer, open the iris or darken the room; --min-modulation takes "
-        "darker pixels";
+        "lengthen the exposure, open the iris or darken the room; or lower --min-modulation";
   }
   return finding;
 }
@@ -248,21 +251,21 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
   const LightEvidence light = light_of(model, samples, bits, least_modulation);
   // Shares of the lit pixels.
   constexpr double most_saturated = 0.2, most_flat = 0.015;
-  // Room light that is so much stronger than the patterns leaves few grey levels for them.
+  // Stronger ambient light leaves few grey levels for the patterns.
   constexpr double most_ambient = 5;
-  // Of all pixels: a needle's share.
+  // Share of all pixels: the area of a needle.
   constexpr double least_lit = 0.003;
   std::vector<Finding> findings;
   if (samples.brightest() > 255.5) {
     return {{.gravity = Gravity::wrong,
-             .what = "grey levels are larger than the camera's largest",
+             .what = "grey levels exceed the camera's maximum",
              .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
-             .likely = "a camera of more bits than said",
+             .likely = "a camera with more bits than declared",
              .advice = light.bits == 0 ? ""
                                        : fmt::format("try --camera-bits {}",
                                                      bits_used(samples.brightest(), 16))}};
   }
-  // A small thing that is lit well is no fault.
+  // A small object that is well lit is fine.
   const bool dim = light.modulation < 1.5 * light.least_modulation;
   if (samples.groups() < ScanSamples::fewest_groups && samples.lit_share() < least_lit && dim) {
     return {too_dark(samples, light)};
@@ -275,28 +278,29 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
   add(light.bits == 16 && used <= 12,
       {.what = fmt::format("only {} of {} bits are used", used, light.bits),
        .evidence = {{"brightest grey level of 255", samples.brightest()}},
-       .likely = fmt::format("pictures of {} bits in files of {}", used, light.bits),
+       .likely = fmt::format("pictures of {} bits in {}-bit files", used, light.bits),
        .advice = fmt::format("try --camera-bits {}", used)});
   add(samples.saturated_share() > most_saturated,
-      {.what = "many lit pixels are saturated and become no points",
+      {.what = fmt::format("saturated: over {:g} % of the lit pixels", 100 * most_saturated),
        .evidence = {{"share of the lit pixels", samples.saturated_share()}},
        .likely = "too much light: the camera clips",
-       .advice = "expose shorter or close the iris"});
+       .advice = "shorten the exposure, close the iris or capture with --exposures 1,4"});
   add(light.modulation < light.least_modulation,
-      {.what = "most of what the patterns light is too dark to become points",
+      {.what = "too dark: the lit pixels' median modulation is below the minimum",
        .evidence = {{"modulation", light.modulation}, {"least modulation", light.least_modulation}},
        .likely = "far too little light for this surface",
-       .advice = "expose longer, open the iris or darken the room"});
+       .advice = "lengthen the exposure, open the iris or darken the room"});
   add(flat > most_flat,
-      {.what = "the brightest pixels all stand at one grey level below the largest",
+      {.what =
+           fmt::format("clipped below saturation: over {:g} % of the lit pixels", 100 * most_flat),
        .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
        .likely = "intensities clipped before they were saved",
-       .advice = "expose shorter; save the frames as the camera gives them"});
+       .advice = "shorten the exposure; save the camera's frames unchanged"});
   add(light.mean > most_ambient * light.modulation,
-      {.what = "the patterns are weak beside the light around them",
+      {.what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
        .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
-       .likely = "ambient light stronger than the projector's, or a black level far off",
-       .advice = "darken the room, or use more of the projector's light"});
+       .likely = "ambient light stronger than the projector's, or a wrong black level",
+       .advice = "darken the room or brighten the projector"});
   return findings;
 }
 

@@ -25,10 +25,10 @@ double dot(const std::vector<double>& weights, const float* levels, const FrameO
   return sum;
 }
 
-/// Rows: an orthonormal basis of what is perpendicular to every pattern of that shape, with any
-/// amount of constant light.
+/// Rows: an orthonormal basis of the space perpendicular to the patterns' shapes and to
+/// constant light.
 Eigen::MatrixXd complement_of(const Strategy& strategy) {
-  constexpr int places = 509;  // prime, so that no period falls in step with it
+  constexpr int places = 509;  // prime, to avoid aliasing with any period
   const int count = frame_count(strategy);
   Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
   for (int i = 0; i < places; ++i) {
@@ -53,7 +53,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       chain_(coarse_to_fine(layout_)),
       complement_(complement_of(sequence.strategy)) {
   for (std::size_t b = 0; photometry.response && b < layout_.bands.size(); ++b) {
-    constexpr double accuracy = 1e-4;  // rad: far below what is asked here
+    constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
     const auto run = bent_run(layout_.bands[b]);
     if (!run) continue;
     if (!corrections_.contains(run->steps)) {
@@ -66,7 +66,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     chain_ = {slipstream::measuring_band_index(layout_)};
     alone_.emplace(layout_, length_along(sequence.axis, sequence.projector));
   }
-  // A cue in the DC channel says nothing where the room's light is not known.
+  // A cue in the DC channel requires the ambient light.
   if (layout_.cue && (photometry.ambient || !needs_ambient_light(layout_))) {
     CueSettings settings{.light = sequence.light};
     settings.ambient = photometry.ambient.value_or(settings.ambient);
@@ -165,7 +165,7 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
                          SampleReading& reading) const {
   reading.unexplained.assign(unexplained_count(), 0);
   if (unexplained_count() == 0) return;
-  // A known response makes harmonics that are no fault: those of this place are taken away.
+  // A known response makes harmonics; subtract those expected at this coordinate.
   double alpha = 0;
   if (photometry_.response) {
     double sum = 0, square = 0, level_sum = 0, product = 0;

@@ -13,19 +13,19 @@
 namespace slipstream {
 namespace {
 
-/// A way in which frames come to stand in another order than the patterns were shown.
+/// A way in which frames get out of the patterns' order.
 struct MistakenOrder {
   enum class Kind {
     usual,
     slipped,      ///< the whole cycle begins at another frame
     far_fetched,  ///< two frames far apart exchanged
   };
-  FrameOrder order;   ///< that sets it right: frame `order[n]` shows pattern n
+  FrameOrder order;   ///< the correction: frame `order[n]` shows pattern n
   std::string words;  ///< "frames 0 to 2 look rotated by 1"
   Kind kind = Kind::usual;
 };
 
-/// The runs of steps that share no frame; the whole cycle where there are none.
+/// The runs of steps that share no frame; the whole cycle if none exist.
 std::vector<StepRun> runs_of(const Layout& layout) {
   std::vector<StepRun> runs;
   for (const Band& band : layout.bands) {
@@ -37,7 +37,7 @@ std::vector<StepRun> runs_of(const Layout& layout) {
   return runs;
 }
 
-/// A run of the frames, reversed or not, rotated by so many places.
+/// A run of the frames, optionally reversed, then rotated by `places`.
 FrameOrder turned(FrameOrder order, const StepRun& run, int places, bool backwards = false) {
   const auto begin = order.begin() + run.first, end = begin + run.steps;
   if (backwards) std::reverse(begin, end);
@@ -45,8 +45,8 @@ FrameOrder turned(FrameOrder order, const StepRun& run, int places, bool backwar
   return order;
 }
 
-/// Every run rotated by the same share of a period, forwards or reversed: the phases go on
-/// agreeing.
+/// Every run rotated by the same share of a period, forwards or reversed: the bands' phases still
+/// agree.
 template <class Add>
 void add_common_turns(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
   int least = runs.front().steps;
@@ -77,7 +77,7 @@ void add_single_turns(const FrameOrder& right, const std::vector<StepRun>& runs,
   }
 }
 
-/// Two runs that exchanged places are a cycle that has slipped.
+/// Reversed and interleaved runs. Two swapped runs count as a slipped cycle instead.
 template <class Add>
 void add_two_runs(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
   if (runs.size() != 2 || runs[0].steps + runs[1].steps != static_cast<int>(right.size())) return;
@@ -93,8 +93,8 @@ void add_two_runs(const FrameOrder& right, const std::vector<StepRun>& runs, con
   }
 }
 
-/// The usual ones, each once and the simplest first: begun at another frame, runs of steps rotated,
-/// reversed or swapped, runs shown in turns, two frames exchanged.
+/// Common wrong orders, each once, simplest first: cycle begins at another frame, runs of steps
+/// rotated, reversed, swapped or interleaved, two frames swapped.
 std::vector<MistakenOrder> mistaken_orders(const FrameModel& model) {
   using Kind = MistakenOrder::Kind;
   const int frames = model.layout().frames;
@@ -138,7 +138,7 @@ class Search {
   Search(const JudgedScan& scan, const Fit& as_given)
       : scan_(scan), judge_(scan.model), as_given_(as_given) {}
 
-  /// The likeliest; where others fit about as well their words with its own.
+  /// The likeliest mistake; its text names others that fit about as well.
   [[nodiscard]] std::optional<Explanation> best() {
     const bool frames_fit =
         as_given_.bands_agree() && as_given_.patterns_made() && as_given_.no_seam();
@@ -166,7 +166,7 @@ class Search {
     if (as_given_.frames.residual > most_residual) return;
     if (scan_.photometry.response) {
       const Fit with = fit_with_gamma(std::nullopt);
-      keep(with, {.likely = "a response that is corrected for and does not show in the frames",
+      keep(with, {.likely = "a response that is corrected but does not show in the frames",
                   .advice = "try --gamma none",
                   .gravity = Gravity::doubtful});
       return;
@@ -175,13 +175,13 @@ class Search {
     for (int tenths = 5; tenths <= 30; ++tenths) {
       const double gamma = tenths / 10.0;
       const Fit with = fit_with_gamma(gamma);
-      // A camera's own curve leaves something of its harmonics.
+      // The camera's response curve leaves some harmonics.
       const bool fits = with.bands_agree() && with.no_seam() && with.geometry_fits() &&
                         with.depths_fit() && with.frames.residual <= as_given_.frames.residual;
       if (!fits || with.misfit() >= best.misfit) continue;
       best = {
           with.misfit(),
-          fmt::format("the projector's gamma, with the camera's, of about {:.1f}, not corrected",
+          fmt::format("the projector's gamma (with the camera's, about {:.1f}) is not corrected",
                       gamma),
           "measure it with slipstream calibrate gamma, or try --gamma blind", Gravity::doubtful};
     }
@@ -204,14 +204,14 @@ class Search {
       const std::vector<Band>& bands = scan_.model.layout().bands;
       const std::size_t fine = chain[i + chain.size() - relations];
       try_setting(fine, *periods);
-      // Only the ratio of two bands is known: the coarser one may be what was said wrongly.
+      // Only the ratio of two bands is known: the coarser one may be misconfigured.
       if (relations == chain.size()) continue;
       const std::size_t coarse = chain[i];
       try_setting(coarse, bands[coarse].periods * bands[fine].periods / *periods);
     }
   }
 
-  /// The strategy with `periods` in a band, by whichever setting says them.
+  /// Tries the strategy with `periods` in a band, through the setting that controls it.
   void try_setting(std::size_t band, double periods) {
     const Strategy& strategy = scan_.sequence.strategy;
     const double said = strategy.layout().bands[band].periods;
@@ -224,15 +224,15 @@ class Search {
         sequence.strategy = make_strategy(strategy.name(), settings);
         if (frame_count(sequence.strategy) != scan_.samples.frames()) continue;
         keep(fit_of(scan_, FrameModel(sequence, scan_.photometry), scan_.model.identity()),
-             {.likely = fmt::format("patterns of {:g} periods where {:g} are said", periods, said),
+             {.likely = fmt::format("patterns of {:g} periods, configured as {:g}", periods, said),
               .advice = fmt::format("try --{} {:g}", name, periods)});
       } catch (const Error&) {
-        continue;  // no strategy of the registry's has such periods
+        continue;  // the strategy does not allow these periods
       }
     }
   }
 
-  /// Whether it is worth while to look at all groups and at the geometry, from a quarter of them.
+  /// Quick test on a quarter of the groups: whether the full test is worthwhile.
   [[nodiscard]] bool may_fit(const FrameOrder& order) {
     constexpr std::size_t groups = 192;
     const double most_residual = scan_.settings.moving ? 0.3 : 0.15;
@@ -274,7 +274,7 @@ class Search {
                    fmt::format("pictures {} since the calibration", turned), advice);
     };
     attempt({.columns = true, .rows = true}, "turned upside down",
-            "turn them by 180 degrees, or calibrate with pictures as these");
+            "rotate them by 180 degrees, or calibrate with pictures in this orientation");
     attempt({.columns = true}, "mirrored left to right", "mirror them back");
     attempt({.rows = true}, "mirrored top to bottom", "mirror them back");
   }
@@ -298,30 +298,29 @@ class Search {
       invert(scanner);
     };
     attempt(invert, "whose rotation and translation go from the projector to the camera",
-            "invert them: they go from the camera's frame to the projector's");
+            "invert them: they must go from the camera's frame to the projector's");
     attempt([](Scanner& scanner) { scanner.rotation.transposeInPlace(); },
             "whose rotation is inverted",
-            "transpose it: it goes from the camera's frame to the projector's");
+            "transpose it: it must go from the camera's frame to the projector's");
     attempt([](Scanner& scanner) { scanner.translation *= -1; },
             "whose translation has the wrong sign",
-            "turn its sign: it is the camera's place in the projector's frame");
+            "negate it: it is the camera's position in the projector's frame");
     attempt(swap, "with camera and projector swapped", "swap their matrices");
     attempt(both, "with camera and projector swapped",
             "swap their matrices, and invert rotation and translation");
     for (const double scale : {0.5, 2.0}) {
       const char* const large = scale < 1 ? "twice as large" : "half as large";
       attempt([&](Scanner& scanner) { scanner.camera.intrinsic.topRows<2>() *= scale; },
-              fmt::format("for camera pictures {}", large),
-              "use pictures of the size that was calibrated");
+              fmt::format("for camera pictures {}", large), "use pictures of the calibrated size");
       attempt([&](Scanner& scanner) { scanner.projector.intrinsic.topRows<2>() *= scale; },
               fmt::format("for projector pictures {}", large),
-              "give the projector's size that was calibrated with --projector");
+              "set --projector to the calibrated size");
     }
   }
 
   [[nodiscard]] Explanation likeliest() {
-    // Of those that fit about as well the simplest comes first; an order that takes more than one
-    // slip of the hand is named only where nothing else fits.
+    // Among about equal fits the simplest comes first. A far-fetched order is named only if nothing
+    // else fits.
     constexpr double nearly = 1.2;
     constexpr std::size_t most_named = 3;
     std::stable_sort(explanations_.begin(), explanations_.end(), [](const auto& a, const auto& b) {
@@ -341,11 +340,11 @@ class Search {
       best.likely += ", or " + other.likely;
       best.advice += "; or " + other.advice;
     }
-    // Nothing is set right that may be wrong then.
+    // Repair only if the explanation is unique.
     if (named.size() == 1 && !best.order.empty()) {
       best.gravity = Gravity::doubtful;
       best.advice =
-          "the order " + text_of(composed(scan_.settings.order, best.order)) + " sets them right";
+          "the order " + text_of(composed(scan_.settings.order, best.order)) + " corrects this";
     } else {
       best.order.clear();
     }

@@ -16,7 +16,7 @@
 namespace slipstream {
 namespace {
 
-/// `up`: how far from the middle of the picture it may lie, shares of its height.
+/// `up`: how far the axis may lie from the centre of the picture, share of its height.
 void look_at_lens(const Lens& lens, std::string_view device, double up,
                   std::vector<Finding>& findings) {
   constexpr double across = 0.25;  // of the width
@@ -24,21 +24,21 @@ void look_at_lens(const Lens& lens, std::string_view device, double up,
   const double y = lens.intrinsic(1, 2) / lens.size.height;
   if (std::abs(x - 0.5) <= across && std::abs(y - 0.5) <= up) return;
   findings.push_back(
-      {.what = fmt::format("the {}'s optical axis is far from the middle of its {} picture", device,
-                           text_of(lens.size)),
+      {.what = fmt::format("the {}'s optical axis is farther from the centre of its {} picture "
+                           "than {:g} % of the width or {:g} % of the height",
+                           device, text_of(lens.size), 100 * across, 100 * up),
        .evidence = {{"share of the width", x}, {"share of the height", y}},
        .likely = fmt::format("a scanner file for {} pictures of another size: halved, cropped or "
                              "of the other device",
                              device),
-       .advice = fmt::format("use the {} pictures that the scanner was calibrated with", device)});
+       .advice = fmt::format("use {} pictures of the calibrated size", device)});
 }
 
 void append(std::vector<Finding>& findings, std::vector<Finding> more) {
   std::move(more.begin(), more.end(), std::back_inserter(findings));
 }
 
-/// Frames of a sinusoid differ by 1.5 modulations at least: of three steps, where one of them is at
-/// the crest.
+/// The frames of a sinusoid differ by at least 1.5 modulations: with three steps, one at the crest.
 constexpr double range_of_modulation = 1.5;
 
 void check_camera(Scan& camera, const CheckSettings& settings, const std::string& name,
@@ -82,19 +82,19 @@ std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_vi
 
 std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) {
   std::vector<Finding> findings;
-  // No camera and projector stand so near to each other; in metres all do.
+  // mm. No rig is this small, but every rig is if its file is in metres.
   constexpr double least_baseline = 3;
   const double baseline = scanner.translation.norm();
   if (baseline < least_baseline) {
-    findings.push_back({.gravity = Gravity::wrong,
-                        .what = "camera and projector stand in nearly one place",
-                        .evidence = {{"baseline, mm", baseline}},
-                        .likely = "a scanner file in metres",
-                        .advice = fmt::format("give its translation in mm: it would be {:.4g} mm",
-                                              1000 * baseline)});
+    findings.push_back(
+        {.gravity = Gravity::wrong,
+         .what = fmt::format("the baseline is below {:g} mm", least_baseline),
+         .evidence = {{"baseline, mm", baseline}},
+         .likely = "a scanner file in metres",
+         .advice = fmt::format("write its translation in mm: {:.4g} mm long", 1000 * baseline)});
   }
   if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
-  // Projectors throw their picture upwards: the axis may lie at its lower edge and past it.
+  // Projectors throw upwards: the axis may lie at the picture's lower edge or below it.
   look_at_lens(scanner.projector, "projector", 1.2, findings);
   return findings;
 }
@@ -106,7 +106,7 @@ double least_range(const CheckSettings& settings) {
 
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
-  // Frames that are taken out of one are no evidence of each other, and dark along every edge.
+  // Frames computed from one picture cannot contradict each other, and are dark along every edge.
   if (sequence.strategy.is_spectral()) {
     return {.findings = scanner ? check_scanner(*scanner) : std::vector<Finding>(), .order = {}};
   }
@@ -125,7 +125,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   std::vector<Finding> damaged = damaged_frames(samples);
   const bool whole = damaged.empty();
   append(result.findings, std::move(damaged));
-  // What a damaged frame does to the rest explains nothing more.
+  // A damaged frame would cause misleading further diagnostics.
   if (!whole || any_wrong(result.findings)) return result;
   std::vector<Finding> of_scanner;
   if (scanner) of_scanner = check_scanner(*scanner, false);
@@ -135,7 +135,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   }
   ScanFindings explained =
       explain({model, samples, sequence, scanner ? &*scanner : nullptr, photometry, settings});
-  // A picture cut out of the sensor's has its middle elsewhere, and fits.
+  // A cropped picture that fits may have its optical axis anywhere.
   if (scanner && !explained.findings.empty()) of_scanner = check_scanner(*scanner, true);
   append(result.findings, std::move(of_scanner));
   append(result.findings, std::move(explained.findings));

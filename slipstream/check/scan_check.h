@@ -7,66 +7,65 @@
 
 namespace slipstream {
 
-/// What findings begin their likely cause with that blame the projector's response, or too much or
-/// too little light: for without_cause, where these are told otherwise or do no harm.
+/// First words of the likely cause in diagnostics about gamma, overexposure and underexposure. Pass
+/// to without_cause if these are harmless or reported elsewhere.
 inline constexpr std::string_view gamma_is_to_blame = "the projector's gamma";
 inline constexpr std::string_view clipping_is_to_blame = "too much light";
 inline constexpr std::string_view darkness_is_to_blame = "far too little light";
 
 struct CheckSettings {
-  double minimum_modulation = 15;  ///< least of a pixel that becomes a point, grey levels of 255
-  /// Whether things may move while the frames are taken: what that does to frames is no finding.
+  double minimum_modulation = 15;  ///< of a pixel that becomes a point, grey levels of 255
+  /// Whether the scene may move during capture: effects of motion are then not reported.
   bool moving = false;
-  std::vector<int> order{};  ///< Scan::order, over which advice about the order is given
-  /// What is known of the projector's light where no scanner says it.
+  std::vector<int> order{};  ///< Scan::order; advice about the order is relative to it
+  /// Photometric calibration, used without a scanner.
   PhotometricCalibration photometry{};
 };
 
-/// How much the frames of a pixel differ at least by which a scan is judged, grey levels of 255.
-/// Darker ones may become points where the settings say so, but are noise to judge by.
+/// Minimum difference between the frames of a pixel that the check uses, grey levels of 255.
+/// Darker pixels may become points if the settings allow, but are too noisy for the check.
 double least_range(const CheckSettings& settings);
 
-/// What was found out about a scan.
+/// Result of a scan check.
 struct ScanFindings {
   std::vector<Finding> findings;
-  /// Where the frames have slipped, so that the cycle begins at another one: frame `order[n]` shows
-  /// pattern n. Empty where it does not, or that is not sure.
+  /// Set if the cycle certainly begins at another frame: frame `order[n]` shows pattern n.
   std::vector<int> order;
 };
 
-/// Whether frames fit the sequence, the scanner and each other, judged by some hundred lit pixels
-/// spread over the picture: see docs/reference/scan-validation.md. Without a scanner less can be told. Phases are
-/// corrected for the scanner's response, or that of the settings.
+/// Checks that the frames fit the sequence, the scanner and each other, using several hundred lit
+/// pixels spread over the picture: see docs/reference/scan-validation.md. Finds less without a
+/// scanner. Corrects phases for the response in the scanner, or in the settings.
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner,
                           const CheckSettings& settings = {});
 
-/// The same of what a scan's first camera took; what a further one took is a scan of its own.
+/// check_frames for a scan's first camera. Each further camera is a scan of its own.
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
 
-/// Whether a scanner looks like one: signatures of files in metres, of devices swapped, of pictures
-/// of another size. `whole_pictures`: of the camera, whose middle may be anywhere in one that was
-/// cut out of the sensor's.
+/// Checks that a scanner is plausible: finds files in metres, swapped devices, another picture
+/// size. `whole_pictures`: false if the camera's pictures are cropped from the sensor's, so that
+/// the optical axis may lie anywhere.
 std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures = true);
 
-/// What is amiss with a scan, and what was done about it.
+/// Diagnostics of a scan, and the repairs made.
 struct CheckedScan {
   std::vector<Finding> findings;
-  std::vector<std::string> repairs;  ///< a line each, for people
+  std::vector<std::string> repairs;  ///< one line of text each
 };
 
-/// Asks check_scan of each of the scan's cameras; what is told of a further one says so. The frames
-/// of a camera that have slipped are put in the order that was found. Of several cameras nothing is
-/// told of gamma: they match whatever phase the projector shows.
+/// Runs check_scan for each camera of the scan; texts about a further one name it. Puts slipped
+/// frames in the right order. With several cameras, omits gamma: matching needs only that they
+/// record the same phase.
 CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
 
-/// What is wrong first.
+/// Sorts `wrong` before `doubtful`.
 std::vector<Finding> gravest_first(std::vector<Finding> findings);
 
-/// Throws Error, naming the scan and all findings, what is wrong first, where something is wrong.
+/// Throws Error with the scan and all diagnostics, gravest first, if any is `wrong`.
 void require_right(const CheckedScan& checked, const std::string& scan);
 
-/// What is wrong with the scan that a cloud was made of all the same, for the header of its file.
+/// Header lines for a cloud file that was made although its scan was refused.
 std::vector<std::string> doubts(const std::vector<Finding>& findings);
 
 }  // namespace slipstream

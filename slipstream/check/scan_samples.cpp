@@ -40,7 +40,7 @@ double ScanSamples::lit_share() const {
 
 double ScanSamples::saturated_share() const {
   const double lit = static_cast<double>(groups()) + saturated_;
-  // A picture that is white all over shows no pattern.
+  // An all-white picture contains no pattern.
   if (lit == 0) return brightest_ >= 255 ? 1 : 0;
   return saturated_ / lit;
 }

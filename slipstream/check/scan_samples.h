@@ -6,38 +6,38 @@
 
 namespace slipstream {
 
-/// A few lit pixels of a scan, spread over the picture, each with neighbours: what a scan is judged
-/// by. Grey levels are those of an 8-bit camera.
+/// Lit pixels of a scan, spread over the picture, each with neighbours: the input of the scan
+/// check. Grey levels are scaled to 8 bits.
 class ScanSamples {
  public:
-  /// The pixels of a group. A neighbour tells what is noise, which it does not share; a far one
-  /// whether the coordinate goes on.
+  /// The pixels of a group. Adjacent pixels separate signal from noise, which they do not share;
+  /// far ones show whether the coordinate is continuous.
   enum Place { middle, right, below, far_right, far_below };
   static constexpr int places = 5;
-  /// Fewer groups than these tell nothing.
+  /// Minimum number of groups for a check.
   static constexpr std::size_t fewest_groups = 64;
 
-  /// How many pixels to look at, and when a pixel is lit: its frames differ by `least_range` grey
-  /// levels of 255.
+  /// How many pixels to read. A pixel is lit if its frames differ by `least_range` grey levels of
+  /// 255.
   struct Effort {
     int most_looked = 16384;
     int fewest_looked = 2048;
     int lit_wanted = 768;
     double least_range = 22;
-    /// Whether neighbours in other rows and far ones are read; unread ones count as unlit.
+    /// Whether to read neighbours in other rows and far ones; unread ones count as unlit.
     bool all_places = true;
   };
 
-  /// For pictures of that size; nothing is sampled yet.
+  /// `size`: of the pictures. Call take() to sample.
   ScanSamples(Size size, int frames);
 
-  /// Samples anew; memory is used again.
+  /// Replaces the samples; reuses memory.
   void take(const FrameViews& frames, const Effort& effort);
 
   [[nodiscard]] int frames() const { return frames_; }
-  /// Of lit pixels, none of whose frames is saturated.
+  /// Number of lit pixels without a saturated frame.
   [[nodiscard]] std::size_t groups() const { return lit_.size(); }
-  /// The intensities of the frames, in their order.
+  /// Intensities of the frames, in order.
   [[nodiscard]] const float* levels(std::size_t group, Place place) const {
     return levels_.data() +
            (group * places + static_cast<std::size_t>(place)) * static_cast<std::size_t>(frames_);
@@ -47,16 +47,16 @@ class ScanSamples {
   /// Whether the pixel there is lit.
   [[nodiscard]] bool lit(std::size_t group, Place place) const;
 
-  /// Pixels looked at with a saturated frame, though lit.
+  /// Number of lit pixels with a saturated frame.
   [[nodiscard]] int saturated() const { return saturated_; }
-  /// Share of the pixels looked at that are lit, saturated ones among them.
+  /// Share of the pixels read that are lit, saturated or not.
   [[nodiscard]] double lit_share() const;
-  /// Of the lit pixels.
+  /// Share of the lit pixels.
   [[nodiscard]] double saturated_share() const;
-  /// The brightest intensity seen, and the largest range of a pixel's frames.
+  /// The brightest intensity, and the largest difference between the frames of a pixel.
   [[nodiscard]] double brightest() const { return brightest_; }
   [[nodiscard]] double largest_range() const { return largest_range_; }
-  /// Sums of each frame over all pixels looked at.
+  /// Sum of each frame over all pixels read.
   [[nodiscard]] const std::vector<double>& sums() const { return sums_; }
 
  private:

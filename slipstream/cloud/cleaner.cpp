@@ -42,7 +42,7 @@ bool is_inside(const PointBox& box, const Cloud& cloud, int column, int row) {
          is_between(cloud.z(column, row), box.least[2], box.largest[2]);
 }
 
-/// A row of depths, or of NaN, that may be read one beyond either end.
+/// A row of depths, or NaN, readable one beyond either end.
 struct PaddedRow : std::vector<float> {
   void copy(const float* depths, int width) {
     assign(static_cast<std::size_t>(width) + 2, std::numeric_limits<float>::quiet_NaN());
@@ -62,7 +62,7 @@ TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
   return trust;
 }
 
-/// The points of a word that are left out because of those around them.
+/// The points of a word to remove because of their neighbours.
 struct WordEvidence {
   const DepthPlanes& planes;
   int row;
@@ -79,7 +79,7 @@ struct WordEvidence {
     return *at(planes.bent_across, down) & trusted(down - 1) & trusted(down) & trusted(down + 1);
   }
 
-  /// At the end of a surface, or next to that, and off what the surface comes to it as.
+  /// At the end of a surface, or next to it, and off its extrapolation.
   [[nodiscard]] Word mixed() const {
     const Word* const linked = at(planes.to_right);
     const Word* const bent = at(planes.bent_along);
@@ -88,14 +88,14 @@ struct WordEvidence {
                         (~(linked_below() & linked_below(1)) & bent_across(-1)) |
                         (~(linked_below(-1) & linked_below(-2)) & bent_across(1)));
   }
-  /// With a point beside it that it is not linked to.
+  /// Beside a point to which they are not linked.
   [[nodiscard]] Word at_edge() const {
     const Word* const points = at(planes.trusted);
     const Word* const linked = at(planes.to_right);
     return trusted() & ((after(points) & ~linked[0]) | (before(points) & ~before(linked)) |
                         (trusted(1) & ~linked_below()) | (trusted(-1) & ~linked_below(-1)));
   }
-  /// With points all around it: linked with all four and off them in row and column, or with none.
+  /// Surrounded by points: linked to all four but off them in row and column, or linked to none.
   [[nodiscard]] Word outliers() const {
     const Word* const points = at(planes.trusted);
     const Word* const linked = at(planes.to_right);
@@ -113,9 +113,9 @@ void require_valid(const CleanSettings& settings) {
   require_in_range(settings);
   for (std::size_t axis = 0; settings.box && axis < 3; ++axis) {
     require_in_range(settings.box->largest[axis] > settings.box->least[axis], "end of the box",
-                     settings.box->largest[axis], "more than where it begins");
+                     settings.box->largest[axis], "more than its start");
   }
-  if (settings.outline.size() == 1) throw Error("an outline needs two corners or more");
+  if (settings.outline.size() == 1) throw Error("an outline requires two corners or more");
   for (const PictureCorner& corner : settings.outline) {
     require_in_range(std::isfinite(corner.column) && std::isfinite(corner.row),
                      "corner of the outline", corner.column + corner.row, "it must be finite");
@@ -133,7 +133,7 @@ struct Cleaner::Memory {
   std::vector<ValidityCounts> counts;  ///< of each band of rows
 };
 
-/// One cloud on its way through the filters.
+/// The filtering of one cloud.
 struct Cleaner::Pass {
   const CleanSettings& settings;
   Memory& memory;
@@ -145,7 +145,7 @@ struct Cleaner::Pass {
 
   [[nodiscard]] int words() const { return BitPlane::words_of(cloud.size()); }
 
-  /// Calls `body(row, counts)` for every row, on as many threads as there are.
+  /// Calls `body(row, counts)` for every row, on all threads.
   template <class Body>
   void for_each_row_counting(const Body& body) {
     constexpr int band_rows = 64;
@@ -203,8 +203,8 @@ struct Cleaner::Pass {
     }
   }
 
-  /// Whether a pixel at an edge between surfaces far apart is darker than those about it: it sees
-  /// both, and the fringes of one take modulation from the other's.
+  /// Whether a pixel at an edge between distant surfaces has less modulation than its neighbours:
+  /// it sees both, and their fringes partly cancel.
   [[nodiscard]] bool is_dim(int column, int row) const {
     constexpr float far = 0.05F, dim = 0.75F;  // of the depth; of the brightest
     const int left = std::max(column - 1, 0), right = std::min(column + 1, cloud.z.width() - 1);
@@ -226,7 +226,7 @@ struct Cleaner::Pass {
     return (*modulation)(column, row) < dim * brightest;
   }
 
-  /// Before any point is dropped, since depths of other rows are asked for.
+  /// Call before removing points, since it reads depths of other rows.
   void find_mixed(int row) {
     for (int w = 0; w < words(); ++w) {
       const WordEvidence evidence{memory.planes, row, w};

@@ -30,7 +30,7 @@ std::string_view name_of(Validity validity) {
 }
 
 ValidityCounts count_by_validity(const Image<Validity>& validity) {
-  // A counter waits for its last increment, and neighbours most often count the same.
+  // Several counters: neighbours usually count the same, and each increment waits for the last.
   constexpr std::size_t at_once = 8;
   std::array<std::array<std::uint32_t, 16>, at_once> of_each{};
   const std::size_t whole = validity.pixel_count() / at_once * at_once;

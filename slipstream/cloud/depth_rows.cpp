@@ -16,7 +16,7 @@ namespace slipstream::HWY_NAMESPACE {
 
 constexpr std::size_t word_pixels = 64;
 
-/// The bits of the vector that begins at pixel `i` of a word, which lies lowest byte first.
+/// Stores the bits of the vector that begins at pixel `i` of a little-endian word.
 HWY_INLINE void store_bits(FloatMask mask, std::size_t i, std::uint64_t& word) {
   auto* const bytes = reinterpret_cast<std::uint8_t*>(&word) + i / 8;
   if constexpr (hn::MaxLanes(FloatTag()) >= 8) {
@@ -42,7 +42,7 @@ HWY_INLINE FloatMask is_trusted(const TrustStage& trust, Floats x, Floats y, Flo
   return hn::Le(hn::Mul(hn::Mul(depth, depth), weight), hn::Mul(modulation, parallax));
 }
 
-/// 64 pixels from `row.here` on to the word `word`.
+/// Compares 64 pixels from `row.here` on, into word `word`.
 HWY_INLINE void compare_word(const DepthLimits& limits, const TrustStage& trust,
                              const DepthRow& row, std::size_t word) {
   const FloatTag d;
@@ -71,12 +71,12 @@ HWY_INLINE void compare_word(const DepthLimits& limits, const TrustStage& trust,
   }
 }
 
-/// What the comparison reads.
+/// The inputs of the comparison.
 HWY_INLINE std::array<const float**, 6> inputs(DepthRow& row) {
   return {&row.above, &row.here, &row.below, &row.x, &row.y, &row.modulation};
 }
 
-/// What is left of a row that is no multiple of 64 wide, with NaN beyond.
+/// The rest of a row whose width is not a multiple of 64, padded with NaN.
 struct LastPixels {
   LastPixels(const DepthRow& whole, std::size_t first) : row(whole) {
     const std::size_t count = static_cast<std::size_t>(row.width) - first;

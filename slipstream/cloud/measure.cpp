@@ -17,7 +17,7 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Points = std::vector<MeasuredPoint>;
 
-/// What one standard deviation of the noise does to a point: along its ray.
+/// Displacement of a point along its ray by one standard deviation of the noise.
 Vector moved_by_noise(const MeasuredPoint& point) {
   return point.position * (point.sigma->z() / point.position.z());
 }
@@ -35,7 +35,7 @@ Vector mean_of(std::span<const MeasuredPoint> points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// The plane of least squares, whatever plane is near it.
+/// The least-squares plane; ignores the plane near it.
 FittedPlane plane_of(std::span<const MeasuredPoint> points, const FittedPlane& /*near*/) {
   FittedPlane plane{.centre = mean_of(points), .residuals = {}};
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -45,13 +45,13 @@ FittedPlane plane_of(std::span<const MeasuredPoint> points, const FittedPlane& /
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
   throw_if(!(axes.eigenvalues()(1) > 1e-9 * axes.eigenvalues()(2)),
-           "the points lie on a line, which makes out no plane");
+           "the points lie on a line and do not determine a plane");
   plane.normal = axes.eigenvectors().col(0);
   if (plane.normal.dot(plane.centre) > 0) plane.normal = -plane.normal;
   return plane;
 }
 
-/// The sphere of least squares in |p|^2 = 2 c p + k, about the points' mean.
+/// The sphere by linear least squares of |p|^2 = 2 c p + k, relative to the points' mean.
 FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
   const Vector mean = mean_of(points);
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
@@ -73,12 +73,12 @@ constexpr std::size_t least_of_plane = 3, least_of_sphere = 4;
 
 void require_points(std::span<const MeasuredPoint> points, std::size_t least,
                     std::string_view shape) {
-  throw_if(points.size() < least, "{} points are too few for a {}; {} or more are wanted",
+  throw_if(points.size() < least, "{} points are too few for a {}; select {} or more",
            points.size(), shape, least);
 }
 
-/// The sphere of least squares by Gauss and Newton, from one near it. Of a nearly flat patch the
-/// normals differ little: their products, as in normal equations, would not tell its radius.
+/// The least-squares sphere by Gauss-Newton, starting from one near it. On a nearly flat patch the
+/// normals differ too little for normal equations to determine the radius, so it uses QR.
 FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
   constexpr int most_steps = 50;
   require_points(points, least_of_sphere, "sphere");
@@ -100,15 +100,15 @@ FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere spher
   const double freedom = std::max(static_cast<double>(count) - 4, 1.0);
   const double to_radius = std::abs(solver.matrixQR()(3, 3));  // the radius is the last unknown
   sphere.radius_sigma = residuals.norm() / std::sqrt(freedom) / to_radius;
-  // Points on a plane have some radius by chance; five standard deviations are not by chance. Where
-  // the radius is that much larger than their extent, it is lost in rounding.
+  // Points on a plane have a random radius, so require five standard deviations. A radius far
+  // larger than their extent is lost in rounding.
   const double extent = (points.front().position - points.back().position).norm();
   throw_if(!(5 * sphere.radius_sigma < sphere.radius && sphere.radius < 1e4 * extent),
-           "the points are too flat to tell the radius of a sphere");
+           "the points are too flat to determine the radius of a sphere");
   return sphere;
 }
 
-/// The sphere of least squares likewise, of the radius of the one near it.
+/// The least-squares sphere with the radius of the one near it.
 FittedSphere centred_sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
   constexpr int most_steps = 20;
   for (int i = 0; i < most_steps; ++i) {
@@ -126,7 +126,7 @@ FittedSphere centred_sphere_of(std::span<const MeasuredPoint> points, FittedSphe
   return sphere;
 }
 
-/// The distance that a share of the points keeps, of all or of so many in even steps.
+/// The distance quantile of all points, or of a limited number in equal steps.
 template <class Shape>
 double distance_of_share(const Shape& shape, std::span<const MeasuredPoint> points, double share,
                          std::size_t most_looked_at = std::numeric_limits<std::size_t>::max()) {
@@ -139,8 +139,8 @@ double distance_of_share(const Shape& shape, std::span<const MeasuredPoint> poin
   return quantile(distances, share);
 }
 
-/// Of shapes through `drawn` points each, taken at random, the one of least median distance. With a
-/// third of outliers 200 draws of 6 are all spoilt once in 10^8.
+/// The shape of least median distance among shapes through `drawn` random points. With a third of
+/// outliers, all of 200 draws of 6 points contain one with a probability of 10^-8.
 template <class Shape, class Through>
 Shape least_median_shape(std::span<const MeasuredPoint> points, std::size_t drawn,
                          const Through& through) {
@@ -180,14 +180,13 @@ Residuals residuals_of(const Shape& shape, const Points& used, std::size_t outli
   return residuals;
 }
 
-/// What a point may be off to count as one of the shape's: so many times what a share of all are.
+/// Limit of the distance of an inlier: `times` a quantile of all distances.
 struct Limit {
   double share = 0.5;
   double times = 4 * 1.4826;  ///< of the median, which of Gaussian distances is sigma / 1.4826
 };
 
-/// The shape of least squares of the points near a robust one, found again until they stay the
-/// same.
+/// The least-squares shape of the points near a robust one, iterated until these no longer change.
 template <class Shape, class Fit>
 Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& limit,
                const Fit& fit) {
@@ -208,7 +207,7 @@ Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& 
   return shape;
 }
 
-/// Without outliers, and of that without those that are to be left out.
+/// Fits without outliers, or without the share `left_out`.
 template <class Shape, class Fit>
 Shape robust_fit(std::span<const MeasuredPoint> points, const Shape& rough, const Fit& fit,
                  std::optional<double> left_out) {

@@ -15,7 +15,7 @@ Vector normal_at(const Normals& normals, int column, int row) {
   return {normals.x(column, row), normals.y(column, row), normals.z(column, row)};
 }
 
-/// Cosine between a surface's normal and the view on it: 1 where it faces the camera.
+/// Cosine between a surface's normal and the viewing direction: 1 if it faces the camera.
 double facing(const Vector& point, const Vector& normal) {
   return -normal.dot(point.normalized());
 }
@@ -23,12 +23,12 @@ double facing(const Vector& point, const Vector& normal) {
 /// An element in the camera's frame, and the point of the cloud in its pixel.
 struct SeenElement {
   Vector point, normal;              ///< of the element
-  Eigen::Vector2d pixel;             ///< where the camera sees it
-  int column = 0, row = 0;           ///< the nearest
-  Vector cloud_point, cloud_normal;  ///< NaN where there is none
+  Eigen::Vector2d pixel;             ///< its projection
+  int column = 0, row = 0;           ///< the nearest pixel
+  Vector cloud_point, cloud_normal;  ///< NaN without a point
 };
 
-/// None where the element is turned away, slanted too much or outside of the picture.
+/// nullopt if the element faces away, is slanted too much or lies outside the picture.
 std::optional<SeenElement> seen_element(const ModelElement& element, const Eigen::Isometry3d& pose,
                                         const Cloud& cloud, const Normals& normals,
                                         const Lens& camera) {
@@ -50,12 +50,12 @@ std::optional<SeenElement> seen_element(const ModelElement& element, const Eigen
   return seen;
 }
 
-/// The distance between the rays of neighbouring pixels at a point, mm.
+/// Distance between the rays of neighbouring pixels at a point, mm.
 double pixel_width(const Lens& camera, const Vector& point) {
   return point.z() / camera.intrinsic(0, 0);
 }
 
-/// An element's place, and how far from it the cloud lies along the direction of both normals.
+/// An element's position, and the distance of the cloud from it along the sum of both normals.
 struct Match {
   Vector point, direction;
   double distance = 0;
@@ -63,13 +63,13 @@ struct Match {
 
 struct Matches {
   std::vector<Match> matches;
-  std::size_t expected = 0;  // elements that the camera sees with a point of the cloud behind
+  std::size_t expected = 0;  // visible elements whose pixel has a point of the cloud
   double squares = 0;        // of the distances
 };
 
 Matches match(std::span<const ModelElement> object, const Cloud& cloud, const Normals& normals,
               const Lens& camera, const Eigen::Isometry3d& pose, double farthest_pixels) {
-  constexpr std::size_t most_elements = 20'000;  // half of them are turned away
+  constexpr std::size_t most_elements = 20'000;  // half of them face away
   constexpr double least_alike = 0.8;            // cosine between the normals
   Matches found;
   const std::size_t step = object.size() / most_elements + 1;
@@ -78,7 +78,7 @@ Matches match(std::span<const ModelElement> object, const Cloud& cloud, const No
     if (!seen || !(seen->cloud_point.z() > 0)) continue;
     const Vector apart = seen->cloud_point - seen->point;
     const double farthest = farthest_pixels * pixel_width(camera, seen->point);
-    // What lies far behind the cloud is hidden by another part of the object.
+    // An element far behind the cloud is hidden by another part of the object.
     if (apart.z() > -2 * farthest) ++found.expected;
     if (!(apart.squaredNorm() <= farthest * farthest)) continue;
     if (!(seen->normal.dot(seen->cloud_normal) > least_alike)) continue;
@@ -89,7 +89,7 @@ Matches match(std::span<const ModelElement> object, const Cloud& cloud, const No
   return found;
 }
 
-/// The motion that brings the elements nearest to the cloud; none in directions hardly known.
+/// The motion that brings the elements nearest to the cloud; zero in poorly determined directions.
 Eigen::Isometry3d nearer(const Matches& found) {
   constexpr double least_known = 1e-4;  // of the best known direction
   const auto count = static_cast<double>(found.matches.size());
@@ -121,10 +121,10 @@ Eigen::Isometry3d nearer(const Matches& found) {
 }
 
 constexpr std::size_t fewest_to_begin = 1000;
-constexpr double near_pixels = 3;  // widths of a pixel, within which two points are one surface's
+constexpr double near_pixels = 3;  // pixel widths; closer points belong to one surface
 
-/// The point of the element's normal that lies in the plane through the cloud's point: from the
-/// element, mm. Its own place along the surface stays, so that elements keep their distances.
+/// Distance from the element along its normal to the plane through the cloud's point, mm. Moving
+/// only along the normal preserves the spacing of elements.
 double along_normal(const SeenElement& seen) {
   return seen.cloud_normal.dot(seen.cloud_point - seen.point) / seen.cloud_normal.dot(seen.normal);
 }
@@ -141,7 +141,7 @@ void take_mean(ModelElement& element, const SeenElement& seen, const Eigen::Isom
   ++element.views;
 }
 
-/// The four pixels about a place.
+/// Marks the four pixels around a position.
 void cover(Image<std::uint8_t>& covered, const Eigen::Vector2d& pixel) {
   const int left = static_cast<int>(std::floor(pixel.x()));
   const int top = static_cast<int>(std::floor(pixel.y()));
@@ -158,9 +158,9 @@ Registration register_to(std::span<const ModelElement> object, const Cloud& clou
                          const Normals& normals, const Lens& camera,
                          const Eigen::Isometry3d& guess) {
   constexpr int most_rounds = 20;
-  constexpr double first_pixels = 12, last_pixels = 3;  // how far off a match may be
+  constexpr double first_pixels = 12, last_pixels = 3;  // largest distance of a match, pixel widths
   constexpr std::size_t fewest = 50;
-  constexpr double settled = 1e-3;  // pixels' widths
+  constexpr double settled = 1e-3;  // pixel widths
   Registration result{.pose = guess};
   double farthest = first_pixels;
   for (int round = 0; round < most_rounds; ++round) {
@@ -172,7 +172,7 @@ Registration register_to(std::span<const ModelElement> object, const Cloud& clou
     if (result.points < fewest || result.rms == 0) break;
     const Eigen::Isometry3d step = nearer(found);
     result.pose = step * result.pose;
-    // Rounding would grow from product to product.
+    // Orthonormalise, since rounding accumulates.
     result.pose.linear() = Eigen::Quaterniond(result.pose.linear()).normalized().matrix();
     const Vector& place = found.matches.front().point;
     const bool still = (step * place - place).norm() < settled * pixel_width(camera, place);
@@ -184,7 +184,7 @@ Registration register_to(std::span<const ModelElement> object, const Cloud& clou
 
 bool ObjectModel::fits(const Registration& registration, const Cloud& cloud) const {
   constexpr std::size_t fewest = 200;
-  constexpr double least_share = 0.75, most_rms = 0.7;  // pixels' widths
+  constexpr double least_share = 0.75, most_rms = 0.7;  // rms in pixel widths
   const double depth = (registration.pose * elements_.front().position.cast<double>()).z();
   return cloud.size() == camera_.size && registration.points >= fewest &&
          registration.share > least_share &&
@@ -203,7 +203,7 @@ Eigen::Isometry3d ObjectModel::expected_at(double time) const {
 }
 
 bool ObjectModel::add(const Cloud& cloud, double time) {
-  if (cloud.size() != camera_.size) throw Error("a view is not of the size of the camera's others");
+  if (cloud.size() != camera_.size) throw Error("a view's size differs from the camera's");
   const Normals normals = smoothed_normals(cloud);
   if (!elements_.empty()) {
     Registration found = register_to(elements_, cloud, normals, camera_, expected_at(time));

@@ -13,55 +13,55 @@ namespace slipstream {
 struct ModelElement {
   Eigen::Vector3f position;  ///< mm
   Eigen::Vector3f normal;    ///< unit length, outwards
-  float intensity = 0;       ///< as the cloud's
-  float weight = 0;  ///< of the views that it is the mean of: each counts cos^2 of its slant
-  int views = 0;     ///< in which it was seen, less those that saw through it
+  float intensity = 0;       ///< as in the cloud
+  float weight = 0;          ///< sum over the averaged views of cos^2 of their slant
+  int views = 0;             ///< that saw it, minus those that saw through it
 };
 
-/// Where an object stands before a camera.
+/// Pose of an object relative to a camera.
 struct Registration {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< the object's frame to the camera's
-  std::size_t points = 0;  ///< of the object that were found in the cloud
-  double share = 0;        ///< of those that should be seen at that pose
-  double rms = 0;          ///< of their distances along the surface's normal, mm
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< object to camera frame
+  std::size_t points = 0;  ///< number of the object's elements found in the cloud
+  double share = 0;        ///< found / expected to be visible at that pose
+  double rms = 0;          ///< of the distances along the surface normal, mm
 };
 
-/// Poses an object from near `guess` to a camera's organised cloud: the squared distances of its
-/// elements from the points of their pixels, along the sum of both normals, are made least, round
-/// by round (iterative closest points; Rusinkiewicz 2019). Pixels more than a few pixels' width off
-/// or of another slope do not count. What the form leaves open, as turns of a sphere, stays as
-/// guessed. Looks at some 10,000 elements at most, in even steps. `normals`: of the cloud.
+/// Registers an object to a camera's organised cloud, starting from `guess`: iteratively minimises
+/// the squared distances of its elements from the points of their pixels, along the sum of both
+/// normals (iterative closest points; Rusinkiewicz 2019). Ignores points more than a few pixel
+/// widths away or with another slope. Undetermined motion, such as a sphere's rotation, keeps the
+/// guess. Uses at most about 10,000 elements, in equal steps. `normals`: of the cloud.
 Registration register_to(std::span<const ModelElement> object, const Cloud& cloud,
                          const Normals& normals, const Lens& camera,
                          const Eigen::Isometry3d& guess);
 
-/// The points of a model with their normals: of one row, in the object's frame.
+/// The points of a model with their normals, in one row, in the object's frame.
 struct ModelPoints {
   Cloud cloud;
   Normals normals;
 };
 
-/// The model of a rigid object that turns and moves before a camera by less than some pixels from
-/// view to view: each cloud is registered to all that is known of the object, so that errors do not
-/// add up, and taken into its mean. The clouds must show the object alone: what stands still beside
-/// it, as a wall, becomes a part of it. One thread uses it.
+/// Model of a rigid object that rotates and moves in front of a camera by no more than a few pixels
+/// from view to view. Registers each cloud to the whole model, so that errors do not accumulate,
+/// and averages it in. The clouds must contain only the object: a static background, such as a
+/// wall, would become part of it. Not thread-safe.
 class ObjectModel {
  public:
-  /// The lens that the clouds are seen through.
+  /// `camera`: the lens of the clouds' camera.
   explicit ObjectModel(const Lens& camera) : camera_(camera) {}
 
-  /// Takes in a view seen at `time`, in any unit, later than those before: where even motion has
-  /// brought the object, or else where it was. False, and nothing taken, where it does not fit the
-  /// model or has too few points to begin one. The first view's frame is the object's. Throws Error
-  /// where the cloud is not of the camera's size.
+  /// Adds a view at `time`, in any unit, later than the views before. Starts from uniform motion,
+  /// or else from the last pose. Returns false and ignores the view if it does not fit the model or
+  /// has too few points to begin one. The first view's frame is the object's. Throws Error if the
+  /// cloud's size differs from the camera's.
   bool add(const Cloud& cloud, double time);
 
   [[nodiscard]] const std::vector<ModelElement>& elements() const { return elements_; }
-  /// Those that three views have seen, or all views where they are fewer.
+  /// The elements seen by at least three views, or by all views if there are fewer.
   [[nodiscard]] ModelPoints points() const;
-  [[nodiscard]] int views() const { return views_; }        ///< taken in
-  [[nodiscard]] int left_out() const { return left_out_; }  ///< that did not fit
-  /// Of the last view that was taken in.
+  [[nodiscard]] int views() const { return views_; }        ///< added
+  [[nodiscard]] int left_out() const { return left_out_; }  ///< rejected
+  /// Registration of the last view added.
   [[nodiscard]] const Registration& registration() const { return registration_; }
 
  private:
@@ -70,10 +70,10 @@ class ObjectModel {
     Eigen::Isometry3d pose;
   };
 
-  /// If it went on as between the last two views.
+  /// Extrapolates the motion between the last two views.
   [[nodiscard]] Eigen::Isometry3d expected_at(double time) const;
   [[nodiscard]] bool fits(const Registration& registration, const Cloud& cloud) const;
-  /// Takes the view into the mean of the elements that it sees; returns which pixels they cover.
+  /// Averages the view into the elements that it sees; returns the pixels that they cover.
   Image<std::uint8_t> take_mean(const Cloud& cloud, const Normals& normals);
   void add_uncovered(const Cloud& cloud, const Normals& normals,
                      const Image<std::uint8_t>& covered);
@@ -82,7 +82,7 @@ class ObjectModel {
   std::vector<ModelElement> elements_;
   Registration registration_;
   Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // of the first view
-  Seen before_last_, last_;                           // of the views that were taken in
+  Seen before_last_, last_;                           // of the views added
   int views_ = 0, left_out_ = 0;
 };
 

@@ -14,12 +14,12 @@ using Vector = Eigen::Vector3d;
 
 constexpr std::size_t least_points = 50;
 
-/// A point of the cloud and its surface's normal, towards the camera.
+/// A point of the cloud and its surface normal, towards the camera.
 struct SurfaceElement {
   Vector point, normal;
 };
 
-/// Of every so many pixels, so that they are enough and soon looked at.
+/// Subsampled: enough elements for a vote, and few enough to be fast.
 std::vector<SurfaceElement> surface_elements(const Cloud& cloud) {
   constexpr double enough = 2e5;
   const Normals normals = smoothed_normals(cloud);
@@ -35,12 +35,12 @@ std::vector<SurfaceElement> surface_elements(const Cloud& cloud) {
   return elements;
 }
 
-/// Where an element says that the centre of a sphere of that radius is.
+/// The centre of a sphere with this radius through an element.
 Vector vote_of(const SurfaceElement& element, double radius) {
   return element.point - radius * element.normal;
 }
 
-/// Where most elements say it is: the mean of the votes in the fullest cell of a grid.
+/// The centre with the most votes: the mean of the votes in the fullest cell of a grid.
 std::optional<Vector> centre_by_votes(const std::vector<SurfaceElement>& elements, double radius,
                                       double cell) {
   struct Votes {
@@ -76,12 +76,12 @@ std::optional<FittedSphere> sphere_at(const Cloud& cloud, const Vector& centre, 
   try {
     const FittedSphere sphere = fit_sphere(points);
     if (std::abs(sphere.radius - radius) < radius / 10) return sphere;
-  } catch (const Error&) {  // they make out no sphere at all
+  } catch (const Error&) {  // they do not determine a sphere
   }
   return std::nullopt;
 }
 
-/// What looks most like it and is one: each place where none is frees the view to the next.
+/// The best-supported sphere that passes the fit; a failed candidate is removed before the next.
 std::optional<FittedSphere> find_sphere(const Cloud& cloud, std::vector<SurfaceElement> elements,
                                         double radius) {
   constexpr int most_places = 20;
@@ -97,7 +97,7 @@ std::optional<FittedSphere> find_sphere(const Cloud& cloud, std::vector<SurfaceE
   return std::nullopt;
 }
 
-/// How much the spheres' radii differ from the others, mm.
+/// Difference between the spheres' radii and `radii`, mm.
 double misfit(const std::vector<FittedSphere>& spheres, std::span<const double> radii) {
   double sum = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) sum += std::abs(spheres[i].radius - radii[i]);
@@ -109,13 +109,13 @@ double misfit(const std::vector<FittedSphere>& spheres, std::span<const double> 
 std::vector<FittedSphere> find_spheres(const Cloud& cloud, std::span<const double> radii) {
   std::vector<SurfaceElement> elements = surface_elements(cloud);
   std::vector<FittedSphere> spheres;
-  // The smaller first: one that passes for the smaller leaves one that passes for the larger.
+  // The smaller first: if one is found for it, the other remains for the larger.
   std::vector<double> ascending(radii.begin(), radii.end());
   std::sort(ascending.begin(), ascending.end());
   for (const double radius : ascending) {
     const auto sphere = find_sphere(cloud, elements, radius);
     if (!sphere) {
-      throw Error(fmt::format("no sphere of diameter {:g} mm is seen{}", 2 * radius,
+      throw Error(fmt::format("no sphere of diameter {:g} mm found{}", 2 * radius,
                               spheres.empty() ? "" : " beside the first"));
     }
     std::erase_if(elements, [&](const SurfaceElement& element) {

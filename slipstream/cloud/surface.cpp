@@ -13,7 +13,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 using Vector = Eigen::Vector3d;
 
-/// The step along the surface from the neighbour before to the one after, of those that there are.
+/// The step along the surface between the available neighbours before and after.
 std::optional<Vector> surface_step(const Cloud& cloud, int column, int row, int right, int down) {
   constexpr double largest_step = 8;  // see on_one_surface
   const Vector centre = position_at(cloud, column, row);
@@ -31,7 +31,7 @@ std::optional<Vector> surface_step(const Cloud& cloud, int column, int row, int 
   return neighbours > 0 ? std::optional<Vector>(step) : std::nullopt;
 }
 
-/// The sum over five pixels along the row or down the column; what is NaN counts for nothing.
+/// The sum over five pixels along the row or column; ignores NaN.
 Image<float> summed(const Image<float>& image, int right, int down) {
   constexpr int reach = 2;
   Image<float> sums(image.size());
@@ -52,7 +52,7 @@ Image<float> summed(const Image<float>& image, int right, int down) {
   return sums;
 }
 
-/// A triangle by the pixels of its corners, or by their places in a block:
+/// A triangle by the pixels of its corners, or by their indices in a block:
 ///   0 1
 ///   2 3
 using Triangle = std::array<std::uint32_t, 3>;
@@ -89,7 +89,7 @@ void append_block(const Block& block, double largest_step, std::vector<Triangle>
   }
 }
 
-/// By the indices of pixels, row by row.
+/// Triangles of pixel indices, row by row.
 std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
   std::vector<Triangle> triangles;
   for_each_pixel_in_order(

@@ -6,39 +6,38 @@
 
 namespace slipstream {
 
-/// Unit surface normals of an organised cloud, towards the camera; NaN where a point or too many of
+/// Unit surface normals of an organised cloud, towards the camera; NaN if a point or too many of
 /// its neighbours are missing.
 struct Normals {
   Image<float> x, y, z;
 };
 
-/// From the differences to the four neighbours in the picture, without those across an edge:
-/// farther in depth than eight times the distance between pixels there.
+/// Computed from the differences to the four neighbours, except across edges: steps in depth of
+/// more than eight times the distance between pixels.
 Normals surface_normals(const Cloud& cloud);
 
-/// Their mean over 5x5 pixels, of unit length, so that noise shows less; NaN where the pixel itself
-/// has no point.
+/// Normals averaged over 5x5 pixels to reduce noise, of unit length; NaN without a point.
 Normals smoothed_normals(const Cloud& cloud);
 
-/// How bright each point of an organised cloud looks under a light over the viewer's left shoulder:
-/// 0.3 where turned away, 1 where facing it, in between where the slope is not known. From
-/// smoothed_normals: the form shows, not the noise of depth.
+/// Brightness of each point of an organised cloud under a light over the viewer's left shoulder:
+/// 0.3 if turned away, 1 if facing it, in between if the slope is unknown. Uses smoothed_normals,
+/// to show the form without the noise of depth.
 Image<float> shading(const Cloud& cloud);
 
-/// A cloud's points joined by triangles, in the camera's frame, with the camera's picture on it.
+/// A triangle mesh of a cloud's points, in the camera's frame, textured with the camera's picture.
 struct Surface {
-  std::vector<Eigen::Vector3f> vertices{};  ///< mm; each the corner of a triangle
-  std::vector<float> intensity{};           ///< of each vertex, as the cloud's
-  /// Where each vertex lies in the picture: right and down from its upper left corner, 0 to 1.
+  std::vector<Eigen::Vector3f> vertices{};  ///< mm; each is a corner of a triangle
+  std::vector<float> intensity{};           ///< of each vertex, as in the cloud
+  /// Texture coordinates: right and down from the picture's upper left corner, 0 to 1.
   std::vector<Eigen::Vector2f> texture{};
-  /// By the indices of their corners, counter-clockwise as the camera sees them.
+  /// Indices of their corners, counter-clockwise as seen by the camera.
   std::vector<std::array<std::uint32_t, 3>> triangles{};
   Image<std::uint8_t> picture{};
 };
 
-/// Joins neighbouring pixels' points in blocks of two by two: two triangles, divided along the
-/// smaller step in depth, or one where a point is missing. Depths of a triangle's corners differ by
-/// at most `largest_step` times the distance between their rays.
+/// Triangulates blocks of 2x2 neighbouring points: two triangles, divided along the smaller step in
+/// depth, or one if a point is missing. Depths of a triangle's corners differ by at most
+/// `largest_step` times the distance between their rays.
 Surface surface_of(const Cloud& cloud, double largest_step = 8);
 
 }  // namespace slipstream

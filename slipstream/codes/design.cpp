@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Probability that a standard normal number is above x.
+/// Probability that a standard normal variable exceeds x.
 double upper_tail(double x) {
   return 0.5 * std::erfc(x / std::numbers::sqrt2);
 }
@@ -23,7 +23,7 @@ double reference_sigma(const Layout& layout, const PatternLight& light, double a
   if (needs_ambient_light(layout)) {
     return std::sqrt(noise_variance * dc_reference_variance(alpha, light, ambient, band.share, R));
   }
-  // (3.76) of any such channel: R = c_1 rho / (c_2 B), rho the cue's number.
+  // (3.76) for any such channel: R = c_1 rho / (c_2 B), rho the cue's value.
   const double shares = band.share / layout.cue->share;
   const double modulation = band.share * alpha * light.alpha_p / 2;
   return std::sqrt(shares * shares * cue_variance(*layout.cue, noise_variance) +
@@ -31,7 +31,7 @@ double reference_sigma(const Layout& layout, const PatternLight& light, double a
          modulation;
 }
 
-/// The design of least noise at f_h that meets the goal: c_1 as large as it can be.
+/// The design with the least noise at f_h that meets the goal: c_1 as large as possible.
 std::optional<Design> design_at(const DesignGoal& goal, const PatternLight& light, int f_h) {
   for (int hundredths = 95; hundredths > 0; --hundredths) {
     const double c1 = 0.01 * hundredths;
@@ -55,7 +55,7 @@ double modulation_at(double alpha) {
   return alpha * PatternLight{}.alpha_p / 2;
 }
 
-/// Of so many frames, with at most so many periods: of every kind those worth asking.
+/// Candidate strategies of every kind with `frames` frames and at most `most_periods` periods.
 std::vector<Strategy> candidates(int frames, int most_periods) {
   std::vector<Strategy> all{PhaseMeasuring{.steps = frames}};
   const auto add = [&](const auto& coding) {
@@ -64,7 +64,7 @@ std::vector<Strategy> candidates(int frames, int most_periods) {
       if (frame_count(strategy) == frames && highest_frequency(strategy) <= most_periods) {
         all.push_back(strategy);
       }
-    } catch (const Error&) {  // there is none of so many frames
+    } catch (const Error&) {  // not available with this many frames
     }
   };
   add(DoubleThreeStep{});
@@ -88,11 +88,11 @@ std::vector<Strategy> candidates(int frames, int most_periods) {
   return all;
 }
 
-/// What speaks against so few projector pixels a period; empty where nothing does.
-std::string doubt_about_resolution(const Sequence& sequence) {
-  // A pixel shows its N phases of the sinusoid exactly, however few pixels a period has, down to
-  // Nyquist's two. But it shows each over its whole width, which leaves sinc(1 / p) of the
-  // modulation, before any lens: 0.64 at two pixels, 0.90 at four.
+/// Warns of too few projector pixels a period; otherwise empty.
+std::string resolution_warning(const Sequence& sequence) {
+  // A projector pixel shows the N phases of a sinusoid exactly, however few pixels a period has,
+  // down to Nyquist's two. But it spreads each over its width, which leaves sinc(1 / p) of the
+  // modulation before any lens: 0.64 at two pixels, 0.90 at four.
   constexpr int fewest_pixels = 4;
   const int length = length_along(sequence.axis, sequence.projector);
   const double highest = highest_frequency(sequence.strategy), pixels = length / highest;
@@ -100,7 +100,7 @@ std::string doubt_about_resolution(const Sequence& sequence) {
   const double angle = std::numbers::pi / pixels;
   return fmt::format(
       "{:g} periods over {} projector pixels are {:.3g} pixels each, near Nyquist's limit of 2: "
-      "their width alone takes {:.0f} % of the modulation, and a lens more; {} periods lose 10 %",
+      "their width alone removes {:.0f} % of the modulation, and lenses more; {} periods lose 10 %",
       highest, length, pixels, 100 * (1 - std::sin(angle) / angle), length / fewest_pixels);
 }
 
@@ -133,7 +133,7 @@ double predicted_unwrapping(const Layout& layout, const PatternLight& light, dou
     const double R = reference(y);
     const double sigma = reference_sigma(layout, light, alpha, ambient, noise_variance, R);
     const auto missed = [&](double other) { return upper_tail(std::abs(other - R) / sigma); };
-    // The first period has none before it, the last none after it.
+    // The first period has no predecessor, the last no successor.
     const int k = static_cast<int>(y * f_h);
     double wrong = 0;
     if (k > 0) wrong += missed(reference(y - 0.5 / f_h));
@@ -151,11 +151,10 @@ PatternLight brightest_light(const DesignGoal& goal) {
   const double beta_p = std::ceil(std::max(0.0, (clear - beta) / goal.alpha - beta));
   const double alpha_p = std::floor(std::min(255.0, 255 - clear - 2 * beta) - beta_p);
   const PatternLight light{.alpha_p = alpha_p, .beta_p = beta_p};
-  throw_if(
-      !(light.alpha_p >= 1),
-      "no patterns keep a reflectivity of {} off zero under ambient light of {} and sigma_w^2 of "
-      "{}; take a brighter surface or shade it",
-      goal.alpha, goal.ambient, goal.noise_variance);
+  throw_if(!(light.alpha_p >= 1),
+           "no patterns keep a reflectivity of {} above zero with ambient light {} and sigma_w^2 "
+           "{}; use a brighter surface or less ambient light",
+           goal.alpha, goal.ambient, goal.noise_variance);
   return light;
 }
 
@@ -171,8 +170,8 @@ std::vector<Design> designs_by_frequency(const DesignGoal& goal) {
 Design best_design(const DesignGoal& goal) {
   const std::vector<Design> designs = designs_by_frequency(goal);
   throw_if(designs.empty(),
-           "no patterns of {} steps unwrap {} % of the pixels there; ask for less "
-           "or take more steps",
+           "no patterns of {} steps unwrap {} % of the pixels; lower the success rate or use more "
+           "steps",
            goal.steps, 100 * goal.success);
   return *std::min_element(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
     return a.coordinate_sigma < b.coordinate_sigma;
@@ -180,7 +179,7 @@ Design best_design(const DesignGoal& goal) {
 }
 
 std::string doubt_about(const Sequence& sequence) {
-  if (std::string doubt = doubt_about_resolution(sequence); !doubt.empty()) return doubt;
+  if (std::string doubt = resolution_warning(sequence); !doubt.empty()) return doubt;
   constexpr double least_success = 0.85;
   const Layout& layout = sequence.strategy.layout();
   if (order_source(layout) != OrderSource::neighbours) return {};
@@ -190,7 +189,7 @@ std::string doubt_about(const Sequence& sequence) {
   if (success >= least_success) return {};
   return fmt::format(
       "at a reflectivity of {} and sigma_w^2 of {} only {:.0f} % of the pixels would be unwrapped "
-      "rightly each by itself; fewer periods{} are wiser, see slipstream design",
+      "correctly on their own; use fewer periods{}, see slipstream design",
       usual.alpha, usual.noise_variance, 100 * success,
       layout.bands[0].share < 1 ? " or a smaller --share" : "");
 }
@@ -200,10 +199,10 @@ void require_valid(const StrategyGoal& goal) {
                            .noise_variance = goal.noise_variance,
                            .success = goal.success,
                            .most_periods = goal.most_periods});
-  throw_if(goal.frames < 3 || goal.frames > 64, "frames {} are out of range; 3 to 64", goal.frames);
+  throw_if(goal.frames < 3 || goal.frames > 64, "frames {} is out of range; 3 to 64", goal.frames);
   if (!(goal.coordinate_sigma.value_or(1) > 0)) {
     throw Error(
-        fmt::format("noise of the coordinate {} is out of range; above 0", *goal.coordinate_sigma));
+        fmt::format("coordinate sigma {} is out of range; above 0", *goal.coordinate_sigma));
   }
 }
 
@@ -217,7 +216,7 @@ double predicted_success(const Layout& layout, double alpha, double noise_varian
     right *= std::pow(1 - upper_tail(order.margin * deviations), order.count);
   }
   if (!layout.code) return right;
-  // A bit is told from its reference, whose noise is less than its own.
+  // A bit is compared with its reference, which has less noise than the bit.
   const double weakest = measuring_band(layout).share * deviations;
   const double wrong_bit = upper_tail(weakest / std::sqrt(2.0));
   return right * std::pow(1 - wrong_bit, static_cast<double>(layout.code->frames.size()));

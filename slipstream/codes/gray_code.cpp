@@ -13,15 +13,16 @@ void require_known(std::string_view name, int bits, std::string_view reference) 
   throw_if(bits < 1 || bits > most_code_bits, "{}: {} bits are out of range; 1 to {}", name, bits,
            most_code_bits);
   throw_if(std::find(references.begin(), references.end(), reference) == references.end(),
-           "{}: reference '{}' is none of {}", name, reference, fmt::join(references, ", "));
+           "{}: reference '{}' is unknown; expected one of: {}", name, reference,
+           fmt::join(references, ", "));
 }
 
-/// Frames of the code, with those that it is compared with.
+/// Frames of the code, including those it is compared with.
 int frame_count(int bits, std::string_view reference) {
   return reference == "inverse" ? 2 * bits : reference == "white-black" ? bits + 2 : bits;
 }
 
-/// The bits in frames from `first` on of `frames`.
+/// The bits in frames from `first` on, out of `frames`.
 Code code_in_frames(int frames, int first, int bits, std::string_view reference) {
   Code code{.stripes = std::exp2(bits)};
   const int apart = reference == "inverse" ? 2 : 1;
@@ -39,7 +40,7 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
   return code;
 }
 
-/// The narrowest stripes as a band, by which modulation and mean are known; its phase is none.
+/// The narrowest stripes as a band, for modulation and mean; its phase has no meaning.
 Layout layout_of(const Code& code, int frames) {
   Band band{.periods = code.stripes / 4,
             .cosine = std::vector<double>(static_cast<std::size_t>(frames)),
@@ -61,7 +62,7 @@ Layout layout_of(const Code& code, int frames) {
           .unwrapping = Unwrapping::code_alone};
 }
 
-/// Bits of a code of a stripe for each period.
+/// Bits of a code with one stripe per period.
 int bits_for(double periods) {
   return std::max(1, static_cast<int>(std::ceil(std::log2(periods) - 1e-9)));
 }
@@ -103,7 +104,7 @@ void GrayPhase::require_valid() const {
   const int shown = bits.value_or(bits_for(periods));
   require_known(name, shown + 1, reference);
   throw_if(shown < bits_for(periods),
-           "gray-phase: {} bits are too few for {:g} periods, which take {}", shown, periods,
+           "gray-phase: {} bits are too few for {:g} periods, which require {}", shown, periods,
            bits_for(periods));
 }
 

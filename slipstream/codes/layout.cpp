@@ -15,12 +15,12 @@ int bit_count(const Code& code) {
   return static_cast<int>(code.frames.size());
 }
 
-/// Where the bit stands in a word.
+/// Mask of the bit in a code word.
 unsigned place(const Code& code, int bit) {
   return 1U << static_cast<unsigned>(bit_count(code) - 1 - bit);
 }
 
-/// All bits but the base.
+/// All bits except the base.
 unsigned others(const Code& code) {
   return ((1U << code.frames.size()) - 1) & ~place(code, *code.base);
 }
@@ -57,7 +57,7 @@ void require_monotonic(const std::function<double(double)>& reference) {
     const double value = reference(place(i));
     const double next = reference(place(std::min(i + 1, samples)));
     throw_if(!(std::abs(value) <= 1) || (i < samples && !(direction * (next - value) > 0)),
-             "the reference is {} at y = {}; it rises or falls throughout, within -1 to 1", value,
+             "the reference is {} at y = {}; it must be monotonic and within -1 to 1", value,
              place(i));
   }
 }
@@ -67,11 +67,10 @@ void require_weights(const std::vector<double>& weights, int frames, double resp
   const bool finite = std::all_of(weights.begin(), weights.end(),
                                   [](double weight) { return std::isfinite(weight); });
   throw_if(static_cast<int>(weights.size()) != frames || !finite,
-           "{}: {} has {} weights; it takes a finite one for each of {} frames", name, what,
+           "{}: {} has {} weights; expected a finite one for each of {} frames", name, what,
            weights.size(), frames);
-  throw_if(!is_near(sum_of(weights), response),
-           "{}: the weights of {} add up to {}, but must to {}", name, what, sum_of(weights),
-           response);
+  throw_if(!is_near(sum_of(weights), response), "{}: the weights of {} sum to {}; expected {}",
+           name, what, sum_of(weights), response);
 }
 
 void require_valid(const Band& band, int frames, std::string_view name) {
@@ -84,7 +83,7 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   require_weights(band.mean, frames, 1, name, "a mean");
   throw_if(!(band.carrier >= 0 && std::isfinite(band.carrier)) ||
                band.mirrored.size() != (band.carrier > 0 ? 1U : 0U),
-           "{}: a carrier of {} periods with {} mirrored sinusoids; above 0 it takes one", name,
+           "{}: a carrier of {} periods with {} mirrored sinusoids; above 0 it requires one", name,
            band.carrier, band.mirrored.size());
   for (const Band& mirrored : band.mirrored) require_valid(mirrored, frames, name);
 }
@@ -103,7 +102,7 @@ std::vector<double> channel_weights(int steps, int channel, const Wave& wave,
   return weights;
 }
 
-/// With zeros for the frames before and after.
+/// Pads with zeros for the frames before and after.
 std::vector<double> placed(const std::vector<double>& weights, int frames, int first) {
   std::vector<double> all(static_cast<std::size_t>(frames));
   std::copy(weights.begin(), weights.end(), all.begin() + first);
@@ -121,7 +120,7 @@ void require_valid(const Code& code, int frames, std::string_view name) {
   throw_if(bits < 1 || bits > most_code_bits, "{}: {} bits are out of range; 1 to {}", name, bits,
            most_code_bits);
   throw_if(!(code.stripes >= 2 && code.stripes <= std::exp2(bits)),
-           "{}: {} bits number {} stripes; {:g} are out of range", name, bits, std::exp2(bits),
+           "{}: {} bits encode 2 to {} stripes; {:g} is out of range", name, bits, std::exp2(bits),
            code.stripes);
   const auto is_frame = [&](int frame) { return frame >= 0 && frame < frames; };
   const bool all = std::all_of(code.frames.begin(), code.frames.end(), is_frame) &&
@@ -131,7 +130,7 @@ void require_valid(const Code& code, int frames, std::string_view name) {
           ? code.reference.empty() || static_cast<int>(code.reference.size()) == frames
           : code.inverses.size() == code.frames.size();
   throw_if(!all || !compared || (code.base && !(*code.base >= 0 && *code.base < bits)),
-           "{}: the code's bits are not among its {} frames", name, frames);
+           "{}: bits, inverses, weights or base of the code do not fit {} frames", name, frames);
 }
 
 bool is_bright(const Code& code, int bit, double y) {
@@ -184,7 +183,7 @@ double shifted_phase(const Shifts& shifts, double phi) {
 double unshifted_phase(const Shifts& shifts, double shifted) {
   const double phi = (shifts.backwards ? -shifted : shifted) - shifts.origin;
   const double turned = phi - 2 * pi * std::floor(phi / (2 * pi));
-  return turned > 2 * pi - 1e-12 ? 0 : turned;  // as wrapped_angle rounds
+  return turned > 2 * pi - 1e-12 ? 0 : turned;  // rounded as in wrapped_angle
 }
 
 CueReference::CueReference(std::function<double(double y)> function)
@@ -228,7 +227,7 @@ double Cue::dc() const {
 void require_valid(const Cue& cue, int frames, std::string_view name) {
   const double dc = cue.dc();
   require_weights(cue.weights, frames, dc, name, "the cue");
-  throw_if(!is_near(dc, 0) && !is_near(dc, 1), "{}: the cue's weights add up to {}; to 0 or 1",
+  throw_if(!is_near(dc, 0) && !is_near(dc, 1), "{}: the cue's weights sum to {}; expected 0 or 1",
            name, dc);
   throw_if(!(cue.share > 0 && cue.share < 1),
            "{}: the cue's share {} is out of range; above 0, below 1", name, cue.share);
@@ -236,7 +235,7 @@ void require_valid(const Cue& cue, int frames, std::string_view name) {
 
 void require_valid(const Layout& layout, std::string_view name) {
   throw_if(layout.frames < 1 || layout.bands.empty(),
-           "{}: {} frames with {} bands; at least one of each is needed", name, layout.frames,
+           "{}: {} frames with {} bands; at least one of each is required", name, layout.frames,
            layout.bands.size());
   for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
   const auto require = layout.unwrapping->require;
@@ -302,7 +301,7 @@ std::vector<int> step_counts(const Layout& layout) {
 std::vector<std::size_t> coarse_to_fine(const Layout& layout) {
   std::vector<std::size_t> order(layout.bands.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  // Of two alike the first one measures.
+  // Of two with equal periods the first one measures.
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(layout.bands[a].periods, b) < std::pair(layout.bands[b].periods, a);
   });

@@ -11,7 +11,7 @@ namespace {
 using Phasor = std::complex<double>;
 using Weights = std::vector<Phasor>;
 
-/// The weights times (1 - x / zero), which is 1 at `kept`.
+/// Multiplies the weights by (1 - x / zero), normalised to 1 at `kept`.
 Weights with_zero(const Weights& weights, Phasor zero, Phasor kept) {
   Weights product(weights.size() + 1);
   for (std::size_t n = 0; n < weights.size(); ++n) {
@@ -29,11 +29,10 @@ Weights phasors(const std::vector<double>& real, const std::vector<double>& imag
 
 void refuse_motion_if(bool wrong) {
   throw_if(wrong,
-           "frames of things that move are weighed over several cycles of patterns that differ by "
-           "equal shifts; take pmp or pcmp");
+           "motion compensation requires patterns that differ by equal shifts; use pmp or pcmp");
 }
 
-/// The weights of a cycle's sums, and by what they turn from each frame to the next.
+/// Weights of a sum over a cycle, and the factor by which they rotate from frame to frame.
 struct CycleSum {
   explicit CycleSum(Weights of) : weights(std::move(of)), turn(weights[1] / weights[0]) {
     constexpr double rounding = 1e-9;
@@ -55,15 +54,15 @@ CycleSum cycle_sum(const std::vector<double>& weights) {
   return CycleSum(phasors(weights, std::vector<double>(weights.size())));
 }
 
-/// Of a window of that many frames more than a cycle: each N frames in a row give the sum, and
-/// where the sinusoid of the `moving` sum moves, two phasors beside it that turn from row to row.
+/// Weights of a window `extra` frames longer than a cycle. Each N frames in a row give the sum; if
+/// the sinusoid of the `moving` sum moves, two more phasors appear, which rotate from row to row.
 /// In its own sum one of them is the phase. A weighted sum of the rows has zeros at the others.
 Weights window_of(const CycleSum& sum, const CycleSum& moving, int extra, int first) {
   const Phasor both[] = {sum.turn * moving.turn, sum.turn / moving.turn};
   const bool own = std::abs(both[1] - 1.0) < 1e-9;
   Weights rows{1};
   for (int k = 0; k < extra; ++k) {
-    const bool alone = !own && k + 1 == extra && extra % 2 == 1;  // it would not stay real
+    const bool alone = !own && k + 1 == extra && extra % 2 == 1;  // keeps the rows real
     rows = with_zero(rows, alone ? -1 : both[own ? 0 : k % 2], 1);
   }
   const std::size_t N = sum.weights.size();
@@ -98,8 +97,7 @@ Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int fir
 }  // namespace
 
 Layout motion_window(const Layout& cycle, int extra, int first) {
-  throw_if(extra < 0 || extra > 16, "motion {} is out of range; 0 to 16 frames more than a cycle",
-           extra);
+  throw_if(extra < 0 || extra > 16, "motion {} is out of range; 0 to 16 extra frames", extra);
   const bool composed = !measuring_band(cycle).mirrored.empty();
   refuse_motion_if(composed || cycle.code || !cycle.single_frames.empty());
   const CycleSum moving = cycle_sum(measuring_band(cycle));
@@ -116,7 +114,7 @@ Layout motion_window(const Layout& cycle, int extra, int first) {
 double motion_ripple(const Layout& cycle, int extra, double speed) {
   const Weights steps = cycle_sum(measuring_band(cycle)).weights;
   const Band band = measuring_band(motion_window(cycle, extra));
-  // Frame n is Re(conj(s_n) exp(i n speed)) up to scale, s_n its step.
+  // Frame n is Re(conj(s_n) exp(i n speed)) up to scale, with s_n the weight of its step.
   Phasor fringe = 0, image = 0;
   for (std::size_t n = 0; n < band.mean.size(); ++n) {
     const Phasor weight(band.cosine[n], band.sine[n]), step = steps[n % steps.size()];

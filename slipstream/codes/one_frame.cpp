@@ -14,12 +14,12 @@ using std::numbers::pi;
 
 using Symbols = std::vector<std::uint8_t>;
 
-/// So many symbols that no window comes twice: each one that may follow, in a mixed order, and a
-/// step back where none is left. `window` is what ends with the last symbol, where one does.
+/// Finds `count` symbols without a repeated window, by backtracking over the next symbols in random
+/// order. `window` encodes the window that ends at the last symbol, if complete.
 template <class Following, class Window>
 Symbols without_repeats(std::size_t count, const Following& following, const Window& window) {
   Symbols found;
-  std::vector<Symbols> left;  // to be tried, for each symbol and the next
+  std::vector<Symbols> left;  // next symbols still to try, at each position
   std::unordered_set<int> seen;
   std::minstd_rand random;
   while (found.size() < count) {
@@ -75,8 +75,8 @@ SymbolGrid coloured_stripes(int stripes) {
 SymbolGrid symbol_array(int columns, int rows) {
   constexpr int most = 4096;
   throw_if(columns < least || rows < least || columns > most / rows,
-           "{} columns and {} rows are out of range; {} or more each, {} at most in all", columns,
-           rows, least, most);
+           "{} columns and {} rows are out of range; at least {} each, at most {} symbols in total",
+           columns, rows, least, most);
   const auto width = static_cast<std::size_t>(columns);
   const auto window = [width](const Symbols& found) -> std::optional<int> {
     constexpr std::size_t before = symbol_window - 1;
@@ -140,7 +140,7 @@ Band sine_cosine_mean_band(int frames, int first, double periods, const Shifts& 
             .cosine = std::vector<double>(count),
             .sine = std::vector<double>(count),
             .mean = std::vector<double>(count)};
-  // Each frame less the mean.
+  // Each frame minus the mean.
   const auto weigh = [&](std::vector<double>& weights, double of_sine, double of_cosine) {
     weights[sine] = of_sine;
     weights[sine + 1] = of_cosine;
@@ -160,13 +160,13 @@ double sine_cosine_mean_shape(int n, double periods, double y, const Shifts& shi
 
 void FourierProfilometry::require_valid() const {
   slipstream::require_valid(Sinusoid{.frequency = frequency}, "fourier");
-  constexpr double fewest = 8;  // below, they are no carrier
+  constexpr double fewest = 8;  // too few for a carrier
   throw_if(frequency < fewest, "fourier: frequency {} is out of range; {} or more", frequency,
            fewest);
-  // Beyond, the carriers are too near to each other, or to each other's harmonics.
+  // Above it, a carrier is too near to the other or its harmonics.
   constexpr double largest = 0.45;  // of the frequency
   if (low && !(*low >= fewest && *low <= largest * frequency)) {
-    throw Error(fmt::format("fourier: low {} is out of range; from {} to {} of the frequency", *low,
+    throw Error(fmt::format("fourier: low {} is out of range; {} to {} times the frequency", *low,
                             fewest, largest));
   }
 }
@@ -197,7 +197,7 @@ Layout FourierProfilometry::layout() const {
 }
 
 void CompositePattern::require_valid() const {
-  constexpr double fewest = 8;  // periods; below, they are no carrier
+  constexpr double fewest = 8;  // periods; too few for a carrier
   constexpr std::size_t most_carriers = 8;
   slipstream::require_valid(Sinusoid{steps(), low}, "composite");
   slipstream::require_valid(Sinusoid{.frequency = high}, "composite");
@@ -205,7 +205,7 @@ void CompositePattern::require_valid() const {
     return periods >= fewest && std::isfinite(periods);
   });
   throw_if(!(high >= fewest) || !spread || carriers.size() > most_carriers,
-           "composite: high and carriers are {} periods or more, of 3 to {} carriers", fewest,
+           "composite: high and carriers must have {} or more periods; 3 to {} carriers", fewest,
            most_carriers);
   throw_if(!(share > 0 && share < 1), "composite: share {} is out of range; above 0, below 1",
            share);

@@ -7,7 +7,7 @@
 namespace slipstream {
 namespace {
 
-/// The intensities of pattern n at the pixels' centres, along the rows whatever its axis.
+/// Intensities of pattern n at the pixel centres, along the rows whatever its axis.
 Image<double> levels_along_rows(const PatternSet& patterns, int n, Size size) {
   Image<double> levels(size);
   for (int row = 0; row < size.height; ++row) {
@@ -28,7 +28,7 @@ Image<double> levels_along_rows(const PatternSet& patterns, int n, Size size) {
 Axis axis_named(std::string_view name) {
   if (name == "x") return Axis::x;
   if (name == "y") return Axis::y;
-  throw Error("axis '" + std::string(name) + "' is not known; it is x or y");
+  throw Error("axis '" + std::string(name) + "' is unknown; expected x or y");
 }
 
 void require_valid(const PatternLight& light) {
@@ -62,7 +62,7 @@ PatternSet with_marker(PatternSet patterns, double shape) {
 
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector, int bits) {
   throw_if(projector.width < 1 || projector.height < 1,
-           "projector size {}x{} is empty; give its width and height in pixels", projector.width,
+           "projector size {}x{} is out of range; at least 1x1 pixels", projector.width,
            projector.height);
   throw_if(n < 0 || n >= patterns.count, "pattern {} does not exist; the set has {}", n,
            patterns.count);
@@ -82,18 +82,18 @@ Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size proj
 }
 
 Image<double> one_bit(Image<double> picture) {
-  // Not half: a pattern and its inverse, as N-step patterns of an even N hold, would err alike, and
-  // in the phase their errors would add up.
+  // Not one half: a pattern and its inverse, which N-step patterns of an even N contain, would have
+  // equal errors, which would add up in the phase.
   constexpr double bright = 255, threshold = 0.6 * bright;
-  // Shares of the error, chosen for the phase of 3, 4 and 6 steps of 16 to 75 pixels under
-  // Gaussians of 1 to 3 pixels.
+  // Shares of the error, optimised for the phase of 3, 4 and 6 steps with periods of 16 to 75
+  // pixels, blurred by Gaussians of 1 to 3 pixels.
   constexpr double ahead = 0.45, below_behind = 0.35, below = 0.2;
   const auto add = [&](int column, int row, double error) {
     const bool inside = column >= 0 && column < picture.width() && row < picture.height();
     if (inside) picture(column, row) += error;
   };
   for (int row = 0; row < picture.height(); ++row) {
-    // To and fro: in one direction alone the stripes would drift that way.
+    // Alternate directions: otherwise the stripes would drift to one side.
     const int forward = row % 2 == 0 ? 1 : -1;
     for (int i = 0; i < picture.width(); ++i) {
       const int column = forward > 0 ? i : picture.width() - 1 - i;

@@ -9,8 +9,8 @@
 
 namespace slipstream {
 
-/// The projector axis along which a pattern varies: `x`, its columns (upright stripes); `y`, its
-/// rows, as in Liu 2010.
+/// The projector axis along which a pattern varies: `x`, from column to column (vertical stripes);
+/// `y`, from row to row, as in Liu 2010.
 enum class Axis { x, y };
 
 /// Projector pixels along the axis: the width for `x`, the height for `y`.
@@ -18,7 +18,7 @@ constexpr int length_along(Axis axis, Size projector) {
   return axis == Axis::x ? projector.width : projector.height;
 }
 
-/// The other one.
+/// The other axis.
 constexpr Axis across(Axis axis) {
   return axis == Axis::x ? Axis::y : Axis::x;
 }
@@ -28,7 +28,7 @@ constexpr std::string_view name_of(Axis axis) {
   return axis == Axis::x ? "x" : "y";
 }
 
-/// The axis of that name. Throws Error for any name but "x" and "y".
+/// Parses "x" or "y". Throws Error for any other name.
 Axis axis_named(std::string_view name);
 
 /// Projector coordinate, [0, 1) across the field, of a pixel's centre: index / projector_length.
@@ -37,20 +37,20 @@ constexpr double coordinate_of_pixel(int index, int projector_length) {
 }
 
 /// The light of a projector's patterns, in grey levels of an 8-bit projector: I^p = alpha_p s +
-/// beta_p with s in [0, 1] (Liu 2010, Eq. 3.1). A projector of m bits scales both by
-/// (2^m - 1) / 255.
+/// beta_p with s in [0, 1] (Liu 2010, Eq. 3.1). A projector with m bits scales both by (2^m - 1) /
+/// 255.
 struct PatternLight {
   double alpha_p = 255;  ///< amplitude constant, > 0
-  double beta_p = 0;     ///< balance constant against underflow, >= 0; alpha_p + beta_p <= 255
+  double beta_p = 0;     ///< offset against underflow, >= 0; alpha_p + beta_p <= 255
 
   friend bool operator==(const PatternLight&, const PatternLight&) = default;
 };
 
-/// Throws Error when alpha_p, beta_p are not in the ranges above.
+/// Throws Error if alpha_p or beta_p is out of range.
 void require_valid(const PatternLight& light);
 
-/// s of pattern n at projector coordinate y in [0, 1) along its axis and, where a carrier runs
-/// across it, at `across`, the coordinate along the other one. Made of functions of n and y too.
+/// s of pattern n at projector coordinate y in [0, 1) along its axis and, with a carrier, at
+/// `across`, the coordinate along the other axis. Also constructible from functions of n and y.
 class PatternShape {
  public:
   PatternShape() = default;
@@ -67,20 +67,20 @@ class PatternShape {
   std::function<double(int n, double y, double across)> shape_;
 };
 
-/// What a projector shows in one scan: `count` patterns, functions of one or both coordinates.
+/// The patterns of one scan: `count` functions of one or both coordinates.
 struct PatternSet {
   int count = 0;
-  Axis axis = Axis::x;  ///< of the first
+  Axis axis = Axis::x;  ///< of the first pattern
   PatternLight light;
   PatternShape shape;  ///< s: see PatternLight
-  /// How long the camera looks at each pattern, relative to its usual exposure; 1 where not said.
+  /// Camera exposure of each pattern, relative to its usual one; default 1.
   std::vector<double> exposures{};
-  /// Shown by pixels that are dark (0) or bright (255), whose mean is the intensity: for 1-bit
-  /// DMDs.
+  /// Patterns are dithered to dark (0) or bright (255) pixels whose mean is the intensity, for
+  /// 1-bit DMDs.
   bool binary = false;
 
-  int turn = 0;  ///< so many along the one axis, so many along the other, and so on; 0: all alike
-  bool carrier = false;  ///< whether the shape varies across the axis too
+  int turn = 0;          ///< The axis changes after this many patterns; 0: never.
+  bool carrier = false;  ///< whether the shape also varies across the axis
 
   [[nodiscard]] Axis axis_of(int n) const {
     return turn > 0 && n / turn % 2 == 1 ? across(axis) : axis;
@@ -95,42 +95,41 @@ struct PatternSet {
   }
 };
 
-/// Pattern n of the set alone, exposed as it was there.
+/// Pattern n of the set alone, with its exposure.
 PatternSet pattern_alone(const PatternSet& patterns, int n);
 
-/// The set and one more pattern, all dark (`shape` 0) or bright (1), which marks the end of a
-/// cycle.
+/// Appends a uniform pattern, dark (`shape` 0) or bright (1), which marks the end of a cycle.
 PatternSet with_marker(PatternSet patterns, double shape = 0);
 
-/// Pattern n as a picture for that projector: intensities at pixel centres, rounded to grey levels
-/// of `bits` (8 to 16); of a binary set 0 or full scale, see one_bit. Throws Error if the projector
-/// has no pixels, n is not in the set or bits are out of range.
+/// Pattern n as an image for that projector: intensities at pixel centres, rounded to grey levels
+/// of `bits` (8 to 16); 0 or full scale for a binary set, see one_bit. Throws Error if the
+/// projector has no pixels, n is not in the set or `bits` is out of range.
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector,
                                     int bits = 8);
 
-/// The picture, grey levels of 8 bits, dithered to 0 and 255 by error diffusion. Best, once
-/// blurred, where it changes along its rows.
+/// Dithers an image of 8-bit grey levels to 0 and 255 by error diffusion. Once blurred, it is most
+/// accurate where the image varies along its rows.
 Image<double> one_bit(Image<double> picture);
 
-/// A pattern rendered for a projector of 8 bits, in pixels of 8 bits.
+/// Converts a pattern rendered with 8 bits to 8-bit pixels.
 Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern);
 
-/// All patterns of a set, so rendered.
+/// All patterns of a set, rendered to 8 bits.
 std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size projector);
 
-/// Three of its patterns, from `first` on, as red, green and blue of one picture.
+/// Three patterns, from `first` on, as red, green and blue of one image.
 Image<Colour> picture_in_colour(const PatternSet& set, int first, Size projector);
 
-/// What a projector in colour shows for its mixture to be measured, all over, by name.
+/// Uniform images for measuring a colour projector's ColourMixture, by name.
 inline constexpr std::array primary_names{"black", "red", "green", "blue"};
 
-/// Half the projector's light, in all colours, as patterns have on average: tells paint from
+/// Half the projector's light in all colours, the average of patterns: distinguishes paint from
 /// pattern.
 inline PatternSet white_pattern(const PatternLight& light) {
   return {.count = 3, .light = light, .shape = [](int, double) { return 0.5; }};
 }
 
-/// The pictures of those names as three patterns each, of their channels.
+/// Those images as three patterns each, one per channel.
 inline PatternSet primary_patterns(const PatternLight& light) {
   constexpr int channels = 3;
   return {.count = channels * static_cast<int>(primary_names.size()),

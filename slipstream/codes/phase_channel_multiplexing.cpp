@@ -26,7 +26,7 @@ double carrier_square(int steps) {
   return sum;
 }
 
-/// 1 - |cos|: what the sinusoid leaves on both sides of frame n and its opposite.
+/// 1 - |cos|: the headroom of frame n and its opposite beside the sinusoid.
 double room(int n, int steps, double phi) {
   return 1 - std::abs(std::cos(phi - 2 * pi * n / steps));
 }
@@ -38,7 +38,7 @@ double most_amplitude(int steps, double phi) {
   return sum / carrier_square(steps);
 }
 
-/// c_2: the least a(phi) of N = 4 and 8, and less than that of other N.
+/// c_2: the minimum of a(phi) for N = 4 and 8, and below the minimum for other N.
 constexpr double cue_share = 1 - 1 / std::numbers::sqrt2;
 
 }  // namespace
@@ -46,10 +46,11 @@ constexpr double cue_share = 1 - 1 / std::numbers::sqrt2;
 void PhaseChannelMultiplexing::require_valid() const {
   slipstream::require_valid(Sinusoid{steps, f_h()}, "pcmp");
   throw_if(f_h() < 2 || f_h() != std::floor(f_h()) || f_h() > 1e6,
-           "pcmp: high frequency {} is out of range; a whole number of periods, 2 or more", f_h());
+           "pcmp: high frequency {} is out of range; expected a whole number of periods, 2 or more",
+           f_h());
   throw_if(!(c1() > 1 / f_h() && c1() < 1),
-           "pcmp: share {} of the high frequency is out of range; above 1 / {} = {:.4g}, "
-           "where it begins to pay (Eq. 3.64), and below 1",
+           "pcmp: share {} of the high frequency is out of range; above 1 / {} = {:.4g} "
+           "(Eq. 3.64), below 1",
            c1(), f_h(), 1 / f_h());
   if (steps < 5) static_cast<void>(cue_reference());
 }
@@ -87,9 +88,10 @@ Layout PhaseChannelMultiplexing::layout() const {
 
 void PeriodCoded::require_valid() const {
   slipstream::require_valid(Sinusoid{steps, high}, "pcps");
-  throw_if(steps % 2 != 0 || steps > 64, "pcps: {} steps are out of range; even, 4 to 64", steps);
+  throw_if(steps % 2 != 0 || steps > 64, "pcps: {} steps are out of range; an even number, 4 to 64",
+           steps);
   throw_if(high < 2 || high != std::floor(high) || high > 1e6,
-           "pcps: {} periods are out of range; whole, 2 or more", high);
+           "pcps: {} periods are out of range; a whole number, 2 or more", high);
 }
 
 double PeriodCoded::shape(int n, double y) const {

@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Weights of the mean in the frames that show the sinusoid, where no sinusoid is left in it.
+/// Weights of the mean over the frames that show the sinusoid; nullopt if sinusoids remain in it.
 std::optional<std::vector<double>> own_mean(const Eigen::MatrixXd& made,
                                             const ShownSinusoid& sinusoid) {
   constexpr double rounding = 1e-12;
@@ -36,7 +36,7 @@ const Unwrapping* band_unwrapping_named(std::string_view name) {
   return found == band_unwrappings.end() ? nullptr : found;
 }
 
-/// The margin of the bands so unwrapped; 0 where they cannot be.
+/// The margin with that unwrapping method; 0 if it is not possible.
 double margin_by(Layout layout, Unwrapping way) {
   layout.unwrapping = way;
   try {
@@ -48,7 +48,7 @@ double margin_by(Layout layout, Unwrapping way) {
 }
 
 Unwrapping safest(const Layout& layout) {
-  // A modulation of 40 grey levels, a noise of sigma_w^2 = 1.6.
+  // For a modulation of 40 grey levels and noise of sigma_w^2 = 1.6.
   constexpr double enough = 6 * 1.26 / 40;
   Unwrapping best = Unwrapping::likelihood;
   double best_margin = 0;
@@ -64,7 +64,8 @@ Unwrapping safest(const Layout& layout) {
 void require_count(std::string_view name, const std::vector<double>& periods, std::size_t least,
                    std::size_t most) {
   if (periods.size() >= least && periods.size() <= most) return;
-  throw Error(fmt::format("{}: {} periods are given; {} to {}", name, periods.size(), least, most));
+  throw Error(
+      fmt::format("{}: {} periods given; expected {} to {}", name, periods.size(), least, most));
 }
 
 constexpr int micro_steps = 3;
@@ -103,7 +104,7 @@ void require_valid(const Sinusoid& sinusoid, const char* name) {
            "{}: {} steps are out of range; a sinusoid takes 3 to {}", name, sinusoid.steps,
            most_steps);
   throw_if(!std::isfinite(sinusoid.frequency) || sinusoid.frequency <= 0,
-           "{}: frequency {} is out of range; it is a positive number of periods", name,
+           "{}: frequency {} is out of range; expected a positive number of periods", name,
            sinusoid.frequency);
 }
 
@@ -137,13 +138,13 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
     }
   }
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(made);
-  throw_if(solver.rank() < made.cols(), "{}: {} frames do not tell {} sinusoids apart", name,
-           frames, count);
+  throw_if(solver.rank() < made.cols(), "{}: {} frames cannot separate {} sinusoids", name, frames,
+           count);
   const Eigen::MatrixXd weights = solver.pseudoInverse();
   const auto row = [&](Eigen::Index i) {
     std::vector<double> values(frames);
     for (std::size_t n = 0; n < frames; ++n) {
-      constexpr double fine = 1e12;  // so that 1 is 1, and not next to it
+      constexpr double fine = 1e12;  // rounds 0.999... to exactly 1
       values[n] = std::round(fine * weights(i, static_cast<Eigen::Index>(n))) / fine;
     }
     return values;
@@ -171,13 +172,12 @@ void DualFrequency::require_valid() const {
   slipstream::require_valid(runs()[0], "dual-frequency, high");
   slipstream::require_valid(runs()[1], "dual-frequency, low");
   throw_if(low > 1,
-           "dual-frequency: low frequency {} is out of range; at most 1 period covers the field",
+           "dual-frequency: low frequency {} is out of range; at most 1 period across the field",
            low);
   const double ratio = high / low;
-  throw_if(
-      ratio < 1 || std::abs(ratio - std::round(ratio)) > 1e-9,
-      "dual-frequency: high frequency {} does not fit; it is a whole multiple of the low one, {}",
-      high, low);
+  throw_if(ratio < 1 || std::abs(ratio - std::round(ratio)) > 1e-9,
+           "dual-frequency: high frequency {} must be a whole multiple of the low one, {}", high,
+           low);
 }
 
 std::vector<Sinusoid> MultiFrequency::runs() const {
@@ -191,11 +191,12 @@ std::vector<Sinusoid> MultiFrequency::runs() const {
 void MultiFrequency::require_valid() const {
   require_count(name, periods, 1, 8);
   throw_if(steps.size() != 1 && steps.size() != periods.size(),
-           "multi-frequency: {} steps for {} periods; one for all, or one for each", steps.size(),
-           periods.size());
+           "multi-frequency: {} steps for {} periods; expected one for all, or one for each",
+           steps.size(), periods.size());
   for (const Sinusoid& run : runs()) slipstream::require_valid(run, "multi-frequency");
   throw_if(!unwrapping.empty() && band_unwrapping_named(unwrapping) == nullptr,
-           "multi-frequency: unwrapping '{}' is none of hierarchical, heterodyne, number-theory",
+           "multi-frequency: unwrapping '{}' is unknown; expected hierarchical, heterodyne or "
+           "number-theory",
            unwrapping);
 }
 
@@ -212,7 +213,7 @@ void MicroPhaseShifting::require_valid() const {
 }
 
 double MicroPhaseShifting::shape(int n, double y) const {
-  const int after = std::max(n - micro_steps + 1, 0);  // which of the periods
+  const int after = std::max(n - micro_steps + 1, 0);  // index of the period
   const Sinusoid shown{micro_steps, periods[static_cast<std::size_t>(after)], shifts};
   return sinusoid_intensity(shown, after > 0 ? 0 : n, y);
 }
@@ -283,7 +284,7 @@ std::vector<ShownSinusoid> TwoFrequency2N::sinusoids() const {
   const double N = steps;
   std::vector<double> high, low;
   for (int n = 0; n < 2 * steps; ++n) {
-    const double moved = n < N ? n / N : (n - N) / (N * N);  // in parts of the long period
+    const double moved = n < N ? n / N : (n - N) / (N * N);  // as a fraction of the long period
     low.push_back(360 * moved);
     high.push_back(360 * N * moved);
   }

@@ -15,7 +15,7 @@ int whole(double number) {
   return static_cast<int>(number);
 }
 
-/// Calls `visit` with every coding of the registry at its default settings.
+/// Calls `visit` with every registered coding at its default settings.
 template <class Visit>
 void for_each_coding(const Visit& visit) {
   [&]<std::size_t... I>(std::index_sequence<I...>) {
@@ -33,7 +33,7 @@ std::string setting_names(const Coding& coding) {
   return names;
 }
 
-/// Throws Error, naming the setting, where the value is none of its kind.
+/// Throws Error with the setting's name if the value has the wrong type.
 template <class Value>
 void set(Value& target, const std::string& name, const SettingValue& value) {
   try {
@@ -75,7 +75,7 @@ void SettingValue::read(std::vector<double>& values) const {
   values = numbers_in<double>(text_, ',');
   const bool finite = std::all_of(values.begin(), values.end(),
                                   [](double number) { return std::isfinite(number); });
-  throw_if(values.empty() || !finite, "'{}' is no number, nor numbers with commas between", text_);
+  throw_if(values.empty() || !finite, "'{}' is not a number or comma-separated numbers", text_);
 }
 
 void SettingValue::read(std::vector<int>& values) const {
@@ -88,7 +88,7 @@ void SettingValue::read(std::vector<int>& values) const {
 double SettingValue::number() const {
   std::vector<double> numbers;
   read(numbers);
-  throw_if(numbers.size() != 1, "'{}' is not one number", text_);
+  throw_if(numbers.size() != 1, "'{}' is not a single number", text_);
   return numbers.front();
 }
 
@@ -214,7 +214,8 @@ Strategy strategy_labelled(std::string_view label) {
     rest.remove_prefix(setting.size());
     const std::string_view word = setting.substr(0, setting.find(' '));
     throw_if(word.empty() || word.size() + 1 >= setting.size(),
-             "'{}' in '{}' is no setting; give a name and a value, as steps 4", setting, label);
+             "'{}' in '{}' is not a setting; expected a name and a value, e.g. steps 4", setting,
+             label);
     settings[std::string(word)] = std::string(setting.substr(word.size() + 1));
   }
   return make_strategy(name, settings);
@@ -268,7 +269,7 @@ Strategy make_strategy(std::string_view name, const StrategySettings& settings) 
   for_each_coding([&](const auto& coding) {
     if (coding.name == name) made = configured(coding, settings);
   });
-  throw_if(!made, "strategy '{}' is not known; it is one of: {}{}", name,
+  throw_if(!made, "strategy '{}' is unknown; expected one of: {}{}", name,
            fmt::join(strategy_names(), ", "), did_you_mean(name, strategy_names()));
   return *made;
 }

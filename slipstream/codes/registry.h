@@ -9,8 +9,7 @@
 
 namespace slipstream {
 
-/// A strategy's setting as text: a number, numbers with commas between, a word, or "true" and
-/// "false".
+/// A strategy's setting as text: a number, comma-separated numbers, a word, "true" or "false".
 class SettingValue {
  public:
   SettingValue() = default;
@@ -26,10 +25,10 @@ class SettingValue {
       : SettingValue(std::vector<double>(numbers.begin(), numbers.end())) {}
 
   [[nodiscard]] const std::string& text() const { return text_; }
-  /// Of a single one. Throws Error where it is none.
+  /// A single number. Throws Error if it is anything else.
   [[nodiscard]] double number() const;
 
-  // As what a coding's struct holds; each throws Error where the text is no such thing.
+  // Convert to the type of a coding's member; each throws Error if the text does not fit.
   void read(double& value) const { value = number(); }
   void read(int& value) const;
   void read(bool& value) const;
@@ -45,11 +44,11 @@ class SettingValue {
   std::string text_;
 };
 
-/// Settings of a strategy by the names that struct, scan.yaml and command line share.
+/// Settings of a strategy, by the names that struct, scan.yaml and command line share.
 using StrategySettings = std::map<std::string, SettingValue>;
 
-/// A coding's settings by for_each_setting: see Strategy. Leaves out what is empty, and zero or
-/// false by default.
+/// A coding's settings from for_each_setting: see Strategy. Omits empty ones, and zero or false if
+/// that is the default.
 template <class Coding>
 StrategySettings settings_from(const Coding& coding) {
   const auto all = [](const Coding& of) {
@@ -74,36 +73,36 @@ StrategySettings settings_from(const Coding& coding) {
   return settings;
 }
 
-/// What is shown to measure, and what the frames then hold: a name, settings, a shape and a layout.
-/// All that decodes, predicts, calibrates or simulates reads these and asks for no name.
+/// A strategy: name, settings, pattern shape and layout of the frames. All code that decodes,
+/// predicts, calibrates or simulates reads these and never depends on the name.
 ///
-/// It is made of a struct that declares a coding: PhaseMeasuring and its neighbours in this folder,
-/// or one of your own. Such a struct has
+/// It is made from a struct that declares a coding: PhaseMeasuring and others in this folder, or
+/// your own. Such a struct has
 ///   static constexpr std::string_view name
 ///   static void for_each_setting(auto& self, const auto& visit)
-///     which calls visit(name, words of help, member) for each setting: an int, a double, a bool,
+///     which calls visit(name, help text, member) for each setting: an int, a double, a bool,
 ///     a string, a vector of numbers or a std::optional of one of these;
-///   void require_valid() const, which throws Error for settings outside their ranges;
+///   void require_valid() const, which throws Error for settings out of range;
 ///   double shape(int n, double y) const, the intensity of pattern n, in [0, 1], at the projector
 ///     coordinate y in [0, 1];
 ///   Layout layout() const;
 /// or instead of the shape
-///   std::vector<Sinusoid> runs() const, shown one after the other; frames of the layout's code
-///     need neither;
+///   std::vector<Sinusoid> runs() const, shown in sequence; frames of the layout's code need
+///     neither;
 /// or instead of both
-///   std::vector<ShownSinusoid> sinusoids() const, which frames show together and phases are taken
-///     from by fitted_bands, unwrapped hierarchically where there are several.
-/// One whose frames hold several things at once has a layout of the frames that are taken out of
-/// them, and beside it
+///   std::vector<ShownSinusoid> sinusoids() const, which frames show together; fitted_bands
+///     separates them, and several are unwrapped hierarchically.
+/// A coding whose frames multiplex several patterns has the layout of the frames extracted from
+/// them, and also
 ///   Demodulation demodulation() const, and
-///   double read_shape(int n, double y) const, what would show frame n of those.
-/// One whose Demodulation has a grid needs neither shapes nor layout.
-/// A value; copies share nothing that changes.
+///   double read_shape(int n, double y) const, the pattern of extracted frame n.
+/// A coding whose Demodulation has a grid requires neither shapes nor layout.
+/// A value type; copies share no mutable state.
 class Strategy {
  public:
-  /// PMP of three steps and one period.
+  /// Three-step PMP of one period.
   Strategy();
-  /// Throws Error where the struct's settings or its layout are not valid.
+  /// Throws Error if the struct's settings or its layout are invalid.
   template <class Coding>
   requires requires(const Coding& coding) { coding.require_valid(); }
   Strategy(const Coding& coding)  // NOLINT(google-explicit-constructor)
@@ -133,29 +132,29 @@ class Strategy {
   }
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Those that make_strategy needs to give the same strategy again.
+  /// The settings that make_strategy requires to make the same strategy again.
   [[nodiscard]] const StrategySettings& settings() const { return settings_; }
-  /// Of the frames that are read: those shown, or those that demodulation makes of them.
+  /// Layout of the decoded frames: the displayed ones, or those that demodulation extracts.
   [[nodiscard]] const Layout& layout() const { return layout_; }
   operator const Layout&() const { return layout_; }  // NOLINT(google-explicit-constructor)
-  /// How frames that are shown become those that are read; none where they are the same.
+  /// How displayed frames become the decoded ones; nullopt if they are the same.
   [[nodiscard]] std::optional<Demodulation> demodulation() const {
     return read_ ? std::nullopt : demodulation_;
   }
-  /// What would show the frames that are read; the same where these are what is shown.
+  /// The strategy whose displayed frames are the decoded ones; unchanged without demodulation.
   [[nodiscard]] Strategy read_as() const;
-  /// Whether it is, or is read as, one whose frames are taken apart by their spectra.
+  /// Whether frames are, or were, separated by their spectra.
   [[nodiscard]] bool is_spectral() const { return demodulation_.has_value(); }
   /// Intensity of pattern n, in [0, 1], at projector coordinate y in [0, 1]; see PatternShape.
   [[nodiscard]] double shape(int n, double y, double across = 0) const {
     return shape_(n, y, across);
   }
 
-  /// The same patterns, shown over and over, `extra` frames more than a cycle from `first` on: see
+  /// The same patterns, repeated: a cycle and `extra` frames, starting with pattern `first`; see
   /// motion_window.
   [[nodiscard]] Strategy in_motion(int extra, int first = 0) const;
 
-  /// Of name, settings, layout and demodulation.
+  /// Compares name, settings, layout and demodulation.
   friend bool operator==(const Strategy& a, const Strategy& b) {
     return a.name_ == b.name_ && a.settings_ == b.settings_ && a.layout_ == b.layout_ &&
            a.demodulation_ == b.demodulation_ && a.read_ == b.read_;
@@ -171,69 +170,69 @@ class Strategy {
   Layout layout_;
   PatternShape shape_;
   std::optional<Demodulation> demodulation_;
-  PatternShape read_shape_;  ///< where there is a demodulation
-  bool read_ = false;        ///< whether that is done
+  PatternShape read_shape_;  ///< with a demodulation only
+  bool read_ = false;        ///< whether demodulation is already done
 };
 
 /// Frames of one scan.
 int frame_count(const Strategy& strategy);
-/// See the functions of the same names of a Layout.
+/// See the same functions for a Layout.
 inline bool has_coordinate(const Strategy& strategy) {
   return has_coordinate(strategy.layout());
 }
 double carrier_periods(const Strategy& strategy);
 
-/// Throws Error if that projector cannot show it: less than two pixels a period along the axis or,
-/// of a carrier, across it; less than one a stripe of a code.
+/// Throws Error if the projector cannot resolve it: less than two pixels a period along the axis
+/// or, for a carrier, across it; less than one pixel per stripe of a code.
 void require_resolved(const Strategy& strategy, Axis axis, Size projector);
 
-/// What the projector shows.
+/// The patterns to display.
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light = {});
 
-/// The registry: every coding that can be asked for by its name. A new one is added here.
+/// The registry: every coding available by name. Add new ones here.
 using KnownCodings =
     std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing, MultiFrequency, GrayCode,
                  GrayPhase, ExclusiveOrGray, TwoPlusOne, FastThreeStep, DoubleThreeStep,
                  TwoFrequency2N, TwoFrequency4N, MicroPhaseShifting, ModulatedPhaseShifting,
                  PeriodCoded, FourierProfilometry, CompositePattern, DeBruijn, SymbolArray>;
 
-/// What is shown where nobody says what.
+/// The default strategy.
 inline Strategy default_strategy() {
   return DualFrequency{};
 }
 
-/// What people show most, for a choice; all of it gives a projector coordinate.
+/// The most common strategies, to choose from; all give a projector coordinate.
 std::vector<Strategy> usual_strategies();
 
 /// Name and settings in a line: "dual-frequency, high 16, low 1, steps 3".
 std::string label_of(const Strategy& strategy);
 
-/// The strategy of such a line; other settings are default. Throws as make_strategy, and for a
-/// setting without a value.
+/// Parses such a line; other settings are default. Throws like make_strategy, and for a setting
+/// without a value.
 Strategy strategy_labelled(std::string_view label);
 
-/// One of each kind and size that is worth knowing apart, of the fewest frames first.
+/// Representative strategies of each kind and size, fewest frames first.
 std::vector<Strategy> strategies_to_compare();
 
-/// A setting as the command line offers it.
+/// A setting for the command line.
 struct SettingDescription {
   std::string name;
-  std::string help;        ///< what it means, in a few words
-  std::string strategies;  ///< which have it, with its default: "pmp 4, dual-frequency 3"
+  std::string help;        ///< a short description
+  std::string strategies;  ///< which have it, with defaults: "pmp 4, dual-frequency 3"
   bool is_switch = false;  ///< on or off
-  bool is_word = false;    ///< else a number, or numbers with commas between
+  bool is_word = false;    ///< otherwise a number, or comma-separated numbers
 };
 
 /// Names of all strategies, in the order of the registry.
 std::vector<std::string_view> strategy_names();
 
-/// Names of those that give a projector coordinate with their default settings.
+/// Names of the strategies that give a projector coordinate with default settings.
 std::vector<std::string_view> names_with_coordinate();
 
-/// Every setting that some strategy has, once.
+/// Every setting of any strategy, once.
 std::vector<SettingDescription> strategy_settings();
 
-/// The strategy of that name; other settings are default. Throws Error for an unknown name or
+/// The strategy called `name`; other settings are default. Throws Error for an unknown name or
 /// setting, or a value out of range.
 Strategy make_strategy(std::string_view name, const StrategySettings& settings);
 

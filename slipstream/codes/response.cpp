@@ -8,7 +8,7 @@
 namespace slipstream {
 namespace {
 
-/// The nearest rising sequence, least squares: neighbours in the wrong order share their mean.
+/// The least-squares nearest rising sequence: neighbours out of order share their mean.
 std::vector<double> nearest_rising(const std::vector<double>& sequence) {
   struct Run {
     double mean;
@@ -33,8 +33,8 @@ std::vector<double> nearest_rising(const std::vector<double>& sequence) {
   return rising;
 }
 
-/// Slopes of the monotone cubic through the points (Fritsch and Butland: a weighted harmonic mean
-/// of the chords at either side, 0 where one of them is flat).
+/// Slopes of the monotone cubic through the points (Fritsch and Butland: weighted harmonic mean of
+/// the chords on both sides, 0 where one of them is flat).
 std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vector<double>& y) {
   const std::size_t last = x.size() - 1;
   const auto width = [&](std::size_t i) { return x[i + 1] - x[i]; };
@@ -46,7 +46,7 @@ std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vec
     const double a = 2 * width(i) + width(i - 1), b = width(i) + 2 * width(i - 1);
     slopes[i] = (a + b) / (a / left + b / right);
   }
-  // At the ends the parabola through three points, held where it would overshoot.
+  // At the ends, the parabola through three points, clamped so that it does not overshoot.
   const auto end_slope = [](double near, double next, double near_width, double next_width) {
     const double slope =
         ((2 * near_width + next_width) * near - near_width * next) / (near_width + next_width);
@@ -90,13 +90,14 @@ void require_gamma(double gamma, std::string_view what) {
 }
 
 ResponseCurve response_curve(std::span<const double> values, std::span<const double> intensities) {
-  throw_if(values.size() < 3 || values.size() != intensities.size(),
-           "response curve: {} values with {} intensities; at least 3 and as many of each",
-           values.size(), intensities.size());
+  throw_if(
+      values.size() < 3 || values.size() != intensities.size(),
+      "response curve: {} values with {} intensities; expected at least 3, one intensity for each",
+      values.size(), intensities.size());
   const auto finite = [](double number) { return std::isfinite(number); };
   throw_if(!std::all_of(values.begin(), values.end(), finite) ||
                !std::all_of(intensities.begin(), intensities.end(), finite),
-           "response curve: a number in it is not finite");
+           "response curve: all numbers must be finite");
   std::vector<std::pair<double, double>> points;
   for (std::size_t i = 0; i < values.size(); ++i) points.emplace_back(values[i], intensities[i]);
   std::sort(points.begin(), points.end());
@@ -106,13 +107,12 @@ ResponseCurve response_curve(std::span<const double> values, std::span<const dou
     light.push_back(intensity);
   }
   throw_if(x.front() != 0 || x.back() != 1,
-           "response curve: its values go from {} to {}; 0 to 1 is wanted", x.front(), x.back());
+           "response curve: values go from {} to {}; expected 0 to 1", x.front(), x.back());
   const auto twice = std::adjacent_find(x.begin(), x.end());
-  if (twice != x.end())
-    throw Error(fmt::format("response curve: value {} stands in it twice", *twice));
+  if (twice != x.end()) throw Error(fmt::format("response curve: value {} occurs twice", *twice));
   light = nearest_rising(light);
   const double dark = light.front(), span = light.back() - dark;
-  throw_if(!(span > 0), "response curve: the intensity does not rise with the pattern's value");
+  throw_if(!(span > 0), "response curve: the intensity does not rise with the pattern value");
   for (double& intensity : light) intensity = (intensity - dark) / span;
   std::vector<double> slopes = monotone_slopes(x, light);
   return {std::move(x), std::move(light), std::move(slopes)};

@@ -9,13 +9,14 @@ namespace {
 
 constexpr std::string_view both = "both";
 
-/// What is said in projector pixels, in parts of the field.
+/// Converts lengths in projector pixels to periods and stripes across the field.
 void add_settings_in_pixels(const SequenceChanges& changes, int length,
                             StrategySettings& settings) {
   if (!changes.period_pixels && !changes.stripe_pixels) return;
-  throw_if(length == 0, "lengths in projector pixels need its size: --projector 1920x1080");
+  throw_if(length == 0,
+           "lengths in projector pixels require the projector size, e.g. --projector 1920x1080");
   const auto across_field = [length](double pixels) {
-    throw_if(!(pixels > 0), "{} projector pixels are no length", pixels);
+    throw_if(!(pixels > 0), "a length of {} projector pixels is out of range; above 0", pixels);
     return length / pixels;
   };
   if (changes.stripe_pixels) settings["stripes"] = across_field(*changes.stripe_pixels);
@@ -38,8 +39,8 @@ std::string_view axes_of(const Sequence& sequence) {
 }
 
 void set_axes(Sequence& sequence, std::string_view axes) {
-  throw_if(axes != both && axes != "x" && axes != "y", "axis '{}' is not known; it is x, y or both",
-           axes);
+  throw_if(axes != both && axes != "x" && axes != "y",
+           "axis '{}' is unknown; expected x, y or both", axes);
   sequence.both_axes = axes == both;
   sequence.axis = sequence.both_axes ? Axis::x : axis_named(axes);
 }
@@ -84,23 +85,23 @@ void require_mergeable(const Sequence& sequence) {
   const bool positive = std::all_of(exposures.begin(), exposures.end(),
                                     [](double t) { return t > 0 && std::isfinite(t); });
   throw_if(exposures.empty() || exposures.size() > most || !positive,
-           "exposures {} are out of range; 1 to {} numbers above 0", fmt::join(exposures, ", "),
-           most);
+           "exposures {} are out of range; expected 1 to {} numbers above 0",
+           fmt::join(exposures, ", "), most);
   if (sequence.motion != 0) {
-    throw_if(
-        exposures.size() > 1 || sequence.both_axes || sequence.marker,
-        "frames of things that move come at one pace from one cycle: without several exposures, "
-        "both axes or a marker");
+    throw_if(exposures.size() > 1 || sequence.both_axes || sequence.marker,
+             "motion compensation does not support several exposures, both axes or a marker");
     motion_window(sequence.strategy.layout(), sequence.motion);
   }
-  throw_if(sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0),
-           "{} is read from the surroundings in each frame: of one exposure, and "
-           "without frames of motion",
-           sequence.strategy.name());
-  throw_if(exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout()),
-           "{} of {} frames takes one exposure: its cue is read from the ambient "
-           "light, which merged frames do not hold alike",
-           sequence.strategy.name(), frame_count(sequence.strategy));
+  throw_if(
+      sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0),
+      "{} does not support several exposures or motion compensation: each frame is decoded on its "
+      "own",
+      sequence.strategy.name());
+  throw_if(
+      exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout()),
+      "{} with {} frames supports only one exposure: its cue requires the ambient light, which "
+      "varies in merged frames",
+      sequence.strategy.name(), frame_count(sequence.strategy));
 }
 
 std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
@@ -112,7 +113,7 @@ std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
 void require_in_colour(const Sequence& sequence, const std::string& asked) {
   if (frame_count(sequence) % 3 == 0 && !sequence.marker) return;
   throw Error(fmt::format(
-      "{}: {} has {} frames{}; in colour three each make a picture, without a marker", asked,
+      "{}: {} has {} frames{}; colour pictures require a multiple of 3, without a marker", asked,
       sequence.strategy.name(), frame_count(sequence), sequence.marker ? " and a marker" : ""));
 }
 
@@ -137,7 +138,7 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   sequence.projector = changes.projector.value_or(sequence.projector);
   add_settings_in_pixels(changes, length_along(sequence.axis, sequence.projector), settings);
   sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);
-  // Frames that were taken apart stay so.
+  // Frames already demodulated stay so.
   const bool read = known.strategy.is_spectral() && !known.strategy.demodulation();
   if (read && !replaced) sequence.strategy = sequence.strategy.read_as();
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);

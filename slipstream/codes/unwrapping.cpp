@@ -19,12 +19,12 @@ PhaseSum band_alone(const Layout& layout, std::size_t band) {
   return sum;
 }
 
-/// Variance of the band's phase where a share of 1 has a modulation of B = 1, frames one of 1.
+/// Variance of the band's phase for B = 1 at a share of 1 and frame noise of variance 1.
 double phase_noise(const Band& band) {
   return component_noise(band) / (band.share * band.share);
 }
 
-/// How far noise must carry C + i S to turn it by `angle`, in standard deviations, squared.
+/// Squared distance, in standard deviations, that noise must move C + i S to turn it by `angle`.
 double turn(double angle, double phase_noise) {
   const double distance = std::sin(std::min(std::abs(angle), pi / 2));
   return distance * distance / phase_noise;
@@ -46,8 +46,8 @@ double margin(const Layout& layout, const PhaseSum& coarse, const PhaseSum& fine
   return std::sqrt(square);
 }
 
-/// All sums of factors from -2 to 2, at most four bands counted, from few periods to many up to
-/// those of the measuring band, which is the last.
+/// All sums with factors from -2 to 2 and at most four bands counted, from fewest periods up to the
+/// measuring band, which is last.
 std::vector<PhaseSum> beats(const Layout& layout) {
   constexpr int most_factor = 2, most_bands = 4;
   constexpr double least_periods = 0.02;
@@ -81,8 +81,8 @@ bool is_whole(double ratio) {
   return std::abs(ratio - std::round(ratio)) <= chain_rounding;
 }
 
-/// Of all chains from at most one period to the measuring band that whose worst step is surest;
-/// empty where there is none. `circle_of`: of sums alone that repeat as that one does.
+/// The chain from at most one period to the measuring band whose worst step has the largest margin;
+/// an empty one if impossible. `circle_of`: uses only sums that repeat with these periods.
 std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> sums,
                                    std::optional<double> circle_of) {
   const auto repeats = [&](const PhaseSum& sum) {
@@ -130,7 +130,7 @@ double nearest_of(const std::vector<WrongOrder>& wrong) {
   return nearest;
 }
 
-/// One that is a circle does not mind the field's ends; it may be somewhat less sure for that.
+/// A cyclic chain is unaffected by the field's ends, so it may have a somewhat lower margin.
 std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   constexpr double worth = 0.7;
   const auto surest_of = [&](const std::vector<PhaseSum>& chain) {
@@ -148,7 +148,7 @@ std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   return !circle.empty() && surest_of(circle) >= worth * surest_of(any) ? circle : any;
 }
 
-/// At coordinates of the same measuring phase: half way to what fits all bands best there.
+/// For coordinates with the same measuring phase: half way to the best fit of all bands there.
 std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
   const double f_h = measuring_band(layout).periods;
   std::vector<WrongOrder> wrong;
@@ -170,7 +170,7 @@ std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
   return wrong;
 }
 
-/// By all frames, which have one mean and modulation.
+/// From all frames, which share one mean and modulation.
 double single_frames_variance(const Layout& layout) {
   constexpr int places = 509;
   const Band& band = layout.bands.front();
@@ -214,20 +214,21 @@ std::string periods_text(const Layout& layout) {
 }
 
 void require_hierarchy(const Layout& layout, std::string_view name) {
-  throw_if(fewest_periods(layout) > 1,
-           "{}: no band has at most 1 period, from which the others are unwrapped", name);
+  throw_if(fewest_periods(layout) > 1, "{}: no band has at most 1 period to unwrap the others from",
+           name);
 }
 
 void require_beats(const Layout& layout, std::string_view name) {
-  throw_if(chain_of_beats(layout).empty(), "{}: no sum or difference of {} periods has at most 1",
-           name, periods_text(layout));
+  throw_if(chain_of_beats(layout).empty(),
+           "{}: no sum or difference of {} periods has at most 1 period", name,
+           periods_text(layout));
 }
 
 [[noreturn]] void refuse_repeating(const Layout& layout, std::string_view name) {
-  throw Error(
-      fmt::format("{}: {} periods repeat within the field; in projector pixels the lengths of "
-                  "the periods must have no common multiple below that of the field",
-                  name, periods_text(layout)));
+  throw Error(fmt::format(
+      "{}: {} periods repeat within the field; their lengths in projector pixels must have no "
+      "common multiple below the field's length",
+      name, periods_text(layout)));
 }
 
 void require_unlike(const Layout& layout, std::string_view name) {
@@ -236,7 +237,7 @@ void require_unlike(const Layout& layout, std::string_view name) {
 }
 
 void require_code(const Layout& layout, std::string_view name) {
-  throw_if(!layout.code, "{}: no code to unwrap by", name);
+  throw_if(!layout.code, "{}: there is no code to unwrap with", name);
   require_valid(*layout.code, layout.frames, name);
 }
 
@@ -247,7 +248,7 @@ void require_code_of_periods(const Layout& layout, std::string_view name) {
            "{}: a code of {} stripes is too short for {} periods", name, layout.code->stripes, f);
 }
 
-/// One band, and single frames of the scan, of at most so many periods.
+/// One band, and single frames of the scan with at most `most_periods` periods.
 bool has_single_frames(const Layout& layout, double most_periods) {
   return layout.bands.size() == 1 && !layout.single_frames.empty() &&
          std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
@@ -260,15 +261,15 @@ bool has_single_frames(const Layout& layout, double most_periods) {
 void require_surfaces(const Layout& layout, std::string_view name) {
   if (layout.bands.size() == 2 && layout.single_frames.empty()) return require_unlike(layout, name);
   if (has_single_frames(layout, 1) && layout.single_frames.size() >= 3) return;
-  throw Error(
-      fmt::format("{}: surfaces are told by two bands, or one and three frames or more of at "
-                  "most one period each",
-                  name));
+  throw Error(fmt::format(
+      "{}: unwrapping by surfaces requires two bands, or one and at least three single frames of "
+      "at most one period each",
+      name));
 }
 
 void require_single_frames(const Layout& layout, std::string_view name) {
   throw_if(!has_single_frames(layout, infinity) || !step_run(layout.bands.front()),
-           "{}: a run of steps and frames of one sinusoid each are wanted", name);
+           "{}: a run of steps and single frames of one sinusoid each are required", name);
   const double f = layout.bands.front().periods;
   for (int k = 1; k < f; ++k) {
     const bool repeats =
@@ -281,10 +282,10 @@ void require_single_frames(const Layout& layout, std::string_view name) {
 void require_cue(const Layout& layout, std::string_view name) {
   if (layout.cue) {
     require_valid(*layout.cue, layout.frames, name);
-    throw_if(layout.bands.size() != 1, "{}: a cue with {} bands; it takes one", name,
+    throw_if(layout.bands.size() != 1, "{}: a cue with {} bands; it requires one", name,
              layout.bands.size());
   } else if (layout.bands.size() != 2 || layout.bands[1].periods != 1) {
-    throw Error(fmt::format("{}: no cue, and no second band of 1 period, to vote with", name));
+    throw Error(fmt::format("{}: voting requires a cue or a second band of 1 period", name));
   }
   const double f_h = layout.bands[0].periods;
   throw_if(f_h != std::floor(f_h), "{}: {} periods are not a whole number", name, f_h);

@@ -11,7 +11,7 @@
 namespace slipstream {
 namespace {
 
-/// In [0, 2 pi).
+/// Phase of the sum, [0, 2 pi).
 double phase_of(const PhaseSum& sum, std::span<const double> phases) {
   double phi = 0;
   for (std::size_t i = 0; i < phases.size(); ++i) phi += sum.of[i] * phases[i];
@@ -98,7 +98,7 @@ PixelCoordinate BandUnwrapper::likeliest(std::span<const double> phases,
   for (int k = -1; k <= f_h; ++k) {
     const double y = unwrapped_coordinate(phases[measuring_], k, f_h);
     if (y < first || y >= first + 1) continue;
-    // What is left by the coordinate of this order that fits all bands best.
+    // Residual at the coordinate of this order that fits all bands best.
     double square = 0, along = 0, length = 0;
     for (std::size_t i = 0; i < phases.size(); ++i) {
       const double apart = residual(i, y), f = layout_.bands[i].periods;
@@ -123,7 +123,7 @@ PixelCoordinate BandUnwrapper::likeliest(std::span<const double> phases,
 PixelCoordinate BandUnwrapper::by_code(const PixelReading& reading) const {
   const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities);
   const double y = (stripe + 0.5) / layout_.code->stripes;
-  // Stripes begin between two pixels, whose centres are at whole numbers.
+  // Stripes start half way between pixel centres, which are at integers.
   if (layout_.unwrapping->whole_stripes) {
     return {y - 0.5 / projector_length_, 0, contrast};
   }
@@ -136,7 +136,7 @@ PixelCoordinate BandUnwrapper::by_code(const PixelReading& reading) const {
 
 PixelCoordinate BandUnwrapper::by_single_frames(double phi, std::span<const double> I) const {
   const double f = layout_.bands.front().periods, first = -0.5 / projector_length_;
-  // The waves at the first place, and what they turn by from each place to the next.
+  // The waves at the first candidate, and their rotation from each candidate to the next.
   const auto count = static_cast<double>(I.size());
   const double begin = unwrapped_coordinate(phi, -1, f);
   std::vector<std::complex<double>> wave(I.size()), turn(I.size());
@@ -160,7 +160,7 @@ PixelCoordinate BandUnwrapper::by_single_frames(double phi, std::span<const doub
     }
     const double y = unwrapped_coordinate(phi, k, f);
     if (y < first || y >= first + 1) continue;
-    // What a line through the points (shown, seen) leaves; a falling one explains nothing.
+    // Residual of a line through the points (shown, seen); a falling line explains nothing.
     const double covariance = std::max(sI - s * sum / count, 0.0);
     const double misfit = variation - covariance * covariance / (ss - s * s / count);
     if (misfit < least) {
@@ -180,7 +180,7 @@ double BandUnwrapper::refined(double y, std::span<const double> I) const {
   const double most = 0.25 / layout_.bands.front().periods;
   const double from = y;
   for (int step = 0; step < steps; ++step) {
-    // I = A + B cos(a) and its change with y, -2 pi f B sin(a).
+    // I = A + B cos(a) and its derivative in y, -2 pi f B sin(a).
     Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
     Eigen::Vector2d sums = Eigen::Vector2d::Zero();
     for (std::size_t n = 0; n < I.size(); ++n) {

@@ -4,13 +4,13 @@
 
 namespace slipstream {
 
-/// Fringe order k of Liu 2010, Eq. (1.17): the periods to add to `wrapped_phase` (rad, [0, 2 pi),
-/// `frequency` periods across the field) to come nearest to `coarse_coordinate`, the coordinate by
-/// a lower frequency. Not limited to the field: see coordinate_in_field.
+/// Fringe order k, Liu 2010, Eq. (1.17): the periods to add to `wrapped_phase` (rad, [0, 2 pi),
+/// `frequency` periods across the field) to come nearest to `coarse_coordinate`, the coordinate
+/// from a lower frequency. Not limited to the field: see coordinate_in_field.
 int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate);
 
-/// Distance, in periods of `frequency`, of the coarse coordinate from that of this fringe order:
-/// [-0.5, 0.5], near 0 where the frequencies agree; at either end another order is as likely.
+/// Distance, in periods of `frequency`, of the coarse coordinate from the one with this fringe
+/// order: [-0.5, 0.5], near 0 if the frequencies agree; at either end another order is as likely.
 double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
                              int fringe_order);
 
@@ -19,11 +19,11 @@ double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequ
 
 /// Brings a coordinate known up to whole multiples of `period` (>= 1, in fields) into the field:
 /// -0.5 / projector_length to 1 - 0.5 / projector_length, as pixel centres are at integers. The
-/// circle is cut in the middle of its unlit part, so that noise at one end of the field stays
-/// there, up to half a pixel and half the unlit part.
+/// circle is cut in the middle of its unlit part, so that noise at one end of the field stays at
+/// that end, up to half a pixel and half the unlit part.
 double coordinate_in_field(double coordinate, double period, int projector_length);
 
-/// The projector coordinate of one pixel by every unwrapping that asks no other pixel.
+/// The projector coordinate of one pixel, for all unwrapping methods that use no other pixel.
 class BandUnwrapper {
  public:
   /// `projector_length`: projector pixels along the axis.
@@ -41,12 +41,12 @@ class BandUnwrapper {
   [[nodiscard]] PixelCoordinate likeliest(std::span<const double> phases,
                                           std::span<const double> modulations) const;
   [[nodiscard]] PixelCoordinate by_code(const PixelReading& reading) const;
-  /// The place with the band's phase where one mean and modulation fit all frames best, refined.
+  /// The position with the band's phase where one mean and modulation fit all frames best, refined.
   [[nodiscard]] PixelCoordinate by_single_frames(double phi,
                                                  std::span<const double> intensities) const;
-  /// By Gauss and Newton, from a place within a part of a period.
+  /// Gauss-Newton refinement from a starting point within a fraction of a period.
   [[nodiscard]] double refined(double y, std::span<const double> intensities) const;
-  /// That of all bands, at the fringe orders next to y.
+  /// Weighted coordinate of all bands, at the fringe orders nearest to y.
   [[nodiscard]] double weighed(std::span<const double> phases, double y) const;
 
   Layout layout_;
@@ -55,8 +55,8 @@ class BandUnwrapper {
   std::vector<PhaseSum> chain_;
   bool circle_;
   std::vector<double> weights_;
-  std::vector<Wave> waves_;                                  ///< with single frames: of every frame
-  std::function<PixelCoordinate(const PixelReading&)> own_;  ///< of a way that is not slipstream's
+  std::vector<Wave> waves_;                                  ///< with single frames: one per frame
+  std::function<PixelCoordinate(const PixelReading&)> own_;  ///< for a custom method
 };
 
 }  // namespace slipstream

@@ -8,7 +8,7 @@
 namespace slipstream {
 namespace {
 
-/// Strength of a frequency on short lines, spread over a picture, under a Hann window.
+/// Power of a frequency along short lines spread over an image, with a Hann window.
 class Lines {
  public:
   /// `cycles`: per pixel along the lines.
@@ -29,7 +29,7 @@ class Lines {
     }
   }
 
-  /// How strong the frequency is.
+  /// Sum of squared amplitudes over the lines.
   [[nodiscard]] double power() const {
     double power = 0;
     for_each([&](int first, int line) { power += std::norm(sum(first, line)); });
@@ -60,7 +60,7 @@ class Lines {
   }
 
   [[nodiscard]] std::complex<double> sum(int first, int line) const {
-    constexpr std::size_t lanes = 8;  // sums beside each other are one of vectors
+    constexpr std::size_t lanes = 8;  // independent sums, for vectors
     std::array<float, lanes> cosines{}, sines{};
     const float* const from = along_rows_ ? picture_.row(line) + first : picture_.row(first) + line;
     const std::size_t count = cosine_.size();
@@ -83,7 +83,7 @@ class Lines {
 
   const Image<float>& picture_;
   bool along_rows_;
-  std::vector<float> cosine_, sine_;  ///< under the window
+  std::vector<float> cosine_, sine_;  ///< with the window applied
 };
 
 }  // namespace

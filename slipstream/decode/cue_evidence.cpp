@@ -24,7 +24,7 @@ std::string_view name_of(CueRule rule) {
 
 CueRule cue_rule_named(std::string_view name) {
   const auto rule = value_named<CueRule>(name, rule_names);
-  throw_if(!rule, "unwrapping '{}' is not known; it is published, likelihood or consensus", name);
+  throw_if(!rule, "unwrapping '{}' is unknown; expected published, likelihood or consensus", name);
   return *rule;
 }
 
@@ -63,7 +63,7 @@ bool CueEvidence::lit(const CuePixel& pixel) const {
 }
 
 double CueEvidence::least_modulation() const {
-  // Of the cue, in periods: under a uniform surface 0.3 % of the orders are wrong there.
+  // In periods of the cue: for a uniform surface 0.3 % of the orders are wrong at this noise.
   constexpr double deviation = 0.6;
   if (cost_.circle)
     return cost_.c1 / cost_.c2 * std::sqrt(cost_.component_variance) * f_h_ / (2 * pi * deviation);
@@ -98,7 +98,7 @@ double CueEvidence::doubt(const CuePixel& pixel, double y) const {
 double CueEvidence::cost(const CuePixel& pixel, double y) const {
   const double B = pixel.modulation;
   if (cost_.circle) {
-    // The vector of both modulations against its projection on the direction that y gives it.
+    // The vector of both modulations against its projection on the direction given by y.
     const double along = pixel.cue * std::cos(2 * pi * y) + pixel.cue_sine * std::sin(2 * pi * y);
     const double projection = std::max(0.0, cost_.c1 * B + cost_.c2 * along);
     const double square = B * B + pixel.cue * pixel.cue + pixel.cue_sine * pixel.cue_sine -
@@ -107,7 +107,7 @@ double CueEvidence::cost(const CuePixel& pixel, double y) const {
   }
   const double at = slope(y);
   const double difference = pixel.cue - cost_.constant_light - at * B;
-  // All reflectivities are as likely beforehand; the logarithm is what is left of them.
+  // With a uniform prior on reflectivity; the logarithm remains from integrating over it.
   const double spread = 1 + cost_.component_variance / cost_.cue_variance * at * at;
   return difference * difference / (cost_.cue_variance * spread) + std::log(spread);
 }
@@ -126,7 +126,7 @@ int CueEvidence::nearest_order(const CuePixel& pixel, int projector_length) cons
 }
 
 int CueEvidence::likeliest_order(const CuePixel& pixel, int projector_length) const {
-  // On the circle every order has the same noise: the nearest is the likeliest.
+  // On the circle all orders have the same noise: the nearest is the most likely.
   if (cost_.circle) return nearest_order(pixel, projector_length);
   const int last = static_cast<int>(f_h_);
   double least = std::numeric_limits<double>::infinity();

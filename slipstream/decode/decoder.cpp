@@ -7,7 +7,7 @@
 namespace slipstream {
 namespace {
 
-/// By the layout's rule; `grey_level`: one of 8 bits in those of the frames.
+/// By the layout's method; `grey_level`: one 8-bit grey level in units of the frames.
 UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const CueSettings& cue,
                        int projector_length, double grey_level) {
   if (!has_coordinate(layout)) return {};
@@ -21,13 +21,13 @@ UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const C
   }
 }
 
-/// Of a layout that votes the measuring one alone.
+/// All bands; only the measuring one if the layout votes.
 std::span<const Band> decoded_bands(const Layout& layout) {
   const bool votes = order_source(layout) == OrderSource::neighbours;
   return std::span(layout.bands).first(votes ? 1 : layout.bands.size());
 }
 
-/// The least modulation of all bands, the rest as the measuring band has it.
+/// The least modulation of all bands; the rest from the measuring band.
 BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
                           UnwrappedPhases unwrapped) {
   PhaseMaps& fine = bands[measuring];
@@ -73,7 +73,7 @@ BasicMaps<double> Decoder::operator()(const FrameViews& frames, double least_mod
 }
 
 LayoutPhases Decoder::demodulate(const FrameViews& frames) const {
-  throw_if(frames.count() != layout_.frames, "{} frames given; the patterns are {}", frames.count(),
+  throw_if(frames.count() != layout_.frames, "{} frames given; expected {}", frames.count(),
            layout_.frames);
   LayoutPhases phases;
   for (const Band& band : decoded_bands(layout_)) phases.bands.push_back(phase_(frames, band));

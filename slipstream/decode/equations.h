@@ -7,21 +7,21 @@
 
 namespace slipstream {
 
-/// What the N frames of one sinusoid say about one pixel.
+/// Decoded values of one pixel from the N frames of one sinusoid.
 struct PhaseSample {
   double mean = 0;           ///< A^c, grey levels
   double modulation = 0;     ///< B^c, grey levels, >= 0
   double wrapped_phase = 0;  ///< phi, rad, [0, 2 pi)
 };
 
-/// Liu 2010, Eqs. (1.3)-(1.7), as printed, in double, for N >= 3. Holds N sines and cosines.
+/// Liu 2010, Eqs. (1.3)-(1.7), as printed, in double, for N >= 3. Stores N sines and cosines.
 class PhaseEquations {
  public:
-  /// Throws Error when `steps` (N) is below 3.
+  /// Throws Error if `steps` (N) is below 3.
   explicit PhaseEquations(int steps);
 
-  /// `intensities`: I_0^c ... I_{N-1}^c of one pixel, grey levels. Saturated or unlit pixels give
-  /// some phase all the same: the modulation tells.
+  /// `intensities`: I_0^c ... I_{N-1}^c of one pixel, grey levels. Saturated or unlit pixels also
+  /// give a phase: check the modulation.
   [[nodiscard]] PhaseSample operator()(std::span<const double> intensities) const;
 
  private:
@@ -30,23 +30,23 @@ class PhaseEquations {
 };
 
 /// The angle of C + i S, [0, 2 pi): the arctangent of Eq. (1.7) with its quadrant. 0 for angles
-/// less than 1e-12 rad below 2 pi, so that rounding never carries a phase of zero around the
-/// circle, and without modulation (both below 1e-12 grey levels).
+/// less than 1e-12 rad below 2 pi, so that rounding never moves a phase of zero around the circle,
+/// and without modulation (both below 1e-12 grey levels).
 double wrapped_angle(double S, double C);
 
-/// The sum of two wrapped phases, in [0, 2 pi), as wrapped_angle has it.
+/// The sum of two wrapped phases, in [0, 2 pi), rounded as in wrapped_angle.
 inline double wrapped_sum(double a, double b) {
   return wrapped_angle(std::sin(a + b), std::cos(a + b));
 }
 
-/// Modulation and phase of 3, 4 or 6 frames from two integers, Liu 2010, Eqs. (2.1)-(2.18):
-/// U = sum u_n I_n and V = sum v_n I_n are all that B and phi depend on.
+/// Modulation and phase of 3, 4 or 6 frames from two integers, Liu 2010, Eqs. (2.1)-(2.18): B and
+/// phi depend only on U = sum u_n I_n and V = sum v_n I_n.
 struct ClosedForm {
   int steps;
   std::array<int, 6> u;
   std::array<int, 6> v;
   double divisor;      ///< of the modulation: 3, 2 or 6
-  double sine_square;  ///< weight of V^2 under the root: 3 or 1; its root weighs V in the phase
+  double sine_square;  ///< weight of V^2 under the root: 3 or 1; V's in the phase is its root
 
   /// B^c: Eqs. (2.4), (2.7), (2.10).
   [[nodiscard]] double modulation(double U, double V) const {
@@ -58,7 +58,7 @@ struct ClosedForm {
   }
 };
 
-/// The closed form for N = 3, 4 or 6; null for any other N, which has none.
+/// The closed form for N = 3, 4 or 6; null for any other N.
 const ClosedForm* closed_form(int steps);
 
 /// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), of integer or real intensities.
@@ -79,13 +79,13 @@ TableIndex<Number> table_index(const ClosedForm& form, std::span<const Pixel> I)
 }
 
 /// Reflectivity alpha of a pixel from the modulation B^c (grey levels) of N-step PMP: Liu 2010, Eq.
-/// (3.6). Of a sinusoid with a share c_1 of the modulation, Eq. (3.59), give c_1.
+/// (3.6). For a sinusoid with a share c_1 of the modulation, Eq. (3.59), pass c_1.
 constexpr double reflectivity(double modulation, double alpha_p, double share = 1) {
   return 2 * modulation / (alpha_p * share);
 }
 
-/// Ambient light beta (grey levels; negative where the camera takes an offset off) from the mean
-/// A^c of N-step PMP and the reflectivity: Eq. (3.5).
+/// Ambient light beta (grey levels; negative if the camera subtracts an offset) from the mean A^c
+/// of N-step PMP and the reflectivity: Eq. (3.5).
 constexpr double ambient_light(double mean, double alpha, const PatternLight& light) {
   return (mean - alpha * (light.alpha_p / 2 + light.beta_p)) / (alpha + 1);
 }
@@ -95,7 +95,7 @@ constexpr double least_beta_p(double alpha, double ambient) {
   return ambient < 0 ? -(1 + 1 / alpha) * ambient : 0;
 }
 
-/// Least reflectivity without underflow at that beta_p: Eq. (3.9); 0 if ambient >= 0, else maybe
+/// Least reflectivity without underflow at that beta_p: Eq. (3.9); 0 if ambient >= 0; may be
 /// infinite.
 double least_reliable_reflectivity(double beta_p, double ambient);
 

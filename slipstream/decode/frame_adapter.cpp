@@ -10,8 +10,8 @@
 namespace slipstream {
 namespace {
 
-/// The runs of steps by which a cycle's first frame is found, from few periods to many; none unless
-/// there are two or more and nothing else.
+/// The runs of steps that identify a cycle's first frame, from fewest periods to most; empty unless
+/// the layout consists of two or more runs.
 std::vector<CycleRun> cycle_runs(const Layout& layout) {
   std::vector<CycleRun> runs;
   int covered = 0;
@@ -25,15 +25,15 @@ std::vector<CycleRun> cycle_runs(const Layout& layout) {
   return runs;
 }
 
-constexpr float levels = 257;      // of 16 bits for one of 8
-constexpr float smallest = 1e-9F;  // where nothing varies
+constexpr float levels = 257;      // 16-bit levels per 8-bit level
+constexpr float smallest = 1e-9F;  // avoids division by zero
 
 template <class Pixel>
 void resize(Image<Pixel>& image, Size size) {
   if (image.size() != size) image = Image<Pixel>(size);
 }
 
-/// exp(i k x) at 0, 1, ...: a number for each place.
+/// exp(i k x) at x = 0, 1, ...
 struct Wave {
   Wave(double cycles, int length) : cosine(static_cast<std::size_t>(length)), sine(cosine.size()) {
     for (std::size_t i = 0; i < cosine.size(); ++i) {
@@ -104,8 +104,7 @@ Demodulator::Demodulator(Demodulation how, Axis axis) : how_(std::move(how)), ax
 }
 
 const FrameViews& Demodulator::operator()(const FrameViews& shown) {
-  throw_if(shown.count() != how_.shown, "{} frames given; the patterns are {}", shown.count(),
-           how_.shown);
+  throw_if(shown.count() != how_.shown, "{} frames given; expected {}", shown.count(), how_.shown);
   take(shown);
   if (how_.grid.columns > 0) {
     locate(shown);
@@ -126,10 +125,10 @@ void Demodulator::take_apart() {
   for (Band& band : bands_) take_near(band, false);
   if (aligned_) take_mean({square, square}, true);
   for (Band& band : bands_) take_near(band, true);
-  square_what_is_left();
+  square_residual();
 }
 
-/// The carriers as they are at the places that the grid gives.
+/// Sets the carriers from the positions that the grid gives.
 void Demodulator::locate(const FrameViews& shown) {
   const Size size = shown.size();
   saturated_ = saturation_mask(shown);
@@ -147,17 +146,17 @@ void Demodulator::locate(const FrameViews& shown) {
       }
     });
   });
-  constexpr double symbols = 4;  // in a mean
+  constexpr double symbols = 4;  // averaged over
   const int window = odd_length(symbols * length_along(axis_, size) / how_.grid.columns);
   take_moving_mean(mean_, {window, window}, scratch_);
   const LocatedPixels at = located_by_neighbours(how_.grid, axis_, std::move(frames));
   for_each_row(size.height, [&](int row) {
-    std::fill_n(near_cosine_.row(row), size.width, 0.0F);  // nothing is left unexplained
+    std::fill_n(near_cosine_.row(row), size.width, 0.0F);  // residual: none
     std::fill_n(near_sine_.row(row), size.width, 0.0F);
     for (int column = 0; column < size.width; ++column) {
       const float y = at.coordinate(column, row);
       const float B = at.modulation(column, row);
-      mean_(column, row) = std::max(mean_(column, row), B);  // more of symbols is dark than lit
+      mean_(column, row) = std::max(mean_(column, row), B);  // symbols have more dark than lit area
       for (std::size_t n = 0; n < images_.size(); ++n) {
         if (n > 0 && band_of_[n] == band_of_[n - 1]) continue;
         Band& band = bands_[band_of_[n]];
@@ -233,7 +232,7 @@ void Demodulator::find_carriers() {
   }
 }
 
-/// Of one frame: the mean of what the carriers leave.
+/// For a single frame: the mean of the residual without the carriers.
 void Demodulator::take_mean(Size window, bool started) {
   if (how_.shown == 2) return;
   for_each_row(frame_.height(), [&](int row) {
@@ -248,7 +247,7 @@ void Demodulator::take_mean(Size window, bool started) {
   take_moving_mean(mean_, window, scratch_);
 }
 
-/// C and S by what is near the phase they have; at first that of the carrier, exp(i k x).
+/// C and S from the surroundings of their current phase; initially of the carrier, exp(i k x).
 void Demodulator::take_near(Band& band, bool started) {
   const auto [width, height] = frame_.size();
   const float of_mean = how_.shown == 2 ? 0 : 1;
@@ -287,8 +286,8 @@ void Demodulator::take_near(Band& band, bool started) {
   });
 }
 
-/// Mean squares of what the carriers leave, in near_sine_, and their own in near_cosine_.
-void Demodulator::square_what_is_left() {
+/// Mean squares of the residual, in near_sine_, and squares of the carriers, in near_cosine_.
+void Demodulator::square_residual() {
   const float of_mean = how_.shown == 2 ? 0 : 1;
   for_each_row(frame_.height(), [&](int row) {
     const float *const I = frame_.row(row), *const A = mean_.row(row);
@@ -309,7 +308,7 @@ void Demodulator::square_what_is_left() {
   take_moving_mean(near_sine_, widest_, scratch_);
 }
 
-/// The carriers as frames; none where too much is left.
+/// Writes the carriers as frames; without carriers where the residual is too large.
 void Demodulator::write() {
   using Kind = SpectralFrame::Kind;
   constexpr float most = 0.2F, saturated = 65535;

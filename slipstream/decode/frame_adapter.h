@@ -7,61 +7,61 @@
 
 namespace slipstream {
 
-/// Where pixels are in the projector's field.
+/// Positions of pixels in the projector's field.
 struct LocatedPixels {
   explicit LocatedPixels(Size size) : coordinate(size, std::nanf("")), modulation(size) {}
 
-  Image<float> coordinate;  ///< along the axis; NaN where it is not known
-  Image<float> modulation;  ///< grey levels of the frames; 0 there
+  Image<float> coordinate;  ///< along the axis; NaN if unknown
+  Image<float> modulation;  ///< grey levels of the frames; 0 if unknown
 };
 
-/// By the frames of a grid, see Demodulation. What is doubtful is left out.
+/// Locates pixels from the frames of a grid, see Demodulation. Rejects ambiguous ones.
 LocatedPixels located_by_neighbours(const SymbolGrid& grid, Axis axis,
                                     std::vector<Image<float>> frames);
 
-/// Of stripes down the columns, by three channels. A transition is where a channel rises or falls
-/// against the strongest along a row; each row's are matched to those shown by dynamic programming
-/// (after Zhang, Curless and Seitz 2002), in which the order may break at a price. Ambiguous ones,
-/// and those no row beside has, are dropped; pixels between neighbouring transitions are
-/// interpolated.
+/// Locates pixels from vertical stripes in three channels. A transition is where a channel rises or
+/// falls relative to the strongest along a row; dynamic programming matches each row's transitions
+/// to the displayed ones (after Zhang, Curless and Seitz 2002), where a break in the order has a
+/// cost. Drops transitions that are ambiguous or absent from the adjacent rows, and interpolates
+/// pixels between neighbouring ones.
 LocatedPixels located_by_stripes(const SymbolGrid& grid, const std::vector<Image<float>>& channels);
 
-/// Of symbols: bright spots at the grid's pitch are neighbours, which tell the surface's slant and
-/// so each symbol. All squares of symbols vote for places; pixels between four that agree are
-/// interpolated.
+/// Locates pixels from symbols: bright spots at the grid's pitch are neighbours, which give the
+/// surface's slant and so each symbol. All squares of symbols vote for positions; pixels between
+/// four spots that agree are interpolated.
 LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& picture);
 
-/// A sinusoid's place in a picture's spectrum: cycles per pixel along rows and columns.
+/// A sinusoid's position in an image's spectrum: cycles per pixel along rows and columns.
 struct Carrier {
   double right = 0, down = 0;
 };
 
-/// The carriers of a pattern of so many periods each across the projector's field, along the
-/// picture's rows or columns, in a picture of 0.4 to 2.5 times the field: the common scale at which
-/// they are strongest, then each refined. Always gives an answer.
+/// Finds the carriers of a pattern with the given periods across the projector's field, along the
+/// image's rows or columns, in an image of 0.4 to 2.5 times the field: the common scale at which
+/// they are strongest, then each refined. Always returns a result.
 std::vector<Carrier> found_carriers(const Image<float>& picture, const std::vector<double>& periods,
                                     bool along_rows);
 
-/// Frames that hold sinusoids, each at its place in the spectrum, to frames of one each, after
-/// Takeda, Ina and Kobayashi 1982: what varies (the frame less its local mean; of two frames half
-/// their difference) times exp(-i k x), k the carrier, and of that the low frequencies: the moving
-/// mean over a period of the nearest other carrier, which removes that one, and a quarter of it
-/// across. Then once more about the phase so found, as a window about the carrier bends curved
-/// phases, and about the mean of what the carriers leave. Where that then has more than a fifth of
-/// their strength, as at edges and paint, all carriers are 0. Of a grid the frames are made from
-/// the places of its symbols, 0 where there are none.
+/// Separates frames that contain several sinusoids, each with its own carrier, into frames of one
+/// each, after Takeda, Ina and Kobayashi 1982: the variation (frame minus its local mean; half the
+/// difference of two frames) times exp(-i k x), k the carrier, low-pass filtered by a moving mean
+/// over a period of the nearest other carrier, which removes that one, and a quarter of it across.
+/// A second pass uses the phase just found, as a window around the carrier distorts curved phases,
+/// and the mean of the residual. Where the residual then exceeds a fifth of the carriers'
+/// amplitude, as at edges and paint, all carriers are set to 0. For a grid, frames are computed
+/// from the positions of its symbols, 0 where unknown.
 class Demodulator {
  public:
   Demodulator(Demodulation how, Axis axis);
 
-  /// The frames to be read, 16 bits, valid until the next call; saturated where a given frame is.
-  /// Throws Error for another number of frames than are shown.
+  /// The frames to decode, 16 bits, valid until the next call; saturated where an input frame is.
+  /// Throws Error if the number of frames differs from the displayed one.
   const FrameViews& operator()(const FrameViews& shown);
-  /// Those of the last call, with their memory.
+  /// Moves out the frames of the last call.
   [[nodiscard]] FrameSet frames() && { return {std::move(images_), 16}; }
 
  private:
-  /// A carrier, and C + i S of it.
+  /// A carrier and its C + i S.
   struct Band {
     Carrier carrier{};
     Size window{1, 1};  ///< of the moving mean
@@ -74,17 +74,17 @@ class Demodulator {
   void find_carriers();
   void take_mean(Size window, bool started);
   void take_near(Band& band, bool started);
-  void square_what_is_left();
+  void square_residual();
   void write();
 
   Demodulation how_;
   Axis axis_;
-  std::vector<Band> bands_;           ///< one for each carrier
-  std::vector<std::size_t> band_of_;  ///< of each frame; a mean has any
+  std::vector<Band> bands_;           ///< one per carrier
+  std::vector<std::size_t> band_of_;  ///< of each frame; unused for a mean
   bool aligned_ = true;               ///< no carrier runs across the axis
-  double longest_ = 1;                ///< pixels, of the carriers' periods
-  Size widest_{1, 1};                 ///< of the windows
-  Image<float> frame_;                ///< grey levels of 8 bits; of two, half their difference
+  double longest_ = 1;                ///< longest period of the carriers, pixels
+  Size widest_{1, 1};                 ///< largest window
+  Image<float> frame_;                ///< 8-bit grey levels; with two frames, half their difference
   Image<float> mean_;
   Image<std::uint8_t> saturated_;
   Image<float> near_cosine_, near_sine_, scratch_;
@@ -92,36 +92,36 @@ class Demodulator {
   FrameViews views_;
 };
 
-/// The same once, with memory of their own.
+/// One-off version with its own memory.
 FrameSet demodulated(const Demodulation& how, Axis axis, const FrameViews& shown);
 
-// Frames as a camera took them become frames as they are decoded, in one place: several exposures
-// are merged, what a frame holds at once is taken apart, patterns along both axes become two scans.
-// merged_sequence says what they show then. Pictures in colour come apart before, see `unmixed`.
+// Converts camera frames to the frames that are decoded, in one place: merges exposures, separates
+// multiplexed frames, splits patterns along both axes into two scans. merged_sequence gives the
+// resulting sequence. Colour images are split before, see `unmixed`.
 
-/// The frames of one scan after another, along one axis; memory is kept.
+/// Adapts the frames of one scan after another, along one axis, reusing memory.
 class FrameAdapter {
  public:
   explicit FrameAdapter(const Sequence& sequence);
 
-  /// In memory that lasts until the next call; frames that need nothing, or are adapted already, as
-  /// they are. Throws Error where they are not as many as the sequence shows.
+  /// Returns views valid until the next call; frames that need no change, or are adapted already,
+  /// are returned as they are. Throws Error if their number differs from the sequence's.
   const FrameViews& operator()(const FrameViews& taken);
 
  private:
-  std::vector<double> exposures_;  ///< to be merged; empty for one
+  std::vector<double> exposures_;  ///< to merge; empty for a single one
   int read_;                       ///< frames of the layout
   MergedFrames merged_;
   std::optional<Demodulator> demodulate_;
 };
 
-/// Whether frames of the sequence differ from those that are decoded.
+/// Whether frames of the sequence differ from the decoded frames.
 bool needs_adapting(const Sequence& sequence);
 
-/// The same for a scan that is kept: one set of frames, or those along x and those along y.
+/// For a scan in memory: returns one set of frames, or the sets along x and along y.
 std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken);
 
-/// How frames of the sequence, shown over and over, form windows; `scans` of them in a cycle.
+/// How frames of the repeated sequence form windows; `scans` per cycle.
 PatternCycle pattern_cycle(const Sequence& sequence, int scans = 1);
 
 }  // namespace slipstream

@@ -32,7 +32,7 @@ MotionMeasurement::PixelMotion MotionMeasurement::motion_at(const Intensity& I) 
   }
   const auto N = static_cast<float>(N_);
   float speed = 0, left = 0, explained = 0;
-  // The phase that the slope is taken at moves too: a second time with the speed of the first.
+  // The phase at which the slope is taken also moves: a second pass uses the speed of the first.
   for (int pass = 0; pass < 2; ++pass) {
     float along = 0, length = 0, square = 0;
     for (std::size_t n = 0; n < K_; ++n) {
@@ -48,7 +48,7 @@ MotionMeasurement::PixelMotion MotionMeasurement::motion_at(const Intensity& I) 
     explained = ratio * along;
     left = square - explained;
   }
-  const float differences = 2 * static_cast<float>(K_ - 1);  // of two frames each
+  const float differences = 2 * static_cast<float>(K_ - 1);  // each is of two frames
   return {.speed = speed,
           .unexplained = K_ > 1 ? std::sqrt(std::max(left, 0.0F) / differences) : 0,
           .modulation = std::hypot(C, S),

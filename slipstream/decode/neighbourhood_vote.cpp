@@ -9,7 +9,7 @@
 namespace slipstream {
 namespace {
 
-/// Whole images, as NeighbourhoodVote looks at them.
+/// Full images as the Field of a NeighbourhoodVote.
 class ImageField {
  public:
   ImageField(const Image<int>& own, const Image<double>& wrapped_phase,
@@ -88,7 +88,7 @@ Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
   return pixels;
 }
 
-/// The fringe orders that the neighbours leave standing.
+/// The fringe orders after the neighbours' vote.
 Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const CueEvidence& cue,
                         double f_h, int projector_length) {
   Image<double> wrapped_phase(pixels.size());
@@ -108,7 +108,7 @@ Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const 
   return orders;
 }
 
-/// The fringe order of every pixel by the rule asked for.
+/// The fringe order of every pixel by the given rule.
 Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, CueRule rule,
                          double f_h, int projector_length) {
   Image<int> orders(pixels.size());
@@ -136,7 +136,7 @@ UnwrappedPhases unwrap_by_vote(const Layout& layout, const LayoutPhases& phases,
   const double f_h = layout.bands.front().periods;
   const Image<CuePixel> pixels = cue_pixels(phases, grey_level);
   const Image<int> orders = chosen_orders(pixels, cue, settings.rule, f_h, projector_length);
-  // The published rule leaves the cue of the DC channel in the texture.
+  // The published rule leaves the DC channel's cue in the texture.
   const bool shaded = needs_ambient_light(layout) && settings.rule != CueRule::published;
   const Size size = pixels.size();
   UnwrappedPhases result{.coordinate = Image<double>(size),

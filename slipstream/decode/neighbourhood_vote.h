@@ -23,46 +23,46 @@ struct PixelPlace {
   auto operator<=>(const PixelPlace&) const = default;
 };
 
-/// A choice is told as a shift: the fringe order chosen less the one that the pixel said alone.
+/// A choice is stored as a shift: the chosen fringe order minus the pixel's own.
 struct ShiftedPixel {
   PixelPlace place;
   int shift = 0;
 };
 
-/// In place of a shift: that the exact rules are to choose it.
+/// Stored in place of a shift: to be decided by the exact rules.
 inline constexpr int undecided = std::numeric_limits<int>::max();
 
 struct VoteLimits {
-  static constexpr double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
-  static constexpr double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
-  /// Five standard deviations: a choice that costs a pixel more is none.
+  static constexpr double most_evidence = 4;    ///< upper limit for a neighbour's evidence
+  static constexpr double disagreement = 0.25;  ///< cost of a neighbour with another choice
+  /// Five standard deviations: a choice that costs the pixel more is excluded.
   static constexpr double sure = 25;
-  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
-  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
+  /// Four standard deviations: a choice must be cheaper by this along a line of five pixels to
+  /// override the rest of the window, as a wire is a line and noise is not.
   static constexpr double enough_along_a_line = 16;
 };
 
-/// What a vote keeps between its passes; kept from scan to scan it spares allocations.
+/// State of a vote between passes; reuse it from scan to scan to avoid allocations.
 struct NeighbourhoodVoteLists {
   std::vector<PixelPlace> open;        ///< pixels whose neighbours disagree with them
-  std::vector<ShiftedPixel> choices;   ///< of those, in one pass
+  std::vector<ShiftedPixel> choices;   ///< of the open pixels, in one pass
   std::vector<PixelPlace> moved;       ///< in one pass
   std::vector<PixelPlace> ever_moved;  ///< in any
 };
 
-/// Chooses fringe orders by the neighbourhood, see choose_with_neighbours, and looks at no pixel
-/// but those in doubt and their neighbours. `Field` says, for any pixel and four places past the
-/// ends of the picture:
+/// Chooses fringe orders by the neighbourhood, see choose_with_neighbours, and reads only the
+/// pixels in dispute and their neighbours. `Field` provides, for any pixel and up to four pixels
+/// beyond the image:
 ///   double periods(int column, int row)  the phase unwrapped by the pixel's own order, in periods;
-///                                        NaN where it means nothing and outside the picture
-///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel, less
-///                                        those of the pixel
-///   void foresee(const std::vector<PixelPlace>& open)  that the windows around them come next
-///   double against(PixelPlace at, int shift)  FringeOrderCost of a shifted order less that of the
+///                                        NaN where invalid and outside the image
+///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel, minus
+///                                        the pixel's own
+///   void foresee(const std::vector<PixelPlace>& open)  announces windows around those pixels
+///   double against(PixelPlace at, int shift)  FringeOrderCost of a shifted order minus that of the
 ///                                             pixel's own
-///   bool own_order_costs_least()  whether no shift costs a pixel less than none
-///   int shift(PixelPlace at), void set_shift(PixelPlace at, int shift)  0 outside the picture
-/// and, where it is quicker at what most pixels need,
+///   bool own_order_costs_least()  whether no shift costs a pixel less than its own order
+///   int shift(PixelPlace at), void set_shift(PixelPlace at, int shift)  0 outside the image
+/// and optionally, as a faster path for most pixels,
 ///   void hold_ballots(std::span<ShiftedPixel>, bool restores)
 template <class Field>
 class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
@@ -74,8 +74,8 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     return may_disagree(at) && disagrees(at, links_around(at));
   }
 
-  /// `lists.open` holds, in any order but once, at least the pixels that disagree; the field's
-  /// shifts are 0 and are then those chosen. `lists.ever_moved` holds all pixels that have one.
+  /// Requires in `lists.open`, in any order but once, at least the pixels that disagree, and all
+  /// shifts 0. Sets the field's shifts; `lists.ever_moved` then lists all pixels with one.
   void operator()(NeighbourhoodVoteLists& lists) {
     lists.ever_moved.clear();
     for (int pass = 0; pass < passes && !lists.open.empty(); ++pass) {
@@ -105,7 +105,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     return {at.row + cell / side - 2, at.column + cell % side - 2};
   }
 
-  /// A pixel and all that have a say in its choice.
+  /// A pixel and all pixels that vote on its choice.
   class Ballot {
    public:
     Ballot(const NeighbourhoodVote& vote, PixelPlace at, const Surface& surface)
@@ -119,8 +119,8 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       }
     }
 
-    /// The shift of the middle that costs least, among its own and those that neighbours imply;
-    /// first come those that most of them do.
+    /// The cheapest shift of the middle among its own and those that neighbours imply; candidates
+    /// with the most votes come first.
     [[nodiscard]] int least_cost_shift() {
       const auto end = name_candidates();
       int best = 0;
@@ -146,7 +146,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
 
     using Candidates = std::array<Candidate, cells>;
 
-    /// Fills `candidates_` with those that the pixel itself does not rule out; gives their end.
+    /// Fills `candidates_`, without those the pixel itself excludes; returns their end.
     typename Candidates::iterator name_candidates() {
       std::array<int, cells> implied;
       for (std::size_t i = 0; i < cells; ++i) implied[i] = shift_[i] - surface_.shift_step[i];
@@ -169,8 +169,8 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       return end;
     }
 
-    /// A wire one pixel wide is outvoted in every window, but not on the line that it makes. Where
-    /// a line of the wire and one of the surface behind it cross, the pixel itself decides.
+    /// A wire one pixel wide is outvoted in every window, but not along its own line. Where a line
+    /// of the wire and one of the surface behind it cross, the pixel itself decides.
     [[nodiscard]] int shift_of_a_line(int best, typename Candidates::iterator end) {
       int chosen = best;
       double most = enough_along_a_line;
@@ -186,12 +186,12 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       return chosen;
     }
 
-    /// By how much a choice is the cheaper of two, along the line that says so most.
+    /// By how much each of two choices is cheaper, along the line that favours it most.
     struct LineEvidence {
       double for_best = 0, for_candidate = 0;
     };
 
-    /// Nothing where no line has three pixels, the middle among them, that the candidate suits.
+    /// Zero if no line has three pixels, including the middle, that agree with the candidate.
     [[nodiscard]] LineEvidence line_evidence(int best, const Candidate& candidate) {
       LineEvidence found;
       const Cells others = candidate.voters & ~bit(middle);
@@ -215,14 +215,14 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       return found;
     }
 
-    /// The cost of a shift of the middle to the whole surface; or, where nobody's share can be
-    /// negative, a part of it that is not below `enough`.
+    /// The cost of a shift of the middle to the whole surface; or, if no term can be negative, a
+    /// partial sum of at least `enough`.
     [[nodiscard]] double total(const Candidate& candidate, double enough) const {
       if (!costs_least_) enough = std::numeric_limits<double>::infinity();
       const Cells others = surface_.pixels & ~bit(middle);
       double sum = against(middle, candidate.shift) +
                    disagreement * std::popcount(others & ~candidate.voters);
-      const Cells content = candidate.voters & ~moved_;  // it leaves them their own order
+      const Cells content = candidate.voters & ~moved_;  // keep their own order
       for (Cells rest = others & ~content; rest != 0 && sum < enough; rest &= rest - 1) {
         const int cell = std::countr_zero(rest);
         const int implied = candidate.shift + surface_.shift_step[index(cell)];
@@ -254,10 +254,10 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
            implies_another(0, -1, links.down, links.down_step, middle - side, -1);
   }
 
-  /// False only where no neighbour can disagree, whatever is an edge.
+  /// False only if no neighbour can disagree, wherever edges are.
   [[nodiscard]] bool may_disagree(PixelPlace at) const {
     const double own = field_.periods(at.column, at.row);
-    if (std::isnan(own)) return false;  // outside the picture there is no shift either
+    if (std::isnan(own)) return false;  // outside the image there are no shifts
     const int shift = field_.shift(at);
     return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
       const int column = at.column + direction[0], row = at.row + direction[1];
@@ -275,7 +275,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     return Ballot(*this, at, surface).least_cost_shift();
   }
 
-  /// One pass: all choose by what stood before it.
+  /// One pass: all choose from the state before it.
   void choose(NeighbourhoodVoteLists& lists) {
     constexpr int share = 64;
     field_.foresee(lists.open);
@@ -299,7 +299,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     if (parallel_threads() == 1) {
       for (int part = 0; part < parts; ++part) work(part);
     } else {
-      // One captured reference: std::function then allocates nothing.
+      // With one captured reference std::function does not allocate.
       for_each_row(parts, [&work](int part) { work(part); });
     }
     apply(lists);
@@ -315,8 +315,8 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     lists.ever_moved.insert(lists.ever_moved.end(), lists.moved.begin(), lists.moved.end());
   }
 
-  /// For the next pass: what was open and still disagrees, and what does so because it or the one
-  /// beside it moved.
+  /// For the next pass: pixels that were open and still disagree, and those that disagree because
+  /// they or their neighbours moved.
   void open_what_disagrees(NeighbourhoodVoteLists& lists) const {
     if (lists.moved.empty()) return lists.open.clear();
     for (const auto& [row, column] : lists.moved) {
@@ -331,8 +331,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     places.erase(std::unique(places.begin(), places.end()), places.end());
   }
 
-  /// Whether one of its eight neighbours, of those on the same surface, agrees with what the pixel
-  /// said alone.
+  /// Whether one of its eight neighbours on the same surface agrees with the pixel's own order.
   [[nodiscard]] bool has_support(PixelPlace at) const {
     const Surface surface = same_surface(links_around(at), inner_window);
     bool supported = false;
@@ -342,9 +341,9 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     return supported;
   }
 
-  /// One pass over `lists.moved`: back to what the pixel said alone where one of its eight
-  /// neighbours, of those on the same surface, agrees with that: it shows an edge of whole periods,
-  /// which the wrapped phase does not. Leaves there whom the next pass may restore for that.
+  /// One pass over `lists.moved`: restores the pixel's own order if one of its eight neighbours on
+  /// the same surface agrees with it: that indicates an edge of whole periods, which the wrapped
+  /// phase does not show. Leaves in `lists.moved` the pixels that the next pass may restore.
   void restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
     lists.choices.clear();
     for (const PixelPlace at : lists.moved) {
@@ -359,7 +358,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       field_.set_shift(at, 0);
       for_each_cell(inner_window, [&](int cell) { lists.moved.push_back(place(at, cell)); });
     }
-    // Only those have a shift that have moved, and none is outside the picture.
+    // Only pixels that have moved have a shift, and all of them are inside the image.
     std::erase_if(lists.moved, [&](PixelPlace at) {
       return !std::binary_search(lists.ever_moved.begin(), lists.ever_moved.end(), at);
     });
@@ -373,15 +372,14 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   Field& field_;
 };
 
-/// What speaks against `order` at a pixel: minus twice the logarithm of its likelihood, up to a
-/// constant of the pixel. Infinite where the order is impossible.
+/// Cost of `order` at a pixel: minus twice its log-likelihood, up to a constant per pixel. Infinite
+/// if the order is impossible.
 using FringeOrderCost = std::function<double(int column, int row, int order)>;
 
-/// Chooses the fringe orders once more, each from the evidence of its pixel and of the neighbours
-/// on the same surface: those that can be reached through the window without crossing an edge of
-/// the wrapped phase, where the order that a choice here implies there is known. Across an edge
-/// nothing is said. `wrapped_phase`: rad, [0, 2 pi); `orders`: the pixels' own choices, and then
-/// the result; `lit`: 1 where the phase means something.
+/// Revises the fringe orders, each from the evidence of its pixel and of neighbours on the same
+/// surface: those reachable through the window without crossing an edge of the wrapped phase, where
+/// a choice here implies the order there. It infers nothing across edges. `wrapped_phase`: rad, [0,
+/// 2 pi); `orders`: input, the pixels' own choices, and output; `lit`: 1 where the phase is valid.
 void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_phase,
                             const Image<std::uint8_t>& lit, const FringeOrderCost& cost);
 

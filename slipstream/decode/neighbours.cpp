@@ -6,7 +6,7 @@
 namespace slipstream {
 namespace {
 
-using Rise = std::array<float, 3>;  // of each channel, -1 to 1
+using Rise = std::array<float, 3>;  // per channel, -1 to 1
 
 struct Edge {
   float x = 0;
@@ -15,10 +15,10 @@ struct Edge {
 };
 using Edges = std::vector<Edge>;
 
-/// Where the channels' shares of the strongest change most: paint changes all alike, and one is lit
-/// on both sides of each transition. `stripe`: about as many pixels wide is one.
+/// Finds where the channels' ratios to the strongest change most: paint changes all equally, and
+/// one is lit on both sides of each transition. `stripe`: approximate width of a stripe, pixels.
 Edges edges_of(const std::vector<Image<float>>& channels, int row, float stripe) {
-  constexpr float dimmest = 6, least = 0.35F;  // grey levels; of full light, over a stripe
+  constexpr float dimmest = 6, least = 0.35F;  // grey levels; share of full light, over a stripe
   const auto count = static_cast<std::size_t>(channels.front().width());
   const auto reach = static_cast<std::size_t>(std::max(stripe / 5, 1.0F));
   std::vector<Rise> share(count), slope(count);
@@ -48,7 +48,7 @@ Edges edges_of(const std::vector<Image<float>>& channels, int row, float stripe)
     const auto along = [&](std::size_t at) {
       return rise[0] * slope[at][0] + rise[1] * slope[at][1] + rise[2] * slope[at][2];
     };
-    // As far as it goes on: what all of it says has a fourth of the noise of its steepest place.
+    // Centroid over the whole edge: a quarter of the noise of its steepest point.
     constexpr float part = 0.1F;
     float sum = along(x), moment = 0;
     const float end = part * sum;
@@ -65,7 +65,7 @@ Edges edges_of(const std::vector<Image<float>>& channels, int row, float stripe)
   return edges;
 }
 
-/// How well an edge fits a transition: 1 to -1.
+/// How well an edge fits a transition: -1 to 1.
 float fit(const Rise& seen, const Rise& shown) {
   float worst = 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -76,14 +76,14 @@ float fit(const Rise& seen, const Rise& shown) {
   return worst;
 }
 
-/// Matches edges to transitions. A path has the sum of the fits, less what gaps and breaks cost: an
-/// edge too many or a transition too few is a gap, going on at any other transition a break.
+/// Matches edges to transitions. A path scores the sum of the fits minus the cost of gaps (an extra
+/// edge or a missing transition) and breaks (continuing at any other transition).
 void match(Edges& edges, const std::vector<Rise>& transitions) {
   constexpr float gap = 0.6F, break_cost = 3, margin = 1, rounding = 1e-3F;
   constexpr float never = -std::numeric_limits<float>::infinity();
   const std::size_t count = edges.size(), shown = transitions.size();
   std::vector<float> fits(count * shown), matched(count * shown);
-  std::vector<float> last(shown + 2, never), next(shown + 2, never);  // two before the first
+  std::vector<float> last(shown + 2, never), next(shown + 2, never);  // two more before the first
   float best = 0;  // of all paths that end here or before
   for (std::size_t i = 0; i < count; ++i) {
     float ended = best;
@@ -97,9 +97,9 @@ void match(Edges& edges, const std::vector<Rise>& transitions) {
     best = ended;
     std::swap(last, next);
   }
-  std::vector<float> after(shown + 2, 0), before(shown + 2, never);  // two past the last
+  std::vector<float> after(shown + 2, 0), before(shown + 2, never);  // two more past the last
   after[shown] = after[shown + 1] = never;
-  float rest = 0;  // of the best path that begins later
+  float rest = 0;  // of the best path that starts later
   for (std::size_t i = count; i-- > 0;) {
     const float* const of_edge = fits.data() + i * shown;
     float highest = never, second = never, started = rest;
@@ -121,7 +121,7 @@ void match(Edges& edges, const std::vector<Rise>& transitions) {
   }
 }
 
-/// The same transition near there, so many rows off; null where there is none.
+/// The same transition `off` rows away, near the edge; null if there is none.
 const Edge* same(const std::vector<Edges>& rows, std::ptrdiff_t row, std::ptrdiff_t off,
                  const Edge& edge) {
   if (row + off < 0 || row + off >= std::ssize(rows)) return nullptr;
@@ -132,7 +132,7 @@ const Edge* same(const std::vector<Edges>& rows, std::ptrdiff_t row, std::ptrdif
   return nullptr;
 }
 
-/// Those that a row beside theirs has too, at the mean of some rows on both sides.
+/// Edges that an adjacent row confirms, at the mean over some rows on both sides.
 Edges confirmed(const std::vector<Edges>& rows, std::ptrdiff_t row) {
   constexpr std::ptrdiff_t most = 3;
   Edges edges;
@@ -152,11 +152,11 @@ Edges confirmed(const std::vector<Edges>& rows, std::ptrdiff_t row) {
   return edges;
 }
 
-/// Between neighbouring transitions as far apart as those beside them: others are of two surfaces.
+/// Interpolates between neighbouring transitions unless their spacing shows two surfaces.
 void fill(const Edges& edges, const std::vector<Image<float>>& channels, int row, int stripes,
           LocatedPixels& to) {
-  constexpr float most = 1.25F;               // times the distance beside
-  const auto distance = [&](std::size_t i) {  // to the next, where that is the next one shown
+  constexpr float most = 1.25F;               // times the adjacent spacing
+  const auto distance = [&](std::size_t i) {  // to the next edge, if that is the next transition
     const bool follows = i + 1 < edges.size() && edges[i + 1].transition == edges[i].transition + 1;
     return follows ? edges[i + 1].x - edges[i].x : 0;
   };

@@ -20,7 +20,7 @@ int largest_sum(const std::array<int, 6>& weights) {
 constexpr std::array<std::string_view, 4> method_names{"equation", "closed-form", "lut",
                                                        "intensity-ratio"};
 
-/// Walks the pixels; `sample` turns the N intensities of one into a PhaseSample.
+/// Visits the pixels; `sample` converts the N intensities of one to a PhaseSample.
 template <class Number, class Pixel, class Sample>
 PhaseMaps decode_pixels(const Frames<Pixel>& frames, const Sample& sample) {
   const Size size = frames.front().size();
@@ -47,7 +47,7 @@ double mean_of(std::span<const Number> I) {
   return static_cast<double>(sum) / static_cast<double>(I.size());  // (1.3)
 }
 
-/// Of the two sinusoids of a band with a carrier: see Band::carrier.
+/// Combines the two sinusoids of a band with a carrier: see Band::carrier.
 void demodulate(PhaseMaps& maps, const PhaseMaps& mirrored) {
   std::transform(maps.modulation.begin(), maps.modulation.end(), mirrored.modulation.begin(),
                  maps.modulation.begin(), [](double a, double b) { return std::min(a, b); });
@@ -69,7 +69,7 @@ constexpr std::array<ClosedForm, 3> closed_forms{{
 
 void require_valid(const PhaseCorrection& correction, int steps) {
   throw_if(correction.steps != steps || steps < 3,
-           "the phase correction of {} steps stands at {}; both are one N, 3 or more",
+           "the phase correction of {} steps is given for {}; both must be the same N, 3 or more",
            correction.steps, steps);
   const bool finite = std::all_of(correction.added.begin(), correction.added.end(),
                                   [](double added) { return std::isfinite(added); });
@@ -91,7 +91,7 @@ double corrected_phase(const PhaseCorrection& correction, double phi) {
 }
 
 PhaseTables::PhaseTables(int steps, const PhaseCorrection* correction) : form_(closed_form(steps)) {
-  throw_if(form_ == nullptr, "no phase table for {} steps; there is one for 3, 4 and 6", steps);
+  throw_if(form_ == nullptr, "no phase table for {} steps; expected 3, 4 or 6", steps);
   largest_U_ = largest_sum(form_->u);
   largest_V_ = largest_sum(form_->v);
   const std::size_t rows = static_cast<std::size_t>(2 * largest_V_ + 1);
@@ -124,7 +124,7 @@ double IntensityRatio::wrapped_phase(std::span<const double> I) const {
   const auto left = static_cast<std::size_t>(std::clamp(place, 0.0, segments - 1.0));
   const double within =
       std::lerp(angle_[left], angle_[left + 1], place - static_cast<double>(left));
-  // From the greatest at n = 0 the ratio rises while n = 1 comes up to it, then falls.
+  // From the greatest at n = 0, the ratio rises while I[1] catches up, then falls.
   const bool first = I[0] == greatest, second = !first && I[1] == greatest;
   if (first) return I[1] >= I[2] ? within : within == 0 ? 0 : 6 * sixth - within;
   if (second) return I[0] >= I[2] ? 2 * sixth - within : 2 * sixth + within;
@@ -233,7 +233,7 @@ PhaseMaps PhaseDecoder::sinusoid(const FrameViews& frames, const Band& band) con
 }
 
 PhaseEquations::PhaseEquations(int steps) {
-  throw_if(steps < 3, "{} steps are too few; phase needs 3 or more", steps);
+  throw_if(steps < 3, "{} steps are too few; a phase requires 3 or more", steps);
   for (int n = 0; n < steps; ++n) {
     sines_.push_back(std::sin(2 * pi * n / steps));
     cosines_.push_back(std::cos(2 * pi * n / steps));

@@ -8,39 +8,39 @@
 
 namespace slipstream {
 
-/// Added to the wrapped phase of N steps it removes the projector's response: minus Delta phi of
-/// Liu 2010, Eqs. (4.45), (4.56), a function of the measured phase, N times around the circle.
+/// Correction added to the wrapped phase of N steps for the projector's response: minus Delta phi
+/// of Liu 2010, Eqs. (4.45), (4.56), with N periods over the measured phase's circle.
 struct PhaseCorrection {
   int steps = 0;              ///< N, >= 3
-  std::vector<double> added;  ///< rad, at measured phase 2 pi i / (N added.size()); linear between
+  std::vector<double> added;  ///< rad, at measured phase 2 pi i / (N added.size()); interpolated
 };
 
-/// One correction for each N that needs one; an N that is not there is left alone.
+/// One correction for each N that needs one; other N are not corrected.
 using PhaseCorrections = std::map<int, PhaseCorrection>;
 
 /// Throws Error unless the correction is for that many steps, N >= 3, and has finite entries.
 void require_valid(const PhaseCorrection& correction, int steps);
 
-/// The wrapped phase without the projector's response, rad, [0, 2 pi). `phi` is in [0, 2 pi).
+/// `phi` without the effect of the projector's response; both in [0, 2 pi).
 double corrected_phase(const PhaseCorrection& correction, double phi);
 
 /// MLUT and PLUT of Liu 2010, Eqs. (2.4)-(2.18): modulation and wrapped phase of every (U, V) that
-/// 3, 4 or 6 frames of 8 bits can give, in double, so that nothing is lost against the equations.
-/// N = 3: 4.2 MB each; N = 4: 2.1 MB; N = 6: 16.7 MB.
+/// 3, 4 or 6 frames of 8 bits can give, in double, so as exact as the equations. N = 3: 4.2 MB
+/// each; N = 4: 2.1 MB; N = 6: 16.7 MB.
 class PhaseTables {
  public:
-  /// Throws Error when `steps` is not 3, 4 or 6. With a correction the PLUT holds corrected phase,
-  /// which costs nothing later; null: none.
+  /// Throws Error unless `steps` is 3, 4 or 6. With a correction the PLUT contains corrected phase,
+  /// at no later cost; null: no correction.
   explicit PhaseTables(int steps, const PhaseCorrection* correction = nullptr);
 
   [[nodiscard]] const ClosedForm& form() const { return *form_; }
-  /// Largest |U| and |V| that 8-bit frames reach.
+  /// Largest |U| and |V| of 8-bit frames.
   [[nodiscard]] int largest_U() const { return largest_U_; }
   [[nodiscard]] int largest_V() const { return largest_V_; }
 
   /// B^c in grey levels, |U| <= largest_U(), |V| <= largest_V().
   [[nodiscard]] double mlut(int U, int V) const { return mlut_[position(U, V)]; }
-  /// phi in rad, [0, 2 pi), corrected where the tables were made so.
+  /// phi in rad, [0, 2 pi), corrected if the tables were built with a correction.
   [[nodiscard]] double plut(int U, int V) const { return plut_[position(U, V)]; }
 
  private:
@@ -58,13 +58,13 @@ class PhaseTables {
 };
 
 /// The wrapped phase of three steps without an arctangent (Huang and Zhang, Applied Optics 45(21),
-/// 2006): which intensity is the greatest and which the least says in which sixth of the circle it
-/// lies, and a table of the ratio (middle - least) / (greatest - least) where in there.
+/// 2006): the order of the intensities gives the sixth of the circle, and a table of the ratio
+/// (middle - least) / (greatest - least) the angle in it.
 class IntensityRatio {
  public:
   IntensityRatio();
 
-  /// phi, rad, [0, 2 pi), to 2e-8; 0 where all three are alike. `intensities`: of Eq. (1.1), N = 3.
+  /// phi, rad, [0, 2 pi), to 2e-8; 0 if all three are equal. `intensities`: of Eq. (1.1), N = 3.
   [[nodiscard]] double wrapped_phase(std::span<const double> intensities) const;
 
  private:
@@ -91,25 +91,25 @@ struct PhaseMaps {
   Image<double> wrapped_phase;
 };
 
-/// Bands to phase, by the method asked for if it can, else by the equations.
+/// Decodes bands to phase, by the given method if possible, otherwise by the equations.
 class PhaseDecoder {
  public:
-  /// Builds tables for those of `steps` that have one. Any method corrects phases by what
-  /// `corrections` has for their N. Throws Error for an invalid correction.
+  /// Builds tables for the `steps` that have one. All methods correct phases by the entry of
+  /// `corrections` for their N. Throws Error for an invalid correction.
   PhaseDecoder(PhaseMethod method, const std::vector<int>& steps,
                PhaseCorrections corrections = {});
 
-  /// The method used for such frames: `equation` if the one asked for has no form for N or pixel.
+  /// The method used for such frames: `equation` if the given one does not support N or pixel.
   [[nodiscard]] PhaseMethod method_for(int steps, const FrameViews& frames) const;
   [[nodiscard]] PhaseMethod method_for(const Band& band, const FrameViews& frames) const;
 
   /// Mean, modulation and wrapped phase from the `steps` frames that start at `first`.
   [[nodiscard]] PhaseMaps operator()(const FrameViews& frames, int first, int steps) const;
-  /// The same of a band. Only a run of steps is corrected.
+  /// The same for a band. Only a run of steps is corrected.
   [[nodiscard]] PhaseMaps operator()(const FrameViews& frames, const Band& band) const;
 
  private:
-  /// Without the mirrored one.
+  /// Ignores the mirrored one.
   [[nodiscard]] PhaseMaps sinusoid(const FrameViews& frames, const Band& band) const;
   [[nodiscard]] const PhaseCorrection* correction_for(int steps) const;
 

@@ -11,7 +11,7 @@
 namespace slipstream {
 namespace {
 
-/// Whole periods from a pixel's phase to the next one's; none across an edge of either phase.
+/// Whole periods from a pixel's phase to the next one's; nullopt across an edge of either phase.
 std::optional<int> periods_between(const Image<float>& phase, const SecondPhase* second, int column,
                                    int row, int next_column, int next_row) {
   constexpr auto pi = std::numbers::pi_v<float>;
@@ -21,13 +21,14 @@ std::optional<int> periods_between(const Image<float>& phase, const SecondPhase*
   const float rest = step - 2 * pi * static_cast<float>(whole);
   if (!(std::abs(rest) < steepest)) return std::nullopt;
   if (second == nullptr) return whole;
-  constexpr float most = 0.04F;  // rad; smoothed over an edge phases run on, too, but not alike
+  constexpr float most = 0.04F;  // rad; smoothed phases continue across an edge, but by unequal
+                                 // steps
   const float seen = second->wrapped(next_column, next_row) - second->wrapped(column, row);
   const bool alike = std::abs(std::remainder(seen - second->ratio * rest, 2 * pi)) < most;
   return alike ? std::optional(whole) : std::nullopt;
 }
 
-/// How many pixels may have their order by each shift of all the orders of a surface.
+/// Counts the pixels with a possible order for each shift of a surface's orders.
 class Votes {
  public:
   void add(int first, int last) {
@@ -43,7 +44,7 @@ class Votes {
     --changes_[end];
   }
 
-  /// None where no shift is sure.
+  /// nullopt if no shift is certain.
   [[nodiscard]] std::optional<int> chosen(std::size_t pixels) {
     constexpr double least = 0.995, most_other = 0.99;
     if (changes_.empty()) return {};
@@ -62,7 +63,7 @@ class Votes {
   std::vector<int> changes_;  ///< from each shift to the next
 };
 
-/// The part of the single frames' squares that is left under `shift`.
+/// The fraction of the single frames' sum of squares that remains with `shift`.
 double misfit(const Layout& layout, const LayoutPhases& phases, const ConnectedSurface& surface,
               int shift) {
   constexpr std::size_t every = 7;
@@ -105,8 +106,8 @@ std::pair<int, int> order_range(const ConnectedSurface& surface) {
   return {first, last};
 }
 
-/// Of all shifts that leave some order in the field, the one under which least is left; how much
-/// that is, and how much is left under the next best.
+/// The shift with the least residual, of all that leave some order in the field; with that residual
+/// and the next best.
 struct BestShift {
   std::optional<int> shift{};
   double least = std::numeric_limits<double>::infinity(), next = least;
@@ -141,8 +142,8 @@ SurfaceChoice by_single_frames(const Layout& layout, const LayoutPhases& phases)
   };
 }
 
-/// The order under which two bands agree: the mean of what the second's phase is off turns on by
-/// the same angle from each order to the next.
+/// The order for which two bands agree: the mean deviation of the second's phase rotates by the
+/// same angle from each order to the next.
 SurfaceChoice by_two_bands(const Layout& layout, const LayoutPhases& phases) {
   return [&](const ConnectedSurface& surface) -> std::optional<int> {
     constexpr double least_agreement = 0.9, decided = 2;
@@ -240,7 +241,7 @@ const Image<int>& SurfaceOrders::operator()(const Image<float>& wrapped_phase,
   constexpr std::size_t fewest = 64;
   find_runs(wrapped_phase, second);
   join_rows(wrapped_phase, second);
-  // The runs of each surface side by side: how many pixels and runs each has, at its root.
+  // Sort the runs by surface: each root counts the pixels and runs of its surface.
   pixels_.assign(runs_.size(), 0);
   place_.assign(runs_.size() + 1, 0);
   for (std::size_t run = 0; run < runs_.size(); ++run) {

@@ -11,13 +11,13 @@
 
 namespace slipstream {
 
-/// Pixels [first, last) of a row on one surface, of fringe order ConnectedSurface::orders +
+/// Pixels [first, last) of a row on one surface, whose fringe order is ConnectedSurface::orders +
 /// `order`.
 struct SurfaceRun {
   int row = 0, first = 0, last = 0, order = 0;
 };
 
-/// Pixels whose orders are known but for one number that is added to all.
+/// Pixels whose orders are known up to one number added to all.
 struct ConnectedSurface {
   std::span<const SurfaceRun> runs;
   const Image<int>& orders;
@@ -33,24 +33,24 @@ struct ConnectedSurface {
   }
 };
 
-/// What is to be added to all orders of a surface; none where that is not sure.
+/// What to add to all orders of a surface; nullopt if ambiguous.
 using SurfaceChoice = std::function<std::optional<int>(const ConnectedSurface& surface)>;
 
-/// A second phase of the same pixels: `ratio` times as many periods as the first.
+/// A second phase of the same pixels, with `ratio` times the periods of the first.
 struct SecondPhase {
   Image<float> wrapped;
   float ratio = 1;
 };
 
-/// Fringe orders of a phase of many periods, surface by surface: on one surface the phase changes
-/// by less than a quarter of a period from pixel to pixel, as must a second phase, so that all
-/// orders are known up to one number. Keeps its memory.
+/// Fringe orders of a phase of many periods, surface by surface: on a surface the phase, and a
+/// second phase if given, changes by less than a quarter of a period from pixel to pixel, so that
+/// all orders are known up to one number. Reuses its memory.
 class SurfaceOrders {
  public:
   static constexpr int none = std::numeric_limits<int>::min();
 
-  /// The orders with what `choose` finds for each surface; `none` where `wrapped_phase` (rad, [0,
-  /// 2 pi]) is NaN, where a surface has less than 64 pixels and where nothing is chosen.
+  /// The orders plus what `choose` returns for each surface; `none` where `wrapped_phase` (rad, [0,
+  /// 2 pi]) is NaN, a surface has less than 64 pixels or `choose` returns nullopt.
   const Image<int>& operator()(const Image<float>& wrapped_phase, const SurfaceChoice& choose,
                                const SecondPhase* second = nullptr);
 
@@ -67,13 +67,13 @@ class SurfaceOrders {
   Image<int> orders_;
 };
 
-/// Fringe orders that a pixel may have, first to last; none where the first is beyond the last.
+/// Possible fringe orders of a pixel, first to last; first > last for an empty range.
 struct OrderRange {
   std::int16_t first = 0, last = -1;
 };
 
-/// The order under which 99.5 % of the pixels have one that they may have, where under any other
-/// one in a hundred less do. `possible` must outlive it.
+/// Chooses the order for which 99.5 % of the pixels have a possible order, if any other gives at
+/// least one in a hundred fewer. `possible` must outlive it.
 SurfaceChoice by_possible_orders(const Image<OrderRange>& possible);
 
 }  // namespace slipstream

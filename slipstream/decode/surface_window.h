@@ -8,14 +8,14 @@
 
 namespace slipstream {
 
-/// Phases in periods around a pixel, nine lines of nine, the pixel in the middle. What comes after
-/// each nine and after the last line is there for whole vectors and means nothing.
+/// Phases in periods around a pixel: nine lines of nine, the pixel in the middle. The padding after
+/// each nine and after the last line is for whole vectors and has no meaning.
 struct PhaseWindow {
   static constexpr std::size_t line = 12;
   std::array<float, 10 * line> periods{};
 };
 
-/// A window of 5 x 5 pixels, numbered by rows; sets of them are the bits of a number.
+/// A window of 5 x 5 pixels, numbered by rows; sets of them are bit masks.
 struct WindowCells {
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
   static double nearest_whole(double periods) {
@@ -30,14 +30,14 @@ struct WindowCells {
   static constexpr Cells inner_window = 0b00000'01110'01110'01110'00000;
 };
 
-/// Which pixels of a window are on the surface of the one in the middle: those that can be reached
-/// without crossing an edge of the wrapped phase.
+/// The pixels of a window on the surface of the middle one: those reachable without crossing an
+/// edge of the wrapped phase.
 struct SurfaceWindow : WindowCells {
   static constexpr double steepest = 0.25;  ///< periods per pixel; a step above it is an edge
-  /// Periods; what a step may differ from those before and after it.
+  /// Periods; largest difference between a step and those before and after it.
   static constexpr double roughest = 0.05;
 
-  /// Five pixels through the middle, straight on or bent by one.
+  /// Five pixels through the middle, straight or bent by one.
   using Line = std::array<int, side>;
   static constexpr auto lines = [] {
     std::array<Line, 20> found{};
@@ -49,7 +49,7 @@ struct SurfaceWindow : WindowCells {
         right[index(i)] = side * (2 + across[index(i)]) + i;
       }
       found[count++] = down;
-      // The antidiagonal is its own mirror image, but for the order.
+      // The antidiagonal is its own mirror image, in reverse order.
       if (across[0] != 2 && across[0] != -2) found[count++] = right;
     };
     add({0, 0, 0, 0, 0});
@@ -69,14 +69,14 @@ struct SurfaceWindow : WindowCells {
     return sets;
   }();
 
-  /// Between the pixels of a window and those right of and below them.
+  /// Links between the pixels of a window and those to the right and below.
   struct Links {
     Cells right = 0, down = 0;
-    std::array<int, cells> right_step, down_step;  ///< shift_step, where they are linked
+    std::array<int, cells> right_step, down_step;  ///< shift_step if linked
   };
 
-  /// Steps through a window from each place to that `distance` further: how many whole periods, and
-  /// whether the surface goes on across them, see goes_on. One loop each, for vectors.
+  /// Steps through a window to the place `distance` further: the number of whole periods, and
+  /// whether the surface continues across them. Separate loops, for vectorisation.
   template <std::size_t distance, std::size_t first, std::size_t last>
   struct Steps {
     std::array<float, last> whole, part;
@@ -125,8 +125,8 @@ struct SurfaceWindow : WindowCells {
     return links;
   }
 
-  /// Pixels on the surface of the middle, reached through the window, and their shifts less that of
-  /// the middle where they agree with it.
+  /// Pixels on the surface of the middle, reached through the window, and their shifts relative to
+  /// the middle's if they agree with it.
   struct Surface {
     Cells pixels = bit(middle);
     std::array<int, cells> shift_step{};
@@ -142,7 +142,7 @@ struct SurfaceWindow : WindowCells {
         reached |= to;
         for (; to != 0; to &= to - 1) {
           const int cell = std::countr_zero(to), parent = cell - distance;
-          // A link is numbered by the first of its pixels.
+          // A link has the number of the first of its pixels.
           const int link = sign > 0 ? parent : cell;
           surface.shift_step[index(cell)] =
               surface.shift_step[index(parent)] + sign * steps[index(link)];

@@ -40,8 +40,8 @@ Spot& spot(Spots& spots, int i) {
   return spots[static_cast<std::size_t>(i)];
 }
 
-/// Pixels from symbol to symbol along the axis and across it, by the picture's spectrum. How the
-/// grid leans that does not say: of few symbols it is noise.
+/// Pixels from symbol to symbol along and across the axis, from the image's spectrum. It does not
+/// give the grid's slant: with few symbols that is noise.
 std::optional<Vector> pitch_of(const SymbolGrid& grid, const Image<float>& picture) {
   constexpr double least = 4, most = 200;  // pixels
   const double along = 1 / found_carriers(picture, {1.0 * grid.columns}, true).front().right,
@@ -50,7 +50,7 @@ std::optional<Vector> pitch_of(const SymbolGrid& grid, const Image<float>& pictu
   return Vector{static_cast<float>(along), static_cast<float>(across)};
 }
 
-/// Brighter than all within a third of a symbol; and in `numbers` which is where.
+/// Local maxima within a third of a symbol; `numbers` is set to the index of each.
 Spots spots_of(Image<float> smooth, Vector pitch, Image<int>& numbers) {
   constexpr float least = 2;  // grey levels
   const auto [width, height] = smooth.size();
@@ -81,7 +81,7 @@ Spots spots_of(Image<float> smooth, Vector pitch, Image<int>& numbers) {
   return spots;
 }
 
-/// The spot nearest to a place, within a share of a symbol.
+/// The spot nearest to a position, within a fraction of a symbol.
 int nearest(const Spots& spots, const Image<int>& numbers, Vector at, Vector pitch) {
   constexpr float share = 0.4F;
   const float reach_x = share * pitch.x, reach_y = share * pitch.y;
@@ -102,7 +102,7 @@ int nearest(const Spots& spots, const Image<int>& numbers, Vector at, Vector pit
   return found;
 }
 
-/// Neighbours that find each other: at first at the picture's pitch, then as those beside them.
+/// Links spots that find each other: first at the image's pitch, then at their neighbours' spacing.
 void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   constexpr int rounds = 4;
   const auto link_all = [&](Link next, Link previous, Link beside, Link other_side, Vector usual) {
@@ -134,7 +134,7 @@ void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   }
 }
 
-/// Which symbols spots are, by how far each reaches in a cell as its neighbours span it.
+/// Classifies spots as symbols, from the extent of each in a cell spanned by its neighbours.
 void classify(Spots& spots, const Image<float>& picture) {
   constexpr int side = 9;
   constexpr float cell = 0.9F, round = 0.25F, elongated = 0.4F;
@@ -174,7 +174,7 @@ void classify(Spots& spots, const Image<float>& picture) {
   }
 }
 
-/// The spots of a square about one, row by row; empty where one is not there or no symbol.
+/// The spots of a square around one, row by row; empty unless all exist and are classified.
 std::vector<int> square_about(Spots& spots, int middle) {
   std::vector<int> square;
   for (const int row : {spot(spots, middle).above, middle, spot(spots, middle).below}) {
@@ -187,10 +187,10 @@ std::vector<int> square_about(Spots& spots, int middle) {
   return square;
 }
 
-/// Squares say where their spots are; a spot needs two that agree and hardly any that differ.
+/// Squares give their spots' positions; a spot requires two that agree and hardly any that differ.
 void vote(Spots& spots, const SymbolGrid& grid) {
   static_assert(symbol_window == 3);
-  std::vector<Place> shown(19683);  // 3^9: the middles of all squares
+  std::vector<Place> shown(19683);  // 3^9: the centres of all squares
   for (int row = 1; row + 1 < grid.rows(); ++row) {
     for (int column = 1; column + 1 < grid.columns; ++column) {
       std::size_t key = 0;
@@ -226,7 +226,7 @@ void vote(Spots& spots, const SymbolGrid& grid) {
   }
 }
 
-/// Whether the step to the next spot is about that before or after: else surfaces differ.
+/// Whether the step to the next spot is similar to an adjacent one: otherwise surfaces differ.
 bool goes_on(const Spots& spots, const Spot& from, Link next, Link previous, Vector pitch) {
   constexpr float most = 0.15F;  // of a symbol
   const auto at = [&](int i) { return spots[static_cast<std::size_t>(i)].at; };
@@ -239,7 +239,7 @@ bool goes_on(const Spots& spots, const Spot& from, Link next, Link previous, Vec
          (to.*next != none && alike(at(to.*next) - to.at));
 }
 
-/// Pixels of a triangle, between its corners.
+/// Interpolates the pixels of a triangle between its corners.
 void fill(const Spot& a, const Spot& b, const Spot& c, LocatedPixels& to) {
   const float area = cross(b.at - a.at, c.at - a.at);
   if (!(area > 0)) return;

@@ -21,15 +21,15 @@ struct GObjectUnref {
 template <class Object>
 using GObjectPointer = std::unique_ptr<Object, GObjectUnref>;
 
-/// Where a GigE Vision camera was found, to find it again without asking all networks.
+/// Address of a GigE Vision camera, to find it again without searching all networks.
 struct CameraAddress {
   GObjectPointer<GInetAddress> interface, device;
 };
 
-/// A camera that is set up, as long as it answers. If it is gone, the destructor may take seconds.
+/// A configured camera, while it answers. If it is gone, the destructor may take seconds.
 class AravisConnection {
  public:
-  /// By name, or by the address at which it was found before. Throws as open_genicam_camera.
+  /// Opens by name, or by the address found before. Throws like open_genicam_camera.
   AravisConnection(const std::string& name, const CameraSettings& settings,
                    const CameraAddress& address = {})
       : name_(name.empty() ? "(the first found)" : name) {
@@ -43,19 +43,20 @@ class AravisConnection {
     }
     if (!camera_) {
       throw WorldError(fmt::format("camera {} does not answer: {}", name_,
-                                   error != nullptr ? error->message : "there is none"));
+                                   error != nullptr ? error->message : "no camera was found"));
     }
     watch();
     set_up(settings);
   }
 
-  /// Frames come. Throws WorldError.
+  /// Starts the stream. Throws WorldError.
   void start() {
     const auto fail = [&](const GError* error) {
       throw WorldError(fmt::format("camera {} gives no frames: {}", name_, error->message));
     };
     constexpr int buffers = 32;
-    // A few frames' worth: else the kernel drops packets while the receiving thread waits to run.
+    // Room for a few frames: otherwise the kernel drops packets while the receiving thread waits to
+    // run.
     constexpr int socket_buffer_bytes = 4 << 20;
     g_autoptr(GError) error = nullptr;
     stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, &error));
@@ -66,7 +67,7 @@ class AravisConnection {
     }
     const std::uint32_t payload = arv_camera_get_payload(camera_.get(), &error);
     if (error != nullptr) fail(error);
-    // Before there are buffers: until then no packet is looked into.
+    // Before any buffer exists: until then no packet is parsed.
     if (ARV_IS_GV_STREAM(stream_.get())) limit_stream(payload);
     for (int i = 0; i < buffers; ++i) {
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
@@ -76,13 +77,13 @@ class AravisConnection {
   }
 
   void stop() {
-    // Errors are those of a camera that is gone.
+    // Errors mean that the camera is gone.
     if (stream_ && !is_lost()) arv_camera_stop_acquisition(camera_.get(), nullptr);
     stream_.reset();
   }
 
   void trigger() {
-    // A trigger that did not arrive gives no frame, which is seen.
+    // A lost trigger shows as a missing frame.
     arv_camera_software_trigger(camera_.get(), nullptr);
   }
 
@@ -104,7 +105,7 @@ class AravisConnection {
     if (period_seconds_ > 0) ask_period();
   }
 
-  /// The next buffer, none in time. To be handed back.
+  /// The next buffer, null after the timeout. Must be handed back.
   [[nodiscard]] GObjectPointer<ArvBuffer> pop(std::chrono::microseconds timeout) const {
     return GObjectPointer<ArvBuffer>(arv_stream_timeout_pop_buffer(
         stream_.get(), static_cast<std::uint64_t>(std::max<std::int64_t>(0, timeout.count()))));
@@ -121,7 +122,7 @@ class AravisConnection {
   [[nodiscard]] std::uint64_t first_number() const {
     return arv_camera_is_gv_device(camera_.get()) != 0 ? 1 : 0;
   }
-  /// Time between frames of a camera that runs freely, as it says; 0 for others.
+  /// Frame interval reported by a free-running camera; 0 for triggered ones.
   [[nodiscard]] std::chrono::duration<double> period() const {
     return std::chrono::duration<double>(period_seconds_);
   }
@@ -129,7 +130,7 @@ class AravisConnection {
     if (!stream_ || !ARV_IS_GV_STREAM(stream_.get())) return 0;
     return arv_stream_get_info_uint64_by_name(stream_.get(), "n_resent_packets");
   }
-  /// Empty for cameras that are not on a network.
+  /// Empty for cameras not on a network.
   [[nodiscard]] CameraAddress address() const {
     if (arv_camera_is_gv_device(camera_.get()) == 0) return {};
     ArvGvDevice* device = ARV_GV_DEVICE(arv_camera_get_device(camera_.get()));
@@ -138,7 +139,7 @@ class AravisConnection {
   }
 
  private:
-  /// How Aravis asks for, bounds and sets one of the controls, and its unit in ours.
+  /// Aravis functions that read, bound and set one control, and its unit relative to ours.
   struct ControlCalls {
     double (*get)(ArvCamera*, GError**);
     void (*bounds)(ArvCamera*, double*, double*, GError**);
@@ -164,13 +165,13 @@ class AravisConnection {
         static_cast<GInetAddress*>(g_object_ref(static_cast<gpointer>(inet))));
   }
 
-  /// Makes a call that may be refused. Throws Error, which says of which thing.
+  /// Makes a call that the camera may refuse. Throws Error naming the setting.
   template <class Call, class... Values>
   void set(const std::string& what, Call call, Values... values) const {
     g_autoptr(GError) error = nullptr;
     call(camera_.get(), values..., &error);
     if (error != nullptr) {
-      throw Error(fmt::format("camera {} does not take {}: {}", name_, what, error->message));
+      throw Error(fmt::format("camera {} refused {}: {}", name_, what, error->message));
     }
   }
 
@@ -185,7 +186,7 @@ class AravisConnection {
     const std::string pixel_format(name_of(settings.pixel_format));
     set("pixels as " + pixel_format, arv_camera_set_pixel_format_from_string, pixel_format.c_str());
     if (settings.trigger.empty()) {
-      arv_camera_clear_triggers(camera_.get(), nullptr);  // fails for a camera without triggers
+      arv_camera_clear_triggers(camera_.get(), nullptr);  // fails on a camera without triggers
       if (settings.frame_rate) set_control(CameraControl::frame_rate, *settings.frame_rate);
       ask_period();
     } else {
@@ -198,12 +199,13 @@ class AravisConnection {
         set(fmt::format("packets of {} bytes", settings.packet_size), arv_camera_gv_set_packet_size,
             settings.packet_size);
       } else {
-        g_autoptr(GError) ignored = nullptr;  // a camera that cannot try keeps its own size
+        g_autoptr(GError) ignored =
+            nullptr;  // a camera that cannot test packet sizes keeps its own
         arv_camera_gv_auto_packet_size(camera_.get(), &ignored);
       }
     }
     int x = 0, y = 0;
-    set("the question for its region", arv_camera_get_region, &x, &y, &size_.width, &size_.height);
+    set("to report its region", arv_camera_get_region, &x, &y, &size_.width, &size_.height);
   }
 
   void watch() {
@@ -216,10 +218,10 @@ class AravisConnection {
                           static_cast<GConnectFlags>(0));
   }
 
-  /// To packets that Aravis can take, see pass_pictures_only.
+  /// Limits the stream to packets that Aravis can handle, see pass_pictures_only.
   void limit_stream(std::uint32_t payload) {
     constexpr int least_packet = 100;
-    // Of the camera, in the host's byte order.
+    // The camera's address, in host byte order.
     const GObjectPointer<GInetAddress> inet = address().device;
     std::uint32_t camera = 0;
     if (inet && g_inet_address_get_native_size(inet.get()) == sizeof(camera)) {
@@ -232,7 +234,8 @@ class AravisConnection {
                              .camera = g_ntohl(camera),
                              .packet_size = static_cast<std::uint32_t>(packet),
                              .picture_bytes = payload})) {
-      throw WorldError(fmt::format("camera {}: what its stream takes cannot be limited", name_));
+      throw WorldError(
+          fmt::format("camera {}: cannot install a packet filter on its stream", name_));
     }
   }
 
@@ -246,7 +249,7 @@ class AravisConnection {
   GObjectPointer<ArvStream> stream_;
   Size size_;
   std::atomic<double> period_seconds_ = 0;
-  /// Shared with the handler of a signal, which may outlive this.
+  /// Shared with a GObject signal handler, which may outlive this object.
   std::shared_ptr<std::atomic<bool>> lost_ = std::make_shared<std::atomic<bool>>(false);
 };
 

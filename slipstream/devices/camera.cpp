@@ -9,10 +9,10 @@
 
 namespace slipstream {
 
-#ifndef SLIPSTREAM_CAMERAS  // without Aravis
+#ifndef SLIPSTREAM_CAMERAS  // stub for builds without Aravis
 std::unique_ptr<FrameSource> open_genicam_camera(const std::string& name, const CameraSettings&) {
   throw Error("camera aravis:" + name +
-              " needs Aravis, without which this program was built (libaravis-dev, "
+              " needs Aravis, but this program was built without it (libaravis-dev, "
               "-DSLIPSTREAM_CAMERAS=ON)");
 }
 
@@ -26,7 +26,7 @@ namespace {
 std::unique_ptr<FrameSource> open_numbered(const std::string& text,
                                            const CameraSettings& settings) {
   const auto number = number_in<int>(text);
-  throw_if(!number || *number < 0, "source v4l2:{}: a number is wanted, as v4l2:0 for /dev/video0",
+  throw_if(!number || *number < 0, "source v4l2:{}: expected a number, e.g. v4l2:0 for /dev/video0",
            text);
   const std::string path = fmt::format("/dev/video{}", *number);
   return open_v4l2_camera(
@@ -34,13 +34,13 @@ std::unique_ptr<FrameSource> open_numbered(const std::string& text,
 }
 
 static_assert(std::endian::native == std::endian::little,
-              "pixels of two bytes come as this machine keeps them");
+              "two-byte pixels are read in this machine's byte order");
 
 void copy_words(int /*bits*/, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
   std::memcpy(pixels.data(), bytes, pixels.size_bytes());
 }
 
-/// Pixels of `bits` one behind another, the low bits first.
+/// Packed pixels of `bits` each, low bits first.
 void unpack_bits(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
   const std::uint32_t mask = (1U << bits) - 1;
   std::uint32_t held = 0;
@@ -55,7 +55,8 @@ void unpack_bits(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> p
   }
 }
 
-/// Two pixels in three bytes: high bits, the low bits of both (the first's are low), high bits.
+/// Two pixels in three bytes: high bits, the low bits of both (the first pixel's are lower), high
+/// bits.
 void unpack_pairs(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
   const int low_bits = bits - 8;
   const int mask = (1 << low_bits) - 1;
@@ -70,9 +71,9 @@ void unpack_pairs(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> 
 struct FormatDescription {
   PixelFormat format;
   std::string_view name;
-  int bits;         ///< of the camera
-  int stored_bits;  ///< that a value takes
-  /// Into pixels of 16 bits; null for those of 8.
+  int bits;         ///< bytes from the camera
+  int stored_bits;  ///< bits per value
+  /// Unpacks into 16-bit pixels; null for 8-bit formats.
   void (*unpack)(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) = nullptr;
 };
 
@@ -109,7 +110,7 @@ PixelFormat pixel_format_named(std::string_view name) {
   for (const FormatDescription& format : formats) {
     if (format.name == name) return format.format;
   }
-  throw Error(fmt::format("pixel format '{}' is not known; there are: {}", name,
+  throw Error(fmt::format("pixel format '{}' is unknown; expected one of: {}", name,
                           fmt::join(pixel_format_names(), ", ")));
 }
 

@@ -10,18 +10,18 @@
 
 namespace slipstream {
 
-/// Counts a camera's frames from 0 by the camera's own numbers, and how many are missing. Those may
-/// begin again: GigE Vision counts 1 to 65535 and then from 1 (no frame is numbered 0). A camera
-/// with numbers above 65535 is taken never to run out of them.
+/// Counts a camera's frames from 0 by the camera's own numbers, and counts missing ones. The
+/// camera's numbers may wrap around: GigE Vision counts from 1 to 65535, then from 1 again (0 is
+/// never used). Numbers above 65535 are assumed never to wrap.
 class FrameCount {
  public:
-  /// `cycle`: patterns in a scan, at least 1. Frame k of a camera that was started at the first
-  /// pattern shows pattern k modulo `cycle`. When the camera was gone and starts again at the first
-  /// pattern, the count goes on at the next multiple of `cycle` that leaves at least one frame
-  /// missing: the pattern stays right, and no scan mixes frames from before and after.
+  /// `cycle`: patterns per scan, at least 1. Frame k of a camera started at the first pattern shows
+  /// pattern k modulo `cycle`. When a lost camera starts again at the first pattern, the count
+  /// continues at the next multiple of `cycle` that leaves at least one frame missing: the pattern
+  /// stays right, and no scan mixes frames from before and after.
   explicit FrameCount(int cycle) : cycle_(static_cast<std::uint64_t>(cycle)) {}
 
-  /// The camera starts, or starts again: its frame numbered `first` shows the first pattern.
+  /// The camera starts or restarts: its frame numbered `first` shows the first pattern.
   void begin(std::uint64_t first) {
     if (!none_yet_) start_ = (expected_ + cycle_) / cycle_ * cycle_;
     none_yet_ = true;
@@ -29,8 +29,8 @@ class FrameCount {
     unwrapped_ = 0;
   }
 
-  /// The count of the frame that the camera gave this number. A number more than `far` below the
-  /// last, or below `first`, says that the camera has started again; begin() is then called here.
+  /// The count of the frame with this camera number. A number more than `far` below the last, or
+  /// below `first`, means that the camera restarted; begin() is then called here.
   std::uint64_t operator()(std::uint64_t number) {
     if (step_to(number) < -far || unwrapped_ + step_to(number) < 0) {
       begin(number >= first_ && number < first_ + far ? first_ : number);
@@ -47,13 +47,13 @@ class FrameCount {
     return count;
   }
 
-  /// Frames that never came after the first: before it the connection is still being set up.
+  /// Frames lost after the first one; earlier ones fall into the connection setup.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
-  /// A step back of more numbers than this is a camera that started again, not a late frame.
+  /// A larger step back means a restarted camera, not a late frame.
   static constexpr int far = 1000;
 
  private:
-  /// From the last number to this one, across the end of 16 bits where that is nearer.
+  /// Step from the last number to this one, across the 16-bit wrap if that is shorter.
   [[nodiscard]] std::int64_t step_to(std::uint64_t number) const {
     constexpr std::int64_t round = 65535;
     const auto step = static_cast<std::int64_t>(number - last_);
@@ -66,14 +66,14 @@ class FrameCount {
   std::uint64_t start_ = 0;     ///< the count of the frame numbered `first_`
   std::uint64_t expected_ = 0;  ///< the count after the largest so far
   std::uint64_t missing_ = 0;
-  bool none_yet_ = true;        ///< no frame came since begin()
+  bool none_yet_ = true;        ///< no frame since begin()
   std::uint64_t first_ = 0;     ///< the camera's number of the first frame after begin()
-  std::uint64_t last_ = 0;      ///< the camera's number of the last frame that came
+  std::uint64_t last_ = 0;      ///< the camera's number of the last frame received
   std::int64_t unwrapped_ = 0;  ///< frames from `first_` to `last_`
 };
 
-/// Base of a camera that may go away and come back: its connection, null while it is gone, its
-/// settings, also for the next connection, and counters. `Connection` is like CameraControls.
+/// Base of a camera that may disconnect and return: its connection (null while lost), its settings
+/// for this and later connections, and counters. `Connection` is like CameraControls.
 template <class Connection>
 class CameraSource : public FrameSource, public CameraControls {
  public:
@@ -103,7 +103,7 @@ class CameraSource : public FrameSource, public CameraControls {
   }
 
  protected:
-  /// Throws Error where the settings have no pattern.
+  /// Throws Error if the settings have no pattern.
   CameraSource(std::string name, CameraSettings settings, std::shared_ptr<Connection> connection,
                FrameFormat format)
       : name_(std::move(name)),
@@ -112,11 +112,11 @@ class CameraSource : public FrameSource, public CameraControls {
         format_(format),
         count_(settings_.cycle) {
     if (settings_.cycle < 1) {
-      throw Error(fmt::format("{} patterns in a scan; at least 1", settings_.cycle));
+      throw Error(fmt::format("{} patterns per scan; expected at least 1", settings_.cycle));
     }
   }
 
-  /// For other threads than that of next(), which reads connection_.
+  /// For threads other than that of next(), which reads connection_.
   [[nodiscard]] std::shared_ptr<Connection> shared_connection() const {
     const std::lock_guard lock(mutex_);
     return connection_;
@@ -125,10 +125,10 @@ class CameraSource : public FrameSource, public CameraControls {
     const std::lock_guard lock(mutex_);
     return settings_;
   }
-  /// The camera is gone; returns what connected to it.
+  /// Marks the camera as lost and returns its connection.
   std::shared_ptr<Connection> lose() {
     const std::lock_guard lock(mutex_);
-    state_ = fmt::format("camera {} is gone; looking for it",
+    state_ = fmt::format("camera {} is lost; searching for it",
                          name_.empty() ? "(the first found)" : name_);
     return std::exchange(connection_, nullptr);
   }
@@ -138,7 +138,7 @@ class CameraSource : public FrameSource, public CameraControls {
     state_.clear();
     ++reconnects_;
   }
-  /// The place of a frame that came, by the camera's own number.
+  /// The index of a received frame, from the camera's own number.
   std::uint64_t count(std::uint64_t number) {
     const std::uint64_t sequence = count_(number);
     lost_ = count_.missing();
@@ -148,13 +148,14 @@ class CameraSource : public FrameSource, public CameraControls {
 
   const std::string name_;
   CameraSettings
-      settings_;  ///< exposure, gain and rate change while frames come, the rest does not
+      settings_;  ///< exposure, gain and rate may change while streaming, the rest may not
   std::shared_ptr<Connection> connection_;
   const FrameFormat format_;
   FrameCount count_;
 
  private:
-  mutable std::mutex mutex_;  ///< of connection_ and settings_ against other threads, and of state_
+  mutable std::mutex
+      mutex_;  ///< guards connection_ and settings_ against other threads, and state_
   std::string state_;
   std::atomic<std::uint64_t> delivered_ = 0, lost_ = 0, reconnects_ = 0;
 };

@@ -12,9 +12,9 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-/// A GenICam camera over GigE Vision or USB3 Vision. Sequence: the camera's own count of frames,
-/// from 0 at the start; device time: of the camera's clock; host time: when the frame is fetched.
-/// A camera that is gone is sought until it is back, without an error: `state` says so meanwhile.
+/// A GenICam camera over GigE Vision or USB3 Vision. Sequence: the camera's own frame count, from 0
+/// at the start; device time: the camera's clock; host time: when the frame is fetched. A lost
+/// camera is searched for until it is back, without an error: `state` reports it meanwhile.
 class AravisSource final : public CameraSource<AravisConnection> {
  public:
   AravisSource(const std::string& name, const CameraSettings& settings)
@@ -22,7 +22,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
   ~AravisSource() override { AravisSource::stop(); }
 
   void start() override {
-    if (!connection_) regain(open_again());  // it was gone at the stop
+    if (!connection_) regain(open_again());  // it was lost when stopped
     connection_->start();
     begin();
   }
@@ -47,7 +47,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
   Arrival next(Frame& frame, milliseconds timeout) override {
     if (!connection_) return seek(timeout);
     const steady_clock::time_point end = steady_clock::now() + timeout;
-    // A lost camera is noticed within a short wait, however long the caller's.
+    // Waits in short steps, so that a lost camera is noticed early.
     do {
       const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
       GObjectPointer<ArvBuffer> buffer =
@@ -87,7 +87,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
     last_heard_ = steady_clock::now();
   }
 
-  /// Of frames with pictures of that size.
+  /// For frames of this size.
   [[nodiscard]] static Size frame_size(Size picture, PixelFormat format) {
     return {values_of(format) * picture.width, picture.height};
   }
@@ -95,7 +95,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
     return frame_size(picture, settings_.pixel_format) == format_.size;
   }
 
-  /// A freely running camera that is silent for longer is gone; a triggered one may be for ever.
+  /// A free-running camera that is silent for longer is lost; a triggered one may stay silent.
   [[nodiscard]] steady_clock::duration longest_silence() const {
     if (!settings_.trigger.empty()) return std::chrono::hours(24 * 365);
     return std::max<steady_clock::duration>(
@@ -106,7 +106,8 @@ class AravisSource final : public CameraSource<AravisConnection> {
     resent_ = connection_->resent_packets();
     if (arv_buffer_get_status(&buffer) != ARV_BUFFER_STATUS_SUCCESS ||
         arv_buffer_get_payload_type(&buffer) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE) {
-      // The socket's buffer grows only when the first packet has come: that frame is seldom whole.
+      // The socket's buffer grows only after the first packet, so the first frame is rarely
+      // complete.
       return first_frame_ ? Arrival::nothing : Arrival::damaged;
     }
     const Size size{arv_buffer_get_image_width(&buffer), arv_buffer_get_image_height(&buffer)};
@@ -123,7 +124,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
   }
 
   std::uint64_t count_number(std::uint64_t number) {
-    // Few cameras count on from the frames before the start.
+    // A few cameras continue counting from before the start.
     if (first_frame_ && number > connection_->first_number() + FrameCount::far) {
       count_.begin(number);
     }
@@ -131,7 +132,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
     return count(number);
   }
 
-  /// Lets go of a camera elsewhere: saying goodbye to one that is gone takes seconds.
+  /// Closes the connection on another thread: closing a lost camera takes seconds.
   void bury(std::shared_ptr<AravisConnection> connection) {
     std::erase_if(burials_,
                   [](const auto& done) { return done.wait_for(0s) == std::future_status::ready; });
@@ -139,7 +140,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
         std::async(std::launch::async, [gone = std::move(connection)]() mutable { gone.reset(); }));
   }
 
-  /// Looks for the camera on another thread, which may wait for answers longer than the caller.
+  /// Searches for the camera on another thread, which may wait longer than the caller.
   Arrival seek(milliseconds timeout) {
     if (!seeking_.valid()) {
       seeking_ = std::async(std::launch::async, [this] { return connect_again(); });

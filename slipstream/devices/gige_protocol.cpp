@@ -38,7 +38,7 @@ enum class Content : std::uint32_t { leader = 1, trailer = 2, picture = 3, part 
 
 constexpr std::uint16_t block_complete = 0, unavailable = 0x800c;
 
-/// How a packet begins. Only long numbers leave room for the number of a block's parts.
+/// Packet header. Only extended IDs leave room for the number of parts.
 void begin(Bytes& packet, std::uint16_t status, bool long_numbers, std::uint64_t block,
            Content content, std::size_t place, std::size_t parts) {
   packet.clear();
@@ -58,7 +58,7 @@ void begin(Bytes& packet, const GigeBlock& block, Content content, std::size_t p
   begin(packet, block_complete, block.is_multipart, block.number, content, place, parts);
 }
 
-/// In each packet, after what precedes them.
+/// Pixel bytes start after the header in each packet.
 std::size_t picture_bytes(const GigeBlock& block) {
   constexpr std::size_t longer_head = 20;
   return block.packet_bytes - (block.is_multipart ? longer_head : 0);
@@ -178,7 +178,7 @@ GigeStatus GigeControl::write_bytes(std::size_t address, std::span<const std::ui
   return success;
 }
 
-/// It comes from where the client takes its frames, or from where it asks.
+/// It comes from the client's stream port or its control port.
 void GigeControl::note_resend(std::span<const std::uint8_t> payload, bool long_numbers,
                               const sockaddr_in& from) {
   const auto target = stream_target();

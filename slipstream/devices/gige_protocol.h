@@ -13,7 +13,7 @@
 
 namespace slipstream {
 
-/// 32-bit registers of a GigE Vision camera, by the standard or by our cameras' descriptions.
+/// 32-bit registers of a GigE Vision camera, from the standard or from our camera description.
 enum class GigeRegister : std::uint32_t {
   width = 0x100,
   height = 0x104,
@@ -26,8 +26,8 @@ enum class GigeRegister : std::uint32_t {
   trigger_mode = 0x300,
   trigger_source = 0x304,
   software_trigger = 0x30c,
-  // of the standard
-  heartbeat_timeout = 0x938,  ///< ms; half a second to a minute, whatever it says
+  // defined by the standard
+  heartbeat_timeout = 0x938,  ///< ms; clamped to half a second to a minute
   control_privilege = 0xa00,
   stream_port = 0xd00,
   packet_size = 0xd04,
@@ -36,24 +36,24 @@ enum class GigeRegister : std::uint32_t {
   stream_configuration = 0xd24,
 };
 
-/// Frames as a camera's client wants them.
+/// Stream settings requested by the client.
 struct GigeStream {
   sockaddr_in to;
   Rectangle region;          ///< within the sensor
-  std::size_t packet_bytes;  ///< of pixels in a packet, at least 1
+  std::size_t packet_bytes;  ///< pixel bytes per packet, at least 1
   std::chrono::microseconds period;
-  std::chrono::nanoseconds packet_delay;  ///< at least, from one packet to the next
-  bool is_free, is_triggered;             ///< runs without triggers; waits no longer for one
+  std::chrono::nanoseconds packet_delay;  ///< minimum delay between packets
+  bool is_free, is_triggered;             ///< free-running; no longer waits for a trigger
 };
 
-/// Packets of a block that its client has not got.
+/// Packets of a block that the client has not received.
 struct GigeResend {
   std::uint64_t block = 0;
   std::size_t first = 0, last = 0;
-  bool long_numbers = false;  ///< as blocks of several parts have
+  bool long_numbers = false;  ///< as in multi-part blocks
 };
 
-/// How a camera answers.
+/// Identity and limits of a camera.
 enum class GigeStatus : std::uint16_t {
   success = 0,
   not_implemented = 0x8001,
@@ -63,18 +63,18 @@ enum class GigeStatus : std::uint16_t {
   access_denied = 0x8006,
 };
 
-/// The control side of a GigE Vision camera (GVCP), without a socket: registers, the description
-/// behind them, and the one client that may write. Packets are untrusted.
+/// The control channel of a GigE Vision camera (GVCP), without a socket: registers, the description
+/// after them, and the single client that may write. Packets are untrusted.
 class GigeControl {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// From and up to where a client may write.
+  /// The address range a client may write, end excluded.
   using Writable = std::vector<std::pair<std::size_t, std::size_t>>;
-  /// Whether a register may have that value; called before it has.
+  /// Whether a register may take a value; called before it is set.
   using Accept = std::function<GigeStatus(GigeRegister, std::uint32_t)>;
 
-  /// `memory`: 64 KiB of registers, then the description that is only read. `writable`: by default
-  /// of Aravis' fake camera, nothing of its name and sensor.
+  /// `memory`: 64 KiB of registers, then the read-only description. `writable`: by default Aravis'
+  /// fake camera's registers except name and sensor.
   explicit GigeControl(std::vector<std::uint8_t> memory,
                        Writable writable = {{0x100, 0x118},
                                             {0x120, 0x200},
@@ -88,24 +88,24 @@ class GigeControl {
         writable_(std::move(writable)),
         accept_(std::move(accept)) {}
 
-  /// The answer to a packet, or empty. A client has control from when it takes it until it gives it
-  /// back or is silent for as long as it said; then the registers are reset to before it.
+  /// The answer to a packet, or empty. A client keeps control until it releases it or is silent for
+  /// its own timeout; then the registers are reset to their state before it.
   std::vector<std::uint8_t> answer(std::span<const std::uint8_t> packet, const sockaddr_in& from,
                                    Time now);
-  /// None unless a client has started, with frames to its own address and a region on the sensor.
+  /// nullopt unless a client has started a stream to its own address with a region on the sensor.
   std::optional<GigeStream> stream(Time now);
-  /// Where the client takes its frames, at its own address.
+  /// The client's stream destination, at its own address.
   [[nodiscard]] std::optional<sockaddr_in> stream_target() const;
-  /// What the client asked to have again since this was last called; the newest, of several.
+  /// The latest resend request since the last call.
   std::optional<GigeResend> take_resend() { return std::exchange(resend_, std::nullopt); }
-  /// Clients that had control and fell silent.
+  /// Number of clients that lost control by silence.
   [[nodiscard]] std::uint64_t silent_clients() const { return silent_clients_; }
 
   [[nodiscard]] const std::vector<std::uint8_t>& memory() const { return memory_; }
   [[nodiscard]] std::uint32_t read(GigeRegister which) const;
-  /// What it is from now on, and again when the client goes.
+  /// Sets a register now and as its value after a client leaves.
   void write(GigeRegister which, std::uint32_t value);
-  /// What it is until the client goes.
+  /// Sets a register until the client leaves.
   void change(GigeRegister which, std::uint32_t value);
 
  private:
@@ -122,15 +122,15 @@ class GigeControl {
   Writable writable_;
   Accept accept_;
   std::optional<sockaddr_in> client_;
-  Time heard_;  ///< of the client
+  Time heard_;  ///< the client's
   std::optional<GigeResend> resend_;
   std::uint64_t silent_clients_ = 0;
 };
 
-/// What a picture shows, as GenICam numbers it.
+/// Content of a picture, numbered as in GenICam.
 enum class GigeComponent : std::uint16_t { intensity = 1, range = 4, confidence = 6 };
 
-/// Its pixels as GenICam numbers them (PFNC).
+/// Pixel format, numbered as in GenICam (PFNC).
 enum class GigePixels : std::uint32_t {
   mono8 = 0x01080001,
   confidence8 = 0x010800c6,
@@ -150,24 +150,24 @@ struct GigePart {
   std::vector<std::uint8_t> bytes{};
 };
 
-/// What GigE Vision streams at a time (GVSP): one picture, or several of one region.
+/// One streamed block (GVSP): a picture, or several of one region.
 struct GigeBlock {
-  std::uint64_t number = 1;  ///< from 1; of one picture alone at most 65535
+  std::uint64_t number = 1;  ///< from 1; at most 65535 if it has a single picture
   std::chrono::nanoseconds time{};
   Rectangle region{};
   bool is_multipart = false;
-  std::size_t packet_bytes = 0;  ///< of GigeStream
+  std::size_t packet_bytes = 0;  ///< see GigeStream
   std::vector<GigePart> parts{};
 };
 
-/// Of a leader, the pictures' bytes and a trailer.
+/// Counts the leader, the pictures' packets and the trailer.
 std::size_t packet_count(const GigeBlock& block);
-/// Into `packet`, whose memory is used; `place` is below packet_count().
+/// Writes a packet into `packet`, reusing its memory; `place` is below packet_count().
 void write_packet(const GigeBlock& block, std::size_t place, std::vector<std::uint8_t>& packet);
-/// Likewise the answer where a block's packet is asked for that there is no more.
+/// Writes the answer to a resend request for a packet that is no longer available.
 void write_missing_packet(const GigeResend& asked, std::vector<std::uint8_t>& packet);
 
-/// The region of a picture, which it is within, taken now.
+/// A region within a picture, timestamped now.
 GigeBlock block_of(const Image<std::uint8_t>& picture, const GigeStream& stream,
                    std::uint16_t number);
 void for_each_packet(const GigeBlock& block,

@@ -20,9 +20,9 @@
 namespace slipstream {
 namespace {
 
-constexpr std::uint16_t control_port = 3956;  // of GigE Vision
+constexpr std::uint16_t control_port = 3956;  // the GigE Vision control port
 
-/// Broadcast address of the interface that has that address.
+/// Broadcast address of the interface with this address.
 in_addr broadcast_of(const std::string& address) {
   const in_addr host = host_from(address);
   const auto host_of = [](const sockaddr* end) {
@@ -37,11 +37,11 @@ in_addr broadcast_of(const std::string& address) {
     const in_addr broadcast{host.s_addr | ~host_of(each->ifa_netmask)};
     return broadcast.s_addr == host.s_addr ? in_addr{INADDR_BROADCAST} : broadcast;
   }
-  // All of 127.x.x.x may be bound on this machine, but a camera is found by an interface's own.
+  // All of 127.x.x.x can be bound, but clients find a camera only by an interface's own address.
   const bool loopback = address.starts_with("127.");
   throw WorldError(
-      fmt::format("cannot serve a camera at {}: no network interface has that address; give it to "
-                  "one first, as with: sudo ip address add {} dev {}",
+      fmt::format("cannot serve a camera at {}: no network interface has that address; add it "
+                  "first, e.g. with: sudo ip address add {} dev {}",
                   address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
 }
 
@@ -50,7 +50,7 @@ bool is_discovery(std::span<const std::uint8_t> packet) {
   return packet.size() >= 4 && number_at<std::uint16_t, std::endian::big>(packet, 2) == discovery;
 }
 
-/// The process's socket of that port.
+/// The process's socket on that port.
 std::optional<int> udp_socket(std::uint16_t port) {
   std::error_code gone;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
@@ -72,7 +72,7 @@ std::optional<int> udp_socket(std::uint16_t port) {
   return std::nullopt;
 }
 
-// Steps of the kernel's filters. A load from past the packet's end drops it.
+// Instructions of the kernel's packet filter. A load past the packet's end drops the packet.
 constexpr unsigned short load_word = BPF_LD | BPF_W | BPF_ABS, load_byte = BPF_LD | BPF_B | BPF_ABS;
 constexpr unsigned short load_length = BPF_LD | BPF_W | BPF_LEN, set_offset = BPF_LDX | BPF_IMM;
 constexpr unsigned short load_half_there = BPF_LD | BPF_H | BPF_IND;
@@ -88,7 +88,7 @@ constexpr unsigned short if_beyond_offset = BPF_JMP | BPF_JGT | BPF_X;
 in_addr host_from(const std::string& address) {
   in_addr host{};
   if (::inet_pton(AF_INET, address.c_str(), &host) == 1) return host;
-  throw Error(fmt::format("{} is no address as 127.0.0.1", address));
+  throw Error(fmt::format("{} is not an IPv4 address, e.g. 127.0.0.1", address));
 }
 
 UdpSocket::UdpSocket(in_addr host, std::uint16_t port, bool shared)
@@ -169,12 +169,12 @@ bool pass_pictures_only(const PictureStream& stream) {
   constexpr std::uint32_t udp = 8, kind = udp + 4, long_numbers = 0x80, kinds = 0x7f;
   constexpr std::uint32_t leader = 1, trailer = 2, pixels = 3, picture = 1, leader_bytes = 36;
   constexpr std::uint32_t negative = 0x80000000;
-  // The trailer comes after all packets of pixels, which have numbers from 1.
+  // The trailer follows all picture packets, which are numbered from 1.
   const auto trailer_number = [&](std::uint32_t header) {
-    const std::uint32_t each = stream.packet_size - 20 - udp - header;  // 20: of the internet
+    const std::uint32_t each = stream.packet_size - 20 - udp - header;  // 20: IPv4 header
     return (stream.picture_bytes + each - 1) / each + 1;
   };
-  // An offset ends the header. Jumps count lines between, if true, if not. Kept: packets to come.
+  // The last field is an offset. Jumps count instructions skipped if true and if false.
   std::array<sock_filter, 31> lines{{{load_word, 0, 0, sender},
                                      {if_equal, 0, 28, stream.camera},
                                      {set_offset, 0, 0, udp + 8},

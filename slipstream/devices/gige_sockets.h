@@ -12,13 +12,13 @@
 
 namespace slipstream {
 
-/// "127.0.0.1" as a number; throws Error for what is none.
+/// Parses "127.0.0.1"; throws Error if it is not an IPv4 address.
 in_addr host_from(const std::string& address);
 
-/// A socket for UDP.
+/// A UDP socket.
 class UdpSocket {
  public:
-  /// Port 0: any. `shared`: others may listen there, too. Throws WorldError.
+  /// Port 0: any free one. `shared`: other sockets may use the port too. Throws WorldError.
   UdpSocket(in_addr host, std::uint16_t port, bool shared);
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
@@ -26,48 +26,48 @@ class UdpSocket {
 
   [[nodiscard]] int descriptor() const { return descriptor_; }
   [[nodiscard]] std::uint16_t port() const;
-  /// The next packet, empty where there is none or one longer than any of the protocol.
+  /// The next packet; empty if there is none or it is longer than the protocol allows.
   std::vector<std::uint8_t> receive(sockaddr_in& from) const;
-  /// A packet that cannot be sent is lost.
+  /// Packets that cannot be sent are dropped.
   void send(std::span<const std::uint8_t> packet, const sockaddr_in& to) const;
-  /// Likewise one that is too long for the network, which is not cut to pieces.
+  /// Sends without fragmentation: packets too long for the network are dropped.
   void send_whole(std::span<const std::uint8_t> packet, const sockaddr_in& to) const;
 
  private:
   int descriptor_;
 };
 
-/// Where a GigE Vision camera of this machine is asked: port 3956 of the address, and broadcasts.
+/// Control port of a GigE Vision camera on this machine: port 3956 of the address, and broadcasts.
 class GigeControlSockets {
  public:
-  /// What a packet is answered with; empty: nothing.
+  /// Returns the answer to a packet; empty for no answer.
   using Answer =
       std::function<std::vector<std::uint8_t>(std::span<const std::uint8_t>, const sockaddr_in&)>;
 
   /// Throws Error for an invalid address, WorldError if no interface has it or its port is taken.
   explicit GigeControlSockets(const std::string& address);
 
-  /// Answers at most one packet of each socket, so that a flood of them keeps nothing waiting.
-  /// Waits less than a second for the first. Who asks all is only told that the camera is there.
+  /// Answers at most one packet per socket, so that a flood of packets blocks nothing. Waits less
+  /// than a second for the first. Broadcasts only get a discovery answer.
   void answer(std::chrono::nanoseconds longest_wait, const Answer& answer) const;
 
  private:
   GigeControlSockets(in_addr host, in_addr broadcast);
 
-  std::array<UdpSocket, 3> sockets_;  ///< the first is the camera's own
+  std::array<UdpSocket, 3> sockets_;  ///< the first belongs to the camera's own address
 };
 
-/// Where a GigE Vision camera's pictures come from and go to.
+/// Source and destination of a GigE Vision camera's stream.
 struct PictureStream {
-  std::uint16_t port = 0;           ///< of a UDP socket of this process
-  std::uint32_t camera = 0;         ///< its IPv4 address, in the host's byte order
-  std::uint32_t packet_size = 0;    ///< as on the wire, with all its headers: 100 or more
-  std::uint32_t picture_bytes = 0;  ///< of the buffers that it goes to
+  std::uint16_t port = 0;           ///< port of a UDP socket of this process
+  std::uint32_t camera = 0;         ///< the camera's IPv4 address, in host byte order
+  std::uint32_t packet_size = 0;    ///< packet size on the wire with all headers, 100 or more
+  std::uint32_t picture_bytes = 0;  ///< size of the receiving buffers
 };
 
-/// From now on the kernel hands the socket only the camera's packets of pictures, none with a
-/// number beyond them: Aravis 0.8.26 takes packets of any sender, writes past its buffers for
-/// numbers too large, and trusts the sizes of other payloads. False if there is no such socket.
+/// Makes the kernel pass only picture packets of this camera with valid packet numbers to the
+/// socket: Aravis 0.8.26 accepts packets of any sender, writes past its buffers if numbers are too
+/// large, and trusts the sizes of other payloads. Returns false if the socket does not exist.
 bool pass_pictures_only(const PictureStream& stream);
 
 }  // namespace slipstream

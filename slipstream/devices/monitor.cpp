@@ -20,7 +20,7 @@ void main() {
 }
 )";
 
-// Texels are fetched by number, so that nothing is interpolated.
+// Texels are fetched by index, so that nothing is interpolated.
 constexpr const char* fragment_shader = R"(#version 330 core
 uniform sampler2D pattern;
 uniform int height;
@@ -31,7 +31,7 @@ void main() {
 }
 )";
 
-/// A grey one has one channel, which is read as three.
+/// A grey picture has one channel, read as three.
 template <class Pixel>
 opengl::Resource texture_of(const Image<Pixel>& pattern) {
   constexpr bool is_grey = std::is_same_v<Pixel, std::uint8_t>;
@@ -54,18 +54,18 @@ double refresh_hz_of(const opengl::WindowSystem& system, int monitor) {
   constexpr int usual_hz = 60;
   const auto monitors = system.monitors();
   const auto number = static_cast<std::size_t>(monitor);
-  throw_if(number >= monitors.size(), "monitor {} is not there; {} connected, numbered from 0",
+  throw_if(number >= monitors.size(), "monitor {} does not exist; {} connected, numbered from 0",
            monitor, monitors.size());
   return monitors[number].refresh_hz > 0 ? monitors[number].refresh_hz : usual_hz;
 }
 
-/// Whether it has one; a monitor without leaves grey levels alone.
+/// Whether a gamma table was set; a monitor without one leaves grey levels unchanged.
 bool make_gamma_table_the_identity(int monitor) {
   int count = 0;
   GLFWmonitor* const chosen = glfwGetMonitors(&count)[monitor];
   const GLFWgammaramp* const ramp = glfwGetGammaRamp(chosen);
   if (ramp == nullptr || ramp->size < 2) return false;
-  glfwSetGamma(chosen, 1);  // glfwTerminate sets the table that was there before
+  glfwSetGamma(chosen, 1);  // glfwTerminate restores the original table
   return true;
 }
 
@@ -125,7 +125,7 @@ void MonitorSink::draw(std::size_t n) const {
 }
 
 std::string MonitorSink::state() const {
-  return has_gamma_table() ? "" : "the monitor has no gamma table that could be set";
+  return has_gamma_table() ? "" : "the monitor has no gamma table to set";
 }
 
 bool MonitorSink::closed() const {
@@ -135,9 +135,10 @@ bool MonitorSink::closed() const {
 
 ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
                                   const ProjectionSettings& settings) {
-  if (count == 0) throw Error("no pattern to be shown; one or more are wanted");
-  throw_if(settings.hold < 1, "a pattern cannot stay for {} refreshes; 1 or more", settings.hold);
-  throw_if(!(settings.refresh_hz > 0), "a projector of {} Hz shows nothing; above 0",
+  if (count == 0) throw Error("no pattern to show; expected at least one");
+  throw_if(settings.hold < 1, "a pattern cannot stay for {} refreshes; expected 1 or more",
+           settings.hold);
+  throw_if(!(settings.refresh_hz > 0), "projector refresh rate {} Hz; expected a positive rate",
            settings.refresh_hz);
   using Clock = std::chrono::steady_clock;
   const auto refresh = std::chrono::duration_cast<Clock::duration>(
@@ -146,12 +147,12 @@ ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
   Clock::time_point first, last;
   std::uint64_t unpaced = 0;
   bool is_late = false;
-  // Refreshes are counted one by one: the rate that a monitor tells is rounded.
+  // Refreshes are counted one by one: a monitor's reported rate is rounded.
   for (int held = settings.hold; !settings.ends || !settings.ends(); ++held) {
     const bool is_next = held == settings.hold, started = report.refreshes++ > 0;
     const std::uint64_t sequence = report.shown - (is_next ? 0 : 1);
     const auto n = static_cast<std::size_t>(sequence % count);
-    // Showing waits for the next refresh, if the driver does, so it begins half a refresh before.
+    // show() waits for the next refresh if the driver does, so start half a refresh early.
     const Clock::time_point due = last + refresh;
     if (started) std::this_thread::sleep_until(due - refresh / 2);
     sink.show(n);
@@ -178,15 +179,14 @@ int refreshes_for(std::optional<double> rate, std::optional<int> hold, double re
   }
   if (!rate) return hold.value_or(1);
   if (refresh_hz <= 0) {
-    throw Error(fmt::format(
-        "--rate {}: the monitor does not say how often it refreshes; use --hold", *rate));
+    throw Error(fmt::format("--rate {}: the monitor's refresh rate is unknown; use --hold", *rate));
   }
   const double wanted = *rate > 0 ? refresh_hz / *rate : 0;
   const double whole = std::round(wanted);
   if (!(whole >= 1) || std::abs(wanted - whole) > 0.02 * whole || whole > 1e6) {
     throw Error(
-        fmt::format("{:g} patterns per second are not {:g} Hz, the monitor's, divided by a "
-                    "whole number; as {:g} or {:g}",
+        fmt::format("{:g} patterns per second: not the monitor's {:g} Hz divided by a whole "
+                    "number; use {:g} or {:g}",
                     *rate, refresh_hz, refresh_hz, refresh_hz / 2));
   }
   return static_cast<int>(whole);

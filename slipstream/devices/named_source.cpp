@@ -13,7 +13,7 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// Puts the scanner that the request names in place of the source's own.
+/// Replaces the source's scanner by the requested one.
 void set_scanner(NamedSource& opened, const SourceRequest& request,
                  const std::optional<Scanner>& otherwise, const std::string& name) {
   opened.scanner = otherwise;
@@ -23,7 +23,7 @@ void set_scanner(NamedSource& opened, const SourceRequest& request,
   opened.scanner_name = request.scanner->string();
 }
 
-/// Of a loop: enough to see the scene move, or turn once round where that is not too many.
+/// Cycles of a loop: enough to see motion, or one full turn if that is not too many.
 int cycles_to_see(const Scene& scene, int patterns) {
   constexpr int fewest_frames = 32, fewest_cycles = 4, most_frames = 1440;
   const double turn = frames_of_a_turn(scene).value_or(0);
@@ -34,14 +34,14 @@ int cycles_to_see(const Scene& scene, int patterns) {
 }
 
 NamedSource open_virtual(const std::string& what, const SourceRequest& request) {
-  throw_if(!what.empty(), "source virtual:{}: virtual takes nothing after it", what);
-  if (!request.world) throw Error("source virtual: no virtual world is given");
+  throw_if(!what.empty(), "source virtual:{}: virtual takes no argument", what);
+  if (!request.world) throw Error("source virtual: no virtual world given");
   const auto& [scanner, scene, photometry] = *request.world;
   NamedSource opened;
   opened.sequence = default_sequence(scanner.projector.size, request.sequence);
   opened.sequence.marker |= request.marker;
   throw_if(opened.sequence.projector != scanner.projector.size,
-           "--projector {} is not that of the scanner, {}", text_of(opened.sequence.projector),
+           "--projector {} differs from the scanner's, {}", text_of(opened.sequence.projector),
            text_of(scanner.projector.size));
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
   opened.frames = std::make_unique<VirtualCamera>(
@@ -59,7 +59,7 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
                            .scan = {.sequence = request.sequence, .scanner = request.scanner}});
   const RecordingHeader& header = replay->header();
   throw_if(!header.sequence && !request.sequence.strategy,
-           "{}: does not say what patterns it shows; say so with --strategy", path);
+           "{}: contains no pattern description; add --strategy", path);
   NamedSource opened;
   opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
   opened.sequence.marker |= request.marker;
@@ -72,11 +72,10 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   return opened;
 }
 
-/// Of a camera, which does not say what is projected.
+/// Opens a camera; it does not know the patterns.
 NamedSource open_camera_source(const std::string&, const SourceRequest& request) {
   throw_if(!request.sequence.strategy,
-           "{}: a camera does not say what patterns it sees; say so with --strategy",
-           request.source);
+           "{}: a camera does not know the projected patterns; add --strategy", request.source);
   NamedSource opened;
   opened.sequence = changed({}, request.sequence);
   opened.sequence.marker |= request.marker;
@@ -142,14 +141,14 @@ NamedSource open_source(const SourceRequest& request) {
       std::find_if(schemes.begin(), schemes.end(), [&](const Scheme& s) { return s.name == name; });
   if (scheme == schemes.end()) {
     const bool is_path = fs::exists(request.source);
-    throw Error(fmt::format("source '{}' is not known; it is one of: {}{}", request.source,
+    throw Error(fmt::format("source '{}' is unknown; expected one of: {}{}", request.source,
                             source_forms(),
                             is_path ? fmt::format("; did you mean replay:{}?", request.source)
                                     : did_you_mean(name, each(&Scheme::name))));
   }
   const double rate = request.rate.value_or(0);
   throw_if(!(rate == 0 || (rate >= 1e-3 && rate <= 1e6)),
-           "--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate);
+           "--rate {} is out of range; expected 0 (as fast as possible) or 0.001 to 1e6 Hz", rate);
   NamedSource opened = scheme->open(what, request);
   if (!opened.in_colour) return opened;
   const bool mixed = opened.scanner && opened.scanner->photometry.colour_mixture;

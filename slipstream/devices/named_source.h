@@ -8,44 +8,53 @@
 
 namespace slipstream {
 
-/// What a source of frames is opened by.
+/// A request to open a frame source.
 struct SourceRequest {
   std::string source = "virtual";  ///< "SCHEME" or "SCHEME:WHAT"
-  std::optional<double> rate{};    ///< Hz; 0: as fast as it goes; none: the source's own
-  bool loop = false;               ///< a recording begins again at its end
-  int scans = 1;                   ///< of the sequence that a cycle shows, one after another
-  bool marker = false;             ///< a dark frame ends each cycle, whatever the source says
-  SequenceChanges sequence{};      ///< over what the source says that it sees
-  std::optional<std::filesystem::path> scanner{};  ///< file, over the source's own
-  std::optional<VirtualWorld> world{};             ///< of `virtual`, which needs one
-  CameraSettings camera{};                         ///< of `aravis` and `v4l2`
-  /// Pictures in colour are given as their channels, and are not taken apart.
+  std::optional<double> rate{};    ///< Hz; 0: as fast as possible; nullopt: the source's own
+  bool loop = false;               ///< restarts a recording at its end
+  int scans = 1;                   ///< patterns per cycle
+  bool marker = false;             ///< a dark frame ends each cycle; overrides the source
+  SequenceChanges sequence{};      ///< override the source's own sequence
+  std::optional<std::filesystem::path> scanner{};  ///< scanner file; overrides the source's own
+  std::optional<VirtualWorld> world{};             ///< required by `virtual`
+  CameraSettings camera{};                         ///< for `aravis` and `v4l2`
+  /// Delivers colour pictures whole, with their channels side by side.
   bool as_taken = false;
+
+  /// Settings shared by flags and keywords.
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit(
+        {"rate", "--rate", "frames per second; 0: as fast as possible; default: the source's own"},
+        self.rate);
+    visit({"loop", "--loop", "restart a recording at its end"}, self.loop);
+  }
 };
 
-/// A source, and what is known of what it sees.
+/// An opened source and its sequence and scanner, if known.
 struct NamedSource {
   std::unique_ptr<FrameSource> frames;
   Sequence sequence{};
   std::optional<Scanner> scanner{};
-  std::string scanner_name{};  ///< what a message calls it
-  std::string warning{};       ///< for people; empty where all is well
-  bool in_colour = false;      ///< frames are channels as they were taken: see RecordingHeader
-  FrameSet white{};            ///< of pictures in colour, as RecordingHeader has it
+  std::string scanner_name{};  ///< name used in messages
+  std::string warning{};       ///< status text; empty if all is well
+  bool in_colour = false;      ///< frames are raw colour channels: see RecordingHeader
+  FrameSet white{};            ///< white picture of colour scans: see RecordingHeader
 };
 
-/// Colour channels unmixed for an engine, by the known mixture and the white picture.
+/// Unmixes colour channels for an engine, using the known crosstalk and the white picture.
 std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels,
                                            const NamedSource& opened);
 
-/// What can be asked for: "virtual, replay:PATH, aravis:NAME, v4l2:NUMBER".
+/// The known sources: "virtual, replay:PATH, aravis:NAME, v4l2:NUMBER".
 std::string source_forms();
 
 /// "replay" of "replay:scan.slip".
 std::string scheme_of(const std::string& source);
 
-/// Throws Error for a source that is not known or does not fit the request, and for pictures in
-/// colour under patterns that are not three to each; WorldError for one that does not answer.
+/// Throws Error for an unknown source, for one that does not fit the request, and for colour
+/// pictures if the number of patterns is not a multiple of three; WorldError if it does not answer.
 NamedSource open_source(const SourceRequest& request);
 
 }  // namespace slipstream

@@ -60,15 +60,15 @@ class FileDevice : public VideoDevice {
 
 constexpr unsigned v4l2_buffer_count = 8;
 
-/// A layout of pixels that is read here.
+/// A supported pixel layout.
 struct PixelLayout {
   std::uint32_t code;
   int bits;
-  int bytes;       ///< from one value of a pixel to the next
-  int values = 1;  ///< of a pixel
+  int bytes;       ///< bytes between values of a pixel
+  int values = 1;  ///< bytes per pixel
 };
 
-/// The better for a number of bits come first.
+/// The preferred layout for each bit depth comes first.
 constexpr std::array<PixelLayout, 5> layouts{{
     {V4L2_PIX_FMT_GREY, 8, 1},
     {V4L2_PIX_FMT_YUYV, 8, 2},
@@ -89,16 +89,16 @@ std::string text_of(const std::uint8_t* letters) {
   return reinterpret_cast<const char*>(letters);
 }
 
-/// Of the device's clock; 0, as without one, for an impossible time.
+/// Device time; 0 (no clock) for an impossible time.
 std::chrono::nanoseconds time_of(const timeval& time) {
-  constexpr std::int64_t longest = std::int64_t{1} << 31;  // seconds: 68 years
+  constexpr std::int64_t longest = std::int64_t{1} << 31;  // s: 68 years
   const bool possible = 0 <= time.tv_sec && time.tv_sec < longest && 0 <= time.tv_usec &&
                         time.tv_usec < std::micro::den;
   if (!possible) return {};
   return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
 }
 
-/// None where it is no camera that gives a stream.
+/// nullopt if it is not a streaming camera.
 std::optional<v4l2_capability> camera_of(VideoDevice& device) {
   v4l2_capability capability{};
   if (device.control(VIDIOC_QUERYCAP, &capability) != 0) return std::nullopt;
@@ -109,11 +109,11 @@ std::optional<v4l2_capability> camera_of(VideoDevice& device) {
   return (capabilities & wanted) == wanted ? std::optional(capability) : std::nullopt;
 }
 
-/// A control as V4L2 counts it, in whole numbers.
+/// A V4L2 control, in integer units.
 struct LightControl {
   std::uint32_t id, automatic;
-  int manual;   ///< what `automatic` is set to, to have the control obeyed
-  double unit;  ///< of a step, in that of CameraControl
+  int manual;   ///< value of `automatic` that enables manual control
+  double unit;  ///< size of a step in CameraControl's unit
 };
 constexpr LightControl exposure_control{V4L2_CID_EXPOSURE_ABSOLUTE, V4L2_CID_EXPOSURE_AUTO,
                                         V4L2_EXPOSURE_MANUAL, 0.1};
@@ -124,7 +124,7 @@ bool put_control(VideoDevice& device, std::uint32_t id, int value) {
   return device.control(VIDIOC_S_CTRL, &control) == 0;
 }
 
-/// Rows of pixels, `row_bytes` from one to the next, `pixel_bytes` a pixel.
+/// Rows of pixels, `row_bytes` apart, `pixel_bytes` per pixel.
 template <class Pixel>
 void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pixel_bytes,
                Image<Pixel>& image) {
@@ -142,22 +142,23 @@ void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pix
 
 double whole_gain(double gain) {
   throw_if(!(std::abs(gain) <= std::numeric_limits<int>::max()),
-           "--gain {} is out of range; a whole number of 32 bits", gain);
+           "--gain {} is out of range; expected a 32-bit integer", gain);
   return std::round(gain);
 }
 
-/// Throws Error for settings that no such camera has.
+/// Throws Error for settings that V4L2 does not have.
 FrameFormat format_from(const CameraSettings& settings) {
   const PixelFormat pixels = settings.pixel_format;
   throw_if(pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
                pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8,
-           "--pixel-format {} is not of a v4l2 camera; Mono8, Mono10, Mono12 or RGB8 are",
+           "--pixel-format {}: not available on v4l2 cameras; use Mono8, Mono10, Mono12 or RGB8",
            name_of(pixels));
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   throw_if(region.x != 0 || region.y != 0,
-           "--region {}x{}+{}+{}: a v4l2 camera has sizes, but no region; as 640x480",
+           "--region {}x{}+{}+{}: v4l2 cameras have a size but no region offset; give e.g. 640x480",
            region.size.width, region.size.height, region.x, region.y);
-  throw_if(!settings.trigger.empty(), "--trigger {}: v4l2 cameras run freely", settings.trigger);
+  throw_if(!settings.trigger.empty(), "--trigger {}: v4l2 cameras have no trigger",
+           settings.trigger);
   if (settings.gain) (void)whole_gain(*settings.gain);
   return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
 }
@@ -168,7 +169,7 @@ class V4l2Stream {
   V4l2Stream(std::string name, std::unique_ptr<VideoDevice> device, const FrameFormat& format,
              const CameraSettings& settings)
       : name_(std::move(name)), device_(std::move(device)) {
-    throw_if(!camera_of(*device_), "{} is no camera that gives a stream of frames", name_);
+    throw_if(!camera_of(*device_), "{} is not a streaming camera", name_);
     set_format(format, values_of(settings.pixel_format));
     if (settings.frame_rate) set_rate(*settings.frame_rate);
     if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
@@ -206,7 +207,7 @@ class V4l2Stream {
     device_->control(VIDIOC_REQBUFS, &request);
   }
 
-  /// None of another that V4L2 has a control for.
+  /// Null if V4L2 has no such control.
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const {
     if (which == CameraControl::frame_rate) return std::nullopt;
     const auto& [id, _, manual, unit] =
@@ -230,12 +231,12 @@ class V4l2Stream {
     put_control(*device_, automatic, manual);
     throw_if((is_exposure && !(steps >= 1 && steps <= std::numeric_limits<int>::max())) ||
                  !put_control(*device_, id, static_cast<int>(steps)),
-             "camera {} does not take {}", name_,
+             "camera {} refused {}", name_,
              is_exposure ? fmt::format("an exposure of {} s", value / 1e3)
                          : fmt::format("a gain of {}", steps));
   }
 
-  /// None where the camera is gone.
+  /// nullopt if the camera is gone.
   std::optional<Arrival> fetch(Frame& frame, milliseconds timeout) {
     if (!device_->wait(timeout)) return Arrival::nothing;
     v4l2_buffer buffer = empty_buffer(0);
@@ -276,29 +277,30 @@ class V4l2Stream {
         if (errno == EINVAL) continue;
         fail("frames");
       }
-      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another
+      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another size
       const Size size{static_cast<int>(format.fmt.pix.width),
                       static_cast<int>(format.fmt.pix.height)};
-      throw_if(size != wanted.size, "camera {} has no frames of {}; the nearest are {}", name_,
+      throw_if(size != wanted.size, "camera {} has no frame size {}; the nearest is {}", name_,
                text_of(wanted.size), text_of(size));
       layout_ = layout;
       const auto tight = static_cast<std::size_t>(frames.size.width * layout.bytes);
       row_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, tight);
       return;
     }
-    throw Error(fmt::format("camera {} has no {} frames of {} bits ({})", name_,
+    throw Error(fmt::format("camera {} has no {} frames with {} bits ({})", name_,
                             values == 1 ? "grey" : "colour", wanted.bits,
                             values == 1 ? "GREY, YUYV, Y10 or Y12" : "RGB24"));
   }
 
   void set_rate(double rate) const {
-    throw_if(!(rate > 0 && rate < 1e6), "camera {}: a rate of {} Hz; it is above 0", name_, rate);
+    throw_if(!(rate > 0 && rate < 1e6), "camera {}: rate {} Hz; expected a positive rate", name_,
+             rate);
     auto parameters = cleared<v4l2_streamparm>();
     constexpr std::uint32_t precision = 1000;
     parameters.parm.capture.timeperframe = {
         precision, static_cast<std::uint32_t>(std::lround(rate * precision))};
     throw_if(device_->control(VIDIOC_S_PARM, &parameters) != 0,
-             "camera {} does not take a rate of {} Hz: {}", name_, rate, std::strerror(errno));
+             "camera {} refused a rate of {} Hz: {}", name_, rate, std::strerror(errno));
   }
 
   Arrival take(const v4l2_buffer& buffer, Frame& frame) const {
@@ -343,7 +345,7 @@ class V4l2Source final : public CameraSource<V4l2Stream> {
   void start() override {
     const bool gone = !connection_;
     std::shared_ptr<V4l2Stream> stream = gone ? connect() : connection_;
-    stream->start();  // one that was gone and throws is still gone
+    stream->start();  // if reopening throws, it is still gone
     count_.begin(0);
     if (gone) regain(std::move(stream));
   }

@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// The registers of Aravis' fake camera and its description, as its own server shows them.
+/// Registers and description of Aravis' fake camera, read from its own server.
 std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr host, Size sensor) {
   const GObjectPointer<ArvFakeCamera> camera(arv_fake_camera_new(serial.c_str()));
   const GObjectPointer<GInetAddress> address(
@@ -24,7 +24,7 @@ std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr 
     arv_fake_camera_write_register(camera.get(), static_cast<guint32>(at),
                                    static_cast<guint32>(pixels));
   }
-  constexpr std::uint32_t last = 4;  // it refuses to be read up to its end
+  constexpr std::uint32_t last = 4;  // it refuses reads that reach its end
   std::vector<std::uint8_t> memory(ARV_FAKE_CAMERA_MEMORY_SIZE);
   arv_fake_camera_read_memory(camera.get(), 0, ARV_FAKE_CAMERA_MEMORY_SIZE - last, memory.data());
   std::size_t size = 0;
@@ -36,14 +36,14 @@ std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr 
 
 std::vector<Reel> valid(std::vector<Reel> reels, const std::string& serial) {
   for (const Reel& reel : reels) {
-    if (reel.frames.empty()) throw Error("a virtual camera with no frames; at least one is wanted");
+    if (reel.frames.empty()) throw Error("a virtual camera needs at least one frame");
     for (const Frame& frame : reel.frames) {
       throw_if(frame.format() != reels.front().frames.front().format() || frame.bits != 8,
-               "the virtual GigE camera gives frames of one size and 8 bits; others came");
+               "the virtual GigE camera needs 8-bit frames of one size");
     }
   }
   throw_if(serial.empty() || serial.size() > 15,
-           "a serial number of {} letters, '{}'; 1 to 15 are possible", serial.size(), serial);
+           "serial number of {} letters, '{}'; expected 1 to 15", serial.size(), serial);
   return reels;
 }
 
@@ -58,7 +58,7 @@ VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string&
                                   reels_.front().frames.front().format().size)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-/// What frame k since the client's start shows.
+/// The frame shown as frame k since the client's start.
 const Image<std::uint8_t>& VirtualGigeCamera::picture(std::size_t k) {
   if (k == 0 && seen_whole_ && reel_ + 1 < reels_.size()) {
     ++reel_;
@@ -69,8 +69,8 @@ const Image<std::uint8_t>& VirtualGigeCamera::picture(std::size_t k) {
   return std::get<Image<std::uint8_t>>(frames[order[k % order.size()]].pixels);
 }
 
-/// Frame k since the client's start, and its number, counted from 1. Clients make room for frames
-/// when the first packet has come: the rest of the first frame waits for that.
+/// Sends frame k since the client's start, numbered from 1. Clients enlarge their buffers at the
+/// first packet, so the rest of the first frame waits for that.
 void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k) {
   constexpr std::size_t largest_number = 65535;
   const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
@@ -85,7 +85,7 @@ void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k) {
 
 void VirtualGigeCamera::run(const std::stop_token& stop) {
   constexpr std::chrono::nanoseconds idle = std::chrono::milliseconds(50);
-  constexpr std::chrono::microseconds trigger_period{40'000};  // software triggers come no faster
+  constexpr std::chrono::microseconds trigger_period{40'000};  // limit for software triggers
   steady_clock::time_point due = steady_clock::now();
   for (std::size_t k = 0; !stop.stop_requested();) {
     std::unique_lock lock(mutex_);
@@ -94,7 +94,7 @@ void VirtualGigeCamera::run(const std::stop_token& stop) {
     const bool is_due = is_ready && steady_clock::now() >= due;
     if (is_due) control_.write(GigeRegister::software_trigger, 0);
     lock.unlock();
-    if (!stream) k = 0;  // who starts sees the first
+    if (!stream) k = 0;  // a new client sees the first frame
     if (is_due) {
       send(*stream, k++);
       due =
@@ -109,8 +109,8 @@ void VirtualGigeCamera::run(const std::stop_token& stop) {
 }
 
 void VirtualGigeCamera::set_frame_rate(double rate) {
-  if (!(rate >= 1e-3 && rate <= 1e6)) {  // the register holds the period, us, in 32 bits
-    throw Error(fmt::format("a rate of {} Hz; 0.001 to a million", rate));
+  if (!(rate >= 1e-3 && rate <= 1e6)) {  // the register holds the period in us, 32 bits
+    throw Error(fmt::format("rate {} Hz is out of range; expected 0.001 to 1e6", rate));
   }
   const std::lock_guard lock(mutex_);
   control_.write(GigeRegister::frame_period, static_cast<std::uint32_t>(1e6 / rate));

@@ -23,7 +23,7 @@ Eigen::Matrix3d colours_of(const ColourMixture& mixture) {
   return colours;
 }
 
-/// Means of each frame over the pixels that some light reaches, grey levels of 255.
+/// Mean of each frame over the lit pixels, grey levels of 255.
 template <class Pixel>
 std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
   const Size size = frames.front().size();
@@ -54,7 +54,7 @@ std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
 FrameFormat format_of(const FrameSource& pictures) {
   const FrameFormat format = pictures.format();
   throw_if(format.bits != 8 || format.size.width % colour_channels != 0,
-           "pictures in colour have three values of 8 bits a pixel");
+           "colour pictures must have three 8-bit values per pixel");
   return {{format.size.width / colour_channels, format.size.height}, 8};
 }
 
@@ -62,7 +62,7 @@ Eigen::Vector3f dark_of(const ColourMixture& mixture) {
   return Eigen::Vector3d(mixture[0][3], mixture[1][3], mixture[2][3]).cast<float>();
 }
 
-/// Grey levels of 255 of three frames from `n` on.
+/// Grey levels of 255 in the three frames from `n` on.
 template <class Pixel>
 Eigen::Vector3f seen_at(const Frames<Pixel>& frames, std::size_t n, int column, int row,
                         float grey) {
@@ -73,8 +73,8 @@ Eigen::Vector3f seen_at(const Frames<Pixel>& frames, std::size_t n, int column, 
 
 using Gains = std::array<float, colour_channels>;
 
-/// By what each channel's light is multiplied so that a painted surface looks grey: NaN where the
-/// white picture is dark, infinite where it is saturated; empty without one.
+/// Gain per channel that makes a painted surface look grey: NaN where the white picture is dark,
+/// infinite where it is saturated; empty without a white picture.
 Image<Gains> whitening(const ColourMixture& mixture, const FrameViews& white) {
   if (white.count() == 0) return {};
   constexpr float least = 8;  // grey levels
@@ -100,27 +100,25 @@ Image<Gains> whitening(const ColourMixture& mixture, const FrameViews& white) {
 
 void require_valid(const ColourMixture& mixture) {
   const Eigen::Matrix3d colours = colours_of(mixture);
-  // The largest of the inverse times that of itself: noise grows by no more.
+  // Condition number: the largest factor by which noise grows.
   constexpr double worst = 50;
   const double condition =
       colours.cwiseAbs().maxCoeff() * colours.inverse().cwiseAbs().rowwise().sum().maxCoeff();
   const bool dark_known = std::all_of(mixture.begin(), mixture.end(),
                                       [](const auto& row) { return std::isfinite(row[3]); });
-  throw_if(
-      !dark_known || !colours.allFinite() || !(condition <= worst),
-      "colour_mixture: the projector's red, green and blue cannot be told apart by the camera's "
-      "channels");
+  throw_if(!dark_known || !colours.allFinite() || !(condition <= worst),
+           "colour_mixture: the camera's channels cannot separate the projector's colours");
 }
 
 ColourMixture measured_mixture(const FrameViews& pictures) {
   constexpr int wanted = 4 * colour_channels;
   throw_if(pictures.count() != wanted,
-           "{} frames given; black, red, green and blue are {} of three channels", pictures.count(),
-           wanted);
+           "{} frames given; expected {}: three channels each of black, red, green and blue",
+           pictures.count(), wanted);
   const Image<std::uint8_t> saturated = saturation_mask(pictures);
   const auto clipped = std::count(saturated.begin(), saturated.end(), 1);
   throw_if(20 * clipped > static_cast<std::ptrdiff_t>(saturated.pixel_count()),
-           "more than a twentieth of the pixels is saturated; expose shorter");
+           "more than 5 % of the pixels are saturated; use a shorter exposure");
   const std::vector<double> means = pictures.visit(
       [&](const auto& frames) { return lit_means(frames, pictures.full_scale() / 255); });
   ColourMixture mixture{};
@@ -132,7 +130,7 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
     mixture[c][colour_channels] = means[c];
     diagonal += mixture[c][c] / colour_channels;
   }
-  throw_if(!(diagonal > 1), "the pictures hold no light of the projector's three colours");
+  throw_if(!(diagonal > 1), "the pictures show no light of the projector's three colours");
   for (auto& row : mixture) {
     for (std::size_t p = 0; p < colour_channels; ++p) row[p] /= diagonal;
   }
@@ -142,12 +140,12 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
 
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const FrameViews& white) {
   throw_if(frames.count() % colour_channels != 0,
-           "{} frames are no pictures of three channels each", frames.count());
+           "{} frames given; expected a multiple of 3, one per channel", frames.count());
   throw_if(
       white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size()),
-      "the white picture is not one of three channels of the frames' size");
+      "the white picture must have three channels of the frames' size");
   require_valid(mixture);
-  constexpr float levels = 257, brightest = 65535;  // of 16 bits
+  constexpr float levels = 257, brightest = 65535;  // for 16 bits
   const Eigen::Matrix3f inverse = colours_of(mixture).inverse().cast<float>();
   const Eigen::Vector3f dark = dark_of(mixture);
   const Image<Gains> gains = whitening(mixture, white);
@@ -161,7 +159,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
       for_each_pixel(size, [&](int column, int row) {
         const Gains white_gain = gains.empty() ? Gains{1, 1, 1} : gains(column, row);
         const Eigen::Vector3f seen = seen_at(views, n, column, row, grey) - dark;
-        // The mean of the dark levels in all three: what is common says nothing of the phase.
+        // Add the mean of the dark levels to all three: a common offset does not affect the phase.
         const Eigen::Vector3f light =
             (inverse * Eigen::Vector3f(white_gain.data()).cwiseProduct(seen)).array() + dark.mean();
         const bool is_saturated = saturated(column, row) != 0 || std::isinf(white_gain[0]);
@@ -180,12 +178,12 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
 
 std::string doubt_about_colours(bool mixture_known, bool white_known) {
   if (!mixture_known) {
-    return "pictures in colour, and nothing is known of how their channels mix; slipstream "
-           "calibrate colour measures it";
+    return "colour pictures without a colour mixture: channels are not separated; measure it with "
+           "slipstream calibrate colour";
   }
   return white_known
              ? ""
-             : "pictures in colour without a white one: only surfaces of one grey come out right";
+             : "colour pictures without a white picture: only uniformly grey surfaces are correct";
 }
 
 ColourSource::ColourSource(std::unique_ptr<FrameSource> pictures)
@@ -248,7 +246,7 @@ Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
     if (arrival != Arrival::frame) return arrival;
     const std::uint64_t number = seen.stamp.sequence;
     if (!seen_.empty() && number != seen_.back().stamp.sequence + 1) seen_.clear();
-    if (number % colour_channels != seen_.size()) continue;  // its first one is missing
+    if (number % colour_channels != seen_.size()) continue;  // the image's first channel is missing
     seen_.push_back(std::move(seen));
     if (seen_.size() < colour_channels) continue;
     stamps_.clear();

@@ -6,34 +6,34 @@
 
 namespace slipstream {
 
-// A picture in colour is three frames taken at once: red, green, blue; so are three patterns shown.
+// A colour picture is three frames taken at once, red, green and blue, or three patterns shown.
 
-inline constexpr int colour_channels = 3;  ///< frames to a picture in colour
+inline constexpr int colour_channels = 3;  ///< frames per colour image
 
-/// Of a white surface under no light, red, green and blue of the projector: frames of three
-/// channels each, averaged where some colour lights with a tenth of the brightest or more. Throws
-/// Error for other than twelve frames, saturation, channels without light, or lights that cannot be
-/// told apart.
+/// Mixture from images of a white surface with the projector off, red, green and blue: three
+/// channel frames each, averaged where some colour gives a tenth of the brightest level or more.
+/// Throws Error for any number but twelve frames, for saturation, channels without light, or
+/// colours the camera cannot separate.
 ColourMixture measured_mixture(const FrameViews& pictures);
 
-/// Throws Error unless all are finite and the projector's colours can be told apart.
+/// Throws Error unless all entries are finite and the projector's colours can be separated.
 void require_valid(const ColourMixture& mixture);
 
-/// As many frames, 16 bits, of each projector colour alone; right for grey surfaces, for others
-/// with `white`, the channels of a picture under an even grey of the projector. Where a channel of
-/// a picture, or of `white`, is saturated all three frames are; where `white` is dark they are
-/// dark. Throws Error unless frames come in threes and `white` is of their size.
+/// Separates the projector colours into as many 16-bit frames, one per colour. Correct for grey
+/// surfaces; for others with `white`, the channels of a picture under uniform grey light. Where a
+/// channel of a picture, or of `white`, is saturated, all three frames are; where `white` is dark,
+/// they are dark. Throws Error unless frames come in threes and `white` has their size.
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture,
                  const FrameViews& white = {});
 
-/// What people should know of pictures that are taken apart so; empty where all is well.
+/// Warning about separated colour images, for the user; otherwise empty.
 std::string doubt_about_colours(bool mixture_known, bool white_known);
 
-/// A colour camera as a source of grey frames: picture n is frames 3 n to 3 n + 2, its channels.
+/// A colour camera as a source of grey frames: image n becomes frames 3 n to 3 n + 2, its channels.
 class ColourSource : public SourceOver {
  public:
-  /// `pictures`: frames of 8 bits, three times as wide as the pictures: red, green and blue of a
-  /// pixel, then those of the next. Throws Error for others.
+  /// `pictures`: 8-bit frames three times as wide as the image, with red, green and blue
+  /// interleaved per pixel. Throws Error for others.
   explicit ColourSource(std::unique_ptr<FrameSource> pictures);
 
   [[nodiscard]] FrameFormat format() const override { return format_; }
@@ -44,10 +44,10 @@ class ColourSource : public SourceOver {
  private:
   FrameFormat format_;
   Frame picture_;
-  int given_;  ///< channels of it
+  int given_;  ///< channels of picture_ already returned
 };
 
-/// A source of channels, as ColourSource, through `unmixed`; skips pictures that lack a channel.
+/// Applies `unmixed` to a source such as ColourSource; skips images that lack a channel.
 class UnmixedSource : public SourceOver {
  public:
   /// `white`: see unmixed.
@@ -61,10 +61,10 @@ class UnmixedSource : public SourceOver {
  private:
   ColourMixture mixture_;
   FrameSet white_;
-  std::vector<Frame> seen_;         ///< of the picture that comes
-  std::vector<FrameStamp> stamps_;  ///< of the picture that was taken apart
-  FrameSet apart_;                  ///< it
-  std::size_t given_ = 0;           ///< of its frames
+  std::vector<Frame> seen_;         ///< of the incoming image
+  std::vector<FrameStamp> stamps_;  ///< of the separated image
+  FrameSet apart_;                  ///< the separated image
+  std::size_t given_ = 0;           ///< frames of apart_ already returned
 };
 
 }  // namespace slipstream

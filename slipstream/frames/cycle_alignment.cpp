@@ -7,19 +7,19 @@
 namespace slipstream {
 namespace {
 
-/// A pattern shows where a cycle goes at least so far up and down, grey levels of 255.
+/// A pixel shows patterns if its range over a cycle is at least this, grey levels of 255.
 constexpr float least_range = 16;
-/// Fewer samples than these tell nothing.
+/// Fewer samples are not conclusive.
 constexpr int fewest_samples = 16;
-/// How much nearer another index must be before it is believed. Noise leaves two distances about
-/// equal; two patterns of which only one is right are further apart than that.
+/// Largest ratio of distances at which another index is preferred. Noise alone gives about equal
+/// distances; a right and a wrong pattern differ by more.
 constexpr float nearer = 0.5F;
 
 constexpr std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Sum of squares about each sample's mean over the cycle.
+/// Sum of squared deviations from each sample's mean over the cycle.
 double variation(const CycleSamples& cycle) {
   double sum = 0;
   for (std::size_t i = 0; i < cycle.front().size(); ++i) {
@@ -34,7 +34,7 @@ double variation(const CycleSamples& cycle) {
   return sum;
 }
 
-/// Sum of squares about what all runs have in common, each frame counted.
+/// Sum of squared deviations from the common value of all runs, weighted by their frames.
 template <class Fits, class Value>
 double spread_over_runs(const Fits& fits, std::size_t sample, const Value& value) {
   double frames = 0, sum = 0, squares = 0;
@@ -53,8 +53,8 @@ double turn_between(const Fit& a, const Fit& b) {
   return a.modulation() * b.modulation() - a.cosine * b.cosine - a.sine * b.sine;
 }
 
-/// How much of each sample's range the frames are darker (`sign` 1) or brighter (-1) than all
-/// others, on average where the patterns show; negative where another one is.
+/// Mean fraction of each sample's range by which each frame is darker (`sign` 1) or brighter (-1)
+/// than all others, where the patterns show; negative if another frame is the extreme.
 std::vector<double> extremity(const CycleSamples& cycle, double sign) {
   std::vector<double> sums(cycle.size());
   double used = 0;
@@ -200,13 +200,13 @@ double CycleAlignment::Fit::modulation() const {
 
 struct CycleAlignment::Explanation {
   double residual = 0;      ///< sum of squares
-  bool is_ordered = false;  ///< the phases of more periods vary more
+  bool is_ordered = false;  ///< the phases of bands with more periods vary more
 };
 
 CycleAlignment::CycleAlignment(std::vector<CycleRun> runs)
     : runs_(std::move(runs)), fits_(runs_.size()), turns_(runs_.size()) {}
 
-/// Of the frames from `first` on, all around.
+/// For cyclic frame order, starting at `first`.
 CycleAlignment::Fit CycleAlignment::fit(const CycleSamples& cycle, std::size_t sample, int first,
                                         const CycleRun& run) {
   Fit fit;
@@ -236,7 +236,7 @@ CycleAlignment::Explanation CycleAlignment::explain(const CycleSamples& cycle, i
         fits_[r][i] = fit(cycle, sample + i, first, runs_[r]);
         explanation.residual += fits_[r][i].residual;
       }
-      // Noise of the frames makes the mean of N uncertain by 1 / N, the modulation by 2 / N.
+      // Noise makes the mean of N frames uncertain by 1 / N, the modulation by 2 / N.
       explanation.residual +=
           spread_over_runs(fits_, i, [](const Fit& of) { return of.mean; }) +
           spread_over_runs(fits_, i, [](const Fit& of) { return of.modulation(); }) / 2;
@@ -251,10 +251,10 @@ CycleAlignment::Explanation CycleAlignment::explain(const CycleSamples& cycle, i
 
 int CycleAlignment::misalignment(const CycleSamples& cycle) {
   if (runs_.empty()) return 0;
-  /// Shares of the cycle's variation: frames of one scan leave less than the first even where
-  /// things move; wrongly grouped ones leave more.
+  /// Fraction of the cycle's variation: the frames of one scan leave less than this even with
+  /// motion; wrongly grouped frames leave more.
   constexpr double little = 0.1;
-  /// Variance of a sinusoid of 4 grey levels of 255: less of it is noise.
+  /// Variance of a sinusoid of 4 grey levels of 255; below it there is only noise.
   constexpr double least_variance = 8;
   const double all = variation(cycle);
   const auto values = static_cast<double>(cycle.size() * cycle.front().size());
@@ -275,8 +275,8 @@ int CycleAlignment::misalignment(const CycleSamples& cycle) {
 }
 
 std::optional<int> marker_misalignment(const CycleSamples& cycle) {
-  /// Some pixels' darkest pattern is as dark as a dark marker, but for the noise; of two patterns
-  /// one is darker here and the other there.
+  /// At some pixels the darkest pattern is as dark as a dark marker, up to noise. Of two patterns,
+  /// neither is darker everywhere.
   constexpr double as_dark = -0.05, apart = 0.1;
   std::optional<int> places;
   double clearest = apart;

@@ -16,12 +16,12 @@ template <class Images>
 void require_same_size(const Images& frames) {
   for (const auto& frame : frames) {
     throw_if(frame.size() != frames.front().size(),
-             "frame {} is {}x{}, the first {}x{}; all frames have one size", &frame - frames.data(),
+             "frame {} is {}x{}, the first {}x{}; expected equal sizes", &frame - frames.data(),
              frame.width(), frame.height(), frames.front().width(), frames.front().height());
   }
 }
 
-/// Calls `body` with every pixel of every frame, and where it is.
+/// Calls `body` with the level and position of every pixel of every frame.
 template <class Body>
 void for_each_level(const FrameViews& frames, const Body& body) {
   frames.visit([&](const auto& views) {
@@ -37,10 +37,10 @@ void require_bits(int bits) {
   throw_if(bits < 8 || bits > 16, "{} bits per camera pixel are out of range; 8 to 16", bits);
 }
 
-/// Of no exposure's share is a merged level larger than sqrt(16) full scales: these bits, in 16.
+/// A merged level is at most sqrt(16) full scales: these bits, stored in 16.
 constexpr int merged_bits = 14;
 constexpr std::size_t most_exposures = 16;
-/// Pixels that are merged at a time, so that their weights need no memory of their own.
+/// Pixels merged at a time, so that their weights stay on the stack.
 constexpr int tile = 128;
 using TileRow = std::array<float, tile>;
 
@@ -49,7 +49,7 @@ struct Merge {
   const Frames<Pixel>& frames;
   const std::vector<double>& exposures;
   Pixel full;
-  float scale;  ///< merged grey levels for each of the frames
+  float scale;  ///< merged grey levels per input grey level
   MergedFrames& merged;
 
   [[nodiscard]] std::size_t count() const { return frames.size() / exposures.size(); }
@@ -61,7 +61,7 @@ struct Merge {
     return frames[e * count() + n].row(row) + first;
   }
 
-  /// t_e where exposure e has no saturated frame, else 0.
+  /// t_e where exposure e has no saturated frame, otherwise 0.
   void weigh(std::size_t e, int row, int first, int width, TileRow& weights) const {
     std::array<Pixel, tile> greatest{};
     for (std::size_t n = 0; n < count(); ++n) {
@@ -223,7 +223,7 @@ bool is_order_of(const std::vector<int>& order, int count) {
 
 FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
   throw_if(!is_order_of(order, frames.count()),
-           "an order of {} frames has each of 0 to {} in it once", frames.count(),
+           "the order of {} frames must contain each of 0 to {} once", frames.count(),
            frames.count() - 1);
   std::visit(
       [&](auto& images) {
@@ -261,7 +261,7 @@ FrameSet joined(std::vector<FrameSet> sets) {
       [&]<class Images>(Images& images) {
         for (FrameSet& set : std::span(sets).subspan(1)) {
           auto* const more = std::get_if<Images>(&set.images_);
-          throw_if(more == nullptr, "frames of several formats cannot be merged");
+          throw_if(more == nullptr, "frames of different formats cannot be joined");
           std::move(more->begin(), more->end(), std::back_inserter(images));
         }
         require_same_size(images);
@@ -279,8 +279,8 @@ void MeanFrames::add(const FrameSet& frames) {
   }
   throw_if(frames.count() != static_cast<int>(sums_.size()) || frames.bits() != bits_ ||
                frames.size() != saturated_.size(),
-           "scan {} has {} frames of {}x{} with {} bits, the first {} of {}x{} with {}; scans that "
-           "are averaged are alike",
+           "scan {} has {} frames of {}x{} with {} bits, the first {} of {}x{} with {}; they must "
+           "match",
            count_, frames.count(), frames.size().width, frames.size().height, frames.bits(),
            sums_.size(), saturated_.width(), saturated_.height(), bits_);
   const double grey_level = frames.full_scale() / 255;
@@ -309,7 +309,7 @@ void merge_exposures(const FrameViews& frames, const std::vector<double>& exposu
   const auto given = static_cast<std::size_t>(frames.count());
   throw_if(exposures.empty() || exposures.size() > most_exposures || given == 0 ||
                given % exposures.size() != 0,
-           "{} frames are not as many for each of {} exposures, at most {}", given,
+           "{} frames cannot be split evenly among {} exposures, at most {}", given,
            exposures.size(), most_exposures);
   const Size size = frames.size();
   merged.images.resize(given / exposures.size());
@@ -328,7 +328,7 @@ void merge_exposures(const FrameViews& frames, const std::vector<double>& exposu
         }
       });
     } else {
-      throw Error("frames that are not quantised are of one exposure: nothing saturates them");
+      throw Error("merging exposures requires quantised frames");
     }
   });
   merged.views.assign<std::uint16_t>(

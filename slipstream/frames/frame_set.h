@@ -8,32 +8,32 @@
 
 namespace slipstream {
 
-/// Borrowed frames of one pixel type, in pattern order.
+/// Non-owning views of frames of one pixel type, in pattern order.
 template <class Pixel>
 using Frames = std::vector<ImageView<const Pixel>>;
 
-/// The frames of one scan in pattern order, borrowed, with any stride: 8-bit, 9- to 16-bit, or
-/// unquantised (double, 8-bit grey levels). All that decodes takes these; FrameSet owns frames.
+/// Views of the frames of one scan in pattern order, with any stride: 8-bit, 9- to 16-bit, or
+/// unquantised (double, 8-bit grey levels). All decoding takes these; FrameSet owns frames.
 class FrameViews {
  public:
   FrameViews() = default;
-  /// Throws Error when the frames are of different sizes or `bits` are not 8 to 16.
+  /// Throws Error if the frames have different sizes or `bits` is not 8 to 16.
   FrameViews(Frames<std::uint8_t> frames);  // NOLINT(google-explicit-constructor)
   FrameViews(Frames<std::uint16_t> frames, int bits);
   FrameViews(Frames<double> frames);  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] int count() const;
   [[nodiscard]] Size size() const;
-  /// Bits per pixel of the camera; 8 for unquantised frames, whose grey levels are those of 8 bits.
+  /// Bits per camera pixel; 8 for unquantised frames, which use 8-bit grey levels.
   [[nodiscard]] int bits() const { return bits_; }
-  /// Largest grey level, 2^bits - 1: a pixel that shows it may be saturated.
+  /// Largest grey level, 2^bits - 1: a pixel at this level may be saturated.
   [[nodiscard]] double full_scale() const { return (1 << bits_) - 1; }
-  /// Merged frames, see merge_exposures: how many times as bright as in the shortest exposure each
-  /// pixel is in them. Empty where the frames are as a camera gave them.
+  /// For merged frames, see merge_exposures: brightness of each pixel relative to the shortest
+  /// exposure. Otherwise empty.
   [[nodiscard]] const ImageView<const float>& gain() const { return gain_; }
   [[nodiscard]] bool merged() const { return gain_.width() > 0; }
   void set_gain(const ImageView<const float>& gain) { gain_ = gain; }
-  /// Grey level from which on a pixel may be saturated: full scale, or the mark of merged frames.
+  /// Lowest grey level of possibly saturated pixels: full scale, or the mark in merged frames.
   [[nodiscard]] double saturation() const { return merged() ? merged_saturation : full_scale(); }
   static constexpr std::uint16_t merged_saturation = 65535;
   [[nodiscard]] bool quantised() const { return !std::holds_alternative<Frames<double>>(frames_); }
@@ -41,7 +41,7 @@ class FrameViews {
   /// The frames [first, first + count).
   [[nodiscard]] FrameViews part(int first, int count) const;
 
-  /// Takes the place of what was there: allocates nothing where as many frames were before.
+  /// Replaces the views; does not allocate if the number of frames is unchanged.
   template <class Pixel, class Owners, class ViewOf>
   void assign(const Owners& owners, int bits, const ViewOf& view_of) {
     if (!std::holds_alternative<Frames<Pixel>>(frames_)) frames_ = Frames<Pixel>();
@@ -52,7 +52,7 @@ class FrameViews {
     gain_ = {};
   }
 
-  /// Those frames, in that order.
+  /// The frames with those indices, in that order.
   [[nodiscard]] FrameViews chosen(const std::vector<int>& frames) const;
 
   /// Calls `visitor` with the frames as `Frames<Pixel>`.
@@ -67,16 +67,16 @@ class FrameViews {
   ImageView<const float> gain_{};
 };
 
-/// 1 where any frame is at full scale and the true intensity may be more; never if unquantised.
+/// 1 where any frame is at full scale, so the true intensity may be higher; 0 if unquantised.
 Image<std::uint8_t> saturation_mask(const FrameViews& frames);
 
-/// 1 where no frame is at either end of the grey levels, so that sums of them are right.
+/// 1 where no frame is at either end of the grey levels, so that sums of frames are exact.
 Image<std::uint8_t> unclipped_mask(const FrameViews& frames);
 
-/// sum_n weights[n] I_n of every pixel, grey levels of the first `weights.size()` frames.
+/// sum_n weights[n] I_n for every pixel, in grey levels, over the first `weights.size()` frames.
 Image<double> weighted_sum(const FrameViews& frames, const std::vector<double>& weights);
 
-/// The frames of one scan with their memory: see FrameViews, which it gives.
+/// The frames of one scan with their memory: see FrameViews.
 class FrameSet {
  public:
   using Images8 = std::vector<Image<std::uint8_t>>;
@@ -84,13 +84,13 @@ class FrameSet {
   using ImagesUnquantised = std::vector<Image<double>>;
 
   FrameSet() = default;
-  /// Throws Error when the frames are of different sizes or `bits` do not fit the pixel.
+  /// Throws Error if the frames have different sizes or `bits` does not fit the pixel type.
   explicit FrameSet(Images8 images);
   /// `gain`: of merged frames, see merged_exposures.
   FrameSet(Images16 images, int bits, Image<float> gain = {});
   explicit FrameSet(ImagesUnquantised images);
 
-  /// Of these frames, where they stand now.
+  /// Views of these frames; invalid once they move.
   [[nodiscard]] FrameViews views() const;
   operator FrameViews() const { return views(); }
 
@@ -117,28 +117,28 @@ class FrameSet {
   Image<float> gain_;
 };
 
-/// Whether it has each of 0 to `count` - 1 in it, once.
+/// Whether `order` is a permutation of 0 to `count` - 1.
 bool is_order_of(const std::vector<int>& order, int count);
 
-/// The frames ordered so that n is the one at `order[n]`; copies no pixel. Throws Error for no
-/// order.
+/// Reorders the frames: frame n becomes the one at `order[n]`; copies no pixel. Throws Error unless
+/// `order` is a permutation.
 FrameSet reordered(FrameSet frames, const std::vector<int>& order);
 
-/// As many frames in each part, one behind another. No pixel but the gain is copied.
+/// Splits the frames into `count` equal consecutive parts. Copies only the gain.
 std::vector<FrameSet> parts_of(FrameSet frames, int count);
 
-/// Frame sets of one format, one behind another. Throws Error where they differ.
+/// Concatenates frame sets. Throws Error if their formats differ.
 FrameSet joined(std::vector<FrameSet> sets);
 
-/// Sums frame sets of one scene as they come, so that their noise averages out.
+/// Averages frame sets of one scene to reduce noise.
 class MeanFrames {
  public:
-  /// Throws Error when the set differs from the first in size, count or bits.
+  /// Throws Error if the set differs from the first in size, count or bits.
   void add(const FrameSet& frames);
 
-  /// The mean of the sets added (at least one), unquantised, in grey levels of 8 bits.
+  /// The mean of the added sets (at least one), unquantised, in 8-bit grey levels.
   [[nodiscard]] FrameSet mean() const;
-  /// 1 where a frame of any set was saturated, which its mean may not show.
+  /// 1 where a frame of any set was saturated; the mean may not show it.
   [[nodiscard]] const Image<std::uint8_t>& saturated() const { return saturated_; }
   [[nodiscard]] int count() const { return count_; }
 
@@ -149,25 +149,25 @@ class MeanFrames {
   Image<std::uint8_t> saturated_;
 };
 
-/// The memory of merged frames, and their views.
+/// Merged frames and their views.
 struct MergedFrames {
   FrameSet::Images16 images{};
   Image<float> gain{};
   FrameViews views{};
 };
 
-/// Merges frames of relative exposures t_e to one set, pixel by pixel: I_n = sum t_e I_n,e /
+/// Merges frames of relative exposures t_e into one set, pixel by pixel: I_n = sum t_e I_n,e /
 /// sqrt(sum t_e^2) over the exposures e without a saturated frame there. As the signal grows with
-/// t_e and noise does not, these weights are those of inverse variance: a merged frame has the
-/// noise of a single one and a modulation sqrt(sum t_e^2) times that of exposure 1. Merging before
-/// the arctangent leaves phases one fringe order. A pixel that every exposure saturates has the
-/// frames of the shortest, marked as saturated. `frames` come exposure by exposure, at most 16;
-/// merged ones have 14 bits and a gain: see FrameViews. Memory is reused. Throws Error unless there
-/// are as many quantised frames for each exposure.
+/// t_e and noise does not, these are inverse-variance weights: a merged frame has the noise of a
+/// single one and a modulation sqrt(sum t_e^2) times the one at exposure 1. Merging before the
+/// arctangent keeps the fringe order consistent. A pixel saturated in every exposure has the frames
+/// of the shortest one, marked as saturated. `frames` are ordered by exposure, at most 16; merged
+/// ones have 14 bits and a gain: see FrameViews. Reuses memory. Throws Error unless there are
+/// equally many quantised frames for each exposure.
 void merge_exposures(const FrameViews& frames, const std::vector<double>& exposures,
                      MergedFrames& merged);
 
-/// The same, with memory of their own.
+/// One-off version with its own memory.
 FrameSet merged_exposures(const FrameViews& frames, const std::vector<double>& exposures);
 
 }  // namespace slipstream

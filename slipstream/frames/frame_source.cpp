@@ -15,9 +15,9 @@ std::uint64_t byte_count(const FrameFormat& format) {
 
 void require_valid(const FrameFormat& format) {
   const auto [width, height] = format.size;
-  throw_if(width < 1 || height < 1, "frames of {}x{} pixels: both must be at least 1", width,
+  throw_if(width < 1 || height < 1, "frame size {}x{} is out of range; at least 1x1 pixels", width,
            height);
-  throw_if(format.bits < 8 || format.bits > 16, "frames of {} bits: 8 to 16 can be read",
+  throw_if(format.bits < 8 || format.bits > 16, "{} bits per pixel are out of range; 8 to 16",
            format.bits);
 }
 
@@ -39,11 +39,11 @@ Reel reel_of(std::vector<Frame> frames) {
 template <class Pixel>
 void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
                       const std::string& device) {
-  throw_if(patterns.empty(), "no pattern to be shown; one or more are wanted");
+  throw_if(patterns.empty(), "no patterns to show; at least one is required");
   const Size wanted = size.value_or(patterns.front().size());
   for (const Image<Pixel>& pattern : patterns) {
     if (pattern.size() == wanted) continue;
-    throw Error(fmt::format("the patterns are {}x{}, but {} is {}x{}; each pixel must meet its own",
+    throw Error(fmt::format("the patterns are {}x{}, but {} is {}x{}; the sizes must match",
                             pattern.width(), pattern.height(), size ? device : "the first",
                             wanted.width, wanted.height));
   }

@@ -11,7 +11,7 @@
 
 namespace slipstream {
 
-/// Size and depth of a camera's pictures: 8 bits, or 9 to 16 in 16-bit pixels.
+/// Size and bit depth of a camera's images: 8 bits, or 9 to 16 in 16-bit pixels.
 struct FrameFormat {
   Size size;
   int bits = 8;
@@ -19,26 +19,26 @@ struct FrameFormat {
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };
 
-/// Of its pixels.
+/// Bytes of the pixels of one frame.
 std::uint64_t byte_count(const FrameFormat& format);
 
 /// Throws Error unless the size is positive and the bits are 8 to 16.
 void require_valid(const FrameFormat& format);
 
-/// Where and when a frame was taken.
+/// Position and time of a frame in the stream.
 struct FrameStamp {
-  /// The device's count of frames, from 0 at the start; a gap is a lost frame.
+  /// The device's frame counter, from 0 at the start; a gap means lost frames.
   std::uint64_t sequence = 0;
-  /// Which pattern it shows, where the source itself knows; none where it must be counted.
+  /// Index of the displayed pattern, if the source knows it; otherwise frames are counted.
   std::optional<int> pattern_index;
-  std::chrono::nanoseconds device_time{};           ///< of the device's own clock
-  std::chrono::steady_clock::time_point host_time;  ///< when the frame was whole in this machine
+  std::chrono::nanoseconds device_time{};           ///< from the device's clock
+  std::chrono::steady_clock::time_point host_time;  ///< when the frame was fully received
 };
 
-/// One camera picture. Its memory is allocated once and filled again and again.
+/// One camera image. Allocated once and refilled.
 struct Frame {
   Frame() = default;
-  /// Black. Throws Error where the format is not valid.
+  /// A black frame. Throws Error if the format is invalid.
   explicit Frame(const FrameFormat& format);
 
   [[nodiscard]] FrameFormat format() const {
@@ -50,76 +50,84 @@ struct Frame {
   FrameStamp stamp;
 };
 
-/// What a camera may let be set while it gives frames.
+/// Camera settings that can change while streaming.
 enum class CameraControl {
   exposure,    ///< of each frame, ms
-  gain,        ///< in the camera's unit, mostly dB
-  frame_rate,  ///< Hz, of a camera that runs freely
+  gain,        ///< in the camera's unit, usually dB
+  frame_rate,  ///< Hz, for a free-running camera
 };
 
-inline constexpr std::array camera_controls{CameraControl::exposure, CameraControl::gain,
-                                            CameraControl::frame_rate};
+/// A control's name and texts in panel, page and live changes.
+struct CameraControlWords {
+  CameraControl which;
+  const char *name, *help, *unit, *shown_as;
+};
+inline constexpr std::array<CameraControlWords, 3> camera_controls{
+    {{CameraControl::exposure, "exposure", "exposure time per frame", "ms", "%.3f ms"},
+     {CameraControl::gain, "gain", "camera gain, usually dB", "", "%.1f"},
+     {CameraControl::frame_rate, "rate", "frame rate of a free-running camera", "per s",
+      "%.1f per s"}}};
 
-/// What one of them is set to, and between what it can be.
+/// The value and range of a control.
 struct ControlValue {
   double value = 0;
   double least = 0;
   double most = 0;
 };
 
-/// Of a source that is a camera. From any thread, and while frames come.
+/// Controls of a camera source. Thread-safe, also while streaming.
 class CameraControls {
  public:
   virtual ~CameraControls() = default;
-  /// As the camera says it; none where it has no such setting, or is gone.
+  /// As reported by the camera; nullopt if unsupported or disconnected.
   [[nodiscard]] virtual std::optional<ControlValue> control(CameraControl which) const = 0;
-  /// Frames taken from about now on are taken so; a camera that was gone is set so again. Throws
-  /// Error where the camera refuses.
+  /// Applies to frames from about now on, and again after a reconnection. Throws Error if the
+  /// camera refuses.
   virtual void set_control(CameraControl which, double value) = 0;
 };
 
-/// What came of waiting for a frame.
+/// Result of waiting for a frame.
 enum class Arrival {
-  frame,    ///< one came
-  nothing,  ///< none in time, or the device is gone and being sought (FrameSource::state tells)
-  damaged,  ///< one came that was not whole or of another size: it is lost
-  ended,    ///< there are no more: the end of a recording
+  frame,    ///< a frame was received
+  nothing,  ///< timeout, or the device is disconnected and reconnecting (see FrameSource::state)
+  damaged,  ///< an incomplete frame or one of another size: it is lost
+  ended,    ///< end of a recording
 };
 
-/// What a source counts from its start.
+/// Counters of a source since its start.
 struct SourceCounters {
-  std::uint64_t delivered = 0;   ///< frames given out
-  std::uint64_t lost = 0;        ///< frames that the device took and that did not arrive whole
-  std::uint64_t resent = 0;      ///< packets that had to be asked for again
-  std::uint64_t reconnects = 0;  ///< times that the device was gone and came back
+  std::uint64_t delivered = 0;   ///< frames returned
+  std::uint64_t lost = 0;        ///< frames taken but not fully received
+  std::uint64_t resent = 0;      ///< packets requested again
+  std::uint64_t reconnects = 0;  ///< disconnections followed by a reconnection
 };
 
-/// Where frames come from. One thread uses it; `state` and `counters` may be asked from any.
+/// A source of frames. Use it from one thread; `state` and `counters` are thread-safe.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  /// Of every frame that it gives.
+  /// The format of every frame.
   [[nodiscard]] virtual FrameFormat format() const = 0;
-  /// Whether frames come at a pace of the source's own, whether or not somebody takes them; without
-  /// one (a recording read as fast as it goes) the next frame waits until it is asked for.
+  /// Whether frames arrive at the source's own pace, whether or not they are read; otherwise (a
+  /// recording read at full speed) the next frame waits until it is read.
   [[nodiscard]] virtual bool has_own_pace() const = 0;
-  /// Frames come from here on. Throws where the device refuses.
+  /// Starts streaming. Throws if the device refuses.
   virtual void start() = 0;
-  /// Waits for the next frame, `timeout` at most, and copies it into `frame`, which is of format().
-  /// A device that is gone is sought again meanwhile; nothing is thrown for it.
+  /// Waits up to `timeout` for the next frame and copies it into `frame`, which must have format().
+  /// Reconnects to a disconnected device meanwhile, without throwing.
   virtual Arrival next(Frame& frame, std::chrono::milliseconds timeout) = 0;
   virtual void stop() = 0;
-  /// Asks for a frame, of a camera that waits for that; does nothing with another.
+  /// Triggers a frame on a camera in software-trigger mode; otherwise does nothing.
   virtual void trigger() {}
   [[nodiscard]] virtual SourceCounters counters() const = 0;
-  /// One line for people where something is amiss ("camera X is gone; looking for it"), else empty.
+  /// One line for the user about a problem ("camera X is gone; looking for it"), otherwise empty.
   [[nodiscard]] virtual std::string state() const = 0;
-  /// What can be set while frames come; null where nothing can. As long as the source.
+  /// Settings that can change while streaming; null if unsupported. Valid as long as the source.
   virtual CameraControls* controls() { return nullptr; }
 };
 
-/// A source of what another gives, which answers all else.
+/// A source that wraps another and forwards all other calls to it.
 class SourceOver : public FrameSource {
  public:
   explicit SourceOver(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
@@ -135,37 +143,37 @@ class SourceOver : public FrameSource {
   std::unique_ptr<FrameSource> source_;
 };
 
-/// Frames that a camera gives over and over, each as often as `order` names it.
+/// A repeated sequence of camera frames, in the given order.
 struct Reel {
   std::vector<Frame> frames;
-  std::vector<std::size_t> order;  ///< which of the frames comes when
-  std::size_t enough = 0;  ///< frames by which all of it was seen; 0: as many as in the order
+  std::vector<std::size_t> order;  ///< indices into `frames`
+  std::size_t enough = 0;          ///< frames after which all was seen; 0: the length of `order`
 };
 
-/// Each frame once, one after the other.
+/// Each frame once, in sequence.
 Reel reel_of(std::vector<Frame> frames);
 
-/// What shows patterns: a monitor, a folder of pictures, the virtual rig. One thread uses it.
+/// A display for patterns: a monitor, an image folder, the virtual rig. Use it from one thread.
 class PatternSink {
  public:
   virtual ~PatternSink() = default;
 
-  /// Of the device, pixels: the size that patterns must have. None where any is taken.
+  /// The required pattern size, pixels; nullopt if any size is accepted.
   [[nodiscard]] virtual std::optional<Size> size() const = 0;
-  /// Takes the patterns to be shown, grey levels of 8 bits, in place of those it had; none is shown
-  /// yet. Throws Error where there are none, or they are not all of one size or not of size().
+  /// Replaces the patterns, in 8-bit grey levels, without showing any. Throws Error if there are
+  /// none, or their sizes differ from each other or from size().
   virtual void load(std::vector<Image<std::uint8_t>> patterns) = 0;
-  /// Shows pattern n of those loaded until the next; returns once it is on show. Throws
-  /// std::out_of_range for an n that was not loaded, WorldError if the device refuses.
+  /// Shows loaded pattern n until the next call; returns once it is displayed. Throws
+  /// std::out_of_range if n is not loaded, WorldError if the device refuses.
   virtual void show(std::size_t n) = 0;
-  /// How many times a pattern was put on show since the sink was opened.
+  /// Number of times a pattern was displayed since the sink was opened.
   [[nodiscard]] virtual std::uint64_t shown() const = 0;
-  /// One line for people where something is amiss ("the monitor has no gamma table"), else empty.
+  /// One line for the user about a problem ("the monitor has no gamma table"), otherwise empty.
   [[nodiscard]] virtual std::string state() const = 0;
 };
 
-/// What every sink refuses. Throws Error where there are no patterns, or one is not of `size`, or
-/// of the first one's where that is none; `device` is what the message calls the sink.
+/// Checks common to all sinks: throws Error if there are no patterns, or one differs from `size`
+/// or, if nullopt, from the first one's. `device` is the sink's name in the message.
 template <class Pixel = std::uint8_t>
 void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
                       const std::string& device);

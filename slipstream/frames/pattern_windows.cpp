@@ -14,7 +14,8 @@ constexpr std::array<std::string_view, 3> indexing_names{"told", "counted", "mar
 
 PatternIndexing pattern_indexing_named(std::string_view name) {
   const auto indexing = value_named<PatternIndexing>(name, indexing_names);
-  throw_if(!indexing, "indexing '{}' is unknown; one of {}", name, fmt::join(indexing_names, ", "));
+  throw_if(!indexing, "indexing '{}' is unknown; use one of {}", name,
+           fmt::join(indexing_names, ", "));
   return *indexing;
 }
 
@@ -53,7 +54,7 @@ RollingWindow::RollingWindow(int frames, int cycle)
       ring_(2 * count_) {}
 
 bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
-  if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // sums would wrap
+  if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // would overflow
   if (!std::exchange(begun_, true)) {
     newest_ = position;
     next_ = position + count_ - 1;
@@ -62,7 +63,7 @@ bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
   at(position) = {position, std::move(frame)};
   if (position <= newest_) return true;
   newest_ = position;
-  // What the windows up to here still lack is N places back or more.
+  // Missing frames of windows that end here or earlier are at least N places back.
   if (position >= next_ + count_) {
     const std::uint64_t waited_for = position - count_ + 1;
     lost_ += waited_for - next_;
@@ -89,7 +90,7 @@ bool RollingWindow::next(std::vector<Pooled<Frame>>& window) {
       ++next_;
       return true;
     }
-    // A gap that is waited for keeps back only windows that contain it.
+    // A gap that may still be filled delays only windows that contain it.
     std::optional<std::uint64_t> given_up;
     for (; first <= next_ && first + count_ <= newest_; ++first) {
       if (!has(first)) given_up = first;
@@ -122,7 +123,7 @@ PatternWindows::PatternWindows(PatternCycle cycle, PatternIndexing indexing, Siz
 
 PatternWindows::Place PatternWindows::place_of(std::uint64_t sequence) const {
   const auto cycle = static_cast<std::uint64_t>(cycle_);
-  // Two cycles on, so that one frame may be placed before the first of all.
+  // Two cycles ahead, so that a frame can precede the first one.
   const std::uint64_t counted =
       sequence + static_cast<std::uint64_t>((told_ + slipped_) % cycle_) + 2 * cycle;
   const std::uint64_t index = counted % cycle;

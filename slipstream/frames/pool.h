@@ -7,7 +7,7 @@
 
 namespace slipstream {
 
-/// A share in a value of a Pool; the value returns to the pool with the last share. Shares may be
+/// A share of a value in a Pool; the value returns to the pool with its last share. Shares may be
 /// copied and dropped in any thread, and keep the pool's memory alive.
 template <class Value>
 class Pooled {
@@ -30,7 +30,7 @@ class Pooled {
   explicit operator bool() const { return slot_ != nullptr; }
   const Value& operator*() const { return slot_->value; }
   const Value* operator->() const { return &slot_->value; }
-  /// To be written only by the taker, before the first copy of the share.
+  /// Writable access; only for the thread that took it, before the share is first copied.
   [[nodiscard]] Value& fill() { return slot_->value; }
 
  private:
@@ -48,7 +48,7 @@ class Pooled {
   Slot* slot_ = nullptr;
 };
 
-/// Values that are allocated once and used again and again.
+/// Values that are allocated once and reused.
 template <class Value>
 class Pool {
  public:
@@ -59,14 +59,14 @@ class Pool {
     for (auto& slot : *slots_) slot.value = make();
   }
 
-  /// A value in which nobody has a share, as its last holder left it; empty where there is none.
-  /// One thread takes.
+  /// An unused value, as its last owner left it; empty share if all are in use. Call it from one
+  /// thread.
   [[nodiscard]] Pooled<Value> take() {
     for (std::size_t tried = 0; tried < slots_->size(); ++tried) {
       next_ = (next_ + 1) % slots_->size();
       auto& slot = (*slots_)[next_];
-      int nobody = 0;
-      if (slot.shares.compare_exchange_strong(nobody, 1, std::memory_order_acquire)) {
+      int unused = 0;
+      if (slot.shares.compare_exchange_strong(unused, 1, std::memory_order_acquire)) {
         return {slots_, slot};
       }
     }

@@ -10,13 +10,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-/// However slow the camera, one frame has come by then.
+/// Even a slow camera delivers a frame within this time.
 constexpr milliseconds longest_wait{5000};
 
 void set_exposure(FrameSource& source, double seconds) {
   CameraControls* const controls = source.controls();
   throw_if(controls == nullptr,
-           "this source of frames takes no other exposure while it runs; leave --exposures out");
+           "this source cannot change the exposure while it runs; omit --exposures");
   controls->set_control(CameraControl::exposure, seconds * 1e3);
 }
 
@@ -72,7 +72,7 @@ ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
       patterns.push_back(std::move(pattern));
     }
   }
-  throw_if(patterns.empty(), "no pattern to be shown; one or more are wanted");
+  throw_if(patterns.empty(), "no patterns to show; at least one is required");
   light_ = patterns.size();
   patterns.emplace_back(patterns.front().size(), brightest);
   sink_.load(std::move(patterns));
@@ -85,7 +85,7 @@ bool ShownScans::next(milliseconds timeout) {
     const Arrival arrival = source_.next(frame_, std::min(timeout, milliseconds(50)));
     if (arrival == Arrival::ended) throw WorldError("the source of frames has ended");
     if (arrival != Arrival::frame) continue;
-    // What waited in the camera meanwhile is older.
+    // Frames buffered in the camera are older: skip them.
     while (source_.has_own_pace() && !settings_.triggered) {
       if (source_.next(frame_, milliseconds(0)) != Arrival::frame) break;
     }
@@ -100,7 +100,7 @@ bool ShownScans::show(std::size_t pattern, milliseconds timeout) {
   if (!source_.has_own_pace()) return next(timeout);
   const auto settled = Clock::now() + settings_.settling;
   while (Clock::now() < settled) source_.next(frame_, milliseconds(5));
-  if (!settings_.triggered) return next(timeout) && next(timeout);  // the first had begun before
+  if (!settings_.triggered) return next(timeout) && next(timeout);  // the first is older
   source_.trigger();
   return next(timeout);
 }

@@ -18,7 +18,7 @@ double margin(const HeightCurve& curve) {
   return 0.1 * (curve.highest - curve.lowest);
 }
 
-/// Whether the height rises with the phase, or falls, over all that is asked of it.
+/// Whether height is monotonic in phase over the whole range.
 bool is_valid(const HeightCurve& curve) {
   const auto [reference, slope, bend, lowest, highest] = curve;
   const bool ordered = lowest <= 0 && highest >= 0 && lowest < highest;
@@ -27,8 +27,8 @@ bool is_valid(const HeightCurve& curve) {
          (slope + bend * (highest + margin(curve))) * slope > 0;
 }
 
-/// At the height h the phase is y = (p + q h) / (1 - r h), so y = p + q h + r h y, linear in what
-/// is sought. The reference is a plane as all others: its noise is not that of all heights.
+/// At height h the phase is y = (p + q h) / (1 - r h), so y = p + q h + r h y, linear in the
+/// unknowns. The reference is fitted like any plane: its noise should not affect all heights.
 HeightCurve fitted_curve(const std::vector<PlanePhase>& planes, int column, int row) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -65,7 +65,7 @@ double rms_error(const Image<float>& heights, double height) {
   return std::sqrt(sum / count);
 }
 
-/// Those that their planes contradict stay out; three planes fit always.
+/// Drops curves that their planes contradict; three planes always fit.
 Image<HeightCurve> fitted_curves(const std::vector<PlanePhase>& planes) {
   Image<HeightCurve> curves(planes.front().phase.size());
   Image<float> squares(curves.size(), HeightCurve::nan);
@@ -94,13 +94,13 @@ std::size_t calibrated_pixels(const Image<HeightCurve>& curves) {
   const auto count = std::count_if(curves.begin(), curves.end(), [](const HeightCurve& curve) {
     return !std::isnan(curve.reference);
   });
-  if (count == 0) throw Error("no pixel has a phase that rises or falls over three known heights");
+  if (count == 0) throw Error("no pixel has a monotonic phase over three known heights");
   return static_cast<std::size_t>(count);
 }
 
 void require_one_size(Size calibrated, Size size) {
   if (calibrated == size) return;
-  throw Error(fmt::format("a phase of {}, but another of {}; heights are those of one camera",
+  throw Error(fmt::format("phase maps of {} and {}; heights require maps of one camera",
                           text_of(size), text_of(calibrated)));
 }
 
@@ -119,7 +119,7 @@ HeightFit fit_heights(const std::vector<PlanePhase>& planes) {
     if (std::isfinite(height)) known.insert(height);
   }
   throw_if(known.size() < std::max(planes.size(), fewest_planes) || !known.contains(0),
-           "three planes or more are wanted, each at another height, the reference at 0");
+           "expected at least three planes at different heights, including the reference at 0");
   HeightFit fit{.curves = fitted_curves(planes)};
   fit.pixels = calibrated_pixels(fit.curves);
   for (const auto& [height, phase] : planes) {
@@ -143,7 +143,7 @@ void require_valid(const Image<HeightCurve>& curves) {
     const HeightCurve& curve = curves(column, row);
     if (std::isnan(curve.reference) || is_valid(curve)) return;
     throw Error(
-        fmt::format("row {}, column {}: no curve of heights has such numbers", row, column));
+        fmt::format("row {}, column {}: the values are not a valid height curve", row, column));
   });
 }
 

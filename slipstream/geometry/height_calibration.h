@@ -8,43 +8,43 @@
 
 namespace slipstream {
 
-/// Height by the phase of a pixel without a calibrated projector: where the phase is d more than on
-/// a reference plane, 1 / height = slope / d + bend. Exact for lenses without distortion, whatever
-/// the poses of camera, projector and plane. NaN where the pixel is not calibrated.
+/// Height from a pixel's phase, without a calibrated projector: at a phase d above the reference
+/// plane's, 1 / height = slope / d + bend. Exact for lenses without distortion, for any poses of
+/// camera, projector and plane. NaN for an uncalibrated pixel.
 struct HeightCurve {
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-  float reference = nan;              ///< the phase on the plane, of any unit
+  float reference = nan;              ///< the phase on the reference plane, any unit
   float slope = nan;                  ///< phase per mm, at height 0
   float bend = nan;                   ///< per mm
-  float lowest = nan, highest = nan;  ///< d that was calibrated, 0 among it
+  float lowest = nan, highest = nan;  ///< calibrated range of d, including 0
 
-  /// mm; NaN where d is not of the range or a tenth of its length beyond.
+  /// mm; NaN if d is outside the range by more than a tenth of its length.
   [[nodiscard]] double height(double phase) const;
 };
 
-/// What the pixels saw of the reference plane moved to a known height.
+/// Phase map of the reference plane moved to a known height.
 struct PlanePhase {
-  double height = 0;      ///< mm; 0: where it is the reference
+  double height = 0;      ///< mm; 0 for the reference
   Image<double> phase{};  ///< absolute; NaN where it was not measured
 };
 
-/// A calibration, and how its planes fit it.
+/// A height calibration and its residuals.
 struct HeightFit {
   Image<HeightCurve> curves{};
-  std::size_t pixels = 0;     ///< that are calibrated
-  std::vector<double> rms{};  ///< error, mm, of the heights of each plane, in the order given
+  std::size_t pixels = 0;     ///< number of calibrated pixels
+  std::vector<double> rms{};  ///< error, mm, of the heights of each plane, in the given order
 };
 
-/// Fits each pixel by least squares to its planes, but for pixels that see fewer than three, whose
-/// phase both rises and falls, or whose planes fit six times worse than those of half of the
-/// others, and by more than a thousandth of the largest height. Throws Error unless there are three
-/// planes or more, of one size and at different heights, 0 among them, and a pixel is calibrated.
+/// Fits each pixel by least squares to its planes. Skips pixels with fewer than three planes, with
+/// a phase that both rises and falls, or with a fit six times worse than the median pixel's and off
+/// by more than a thousandth of the largest height. Throws Error unless there are three or more
+/// planes, of one size and at different heights including 0, and at least one pixel is calibrated.
 HeightFit fit_heights(const std::vector<PlanePhase>& planes);
 
-/// Of each pixel, mm, NaN where there is none. Throws Error where the sizes differ.
+/// Height of each pixel, mm, NaN without one. Throws Error if the sizes differ.
 Image<float> heights(const Image<HeightCurve>& curves, const Image<double>& phase);
 
-/// Throws Error where no pixel is calibrated, or one has numbers that fit_heights does not give.
+/// Throws Error if no pixel is calibrated, or one has values that fit_heights cannot return.
 void require_valid(const Image<HeightCurve>& curves);
 
 }  // namespace slipstream

@@ -12,14 +12,14 @@ namespace {
 
 constexpr double coordinate_tolerance = 4e-7;  // of the field
 constexpr double ray_tolerance = 1e-7;
-/// Of the cubic term of a ray's direction: what comes after it is less than a tenth of that.
+/// Limit for the cubic term of a ray's direction: the next one is less than a tenth of it.
 constexpr double largest_ray_twist = 1e-6;
-/// How far from its limit what is taken for straight between nodes stays, so that it may bend: of
-/// all that 1/Z spans over the field, and of half the field's breadth.
+/// Margins for limits that are interpolated linearly between nodes: as fractions of the range of
+/// 1/Z over the field, and of half the field's width.
 constexpr double depth_margin = 0.02, field_margin = 1.5e-3;
 constexpr int nodes = 10;        // of the coordinate
 constexpr int column_nodes = 4;  // of a block's columns
-/// The outermost are the block's own: what holds there holds between them.
+/// The outermost ones are at the block's edges, so that a condition at both holds in between.
 constexpr std::array<int, column_nodes> node_columns{0, 10, 21, 31};
 
 using Block = RayBlocks::Block;
@@ -30,7 +30,7 @@ constexpr std::size_t index(int i) {
 
 /// Rows: nodes or powers of p, columns: nodes or powers of t.
 using NodeArray = Eigen::Array<double, nodes, 1>;
-/// The nodes between the ends of the field.
+/// The nodes and both ends of the field.
 constexpr int places = nodes + 2;
 using PlaceArray = Eigen::Array<double, places, 1>;
 using Samples = Eigen::Matrix<double, nodes, column_nodes>;
@@ -45,12 +45,12 @@ Eigen::Matrix<double, 1, count> chebyshev_polynomials(double x) {
   return T;
 }
 
-/// What all blocks share.
+/// Data shared by all blocks.
 struct Fit {
   NodeArray p, y;
   PlaceArray places_p, low_edge, high_edge;
   Eigen::Matrix<double, nodes, nodes> spectrum;              ///< from values at p
-  Eigen::Matrix<double, 2, nodes> ends;                      ///< values at 1 and -1 from those at p
+  Eigen::Matrix<double, 2, nodes> ends;                      ///< at 1 and -1 from those at p
   Eigen::Matrix<double, column_nodes, column_nodes> across;  ///< from values at t, transposed
   Eigen::Matrix<double, nodes, nodes> powers = chebyshev_coefficients<nodes>();
   Eigen::Matrix<double, column_nodes, column_nodes> across_powers =
@@ -78,7 +78,7 @@ struct Fit {
   }
 };
 
-/// Powers of p that are kept of each power of t.
+/// Number of powers of p used for each power of t.
 constexpr std::array<int, column_nodes> terms{RayBlocks::constants, RayBlocks::slopes,
                                               RayBlocks::bends, RayBlocks::twists};
 
@@ -86,7 +86,7 @@ RayBlocks::Range intersection(const RayBlocks::Range& a, const RayBlocks::Range&
   return {std::max(a.least, b.least), std::min(a.largest, b.largest)};
 }
 
-/// Where what is known at the places is above the margin, taken for straight between them.
+/// The range of p where the values exceed the margin, linear between places.
 RayBlocks::Range range_above(double margin, const PlaceArray& values, const PlaceArray& p) {
   const PlaceArray above = values - margin;
   const auto crossing = [&](int inside, int outside) {
@@ -102,10 +102,10 @@ RayBlocks::Range range_above(double margin, const PlaceArray& values, const Plac
           first == 0 ? 1.0F : crossing(first, first - 1)};
 }
 
-/// What else is known of a block at a knot.
+/// Further data of a block at a knot.
 struct KnownBlock {
   bool is_fitted = false;
-  double tolerance = 0;  ///< how far 1/Z may be missed
+  double tolerance = 0;  ///< tolerated error of 1/Z
   RayBlocks::Range described{};
 };
 
@@ -116,7 +116,7 @@ struct KnotRow {
   const RayTable& rays;
   int row;
 
-  /// Fills the block and says within what range it is `described`, as far as this row goes.
+  /// Fills the block and returns its `described` range for this row.
   KnownBlock fill(int first_column, Block& block) const {
     Samples inverse_depth;
     double smallest = INFINITY, largest = -INFINITY;
@@ -147,7 +147,7 @@ struct KnotRow {
     return {rays.E_x(column, row), rays.E_y(column, row), 1};
   }
 
-  /// NaN where its sign does not tell whether there is a point.
+  /// NaN if its sign does not determine whether there is a point.
   [[nodiscard]] Eigen::Matrix<double, nodes, 1> inverse_depth_at(int column) const {
     const Eigen::Vector3d e = ray(column);
     const double g = geometry.facing * e;
@@ -192,7 +192,7 @@ struct KnotRow {
     return true;
   }
 
-  /// What stays of the field's breadth to either side of q, which is linear in p.
+  /// Distance of q, which is linear in p, to the nearer edge of the field.
   [[nodiscard]] PlaceArray inside_field(int column) const {
     const Eigen::Vector3d e = ray(column);
     const PlaceArray q =
@@ -202,7 +202,7 @@ struct KnotRow {
   }
 };
 
-/// How far a quadratic through three knots misses the cubic through four.
+/// Whether a quadratic through three knots agrees with the cubic through four.
 bool is_quadratic(const std::array<const Block*, 4>& b, double inverse_depth_tolerance) {
   constexpr double share = 0.0642;  // of the third difference, at most
   const auto missed = [&](int first, int last) {
@@ -258,14 +258,14 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
     }
   });
   for (int k = 0; k < down - 2; ++k) {
-    // The last knot is nearer to its neighbour than the others: the four before it tell enough.
+    // The last knot is nearer to its neighbour than the others: use the four before it.
     const int first = std::clamp(k, 0, down - 5);
     for (int i = 0; i < across; ++i) {
       const bool smooth = is_quadratic({&blocks.knots(i, first), &blocks.knots(i, first + 1),
                                         &blocks.knots(i, first + 2), &blocks.knots(i, first + 3)},
                                        known(i, k).tolerance);
       if (!smooth || !known(i, k + 2).is_fitted) continue;
-      // The last blocks say what the rows to the last knot are, too.
+      // The last entry also covers the rows up to the last knot.
       const int end = k == down - 3 ? k + 2 : k + 1;
       blocks.described(i, k) = known(i, k).described;
       for (int next = k + 1; next <= end; ++next) {

@@ -9,13 +9,13 @@ namespace {
 constexpr int spacing = 8;
 constexpr double largest_error = 1e-7;
 
-/// The knots of one direction, pixels apart, the last past the last pixel, so that every cell of a
-/// row has one pixel at least and no more than `spacing`.
+/// Number of knots in one direction. The last is beyond the last pixel, so that every cell of a row
+/// has 1 to `spacing` pixels.
 int knot_count(int length) {
   return (length + spacing - 1) / spacing + 1;
 }
 
-/// The four knots around a pixel and what each counts for in the cubic through them.
+/// The four knots around a pixel and their weights in the cubic through them.
 struct CubicWeights {
   int first_knot;
   std::array<double, 4> weight;
@@ -29,7 +29,7 @@ CubicWeights cubic_weights(double pixel, int knots) {
            t * (t - 1) * (t - 2) / 6}};
 }
 
-/// The exact rays at the knots.
+/// Exact rays at the knots.
 struct Knots {
   Image<double> E_x, E_y;
 };
@@ -55,7 +55,7 @@ double interpolated(const Image<double>& knots, double x, double y) {
   return sum;
 }
 
-/// Whether the cubic is right amid cells along borders and diagonals, where lenses bend most.
+/// Whether the cubic is accurate at cell centres along borders and diagonals: the worst places.
 bool meets_the_lens(const Lens& camera, const Knots& knots) {
   const auto meets = [&](double x, double y) {
     const Eigen::Vector3d exact = ray_through(camera, {x, y});
@@ -75,7 +75,7 @@ bool meets_the_lens(const Lens& camera, const Knots& knots) {
   return true;
 }
 
-/// Weights of four knots at the pixels of a cell; all cells but the outermost share them.
+/// Weights of four knots at the pixels of a cell; all cells except the outermost share them.
 using CellWeights = std::array<std::array<double, spacing>, 4>;
 
 CellWeights cell_weights(int cell, int knots) {
@@ -95,7 +95,7 @@ void fill_cell(const CellWeights& weights, const double* knots, float* pixels) {
   }
 }
 
-/// Fills rows of one table: cubic down the knots' columns first, then along the row.
+/// Fills rows of one table: cubic interpolation along the knots' columns, then along the row.
 struct RowFiller {
   const Image<double>& knots;
   int width = 0;

@@ -10,35 +10,35 @@
 
 namespace slipstream {
 
-/// Frames, what they show, and what took them: from a folder, a recording or the virtual scanner.
+/// Frames with their sequence and scanner: from a folder, a recording or the virtual scanner.
 struct Scan {
   FrameSet frames{};
-  /// Where they were put in order: frame n came as number order[n]; empty where as they came.
+  /// Original indices if the frames were reordered: frame n was frame order[n]; otherwise empty.
   std::vector<int> order{};
   Sequence sequence{};
-  std::optional<Scanner> scanner{};  ///< where it is known
-  std::vector<double> exposures{1};  ///< that were merged to these frames; one where none were
-  /// Where the patterns were shown along both axes: what the camera took of those along y.
+  std::optional<Scanner> scanner{};  ///< if known
+  std::vector<double> exposures{1};  ///< merged into these frames; a single one if not merged
+  /// With patterns along both axes: the scan along y.
   std::vector<Scan> other_axis{};
-  /// Of further cameras at the same time under the same projector, each with the scanner that it
-  /// makes with that. The world is the frame of this scan's camera.
+  /// Scans of further cameras, taken at the same time with the same projector, each with its own
+  /// scanner. World coordinates are in the frame of this scan's camera.
   std::vector<Scan> further_cameras{};
-  std::vector<std::string> warnings{};  ///< about the frames as they were read, for people
+  std::vector<std::string> warnings{};  ///< about reading the frames, for the user
 };
 
-/// The scans of one pose of a calibration board, each read when it is asked for.
+/// The scans of one pose of a calibration board, each read on demand.
 struct BoardScans {
   std::string name;  ///< of the pose
   std::function<Scan(Axis)> along;
 };
 
-/// The scan as all that decodes reads it: its exposures merged to one, what its frames hold at once
-/// taken apart, see FrameAdapter, and frames along the other axis as a scan beside it. Throws Error
-/// where the frames are not as many.
+/// Prepares a scan for decoding: merges exposures, separates multiplexed frames (see FrameAdapter),
+/// and moves frames along the other axis to other_axis. Throws Error if the number of frames does
+/// not match.
 inline Scan merged(Scan scan) {
   scan.exposures = scan.sequence.exposures;
   if (!needs_adapting(scan.sequence)) return scan;
-  scan.order.clear();  // which is of the frames of all exposures and axes
+  scan.order.clear();  // it refers to the frames of all exposures and axes
   std::vector<FrameSet> frames = adapted(scan.sequence, std::move(scan.frames));
   scan.sequence = merged_sequence(std::move(scan.sequence));
   scan.frames = std::move(frames.front());

@@ -43,7 +43,7 @@ Vector2<Number> distort_generic(const Distortion& distortion, const Vector2<Numb
 
 void require_size(const Lens& lens, std::string_view device) {
   throw_if(lens.size.width < 1 || lens.size.height < 1,
-           "{}: size {} is empty; the scanner file or a flag must say it", device,
+           "{}: size {} is empty; set it in the scanner file or with a flag", device,
            text_of(lens.size));
 }
 
@@ -57,9 +57,9 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
   const Eigen::Matrix3d left = matrix.leftCols<3>();
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(left);
   throw_if(!matrix.allFinite() || !lu.isInvertible(),
-           "{}: its projection matrix is not one of a camera", device);
-  // K R = left: with the rows and columns of both turned around it is an orthogonal times an upper
-  // triangular matrix of the transpose.
+           "{}: the projection matrix is singular or not finite", device);
+  // K R = left: with rows and columns of both reversed and transposed, this is a QR decomposition
+  // into an orthogonal and an upper triangular matrix.
   const Eigen::Matrix3d turned = left.colwise().reverse().transpose();
   const Eigen::HouseholderQR<Eigen::Matrix3d> qr(turned);
   const Eigen::Matrix3d upper = qr.matrixQR().triangularView<Eigen::Upper>();
@@ -70,7 +70,7 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
   K = (K * signs.asDiagonal()).eval();
   R = (signs.asDiagonal() * R).eval();
   Eigen::Vector3d T = K.triangularView<Eigen::Upper>().solve(matrix.col(3));
-  if (R.determinant() < 0) {  // the matrix is known up to its sign
+  if (R.determinant() < 0) {  // the matrix is known only up to its sign
     R = -R;
     T = -T;
   }
@@ -88,7 +88,7 @@ Distortion make_distortion(std::span<const double> coefficients) {
   constexpr std::array<std::size_t, 6> known_counts{0, 4, 5, 8, 12, 14};
   throw_if(std::find(known_counts.begin(), known_counts.end(), coefficients.size()) ==
                known_counts.end(),
-           "{} distortion coefficients; there are 0, 4, 5, 8, 12 or 14", coefficients.size());
+           "{} distortion coefficients; expected 0, 4, 5, 8, 12 or 14", coefficients.size());
   Distortion distortion;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
     if (!std::isfinite(coefficients[i])) {
@@ -105,8 +105,7 @@ void require_valid(const Lens& lens, std::string_view device) {
   const bool camera_matrix = K.allFinite() && K(0, 0) > 0 && K(1, 1) > 0 && K(1, 0) == 0 &&
                              K(2, 0) == 0 && K(2, 1) == 0 && K(2, 2) == 1;
   throw_if(!camera_matrix,
-           "{}: the camera matrix is not one; its form is [fx s cx; 0 fy cy; 0 0 1], fx, fy > 0",
-           device);
+           "{}: invalid camera matrix; expected [fx s cx; 0 fy cy; 0 0 1] with fx, fy > 0", device);
 }
 
 Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& direction) {
@@ -173,34 +172,23 @@ void require_valid(const Scanner& scanner) {
   throw_if(!(R.allFinite() && R.determinant() > 0 && (R.transpose() * R).isIdentity(1e-4)),
            "rotation: the matrix is not a rotation; its rows must be orthonormal");
   throw_if(!scanner.translation.allFinite(),
-           "translation: a value is not finite; it is the camera's place in the projector's "
+           "translation: a value is not finite; expected the camera's position in the projector's "
            "frame, mm");
   throw_if(scanner.translation.norm() < 1e-9,
-           "baseline 0 mm: camera and projector stand in one place and see no depth; check "
+           "baseline 0 mm: camera and projector at one position give no depth; check "
            "the translation");
   require_valid(scanner.photometry);
   const auto& depths = scanner.calibrated_depths;
   if (depths && !(depths->nearest >= 0 && depths->nearest < depths->farthest)) {
-    throw Error(fmt::format("calibrated_depths {} to {} are out of range; 0 or more, rising",
+    throw Error(fmt::format("calibrated_depths {} to {} are out of range; 0 or more, nearest first",
                             depths->nearest, depths->farthest));
   }
 }
 
 void require_valid(const PhotometricCalibration& photometry) {
-  const auto& [ambient, noise_variance, noise_gain, response, mixture] = photometry;
-  constexpr double full_scale = 255;
-  if (ambient) {
-    require_in_range(std::abs(*ambient) <= full_scale, "ambient_light", *ambient,
-                     "-255 to 255 grey levels");
-  }
-  if (noise_variance) {
-    require_in_range(*noise_variance > 0 && *noise_variance <= full_scale * full_scale,
-                     "noise_variance", *noise_variance, "above 0, at most 255^2");
-  }
-  require_in_range(noise_gain >= 0 && noise_gain <= full_scale, "noise_gain", noise_gain,
-                   "0 to 255");
-  if (!response) return;
-  if (const auto* law = std::get_if<PowerLaw>(&response->response)) {
+  require_in_range(photometry);
+  if (!photometry.response) return;
+  if (const auto* law = std::get_if<PowerLaw>(&photometry.response->response)) {
     require_gamma(law->gamma, "gamma");
   }
 }
@@ -212,13 +200,13 @@ double noise_variance_at(double grey_level, double at_half, double gain) {
 Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector) {
   const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
     if (known.width == 0 || known.height == 0) known = said;
-    throw_if(said != Size{} && known != said, "{}: its {} has {}, but {} {}; both must agree", file,
+    throw_if(said != Size{} && known != said, "{}: the {} has {}, but {} {}; both must match", file,
              device, text_of(known), by, text_of(said));
   };
   complete(scanner.camera.size, camera, "camera", "the frames are");
   complete(scanner.projector.size, projector, "projector", "the patterns are for");
-  throw_if(scanner.projector.size == Size{}, "{}: says no projector size; give it with --projector",
-           file);
+  throw_if(scanner.projector.size == Size{},
+           "{}: the projector size is missing; set it with --projector", file);
   try {
     require_valid(scanner);
   } catch (const Error& error) {
@@ -238,12 +226,12 @@ Scanner scanner_of(const Eigen::Matrix<double, 3, 4>& camera, Size camera_size,
 }
 
 void require_depth_visible(const Scanner& scanner, Axis axis) {
-  // Stripes are planes through the projector's centre and along the other axis of its picture. The
-  // camera must lie off the line that all of them share.
+  // Stripes are planes through the projector's centre, along the other axis of its image. The
+  // camera must not lie on the line common to all of them.
   const Eigen::Vector3d& T = scanner.translation;
   const double across_stripes = std::hypot(axis == Axis::x ? T.x() : T.y(), T.z());
   throw_if(across_stripes < 1e-6 * T.norm(),
-           "the baseline runs along the stripes of axis {0}; they show no depth: project along {1}",
+           "the baseline is parallel to the stripes of axis {0}, which give no depth: use axis {1}",
            name_of(axis), name_of(across(axis)));
 }
 

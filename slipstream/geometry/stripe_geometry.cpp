@@ -15,7 +15,7 @@ namespace {
 constexpr int fitted_nodes = 16;
 constexpr int largest_degree = 8;
 constexpr double lens_tolerance = 4e-7;  ///< of the field
-constexpr double edge_tolerance = 1e-4;  ///< of the field: it only decides what lies outside
+constexpr double edge_tolerance = 1e-4;  ///< of the field: only decides which points are outside
 
 using StripeSamples = Eigen::Matrix<double, fitted_nodes, fitted_nodes>;  ///< rows: p, columns: q
 using NodeSamples = Eigen::Matrix<double, fitted_nodes, 1>;
@@ -24,8 +24,8 @@ double node(int i) {
   return std::cos(std::numbers::pi * (i + 0.5) / fitted_nodes);
 }
 
-/// The projector's picture as the kernel sees it: coordinate along the axis and across it, both in
-/// lengths of the field, w for the undistorted and y for the distorted one.
+/// The projector's image plane: coordinates along and across the axis, both in lengths of the
+/// field, w for undistorted and y for distorted ones.
 class ProjectorPlane {
  public:
   ProjectorPlane(const Scanner& scanner, Axis axis)
@@ -41,7 +41,7 @@ class ProjectorPlane {
   [[nodiscard]] double along_length() const { return size(along_); }
   [[nodiscard]] double across_length() const { return size(1 - along_); }
 
-  /// Both take and give (along, across).
+  /// Both convert (along, across).
   [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& w) const {
     return from_direction(distort(lens_.distortion, to_direction(w)));
   }
@@ -92,7 +92,7 @@ class ProjectorPlane {
   Eigen::Matrix3d inverse_intrinsic_;
 };
 
-/// From values at the nodes to coefficients of Chebyshev polynomials.
+/// Matrix from values at the nodes to Chebyshev coefficients.
 Eigen::Matrix<double, fitted_nodes, fitted_nodes> chebyshev_transform() {
   Eigen::Matrix<double, fitted_nodes, fitted_nodes> transform;
   for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int i, int k) {
@@ -102,7 +102,7 @@ Eigen::Matrix<double, fitted_nodes, fitted_nodes> chebyshev_transform() {
   return transform;
 }
 
-/// The polynomial of least degree that leaves out no more than the tolerance.
+/// The polynomial of least degree whose omitted terms are within the tolerance.
 std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double tolerance) {
   if (!samples.allFinite()) return std::nullopt;
   const auto transform = chebyshev_transform();
@@ -119,7 +119,7 @@ std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double toler
     if (next > tolerance) break;
     left_out = next;
   }
-  --degree;  // now the largest that is kept; -1 where all is within the tolerance
+  --degree;  // now the largest degree kept; -1 if all terms are within the tolerance
   for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
     if (i + j > degree) spectrum(i, j) = 0;
   });
@@ -134,7 +134,7 @@ std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double toler
   return polynomial;
 }
 
-/// As a polynomial in p of `edge_terms` terms.
+/// A polynomial in p of `edge_terms` terms; nullopt if it is inaccurate.
 std::optional<std::array<double, StripeGeometry::edge_terms>> fitted_edge(
     const NodeSamples& samples) {
   if (!samples.allFinite()) return std::nullopt;
@@ -155,8 +155,8 @@ double evaluated(const std::array<double, StripeGeometry::edge_terms>& edge, dou
 }
 
 /// The point of ray e at the undistorted coordinate y lies at (B4 a - A4 b + y (D4 b - B4 d)) / g
-/// along the stripe, a, b, d, g = A e, B e, D e, D4 a - A4 d, with the rows A of the coordinate, B
-/// of the place along the stripe and D of the depth.
+/// along the stripe, with a, b, d, g = A e, B e, D e, D4 a - A4 d, and the rows A of the
+/// coordinate, B of the position along the stripe and D of the depth.
 void set_place(StripeGeometry& geometry, const ProjectorPlane& plane, const UnitMap& unit_place) {
   const Eigen::RowVector4d A = plane.along(), B = plane.across(), D = plane.depth();
   const Eigen::RowVector3d a = A.head<3>(), b = B.head<3>(), d = D.head<3>();
@@ -177,7 +177,7 @@ std::pair<double, double> StripeGeometry::places_at(double p) const {
 
 std::pair<double, double> StripeGeometry::inner_places() const {
   constexpr int samples = 64;
-  constexpr double apart = 1e-3;  // more than the edges bend between two samples
+  constexpr double apart = 1e-3;  // more than the edges curve between two samples
   double low = -1, high = 1;
   for (int i = 0; i <= samples; ++i) {
     const auto [least, largest] = places_at(2.0 * i / samples - 1);

@@ -9,50 +9,50 @@
 namespace slipstream {
 
 /// E_x, E_y of Liu 2010, Eqs. (2.30), (2.31), in the camera's own frame, where F_x = F_y = 0: the
-/// ray through each pixel is (E_x, E_y, 1) Z. Camera distortion included. The third form's other
-/// tables are functions of these two and of constants: see StripeGeometry.
+/// ray through each pixel is (E_x, E_y, 1) Z. Includes camera distortion. The other tables of the
+/// third form are functions of these two and of constants: see StripeGeometry.
 struct RayTable {
   Image<float> E_x, E_y;
 };
 
-/// Exact at every eighth pixel and cubic between, a few milliseconds for 640x480; exact everywhere
-/// where the cubic would miss a ray by more than 1e-7, as in small pictures. None where some pixel
-/// has no ray.
+/// Exact at every eighth pixel and cubic in between, a few milliseconds for 640x480; exact
+/// everywhere if the cubic would be off by more than 1e-7, as in small images. nullopt if some
+/// pixel has no ray.
 std::optional<RayTable> ray_table(const Lens& camera);
 
-/// StripeGeometry and RayTable as polynomials, one set for each block of neighbouring pixels of a
-/// row. Their variables are t, the column counted from the block's middle in half widths of a
-/// block, and p, the projector coordinate mapped to [-1, 1]:
+/// StripeGeometry and RayTable as polynomials, one set for each block of adjacent pixels of a row.
+/// Their variables are t, the column from the block's middle in half block widths, and p, the
+/// projector coordinate mapped to [-1, 1]:
 ///   1/Z = sum c_k p^k + t sum d_k p^k + t^2 sum e_k p^k + t^3 f, projector lens included;
 ///   E_x and E_y are cubics in t.
-/// The coefficients are kept at every eighth row, the knots, and are interpolated between them by a
-/// quadratic through three knots.
+/// The coefficients are stored at every eighth row, the knots, with quadratic interpolation through
+/// three knots in between.
 struct RayBlocks {
-  static constexpr int width = 32;  ///< pixels of a block; a row's last one may overlap another
+  static constexpr int width = 32;  ///< pixels of a block; the last of a row may overlap another
   static constexpr int spacing = 8;
   static constexpr int constants = 9, slopes = 7, bends = 4, twists = 1;  ///< terms c, d, e, f
   static constexpr int ray_terms = 4;
 
-  /// The coefficients c, d, e, f, then those of E_x and of E_y; the rest is padding.
+  /// The coefficients c, d, e, f, then those for E_x and E_y; the rest is padding.
   struct alignas(64) Block {
     static constexpr int E_x = constants + slopes + bends + twists, E_y = E_x + ray_terms;
     std::array<float, 32> coefficients{};
   };
 
   Image<Block> knots;          ///< column: the block, row: the knot
-  std::vector<int> knot_rows;  ///< the row of pixels that each knot stands for
+  std::vector<int> knot_rows;  ///< image row of each knot
 
-  /// A range of p; the default is empty.
+  /// A range of p; empty by default.
   struct Range {
     float least = 1, largest = -1;
   };
   /// For each block and knot: the range of p in which the polynomials, interpolated from this knot
-  /// and the two after it, hold for all rows to the next knot, or from the third knot from the end
+  /// and the next two, are valid for all rows to the next knot, or from the third knot from the end
   /// to the last row. Every ray of the block has a point there, in the field or its margin.
   Image<Range> described;
 
-  /// What gives the blocks of one row of pixels: each is the sum of `weights` times the blocks at
-  /// `knots`, and holds within its range `described`.
+  /// Interpolation for the blocks of one row of pixels: each is the sum of `weights` times the
+  /// blocks at `knots`, valid within its range `described`.
   struct Row {
     std::array<const Block*, 3> knots{};
     std::array<float, 3> weights{};
@@ -83,7 +83,7 @@ struct PlanePolynomial {
   int degree = 0;
   std::vector<double> coefficients{0};  ///< c_00 c_01 ... c_0d c_10 ... c_d0
 
-  /// `Number`: double, or an array of Eigen.
+  /// `Number`: double, or an Eigen array.
   template <class Number>
   [[nodiscard]] Number operator()(const Number& p, const Number& q) const {
     Number sum = p - p;
@@ -108,7 +108,7 @@ struct UnitMap {
   [[nodiscard]] double inverse(double unit) const { return (unit - offset) / scale; }
 };
 
-/// How far past either end of the field a coordinate y may lie: two hundredths, or half a pixel if
+/// How far beyond the ends of the field a coordinate y may lie: two hundredths, or half a pixel if
 /// more. `length`: of the projector along y, pixels.
 [[nodiscard]] constexpr double farthest_past_field(double length) {
   return std::max(0.02, 0.5 / length);
@@ -117,48 +117,48 @@ struct UnitMap {
 /// Depth along a camera ray from the projector coordinate, with no table but the rays: M_z, N_z and
 /// C of Liu 2010, Eq. (2.29), are ratios of linear functions of the ray e = (E_x, E_y, 1).
 ///
-/// Projector distortion: the points of a ray lie on one line of the projector's undistorted
-/// picture, the epipolar line. Where that passes the decoded coordinate y, it has the place x_p
-/// along the stripe; y and x_p together tell the line, so that what the lens adds to y is a smooth
-/// function of both, here a polynomial. Nothing is iterated.
+/// Projector distortion: the points of a ray lie on one line of the undistorted projector image,
+/// the epipolar line. Where it crosses the decoded coordinate y, its position along the stripe is
+/// x_p; y and x_p together determine the line, so that the lens's change of y is a smooth function
+/// of both, here a polynomial. No iteration is required.
 struct StripeGeometry {
   Eigen::RowVector4d coordinate;  ///< m^p of the coordinate, as in ProjectionMatrices
   Eigen::RowVector4d depth;       ///< m^p of the depth
-  /// q, the place x_p mapped to [-1, 1], is (place_constant e + p place_slope e) / (facing e), p
-  /// the coordinate y so mapped.
+  /// q, the position x_p mapped to [-1, 1], is (place_constant e + p place_slope e) / (facing e),
+  /// where p is y mapped to [-1, 1].
   Eigen::RowVector3d place_constant, place_slope;
-  /// Has the sign of the depth's denominator where the point is in front of the projector.
+  /// Has the sign of the depth's denominator if the point is in front of the projector.
   Eigen::RowVector3d facing;
 
-  double least_coordinate = 0, largest_coordinate = 1;  ///< the y for which the rest holds
+  double least_coordinate = 0, largest_coordinate = 1;  ///< range of y for which the rest is valid
   UnitMap unit_coordinate;                              ///< from y to p
-  PlanePolynomial lens;  ///< undistorted coordinate minus decoded one, of (p, q)
+  PlanePolynomial lens;  ///< undistorted minus decoded coordinate, of (p, q)
   static constexpr int edge_terms = 6;
-  /// q where the field and its margin end along the stripe, as polynomials in p.
+  /// q at the ends of the field and its margin along the stripe, as polynomials in p.
   std::array<double, edge_terms> low_edge{}, high_edge{};
 
-  /// The places q that are in the field and its margin at the coordinate p: from, to.
+  /// Range of q inside the field and its margin at the coordinate p.
   [[nodiscard]] std::pair<double, double> places_at(double p) const;
-  /// Those that are whatever the coordinate.
+  /// Range of q that is inside at every coordinate.
   [[nodiscard]] std::pair<double, double> inner_places() const;
 
   struct Depth {
-    double z = 0;                   ///< mm; not finite or not positive where there is none
-    bool before_projector = false;  ///< else behind it
-    bool in_field = false;          ///< and within the margin, along the stripe
+    double z = 0;                   ///< mm; not finite or not positive without a point
+    bool before_projector = false;  ///< false if behind it
+    bool in_field = false;          ///< including the margin along the stripe
   };
-  /// Of the point on the ray that the projector lights at the coordinate y, as decoded.
+  /// For the point on the ray that the projector lights at the coordinate y, as decoded.
   [[nodiscard]] Depth operator()(double E_x, double E_y, double y) const;
 };
 
-/// `margin`: how far past the ends of the field points may lie, see ReconstructSettings. None where
-/// the lens cannot be described to 4e-7 of the field, or its model has no inverse there. Throws
+/// `margin`: how far beyond the ends of the field points may lie, see ReconstructSettings. nullopt
+/// if the lens cannot be fitted to 4e-7 of the field, or its model is not invertible there. Throws
 /// Error as Triangulator does.
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin);
 
-/// The blocks of a picture. Within the range `described` depths are those of coordinates at most
-/// 1e-6 of the field away, and E_x, E_y are right to 2.5e-7. None for pictures less than a block
-/// wide or five knots high.
+/// The blocks of an image. Within the range `described`, depths correspond to coordinate errors of
+/// at most 1e-6 of the field, and E_x, E_y are accurate to 2.5e-7. nullopt for images narrower than
+/// a block or less than five knots high.
 std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
 
 }  // namespace slipstream

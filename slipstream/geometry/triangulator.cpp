@@ -11,7 +11,7 @@ namespace {
 
 using Row = Eigen::Matrix<double, 1, 4>;
 
-/// The homogeneous point in which three planes meet: signed 3x3 minors of their rows.
+/// The homogeneous point where three planes meet: signed 3x3 minors of their rows.
 Eigen::Vector4d meet(const Row& p, const Row& q, const Row& r) {
   Eigen::Matrix<double, 3, 4> rows;
   rows << p, q, r;
@@ -69,8 +69,8 @@ PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y
   const Eigen::Vector3d pixel(x, y, 1);
   const Eigen::Vector4d a = coefficients.with_coordinate * pixel;
   const Eigen::Vector4d b = coefficients.constant * pixel;
-  // Zero at a pixel whose ray is parallel to the plane y^p = 0. Its points are as good as any, so
-  // the tables hold their limit.
+  // Zero if the pixel's ray is parallel to the plane y^p = 0. Its points are still valid, so the
+  // tables store the limit.
   const double D = 1 / (b.w() == 0 ? 1e-100 : b.w());
   return {a.x() * D, b.x() * D, a.y() * D, b.y() * D, a.z() * D, b.z() * D, a.w() * D};
 }
@@ -140,8 +140,8 @@ Eigen::Vector3d Triangulator::operator()(int column, int row, double y) const {
       table_);
 }
 
-/// Finds the undistorted coordinate whose point on the ray the projector lights at coordinate y:
-/// the secant method on the difference, which starts so near that four steps reach rounding.
+/// Finds the undistorted coordinate whose point on the ray is lit at coordinate y: secant method on
+/// the difference, which starts so close that four steps reach rounding.
 template <class PointOf>
 Eigen::Vector3d Triangulator::through_projector_lens(const PointOf& point_of, double y) const {
   if (scanner_.projector.distortion.is_zero()) return point_of(y);

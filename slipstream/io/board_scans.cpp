@@ -14,12 +14,12 @@ namespace {
 void require_count(const fs::path& folder, std::size_t count, int wanted, const char* what) {
   if (static_cast<int>(count) == wanted) return;
   throw Error(
-      fmt::format("{}: {} frames, but {} takes {}; likely a frame is missing, or --strategy, "
-                  "--steps or --low-steps are others",
+      fmt::format("{}: {} frames, but {} has {}; likely a frame is missing, or --strategy, --steps "
+                  "or --low-steps differ",
                   folder.string(), count, what, wanted));
 }
 
-/// The scan of that axis in a pose's folder: x or x.slip; empty where there is neither.
+/// The scan along `axis` in a pose's folder: x or x.slip, or an empty path.
 fs::path scan_along(const fs::path& folder, Axis axis) {
   for (const char* ending : {"", ".slip"}) {
     const fs::path path = folder / (std::string(name_of(axis)) + ending);
@@ -31,8 +31,7 @@ fs::path scan_along(const fs::path& folder, Axis axis) {
 ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) {
   ScanFiles scan = scan_files_in(path, changes);
   throw_if(scan.described && axes_of(scan.sequence) != name_of(axis),
-           "{}: says axis {}, but it is for axis {}", path.string(), axes_of(scan.sequence),
-           name_of(axis));
+           "{}: has axis {}; expected {}", path.string(), axes_of(scan.sequence), name_of(axis));
   scan.sequence = along(scan.sequence, axis);
   if (fs::is_directory(path)) {
     require_count(path, scan.frames.size(), frame_count(scan.sequence), "a scan with these steps");
@@ -61,7 +60,7 @@ BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis 
   return scans_of(folder, std::move(first), std::move(second));
 }
 
-/// What `calibrate geometry --report` leaves, which may be beside the poses.
+/// Whether the folder is a report by `calibrate geometry --report`, which may be beside the poses.
 bool is_report(const fs::path& folder) {
   return fs::exists(folder / "report.md");
 }
@@ -81,7 +80,7 @@ BoardScans pose_in(const fs::path& folder, const ScanChanges& changes, Axis firs
 std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& changes,
                                     Axis first_axis) {
   throw_if(!fs::is_directory(folder),
-           "{}: no such folder; one folder for each pose of the board is wanted", folder.string());
+           "{}: no such folder; expected a folder with a subfolder for each pose", folder.string());
   if (has_both_axes(folder)) return {pose_in(folder, changes, first_axis)};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -91,7 +90,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& c
   std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
     return before_in_order(a.filename().string(), b.filename().string());
   });
-  throw_if(folders.empty(), "{}: no folder in it; one for each pose of the board is wanted",
+  throw_if(folders.empty(), "{}: no subfolders; expected one for each pose of the board",
            folder.string());
   std::vector<BoardScans> poses;
   poses.reserve(folders.size());

@@ -13,7 +13,7 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// What stands behind x y z intensity, each by its name in PLY and in PCD.
+/// A column after x y z intensity, with its names in PLY and PCD.
 struct Extra {
   const char* ply_name;
   const char* pcd_name;
@@ -36,7 +36,7 @@ std::vector<Extra> extras_of(const CloudExtras& extras) {
   return all;
 }
 
-/// The remarks as comments of a header, a line each.
+/// The remarks as comment lines of a header.
 std::string comments_of(const std::vector<std::string>& remarks, std::string_view mark) {
   std::string lines;
   for (std::string remark : remarks) {
@@ -55,7 +55,7 @@ void for_each_point(const Cloud& cloud, const Visit& visit) {
     const Validity* const end = first + cloud.size().width;
     for (const Validity* pixel = first; pixel != end; ++pixel) {
       if (*pixel != Validity::valid) {
-        // Of whole objects most pixels lie beside them.
+        // Most pixels of a picture lie beside the object.
         const void* const next = std::memchr(pixel, static_cast<int>(Validity::valid),
                                              static_cast<std::size_t>(end - pixel));
         if (next == nullptr) break;

@@ -16,25 +16,25 @@ NumberType type_named(std::string_view name) {
       "char", "int8",  "uchar", "uint8",  "short", "int16",   "ushort", "uint16",
       "int",  "int32", "uint",  "uint32", "float", "float32", "double", "float64"};
   const auto* const found = std::find(names.begin(), names.end(), name);
-  throw_if(found == names.end(), "'{}' is no type of PLY", name);
+  throw_if(found == names.end(), "'{}' is not a PLY type", name);
   return static_cast<NumberType>((found - names.begin()) / 2);
 }
 
-/// Takes lines and numbers off the front of a file of points, never past its end. Throws Error,
-/// which does not name the file, where it ends too soon.
+/// Reads lines and numbers from the front of a file of points. Throws Error, without a file name,
+/// if it is truncated.
 class NumberReader {
  public:
   explicit NumberReader(std::span<const std::uint8_t> bytes)
       : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
 
-  /// What is not yet read: no element has more numbers than that has bytes.
+  /// The unread rest; no element can have more numbers than this has bytes.
   [[nodiscard]] std::string_view left() const { return text_; }
 
-  /// Of the numbers to come, as PLY names it; ASCII before.
+  /// Sets the format of the numbers that follow, by its PLY name; ASCII by default.
   void set_format(std::string_view name) {
     ascii_ = name == "ascii";
     big_endian_ = name == "binary_big_endian";
-    throw_if(!ascii_ && !big_endian_ && name != "binary_little_endian", "'{}' is no format of PLY",
+    throw_if(!ascii_ && !big_endian_ && name != "binary_little_endian", "'{}' is not a PLY format",
              name);
   }
 
@@ -84,7 +84,7 @@ class NumberReader {
   bool big_endian_ = false;
 };
 
-/// What stands between blanks.
+/// Splits at blanks.
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
   while (true) {
@@ -96,27 +96,27 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-/// The number of things that a word says. Throws Error for any other word.
+/// Parses a count. Throws Error for any other word.
 std::size_t count_from(std::string_view text) {
   if (const auto count = number_in<std::size_t>(text)) return *count;
-  throw Error(fmt::format("'{}' is no number of elements", text.substr(0, 20)));
+  throw Error(fmt::format("'{}' is not a number of elements", text.substr(0, 20)));
 }
 
-/// A number, or a list of numbers, that each thing of an element of a PLY file has.
+/// A property of a PLY element: a number or a list of numbers.
 struct PlyProperty {
   std::string name;
   NumberType type = NumberType::float32;
   std::optional<NumberType> count_type{};  ///< of a list
 };
 
-/// A kind of thing in a PLY file, such as "vertex".
+/// An element of a PLY file, such as "vertex".
 struct PlyElement {
   std::string name;
   std::size_t count = 0;
   std::vector<PlyProperty> properties{};
 };
 
-/// What a PLY file holds, in order. Throws Error for what is no PLY file.
+/// The elements of a PLY file, in order. Throws Error if it is not a PLY file.
 std::vector<PlyElement> read_ply_header(NumberReader& reader) {
   if (reader.line() != "ply") throw Error("it does not begin with 'ply'");
   std::vector<PlyElement> elements;
@@ -135,17 +135,16 @@ std::vector<PlyElement> read_ply_header(NumberReader& reader) {
       elements.back().properties.push_back(
           {std::string(words[4]), type_named(words[3]), type_named(words[2])});
     } else {
-      throw Error(
-          fmt::format("its header has a line that begins with '{}'", words[0].substr(0, 20)));
+      throw Error(fmt::format("its header has an unknown line '{}'", words[0].substr(0, 20)));
     }
   }
 }
 
-/// The numbers of one property: one, or as many as a list has.
+/// The numbers of one property: one, or a list.
 std::vector<double> read_property(const PlyProperty& property, NumberReader& reader) {
   const double count = property.count_type ? reader.number(*property.count_type) : 1;
   throw_if(!(count >= 0 && count <= static_cast<double>(reader.left().size())),
-           "a list of {} numbers does not fit into it", count);
+           "a list of {} numbers is longer than the file", count);
   std::vector<double> numbers;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     numbers.push_back(reader.number(property.type));
@@ -153,7 +152,7 @@ std::vector<double> read_property(const PlyProperty& property, NumberReader& rea
   return numbers;
 }
 
-/// Where a column of that name goes, and how much of it.
+/// The member of StoredPoint to which a column adds, and its weight.
 struct Target {
   double StoredPoint::*field = nullptr;
   double share = 1;
@@ -178,7 +177,7 @@ Target target_of(const PlyProperty& property) {
   return found == targets.end() || property.count_type ? Target{} : found->second;
 }
 
-/// The targets of an element's properties; where it has an intensity, its colours have none.
+/// The targets of an element's properties; an intensity overrides colours.
 std::vector<Target> targets_of(const PlyElement& element) {
   std::vector<Target> targets;
   bool has_intensity = false;
@@ -193,13 +192,13 @@ std::vector<Target> targets_of(const PlyElement& element) {
   return targets;
 }
 
-/// -1 where it is none.
+/// -1 if not an index.
 int index_from(double number) {
   const bool index = number >= 0 && number <= std::numeric_limits<int>::max();
   return index && number == std::floor(number) ? static_cast<int>(number) : -1;
 }
 
-/// Reads past an element; keeps its points where it is of vertices, and its faces.
+/// Reads an element; stores vertices and faces, skips others.
 void read_element(const PlyElement& element, NumberReader& reader, StoredPoints& stored) {
   if (element.properties.empty()) return;
   const std::vector<Target> targets = targets_of(element);
@@ -217,7 +216,7 @@ void read_element(const PlyElement& element, NumberReader& reader, StoredPoints&
       if (targets[k].field != nullptr) point.*targets[k].field += targets[k].share * numbers[0];
       const std::string& name = element.properties[k].name;
       const bool is_face = name == "vertex_indices" || name == "vertex_index";
-      for (std::size_t n = 2; is_face && n < numbers.size(); ++n) {  // as a fan
+      for (std::size_t n = 2; is_face && n < numbers.size(); ++n) {  // triangle fan
         stored.triangles.push_back(
             {index_from(numbers[0]), index_from(numbers[n - 1]), index_from(numbers[n])});
       }
@@ -236,7 +235,7 @@ StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
   return stored;
 }
 
-/// The words of each line of a PCD header by its first word, which goes.
+/// The words of each line of a PCD header, by its first word.
 std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(NumberReader& reader) {
   std::map<std::string, std::vector<std::string_view>, std::less<>> header;
   while (!header.contains("DATA")) {
@@ -252,7 +251,7 @@ std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(Num
   return header;
 }
 
-/// All fields of 32-bit float, one number each, as write_cloud and most others write them.
+/// Supports only fields of one 32-bit float each, as by write_cloud and most other writers.
 StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   NumberReader reader(bytes);
   const auto header = pcd_header(reader);
@@ -261,9 +260,8 @@ StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
     return std::all_of(words.begin(), words.end(), [&](auto word) { return word == wanted; });
   };
   throw_if(!all("SIZE", "4") || !all("TYPE", "F") || !all("COUNT", "1"),
-           "its fields are not all of one 32-bit float");
-  throw_if(!all("DATA", "binary") && !all("DATA", "ascii"),
-           "its DATA are neither ascii nor binary");
+           "its fields are not one 32-bit float each");
+  throw_if(!all("DATA", "binary") && !all("DATA", "ascii"), "its DATA is neither ascii nor binary");
   if (all("DATA", "binary")) reader.set_format("binary_little_endian");
   PlyElement element{.name = "vertex", .properties = {}};
   for (const std::string_view field : header.at("FIELDS")) {
@@ -279,7 +277,7 @@ StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   return stored;
 }
 
-/// What a text of so many columns holds, as write_cloud writes it.
+/// The columns of a text by write_cloud, by their number.
 std::vector<std::string_view> names_of_columns(std::size_t count) {
   static constexpr std::array<std::string_view, 4> place{"x", "y", "z", "intensity"};
   static constexpr std::array<std::string_view, 4> sigma{"sigma_coordinate", "sigma_x", "sigma_y",
@@ -301,7 +299,7 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
   }
   for (; !lines.left().empty(); ++element.count) {
     throw_if(words_of(lines.line()).size() != columns,
-             "line {} has not the {} numbers of the first", element.count + 1, columns);
+             "line {}: expected {} numbers, as in the first line", element.count + 1, columns);
   }
   StoredPoints stored;
   read_element(element, reader, stored);
@@ -310,7 +308,7 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
 
 using Parse = StoredPoints (*)(std::span<const std::uint8_t>);
 
-/// Null where no such file can be read.
+/// Null if unsupported.
 Parse parse_for(const fs::path& path) {
   static const std::map<std::string, Parse> formats{{".ply", ply_points}, {".pcd", pcd_points},
                                                     {".xyz", xyz_points}, {".stl", stl_points},
@@ -361,18 +359,18 @@ bool is_cloud_file(const fs::path& path) {
 StoredPoints read_points(const fs::path& path) {
   const Parse parse = parse_for(path);
   throw_if(parse == nullptr,
-           "{}: no cloud or mesh that can be read has the ending '{}'; use .ply, "
-           ".pcd, .xyz, .stl, .obj or .glb",
+           "{}: cannot read clouds or meshes with the ending '{}'; use .ply, .pcd, .xyz, .stl, "
+           ".obj or .glb",
            path.string(), lower_case_extension(path));
   const std::vector<std::uint8_t> bytes = read_file(path);
   return naming(
-      fmt::format("{} is not a good {} file", path.string(), lower_case_extension(path).substr(1)),
+      fmt::format("{} is not a valid {} file", path.string(), lower_case_extension(path).substr(1)),
       [&] { return parse(bytes); });
 }
 
 StoredCloud read_cloud(const fs::path& path) {
   StoredCloud stored = cloud_of(read_points(path));
-  throw_if(point_count(stored.cloud) == 0, "{}: no point in it", path.string());
+  throw_if(point_count(stored.cloud) == 0, "{}: has no points", path.string());
   return stored;
 }
 

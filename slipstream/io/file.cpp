@@ -20,11 +20,11 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// The names of what is being written at once. Who takes one out of its place, its owner or a
-/// signal handler, is the only one who has it.
+/// Names of files being written `at_once`. Whoever takes a name out of its slot, the owner or a
+/// signal handler, has it exclusively.
 std::array<std::atomic<std::string*>, 64> temporary_names{};
 
-/// Puts `after` where `before` is; false where it is nowhere.
+/// Replaces `before` by `after`; returns false if not found.
 bool replace_name(std::string* before, std::string* after) {
   for (std::atomic<std::string*>& place : temporary_names) {
     std::string* there = before;
@@ -33,14 +33,14 @@ bool replace_name(std::string* before, std::string* after) {
   return false;
 }
 
-/// Bytes that are handed to the disk at once.
+/// Bytes handed to the disk at a time.
 constexpr std::uint64_t passed_on_at_once = 4 << 20;
 
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// No longer than names may be where the path's own is not.
+/// Not longer than allowed if the path's own name is not.
 std::string temporary_name(const fs::path& path) {
   std::random_device random;
   return folder_of(path) / fmt::format("{}.{:08x}{:08x}.part",
@@ -55,7 +55,7 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// False, with errno, where the disk does not take it.
+/// Returns false, with errno, if writing fails.
 bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
   while (!rest.empty()) {
     const ssize_t written = ::write(descriptor, rest.data(), rest.size());
@@ -66,7 +66,7 @@ bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
   return true;
 }
 
-/// False, with errno, where what was written may not be on the disk. Some file systems cannot say.
+/// Returns false, with errno, if data may not be on disk. Some file systems cannot tell.
 bool is_synced(int descriptor) {
   return ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
@@ -93,10 +93,10 @@ InputFile::InputFile(const fs::path& path, std::uint64_t largest)
   if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
     refuse(errno == ENOENT ? "no such file" : std::strerror(errno));
   }
-  if (S_ISDIR(status.st_mode)) refuse("is a folder; a file is wanted");
-  if (!S_ISREG(status.st_mode)) refuse("is a device or a pipe; a file is wanted");
+  if (S_ISDIR(status.st_mode)) refuse("is a folder; expected a file");
+  if (!S_ISREG(status.st_mode)) refuse("is a device or a pipe; expected a file");
   size_ = static_cast<std::uint64_t>(status.st_size);
-  if (size_ > largest) refuse(fmt::format("has {} bytes; at most {} are read", size_, largest));
+  if (size_ > largest) refuse(fmt::format("has {} bytes; limit {}", size_, largest));
 }
 
 bool InputFile::read(std::uint64_t offset,
@@ -120,7 +120,7 @@ bool InputFile::read(std::uint64_t offset,
 std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest) {
   const InputFile file(path, largest);
   std::vector<std::uint8_t> bytes(file.size());
-  throw_if(!file.read(0, {bytes}), "{}: became shorter", path.string());
+  throw_if(!file.read(0, {bytes}), "{}: became shorter while it was read", path.string());
   return bytes;
 }
 
@@ -146,8 +146,8 @@ std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
 
 void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes) {
   if (frames <= largest_scan / frame_bytes) return;
-  throw Error(fmt::format("{} frames of {} bytes; at most {} bytes are read of a scan", frames,
-                          frame_bytes, largest_scan));
+  throw Error(fmt::format("{} frames of {} bytes; limit of a scan: {} bytes", frames, frame_bytes,
+                          largest_scan));
 }
 
 OutputFile::OutputFile(const fs::path& path, Writing writing)
@@ -155,10 +155,10 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
   std::error_code unknown;
   const fs::file_status there = fs::symlink_status(path, unknown);
   if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_symlink(there)) {
-    throw WorldError(fmt::format("cannot write {}: it is no file", path.string()));
+    throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
   }
   if (writing == Writing::over_time) {
-    name_ = path.string();  // before there is a file that nobody would remove
+    name_ = path.string();  // before the file exists, so that it is always removed
     descriptor_ = create(name_);
     if (descriptor_ < 0 && errno != EEXIST) fail();
   }
@@ -188,15 +188,15 @@ void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> part
   if (written_ - synced_ >= most_unsynced) sync();
 }
 
-/// Starts the newest part on its way, and lets go of those before once they are there. Without this
-/// each write takes memory that is not in use, for which the kernel keeps the processor for
-/// milliseconds. Of 0 bytes, as the first time, all is meant.
+/// Starts writing the newest part to disk, and drops earlier parts from the page cache once they
+/// are there. Otherwise each write needs free memory, for which the kernel blocks for milliseconds.
+/// The system calls take 0 bytes, as the first time, to mean everything.
 void OutputFile::pass_on() {
   const auto before = static_cast<off_t>(passed_on_), now = static_cast<off_t>(written_);
   const bool done =
       ::sync_file_range(descriptor_, before, now - before, SYNC_FILE_RANGE_WRITE) == 0 &&
       ::sync_file_range(descriptor_, 0, before, SYNC_FILE_RANGE_WRITE_AND_WAIT) == 0;
-  // A failure of the disk is told once: sync() would not hear of it.
+  // The system reports a disk failure only once, so sync() would miss it.
   if (!done && (errno == EIO || errno == ENOSPC || errno == EDQUOT)) fail_to_sync();
   ::posix_fadvise(descriptor_, 0, before, POSIX_FADV_DONTNEED);
   passed_on_ = written_;
@@ -223,7 +223,7 @@ std::string OutputFile::give_up(std::uint64_t size) {
     discard();
     return failure_;
   }
-  // Should this fail, who reads still leaves out what is not whole.
+  // If this fails, readers still skip the incomplete rest.
   if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) written_ = size;
   try {
     keep();
@@ -240,7 +240,7 @@ void OutputFile::discard() noexcept {
 }
 
 void OutputFile::let_go() noexcept {
-  while (remembered_ && !replace_name(&name_, nullptr)) ::pause();  // a handler ends the program
+  while (remembered_ && !replace_name(&name_, nullptr)) ::pause();  // a handler exits the program
   remembered_ = false;
   name_.clear();
 }
@@ -255,7 +255,7 @@ void OutputFile::fail() {
       fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno));
   if (failure_.empty()) failure_ = failure;
   const bool stays = writing_ == Writing::over_time && !name_.empty() && name_ != path_;
-  throw WorldError(failure + (stays ? "; what came until then is in " + name_ : ""));
+  throw WorldError(failure + (stays ? "; the data before that are in " + name_ : ""));
 }
 
 GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& waits)
@@ -265,7 +265,7 @@ GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& wait
   require(descriptor_ >= 0);
   struct stat found {};
   if (::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
-    throw WorldError(fmt::format("cannot write {}: no file", path.string()));
+    throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
   }
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   waits();
@@ -305,7 +305,7 @@ void make_folder(const fs::path& folder) {
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure || !fs::is_directory(folder)) {
-    throw WorldError(fmt::format("cannot make folder {}: {}", folder.string(),
+    throw WorldError(fmt::format("cannot create folder {}: {}", folder.string(),
                                  failure ? failure.message() : "a file has that name"));
   }
 }

@@ -16,12 +16,12 @@ namespace {
 using namespace std::string_view_literals;
 using Bytes = std::span<const std::uint8_t>;
 
-/// The numbers of a HeightCurve, as they stand in its memory.
+/// The number of floats in a HeightCurve.
 constexpr int members = sizeof(HeightCurve) / sizeof(float);
 
 using ReadPicture = Picture (*)(Bytes bytes, std::size_t frames);
 
-/// By how the files begin.
+/// Readers by the files' first bytes.
 constexpr std::array<std::pair<std::string_view, ReadPicture>, 7> picture_formats{
     {{"\x89PNG\r\n\x1a\n"sv, read_png},
      {"II*\0"sv, read_tiff},
@@ -31,7 +31,7 @@ constexpr std::array<std::pair<std::string_view, ReadPicture>, 7> picture_format
      {"BM"sv, read_bmp},
      {"P"sv, read_pgm}}};
 
-/// Null where the bytes are of no picture.
+/// Null if the bytes are not a picture.
 ReadPicture reader_of(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const auto* const format =
@@ -43,23 +43,23 @@ ReadPicture reader_of(Bytes bytes) {
   return format->second == read_pgm && !is_pgm ? nullptr : format->second;
 }
 
-/// One of so many of a scan.
+/// Reads one picture of a scan with `frames` pictures.
 Picture read_picture(const fs::path& path, std::size_t frames = 1) {
   const InputFile file(path, largest_picture_file);
   const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());
   const std::span bytes(memory.get(), file.size());
   return naming(path.string(), [&] {
-    if (!file.read(0, {bytes})) throw Error("became shorter");
+    if (!file.read(0, {bytes})) throw Error("became shorter while it was read");
     throw_if(bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff,
-             "a JPEG, whose lossy compression spoils the phase; a PNG, TIFF, BMP or PGM file is "
-             "wanted");
+             "a JPEG, whose lossy compression spoils the phase; use PNG, TIFF, BMP or PGM");
     const ReadPicture read = reader_of(bytes);
-    if (read == nullptr) throw Error("not a picture; a whole PNG, TIFF, BMP or PGM file is wanted");
+    if (read == nullptr)
+      throw Error("not a picture; expected a complete PNG, TIFF, BMP or PGM file");
     return read(bytes, frames);
   });
 }
 
-/// `value` of the channels of each pixel of 8 or 16 bits, in as many.
+/// Applies `value` to the channels of each pixel of 8 or 16 bits; the result has the same bits.
 template <class Value>
 Picture each_pixel(const Picture& picture, const Value& value) {
   Picture pixels({picture.kind.size, 1, picture.kind.bits});
@@ -77,7 +77,8 @@ Picture each_pixel(const Picture& picture, const Value& value) {
   return pixels;
 }
 
-/// A frame in grey, or three of a picture in colour: red, green and blue. One of so many of a scan.
+/// A grey frame, or the red, green and blue frames of a colour picture. `count`: pictures of the
+/// scan.
 std::vector<Picture> frames_in(const fs::path& path, std::size_t count, bool in_colour,
                                std::vector<std::string>& warnings) {
   Picture picture = read_picture(path, count);
@@ -85,9 +86,8 @@ std::vector<Picture> frames_in(const fs::path& path, std::size_t count, bool in_
   std::vector<Picture> frames;
   naming(path.string(), [&] {
     throw_if(in_colour && kind.channels < 3,
-             "a grey picture; as few as these would have to be in colour, with a frame in each "
-             "channel");
-    if (kind.bits == 32) throw Error("pixels of an unknown kind; frames are grey, 8 or 16 bits");
+             "a grey picture; so few pictures must be in colour, with one frame in each channel");
+    if (kind.bits == 32) throw Error("unsupported pixels; frames are grey of 8 or 16 bits");
     for (int channel = 0; in_colour && channel < 3; ++channel) {
       frames.push_back(each_pixel(picture, [&](const auto* rgb) { return rgb[channel]; }));
     }
@@ -114,7 +114,7 @@ constexpr std::array<std::pair<std::string_view, PictureWriter>, 5> picture_writ
      {".bmp", bmp_file_of},
      {".pgm", pgm_file_of}}};
 
-/// Null where no picture's file has that ending.
+/// Null if unsupported.
 PictureWriter writer_of(std::string_view extension) {
   for (const auto& [ending, writer] : picture_writers) {
     if (ending == extension) return writer;
@@ -126,11 +126,10 @@ void write_picture(const fs::path& path, const PictureView& picture) {
   const std::string extension = lower_case_extension(path);
   const PictureWriter writer = writer_of(extension);
   throw_if(writer == nullptr,
-           "{}: no picture format has the ending '{}'; use .png, .tiff, .bmp or "
-           ".pgm",
+           "{}: cannot write pictures with the ending '{}'; use .png, .tiff, .bmp or .pgm",
            path.string(), extension);
   const std::vector<std::uint8_t> bytes = writer(picture);
-  throw_if(bytes.empty(), "{}: a {} file does not hold such pixels; use .tiff", path.string(),
+  throw_if(bytes.empty(), "{}: a {} file does not support such pixels; use .tiff", path.string(),
            extension);
   write_file(path, bytes);
 }
@@ -144,7 +143,7 @@ bool is_npy(const fs::path& path) {
   return lower_case_extension(path) == ".npy";
 }
 
-/// A map, or a picture's levels.
+/// Reads a map, or a picture's levels.
 Picture read_map_picture(const fs::path& path) {
   if (!is_npy(path)) return read_picture(path);
   return naming(path.string(), [&] { return read_npy(read_file(path, largest_picture_file)); });
@@ -167,19 +166,19 @@ FrameSet frame_set_from(std::vector<Picture> frames, int bits) {
         } else if constexpr (!std::is_same_v<Pixel, float>) {
           return FrameSet(std::move(images));
         }
-        return {};  // no frame is of float
+        return {};  // frames are never 32-bit float
       },
       frames.front().samples);
 }
 
-/// A picture's frames, or why there are none.
+/// A picture's frames, or the error.
 struct ReadFrames {
   std::vector<Picture> frames;
   std::vector<std::string> warnings;
   std::exception_ptr failure;
 };
 
-/// On as many threads as there are.
+/// Reads pictures on all threads.
 std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in_colour) {
   std::vector<ReadFrames> pictures(paths.size());
   for_each_row(static_cast<int>(paths.size()), [&](int n) {
@@ -194,7 +193,7 @@ std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in
   return pictures;
 }
 
-/// All frames, in order, which are alike.
+/// Reads all frames, in order; they must have one size and kind.
 FrameSet read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour,
                     std::vector<std::string>& warnings) {
   std::vector<Picture> frames;
@@ -206,18 +205,18 @@ FrameSet read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour
     warnings.insert(warnings.end(), told.begin(), told.end());
     const PictureKind &kind = frames.back().kind, &first = frames.front().kind;
     if (kind.size != first.size) {
-      throw Error(fmt::format("{} is {}, but {} is {}; all frames of a scan have one size",
+      throw Error(fmt::format("{} is {}, but {} is {}; all frames of a scan must have one size",
                               paths[n].string(), text_of(kind.size), paths.front().string(),
                               text_of(first.size)));
     }
     if (kind.bits != first.bits) {
-      throw Error(fmt::format("{} and {} have different pixels; all frames of a scan have one kind",
+      throw Error(fmt::format("{} and {} have different pixel types; a scan must have one type",
                               paths[n].string(), paths.front().string()));
     }
   }
   if (frames.empty()) return {};
   if (bits > 8 && frames.front().kind.bits == 8) {
-    throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",
+    throw Error(fmt::format("{}: an 8-bit picture, but the camera bits are set to {}",
                             paths.front().string(), bits));
   }
   return frame_set_from(std::move(frames), bits);
@@ -239,8 +238,7 @@ std::uint8_t* Picture::row(int row) {
 }
 
 void require_readable(std::uint64_t pixels, std::size_t frames) {
-  throw_if(pixels > largest_picture, "says that it has {} pixels; at most {} are read", pixels,
-           largest_picture);
+  throw_if(pixels > largest_picture, "declares {} pixels; limit {}", pixels, largest_picture);
   require_scan_fits(frames, std::max<std::uint64_t>(pixels, 1));
 }
 
@@ -305,27 +303,27 @@ void write_map(const fs::path& path, const Image<double>& map) {
 Image<double> read_map(const fs::path& path) {
   const Picture picture = read_map_picture(path);
   if (picture.kind.real()) return wide_image(picture);
-  throw Error(fmt::format("{}: not a map; a TIFF file of 32-bit float is wanted", path.string()));
+  throw Error(fmt::format("{}: not a map; expected a TIFF file of 32-bit float", path.string()));
 }
 
 Image<double> read_levels(const fs::path& path) {
   const Picture picture = read_map_picture(path);
   if (picture.kind.channels == 1) return wide_image(picture);
-  throw Error(fmt::format("{}: a colour picture; a grey one or a map is wanted", path.string()));
+  throw Error(fmt::format("{}: a colour picture; expected a grey one or a map", path.string()));
 }
 
 void write_height_curves(const fs::path& path, const Image<HeightCurve>& curves) {
-  require_ending(path, "calibration of heights", {".npy"});
+  require_ending(path, "height calibration", {".npy"});
   const ImageView<const float> numbers(reinterpret_cast<const float*>(curves.begin()),
                                        {members * curves.width(), curves.height()});
   write_file(path, npy_file_of(PictureView(numbers)));
 }
 
 Image<HeightCurve> read_height_curves(const fs::path& path) {
-  require_ending(path, "calibration of heights", {".npy"});
+  require_ending(path, "height calibration", {".npy"});
   const auto numbers = converted<float>(read_map(path));
   return naming(path.string(), [&] {
-    if (numbers.width() % members != 0) throw Error("five numbers for each pixel are wanted");
+    if (numbers.width() % members != 0) throw Error("expected five numbers for each pixel");
     Image<HeightCurve> curves({numbers.width() / members, numbers.height()});
     std::copy(numbers.begin(), numbers.end(), reinterpret_cast<float*>(curves.begin()));
     require_valid(curves);
@@ -353,7 +351,7 @@ void write_colour_frames(const std::vector<fs::path>& paths, const FrameViews& f
 }
 
 void require_colour_ending(const fs::path& path) {
-  require_ending(path, "picture in colour", {".png", ".tif", ".tiff", ".bmp"});
+  require_ending(path, "colour picture format", {".png", ".tif", ".tiff", ".bmp"});
 }
 
 }  // namespace slipstream

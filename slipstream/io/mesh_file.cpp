@@ -1,4 +1,4 @@
-// Meshes and their vertices: the formats beside those of cloud_reader.cpp.
+// Mesh formats: writers, and the readers that cloud_reader.cpp lacks.
 #include <cstring>
 #include <iterator>
 #include <sstream>
@@ -78,7 +78,7 @@ void write_obj(const fs::path& path, const Surface& surface) {
   write_file(path, obj_file(surface, materials.filename().string()));
 }
 
-// The numbers that glTF 2.0 gives its names.
+// Constants of glTF 2.0.
 constexpr std::uint32_t glb_magic = 0x46546C67, version = 2;
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 constexpr int float32 = 5126, uint32 = 5125;
@@ -97,7 +97,7 @@ StoredPoint from_gltf(const std::array<float, 3>& point, double intensity) {
           .intensity = intensity};
 }
 
-/// The binary part of the file, and what the views in it are.
+/// The binary part of the file, and its buffer views.
 struct Binary {
   std::string bytes;
   json views = json::array();
@@ -168,7 +168,7 @@ json document_of(const Surface& surface, Binary& binary) {
   };
 }
 
-/// The bytes from `offset`, `size` of them. Throws Error where they are not there.
+/// `size` bytes from `offset`. Throws Error if they are out of range.
 std::span<const std::uint8_t> part(std::span<const std::uint8_t> bytes, std::size_t offset,
                                    std::size_t size) {
   if (offset > bytes.size() || size > bytes.size() - offset) throw Error("it is truncated");
@@ -180,25 +180,25 @@ std::uint32_t count_at(std::span<const std::uint8_t> bytes, std::size_t offset) 
 }
 
 std::size_t count_of(const json& number) {
-  if (!number.is_number_unsigned()) throw Error("a count in it is no number");
+  if (!number.is_number_unsigned()) throw Error("a count is not a number");
   return number.get<std::size_t>();
 }
 
-/// The chunk that begins at `offset`, of that kind.
+/// The chunk at `offset`, which must be of this kind.
 std::span<const std::uint8_t> chunk(std::span<const std::uint8_t> bytes, std::size_t offset,
                                     std::uint32_t kind) {
-  if (count_at(bytes, offset + 4) != kind) throw Error("a chunk in it is of another kind");
+  if (count_at(bytes, offset + 4) != kind) throw Error("a chunk has an unexpected type");
   return part(bytes, offset + 8, count_at(bytes, offset));
 }
 
-/// The numbers of an accessor, `components` for each of its elements.
+/// The numbers of an accessor, `components` for each element.
 template <std::size_t components>
 std::vector<std::array<float, components>> numbers_of(const json& document, const json& accessor_at,
                                                       std::span<const std::uint8_t> binary) {
   const json& accessor = document.at("accessors").at(count_of(accessor_at));
   const json& view = document.at("bufferViews").at(count_of(accessor.at("bufferView")));
   throw_if(accessor.at("componentType") != float32 || view.contains("byteStride"),
-           "its vertices are not of 32-bit float, one behind the other");
+           "its vertices are not contiguous 32-bit float");
   std::vector<std::array<float, components>> numbers;
   const std::size_t count = count_of(accessor.at("count"));
   if (count > binary.size() / sizeof(numbers[0])) throw Error("it is truncated");
@@ -250,7 +250,7 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < first) throw Error("it is truncated");
   const auto count = number_at<std::uint32_t>(bytes, header);
   throw_if(bytes.size() - first != count * of_triangle,
-           "it is not as long as a binary STL of so many triangles");
+           "its length does not match a binary STL with its number of triangles");
   std::vector<std::array<float, 3>> corners;
   for (std::size_t at = first; at < bytes.size(); at += of_triangle) {
     for (std::size_t k = 1; k < 4; ++k) {  // the first vector is the normal
@@ -274,7 +274,7 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
   constexpr bool triangulate = true, white_where_no_colour = false;
   throw_if(!tinyobj::LoadObj(&attributes, &shapes, &materials, &warning, &error, &stream, nullptr,
                              triangulate, white_where_no_colour),
-           "it is no OBJ");
+           "it is not an OBJ file");
   StoredPoints stored;
   const auto& at = attributes.vertices;
   const bool coloured = attributes.colors.size() == at.size();
@@ -296,13 +296,13 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
 
 StoredPoints glb_points(std::span<const std::uint8_t> bytes) {
   throw_if(count_at(bytes, 0) != glb_magic || count_at(bytes, 4) != version,
-           "it is no binary glTF 2.0");
+           "it is not binary glTF 2.0");
   const auto text = chunk(bytes, glb_header, json_chunk);
   try {
     return points_in(json::parse(text.begin(), text.end()),
                      chunk(bytes, glb_header + chunk_header + text.size(), binary_chunk));
   } catch (const json::exception&) {
-    throw Error("its JSON is not that of a mesh");
+    throw Error("its JSON does not describe a mesh");
   }
 }
 
@@ -318,7 +318,7 @@ std::vector<fs::path> files_beside(const fs::path& surface) {
 
 void write_surface(const fs::path& path, const Surface& surface) {
   require_mesh_ending(path);
-  throw_if(surface.triangles.empty(), "{}: no points of neighbouring pixels to make a mesh of",
+  throw_if(surface.triangles.empty(), "{}: no neighbouring points to make a mesh of",
            path.string());
   const std::string extension = lower_case_extension(path);
   if (extension == ".obj") {

@@ -1,4 +1,4 @@
-// The entries of OpenCV's FileStorage files, YAML and XML.
+// Reads and writes OpenCV's FileStorage files, YAML and XML.
 #include <sstream>
 
 #include <fmt/ranges.h>
@@ -24,7 +24,7 @@ std::optional<double> number_from(std::string_view text) {
   return number_in<double>(text);
 }
 
-/// A matrix of those texts; without rows where one is no number or there are not rows x columns.
+/// A matrix of these texts; rows is 0 if one is not a number or their count is not rows x columns.
 StoredMatrix matrix_from(std::string_view rows, std::string_view columns,
                          const std::vector<std::string>& data) {
   StoredMatrix matrix{number_in<int>(rows).value_or(0), number_in<int>(columns).value_or(0)};
@@ -43,7 +43,7 @@ std::string text_of(const YAML::Node& node) {
   return node.IsScalar() ? node.Scalar() : "";
 }
 
-/// A number, or a text that is none.
+/// A number, or otherwise a text.
 StoredMatrix scalar_from(const std::string& text) {
   StoredMatrix entry = matrix_from("1", "1", {text});
   if (entry.rows == 0) entry.text = text;
@@ -58,7 +58,7 @@ StoredMatrix entry_from(const YAML::Node& node) {
   return matrix_from(text_of(node["rows"]), text_of(node["cols"]), data);
 }
 
-/// Nullopt, or an exception of YAML, where it is no such file.
+/// Returns nullopt, or throws a YAML exception, if it is not such a file.
 std::optional<Entries> entries_from_yaml(std::string text) {
   // OpenCV's first line, "%YAML:1.0", is not YAML.
   if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
@@ -93,7 +93,7 @@ bool is_xml(const std::string& text) {
   return text.find_first_not_of(" \t\r\n") == text.find('<');
 }
 
-/// In the double quotes of YAML, on one line.
+/// Double-quoted YAML, on one line.
 std::string quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -110,7 +110,7 @@ std::string yaml_of(const std::string& name, const StoredMatrix& entry) {
                      name, entry.rows, entry.columns, fmt::join(entry.numbers, ", "));
 }
 
-/// Entries at the top of YAML start in the first column, and what belongs to them does not.
+/// Top-level entries of YAML start in the first column, their contents do not.
 std::string with_yaml_entries(const std::string& text, const Entries& entries) {
   std::istringstream lines(text);
   std::string kept, end;
@@ -155,12 +155,12 @@ std::string with_xml_entries(const std::string& text, const Entries& entries) {
   return changed.str();
 }
 
-/// The file's; of a recording that of the scanner that it holds.
+/// The file's text; for a recording, its scanner's.
 std::string text_in(const fs::path& path) {
   if (is_recording(path)) {
     const RecordingReader recording(path);
     if (const auto& scanner = recording.header().scanner) return text_of(*scanner);
-    throw Error(fmt::format("{}: a recording that does not know its scanner", path.string()));
+    throw Error(fmt::format("{}: the recording contains no scanner", path.string()));
   }
   return read_text(path);
 }
@@ -172,9 +172,9 @@ Entries opencv_entries(const std::string& text, const std::string& name) {
     auto entries = is_xml(text) ? entries_from_xml(text) : entries_from_yaml(text);
     if (entries) return *std::move(entries);
   } catch (const YAML::Exception&) {
-    // Refused below, as any other file.
+    // Rejected below, like any other file.
   }
-  throw Error(fmt::format("{}: not a scanner file; OpenCV's YAML or XML is wanted", name));
+  throw Error(fmt::format("{}: not a scanner file; expected OpenCV's YAML or XML", name));
 }
 
 Entries read_opencv_storage(const fs::path& path) {
@@ -191,8 +191,7 @@ std::string with_entries(const std::string& text, const Entries& entries, const 
   std::string changed =
       is_xml(text) ? with_xml_entries(text, entries) : with_yaml_entries(text, entries);
   const auto refuse = [&](const std::string& entry) {
-    throw Error(fmt::format("{}: {} cannot be replaced in its layout; each entry begins a line",
-                            name, entry));
+    throw Error(fmt::format("{}: cannot replace {}; each entry must begin a line", name, entry));
   };
   Entries after;
   try {
@@ -215,7 +214,7 @@ void write_entries(const std::optional<fs::path>& from, const fs::path& to,
                    const Entries& entries) {
   const bool xml = lower_case_extension(to) == ".xml";
   if (from && (lower_case_extension(*from) == ".xml") != xml) {
-    throw Error(fmt::format("{}: {} is {}; give the output the same ending", to.string(),
+    throw Error(fmt::format("{}: {} is {}; use the same ending for the output", to.string(),
                             from->string(), xml ? "YAML" : "XML"));
   }
   write_file(

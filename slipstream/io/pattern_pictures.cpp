@@ -19,12 +19,12 @@ double level_in(const fs::path& picture) {
   const std::string digits = stem.starts_with(prefix) ? stem.substr(prefix.size()) : "";
   const auto level = number_in<std::uint8_t>(digits);
   throw_if(!level || digits.size() > 3,
-           "{}: no grey level in its name; pictures of uniform patterns are named as level_017.png",
+           "{}: no grey level in its name; name pictures of uniform patterns like level_017.png",
            picture.string());
   return *level / 255.0;
 }
 
-/// Of the middle quarter of its width and height, grey levels of 255.
+/// Mean over the middle quarter of width and height, grey levels of 255.
 double middle_mean(const FrameViews& frames) {
   const Size size = frames.size();
   double sum = 0, count = 0;
@@ -110,7 +110,8 @@ UniformLevels read_uniform_pictures(const fs::path& folder) {
   UniformLevels levels;
   for (const fs::path& picture : images_in_folder(folder)) {
     const double mean = middle_mean(read_frames({picture}).frames);
-    throw_if(mean > 0.98 * 255, "{}: saturated; expose shorter", picture.string());
+    throw_if(mean > 0.98 * 255, "{}: saturated (mean {:.0f}, limit 250); shorten the exposure",
+             picture.string(), mean);
     levels.values.push_back(level_in(picture));
     levels.intensities.push_back(mean);
   }

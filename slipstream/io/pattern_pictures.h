@@ -8,43 +8,43 @@
 
 namespace slipstream {
 
-/// Where pattern n, from 0, is written in a folder of patterns: pattern_00.png, pattern_01.png, ...
+/// Path of pattern n, from 0, in a folder of patterns: pattern_00.png, pattern_01.png, ...
 std::filesystem::path pattern_file(const std::filesystem::path& folder, std::size_t n);
 
-/// Writes patterns as pictures for a projector of that many bits, as pattern_file names them, into
-/// a folder, which is made, and a scan.yaml that says that they show `sequence`: all but the
-/// marker, which is no frame of the scan. Returns the pictures; `written` is called after each.
-/// Throws Error for bits that no projector has.
+/// Writes patterns as pictures for a projector with `bits` bits, named by pattern_file, into a new
+/// folder, with a scan.yaml that describes `sequence` (without the marker, which is not a frame of
+/// the scan). Calls `written` after each picture; returns their paths. Throws Error for unsupported
+/// bits.
 std::vector<std::filesystem::path> write_patterns(const std::filesystem::path& folder,
                                                   const PatternSet& patterns,
                                                   const Sequence& sequence, int bits,
                                                   const std::function<void()>& written);
 
-/// The same in colour: three patterns to a picture, of 8 bits; beside them a white one, and those
-/// that `calibrate colour` wants of a white surface, by their names in primaries.h. Throws Error
-/// for patterns that are not a multiple of three, binary ones and a marker.
+/// The same in colour: three patterns per 8-bit picture, a white picture, and the pictures for
+/// `calibrate colour`, named as in primaries.h. Throws Error unless the patterns are a multiple of
+/// three, and for binary patterns or a marker.
 std::vector<std::filesystem::path> write_colour_patterns(const std::filesystem::path& folder,
                                                          const PatternSet& patterns,
                                                          const Sequence& sequence,
                                                          const std::function<void()>& written);
 
-/// Writes one PNG of all patterns, a strip for each from the first on downwards, the projector
-/// coordinate from left to right, `length` pixels. Throws Error for another ending.
+/// Writes one PNG with a strip for each pattern from top to bottom, the projector coordinate from
+/// left to right over `length` pixels. Throws Error for another ending.
 void write_pattern_sheet(const std::filesystem::path& file, const PatternSet& patterns, int length);
 
-/// What a camera saw of uniform patterns.
+/// A camera's intensities of uniform patterns.
 struct UniformLevels {
   std::vector<double> values{};       ///< of the patterns, [0, 1]
   std::vector<double> intensities{};  ///< grey levels of 255
 };
 
-/// The pictures of uniform patterns in a folder, each named by its grey level of 255, as
-/// level_017.png: the mean over the middle of each, where the light is even. Throws Error where one
+/// Reads pictures of uniform patterns in a folder, each named by its grey level of 255, as
+/// level_017.png: the mean over the centre of each, where the light is uniform. Throws Error if one
 /// has no level in its name or is saturated.
 UniformLevels read_uniform_pictures(const std::filesystem::path& folder);
 
-/// Writes `count` pictures, 2 to 256, of that size and of one grey level each, from 0 to 255 in
-/// even steps, into a folder, which is made, under such names. Returns them.
+/// Writes `count` uniform pictures, 2 to 256, with grey levels from 0 to 255 in equal steps, to a
+/// new folder under such names. Returns their paths.
 std::vector<std::filesystem::path> write_uniform_pictures(const std::filesystem::path& folder,
                                                           Size size, int count);
 

@@ -13,17 +13,17 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-// All pictures here have red, green and blue in this order.
+// Pictures have their channels in the order red, green, blue.
 const cv::Scalar paper(255, 255, 255);
 const cv::Scalar ink(60, 60, 60);
 const cv::Scalar grid(228, 228, 228);
-/// Blue, red, green, violet, orange, cyan: told apart by most eyes.
+/// Blue, red, green, violet, orange, cyan: distinguishable for most readers.
 const std::array<cv::Scalar, 6> line_colours{cv::Scalar(30, 110, 180), cv::Scalar(200, 50, 50),
                                              cv::Scalar(40, 140, 60),  cv::Scalar(130, 70, 170),
                                              cv::Scalar(230, 130, 0),  cv::Scalar(30, 160, 170)};
 
 constexpr int width = 800, height = 520;
-constexpr int legend_line = 18;  // below the page, where it hides no curve
+constexpr int legend_line = 18;  // below the axes, where it hides no curve
 constexpr int left = 100, right = width - 30, top = 50, bottom = height - 70;
 
 int text_width(const std::string& text, double size) {
@@ -31,7 +31,7 @@ int text_width(const std::string& text, double size) {
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &baseline).width;
 }
 
-/// `size`: of the font, 0.45 for ordinary text.
+/// `size`: font size, 0.45 for ordinary text.
 void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double size,
                const cv::Scalar& ink) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
@@ -41,7 +41,7 @@ std::string text_of_mark(double mark) {
   return fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
 }
 
-/// A page with a plot's axes and labels; values to places on it.
+/// A page with axes and labels; converts values to positions.
 class Axes {
  public:
   template <class AnyPlot>
@@ -110,7 +110,7 @@ struct Extent {
 };
 
 void require_some(const Extent& extent, const std::string& title) {
-  throw_if(!(extent.low <= extent.high), "plot '{}' has no value that can be shown", title);
+  throw_if(!(extent.low <= extent.high), "plot '{}' has no finite value to show", title);
 }
 
 cv::Mat drawn(const LinePlot& plot) {
@@ -170,7 +170,7 @@ const cv::Scalar background(40, 42, 46);
 const cv::Scalar page_ink(225, 225, 225);
 constexpr int smallest_height = 240;  // of a page
 
-/// Values to colours, pixels that are not finite to the background.
+/// Converts values to colours; non-finite pixels get the background.
 cv::Mat coloured(const Image<double>& map, const ValueRange& range, const ColourMap& colours) {
   cv::Mat picture(map.height(), map.width(), CV_8UC3, background);
   for_each_pixel_in_order(map.size(), [&](int column, int row) {
@@ -192,7 +192,7 @@ void shade(cv::Mat& picture, const Cloud& cloud) {
   });
 }
 
-/// The picture with a bar of its colours at its right, labelled at round values.
+/// The picture with a colour bar at its right, labelled at round values.
 cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::string& unit,
                    const ColourMap& colours) {
   constexpr int bar_width = 22, margin = 16, label_width = 92;
@@ -291,7 +291,7 @@ void write_depth_preview(const fs::path& path, const Cloud& cloud) {
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
   const ValueRange range = robust_range(map);
   ColourMap colours = depth_colours();
-  std::reverse(colours.begin(), colours.end());  // what is much stands out, as what is near does
+  std::reverse(colours.begin(), colours.end());  // large values stand out, like near depths
   cv::Mat picture = coloured(map, range, colours);
   const int times = smallest_height / std::max({map.width(), map.height(), 1});
   if (times > 1) cv::resize(picture, picture, {}, times, times, cv::INTER_NEAREST);

@@ -9,9 +9,9 @@
 
 namespace slipstream {
 
-/// A line through points; where a value is not finite the line is broken.
+/// A line through points, interrupted at values that are not finite.
 struct PlotLine {
-  std::string label;  ///< in the legend; none where empty
+  std::string label;  ///< in the legend; empty: none shown
   std::vector<double> x{};
   std::vector<double> y{};
 
@@ -47,44 +47,43 @@ struct ReliefPlot {
   Cloud surface;
 };
 
-/// What a plot shows, before it is drawn.
+/// Contents of a plot.
 using Plot = std::variant<LinePlot, BarPlot, ReliefPlot>;
 
-/// Draws a plot as a PNG for people. Throws Error for another ending or a plot with no finite
-/// value, WorldError when it cannot be written.
+/// Draws a plot as a PNG. Throws Error for another ending or a plot without finite values,
+/// WorldError if it cannot be written.
 void write_plot(const std::filesystem::path& path, const Plot& plot);
 
-/// The values that a preview's colours span.
+/// The range of values of a preview's colours.
 struct ValueRange {
   double low = 0;
   double high = 1;
 };
 
-/// From the 1st to the 99th percentile of the finite values, a little wider, so that a few outliers
-/// do not take all the colours. [0, 1] where nothing is finite.
+/// Slightly more than the 1st to 99th percentile of the finite values, so that a few outliers do
+/// not take up all colours. [0, 1] without finite values.
 ValueRange robust_range(const Image<double>& map);
 
-/// A PNG for people: depth in colours, shaded by the surface's slope so that its form shows, with a
-/// scale in millimetres beside it. Pixels without a point are dark grey. Sides longer than 1000
-/// pixels are reduced.
+/// A PNG with depth in colours, shaded by the surface's slope, and a scale in millimetres. Pixels
+/// without a point are dark grey. Sides longer than 1000 pixels are reduced.
 void write_depth_preview(const std::filesystem::path& path, const Cloud& cloud);
 
-/// The same of a map, unshaded, with `unit` printed over the scale; small maps are enlarged.
+/// The same for a map, unshaded, with `unit` printed above the scale; enlarges small maps.
 void write_map_preview(const std::filesystem::path& path, const Image<double>& map,
                        const std::string& unit);
 
-/// A range that an axis spans, with round numbers for its marks.
+/// The range of an axis, with round numbers for its marks.
 struct PlotAxis {
   double low = 0;
   double high = 1;
   std::vector<double> marks;
 };
 
-/// Linear axis for values from `low` to `high`, which may be one number, with about `count` marks
-/// at multiples of 1, 2 or 5 times a power of ten.
+/// Linear axis for values from `low` to `high`, which may be equal, with about `count` marks at
+/// multiples of 1, 2 or 5 times a power of ten.
 PlotAxis round_axis(double low, double high, int count);
 
-/// The marks of that axis that lie between the two, for a scale that ends where its values do.
+/// The marks of round_axis within `low` to `high`, for a scale that ends at its values.
 std::vector<double> marks_between(double low, double high, int count);
 
 /// Logarithmic axis, in powers of ten, for positive values from `low` to `high`: marks at whole

@@ -15,7 +15,7 @@ Recorder::~Recorder() {
   try {
     finish();
   } catch (const WorldError&) {
-    // error() told; a destructor has nobody else to tell.
+    // error() has the reason; a destructor must not throw.
   }
 }
 
@@ -75,8 +75,8 @@ void Recorder::write_all() {
       for (Pooled<Frame>& frame : taken) {
         writer_.append(*frame);
         {
-          // Its memory is free for the next. Under the mutex, or who has just found none and is
-          // about to wait would not hear of it.
+          // Frees its memory for the next frame. Under the mutex: otherwise a thread that has found
+          // no room and is about to wait would miss the notification.
           const std::lock_guard lock(mutex_);
           frame = {};
         }
@@ -100,7 +100,7 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
                            const std::function<bool(std::int64_t frames)>& ends,
                            const std::function<void()>& taken,
                            const std::function<void(const std::string& state)>& told) {
-  // A source without a pace waits for the disk; one with a pace of its own cannot.
+  // A source without its own pace can wait for the disk.
   const std::chrono::milliseconds patience(source.has_own_pace() ? 0 : 60000), most_wait(100);
   std::int64_t frames = 0;
   std::string state;

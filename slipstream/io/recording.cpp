@@ -18,45 +18,45 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr std::array<char, 8> recording_magic{'S', 'L', 'I', 'P', 'F', 'R', 'M', 'S'};
 constexpr std::array<char, 4> end_mark{'E', 'N', 'D', '.'};
-/// Of frames that are grey, and of those of pictures in colour, which who reads the first alone
-/// must not take for grey.
+/// Versions for grey and colour: readers that only know grey must reject colour.
 constexpr std::uint32_t grey_version = 1, colour_version = 2;
 constexpr std::uint32_t channels = 3;
-/// Headers and records take multiples of so many bytes.
+/// Alignment of headers and records, bytes.
 constexpr std::uint64_t alignment = 64;
-/// Of an interrupted recording, from its end, frame by frame: more than is unsynced at any time.
+/// Bytes at the end of an interrupted recording that are searched frame by frame: more than are
+/// ever unsynced.
 constexpr std::uint64_t searched_bytes = 4 * OutputFile::most_unsynced;
 
 struct FileHeader {
   std::array<char, 8> recording_magic{};
   std::uint32_t version = 0;
-  std::uint32_t header_size = 0;  ///< where the first record begins
+  std::uint32_t header_size = 0;  ///< offset of the first record
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::uint32_t bits = 0;
   std::uint32_t scan_length = 0;
   std::uint32_t scanner_length = 0;
-  std::uint32_t channels = 0;  ///< in colour 3, else 0
+  std::uint32_t channels = 0;  ///< 3 in colour, otherwise 0
   double frame_rate = 0;
   std::uint64_t record_size = 0;
   std::uint32_t white_length = 0;  ///< of the third text: the pixels of the white picture
-  std::uint32_t checksum = 0;  ///< of what stands before it, then of what follows to header_size
+  std::uint32_t checksum = 0;      ///< of the fields before it, then of the bytes up to header_size
 };
 static_assert(sizeof(FileHeader) == alignment);
 
 struct RecordHeader {
-  std::uint32_t checksum = 0;  ///< of all that follows in the record
+  std::uint32_t checksum = 0;  ///< of the rest of the record
   std::int32_t pattern_index = -1;
   std::uint64_t index = 0;  ///< of the record in the file
   std::uint64_t sequence = 0;
   std::int64_t device_time = 0;  ///< ns
-  std::int64_t host_time = 0;    ///< ns since the first record's
+  std::int64_t host_time = 0;    ///< ns since the first record
   std::array<std::uint8_t, 24> reserved{};
 };
 static_assert(sizeof(RecordHeader) == alignment);
 
 struct End {
-  std::uint32_t checksum = 0;  ///< of all that follows
+  std::uint32_t checksum = 0;  ///< of the fields after it
   std::array<char, 4> mark = end_mark;
   std::uint64_t count = 0;
 };
@@ -95,14 +95,14 @@ auto pixel_bytes(AnyFrame& frame) {
       frame.pixels);
 }
 
-/// CRC-32 of the parts one behind another.
+/// CRC-32 of the concatenated parts.
 std::uint32_t checksum(std::initializer_list<Bytes> parts) {
   std::uint32_t sum = 0;
   for (const Bytes part : parts) sum = slipstream::checksum(part, sum);
   return sum;
 }
 
-/// Of what begins with its own checksum.
+/// Checksum of parts that begin with their own checksum, which is skipped.
 template <class Begin, class... Rest>
 std::uint32_t checksum_behind(const Begin& begin, Rest... rest) {
   return checksum({bytes_of(begin).subspan(sizeof(begin.checksum)), rest...});
@@ -112,7 +112,7 @@ std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
   return checksum({bytes_of(header).first(sizeof(header) - sizeof(header.checksum)), texts});
 }
 
-/// The texts behind the header; none where it is damaged.
+/// The texts after the header; nullopt if damaged.
 std::optional<std::string> read_texts(const InputFile& file, const FileHeader& header) {
   const std::size_t size =
       std::size_t{header.scan_length} + header.scanner_length + header.white_length;
@@ -127,7 +127,7 @@ std::optional<std::string> read_texts(const InputFile& file, const FileHeader& h
   return whole ? std::optional(std::move(texts)) : std::nullopt;
 }
 
-/// Times, ns, that can be added to and subtracted from one another: 73 years.
+/// Whether sums and differences of such times, ns, cannot overflow: up to 73 years.
 bool is_possible(std::int64_t time) {
   constexpr std::int64_t limit = std::int64_t{1} << 61;
   return -limit < time && time < limit;
@@ -137,7 +137,7 @@ std::string text_of(const FrameFormat& format) {
   return fmt::format("{}x{} with {} bits", format.size.width, format.size.height, format.bits);
 }
 
-/// The pixels of the white picture's channels, one behind another.
+/// The concatenated pixels of the white picture's channels.
 std::string pixels_of(const FrameSet& white) {
   std::string pixels;
   white.visit([&](const auto& views) {
@@ -170,15 +170,15 @@ void require_valid_colours(const RecordingHeader& header) {
   const FrameFormat format{white.size(), white.bits()};
   throw_if(!header.in_colour || white.count() != channels || !white.quantised() ||
                format != header.format,
-           "a white picture of {} channels, {}, cannot be recorded with frames of "
-           "{}; of three that are alike",
+           "a white picture of {} channels, {}, cannot be recorded with frames of {}; it needs "
+           "three channels of the same format",
            white.count(), text_of(format), text_of(header.format));
 }
 
 void require_valid_header(const RecordingHeader& header) {
   require_valid(header.format);
   throw_if(!(header.frame_rate >= 0 && std::isfinite(header.frame_rate)),
-           "a frame rate of {} Hz cannot be recorded; 0 or more", header.frame_rate);
+           "frame rate {} Hz: expected 0 or more", header.frame_rate);
   require_valid_colours(header);
 }
 
@@ -199,11 +199,11 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
       header.sequence ? scan_yaml_of({.sequence = *header.sequence}, {}) : std::string();
   const std::string scanner = header.scanner ? text_of(*header.scanner) : std::string();
   throw_if(scanner.size() > largest_text,
-           "a scanner file of {} bytes cannot be recorded; at most {}", scanner.size(),
+           "scanner file of {} bytes is too large to record; limit {}", scanner.size(),
            largest_text);
   const std::string white = pixels_of(header.white);
   std::string texts = scan + scanner + white;
-  texts.resize(aligned(texts.size()), '\0');  // the records begin at a multiple of the alignment
+  texts.resize(aligned(texts.size()), '\0');  // aligns the first record
   header_size_ = sizeof(FileHeader) + texts.size();
   FileHeader written{.recording_magic = recording_magic,
                      .version = header.in_colour ? colour_version : grey_version,
@@ -234,15 +234,15 @@ RecordingWriter::~RecordingWriter() {
     if (!file_) return;
     keeps_frames() ? file_->keep() : file_->discard();
   } catch (const std::exception&) {
-    // A destructor has nobody to tell; what was written stays.
+    // A destructor must not throw; the frames written stay.
   }
 }
 
 void RecordingWriter::append(const Frame& frame) {
   if (!file_) throw Error(fmt::format("{}: the recording is closed", path_.string()));
   if (frame.format() != format_) {
-    throw Error(fmt::format("{}: a frame of {} came, the recording is of {}; all are alike",
-                            path_.string(), text_of(frame.format()), text_of(format_)));
+    throw Error(fmt::format("{}: cannot record a frame of {} with frames of {}", path_.string(),
+                            text_of(frame.format()), text_of(format_)));
   }
   if (count_ == 0) first_host_time_ = frame.stamp.host_time;
   RecordHeader header{
@@ -283,10 +283,10 @@ void RecordingWriter::give_up() {
   if (!keeps) throw WorldError(why);
   const std::uint64_t synced = std::max(file->synced(), header_size_) - header_size_;
   const std::uint64_t sure = std::min(count_, synced / record);
-  throw WorldError(sure == count_
-                       ? fmt::format("{}; it holds the {} frames before", why, count_)
-                       : fmt::format("{}; of the {} frames before, {} are sure to be on the disk",
-                                     why, count_, sure));
+  throw WorldError(
+      sure == count_
+          ? fmt::format("{}; the {} frames before are recorded", why, count_)
+          : fmt::format("{}; of the {} frames before, {} are safely on disk", why, count_, sure));
 }
 
 RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path, no_limit) {
@@ -300,9 +300,9 @@ RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path
 std::pair<std::string, std::string> RecordingReader::read_header() {
   FileHeader header;
   throw_if(!file_.read(0, {writable_bytes_of(header)}) || header.recording_magic != recording_magic,
-           "is no recording of slipstream");
+           "is not a slipstream recording");
   throw_if(header.version != grey_version && header.version != colour_version,
-           "is a recording of version {}; {} and {} can be read", header.version, grey_version,
+           "has recording version {}; supported: {} and {}", header.version, grey_version,
            colour_version);
   header_.in_colour = header.version == colour_version;
   const auto require_whole = [](bool whole) {
@@ -312,8 +312,7 @@ std::pair<std::string, std::string> RecordingReader::read_header() {
   const std::optional<std::string> stored = read_texts(file_, header);
   require_whole(stored.has_value());
   throw_if(std::uint64_t{header.width} * header.height > largest_picture,
-           "frames of {}x{} pixels; at most {} are read", header.width, header.height,
-           largest_picture);
+           "frames of {}x{} pixels; limit {} pixels", header.width, header.height, largest_picture);
   header_.format = {{static_cast<int>(header.width), static_cast<int>(header.height)},
                     static_cast<int>(header.bits)};
   header_.frame_rate = header.frame_rate;
@@ -340,7 +339,7 @@ void RecordingReader::find_end() {
               end.mark == end_mark && end.checksum == checksum_behind(end) && end.count == count_;
   if (finished_) return;
   const std::uint64_t there = count_ + (rest > 0 ? 1 : 0);
-  // After a loss of power the file may have its length but not its last bytes.
+  // After a power failure the file may have its full length but not its last bytes.
   Frame frame;
   const auto is_whole = [&](std::uint64_t index) { return read(index, frame); };
   const std::uint64_t first = count_ - std::min(count_, searched_bytes / record + 1);
@@ -355,7 +354,7 @@ void RecordingReader::find_end() {
 
 bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   if (index >= count_) {
-    throw Error(fmt::format("{}: there is no frame {}; it has {}", path_.string(), index, count_));
+    throw Error(fmt::format("{}: no frame {}; it has {} frames", path_.string(), index, count_));
   }
   RecordHeader header;
   const std::uint64_t offset = header_size_ + index * record_size(header_.format);

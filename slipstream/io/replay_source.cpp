@@ -1,4 +1,4 @@
-// Frames that were recorded come again: cycle by cycle, and as if a camera took them now.
+// Replays recorded frames: as cycles, and as if from a camera.
 #include "slipstream/io/replay_source.h"
 
 #include <thread>
@@ -14,23 +14,23 @@ using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 namespace {
 
-/// Cycles that are searched for a whole one, and as many as PatternWindows may keep of them.
+/// Cycles searched for a complete one, and cycles that PatternWindows may keep.
 constexpr std::uint64_t searched_cycles = 8, kept_cycles = 4;
 
-/// Frames by their places in a recording, the last not among them.
+/// A range of frames in a recording, last exclusive.
 struct Places {
   std::uint64_t first = 0, end = 0;
 };
 
-/// The first whole cycle among the frames that are read; where `least` is given, the first that
-/// begins there or later, and with the first pattern.
+/// The first complete cycle among the frames read; with `least`, the first that begins there or
+/// later with the first pattern.
 std::optional<FrameSet> cycle_among(const RecordingReader& recording, const Sequence& sequence,
                                     const Places& read, std::optional<std::uint64_t> least = {}) {
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
   PatternWindows windows(pattern_cycle(sequence),
                          sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
                          recording.header().format.size);
-  // Frames take their memory when they are read.
+  // Frames allocate their memory when read.
   Pool<Frame> pool(std::min(read.end - read.first, kept_cycles * cycle + 1),
                    [] { return Frame(); });
   std::vector<Pooled<Frame>> window;
@@ -43,14 +43,15 @@ std::optional<FrameSet> cycle_among(const RecordingReader& recording, const Sequ
     if (!windows.next(window) || windows.first_pattern() != 0) continue;
     const bool in_order = window.front()->stamp.sequence <= window.back()->stamp.sequence;
     if (least && (n + 1 < *least + window.size() || !in_order)) continue;
-    std::vector<Frame> frames;  // nobody else reads them any more
+    std::vector<Frame> frames;  // not shared any more
     for (Pooled<Frame>& placed : window) frames.push_back(std::move(placed.fill()));
     return frame_set_of(std::move(frames));
   }
   return std::nullopt;
 }
 
-/// Where the first pattern is shown first, as the first frame's stamp says; a marker says nothing.
+/// Index of the first frame that shows pattern 0, by the first frame's stamp; unknown with a
+/// marker.
 std::uint64_t first_start(const RecordingReader& recording, const Sequence& sequence) {
   Frame frame;
   if (sequence.marker || recording.count() == 0 || !recording.read(0, frame)) return 0;
@@ -68,15 +69,15 @@ std::uint64_t start_of(const RecordingReader& recording, const Sequence& sequenc
          window * static_cast<std::uint64_t>(cycle_length(sequence));
 }
 
-/// Where a window's frames are looked for, or those of the first cycle.
+/// The range searched for a window's frames, or for the first cycle.
 Places searched(const RecordingReader& recording, const Sequence& sequence,
                 std::optional<std::uint64_t> window) {
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
   const auto motion = static_cast<std::uint64_t>(sequence.motion);
   if (!window) return {0, std::min(recording.count(), searched_cycles * (cycle + motion))};
   const std::uint64_t least = start_of(recording, sequence, *window);
-  // A marker is seen before the cycle that it announces. Where frames are lost the next cycle
-  // begins earlier; no two that are whole begin among so many frames.
+  // A marker precedes its cycle. After lost frames the next cycle begins earlier, but only one
+  // complete cycle can begin within this range.
   const bool marked = sequence.marker && least >= cycle;
   const std::uint64_t end = least + 2 * cycle - (sequence.marker ? 2 : 1) + motion;
   return {marked ? least - cycle : least, std::min(end, recording.count())};
@@ -115,8 +116,7 @@ std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name) {
           "{}: unquantised frames cannot be replayed; a camera has 8 to 16 bits", name));
     } else {
       throw_if(sizeof(Pixel) == 2 && scan.bits() <= 8,
-               "{}: pictures of 16 bits, but bits is {}; 9 to 16 can be replayed", name,
-               scan.bits());
+               "{}: 16-bit pictures, but bits is {}; replay requires 9 to 16", name, scan.bits());
       for (const auto& view : views) {
         Frame frame({scan.size(), scan.bits()});
         auto& image = std::get<Image<Pixel>>(frame.pixels);
@@ -135,9 +135,9 @@ std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name) {
 ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
     : settings_(settings) {
   if (settings.rate && !(*settings.rate >= 0 && std::isfinite(*settings.rate))) {
-    throw Error(fmt::format(
-        "a replay at {} frames per second is not possible; 0 (as fast as it goes) or more",
-        *settings.rate));
+    throw Error(
+        fmt::format("replay rate {} frames per second: expected 0 (as fast as possible) or more",
+                    *settings.rate));
   }
   fs::is_directory(path) ? open_folder(path) : open_recording(path);
   measure_round(path);
@@ -150,10 +150,10 @@ void ReplaySource::open_recording(const fs::path& path) {
   count_ = reader_->count();
   paced_ = settings_.rate != 0.0;
   if (!reader_->finished()) {
-    warning_ = fmt::format("{}: was interrupted; {} whole frames are in it, {} were dropped",
-                           path.string(), count_, reader_->dropped());
+    warning_ = fmt::format("{}: was interrupted; {} complete frames, {} dropped", path.string(),
+                           count_, reader_->dropped());
   }
-  throw_if(count_ == 0, "{}: has no whole frame", path.string());
+  throw_if(count_ == 0, "{}: has no complete frame", path.string());
 }
 
 void ReplaySource::open_folder(const fs::path& folder) {
@@ -165,7 +165,7 @@ void ReplaySource::open_folder(const fs::path& folder) {
   paced_ = settings_.rate.value_or(0) > 0;
   header_.format = frames_.front().format();
   header_.sequence = scan.sequence;
-  header_.sequence->marker = false;  // the folder's frames are the patterns alone
+  header_.sequence->marker = false;  // a folder contains no marker frame
   header_.scanner = scan.scanner;
   warning_ = fmt::format("{}", fmt::join(scan.warnings, "; "));
 }
@@ -175,7 +175,7 @@ void ReplaySource::measure_round(const fs::path& path) {
   std::uint64_t from = 0, to = count_;
   while (from < count_ && !read(from, first)) ++from;
   while (to > from && !read(to - 1, last)) --to;
-  throw_if(from == to, "{}: no frame of the recording is whole; all checksums disagree",
+  throw_if(from == to, "{}: no complete frame; the checksum of every frame is wrong",
            path.string());
   const std::uint64_t pattern_count =
       header_.sequence ? static_cast<std::uint64_t>(cycle_length(*header_.sequence)) : 1;
@@ -184,19 +184,19 @@ void ReplaySource::measure_round(const fs::path& path) {
   const std::uint64_t sequences = last.stamp.sequence - first.stamp.sequence + 1;
   const std::uint64_t whole = sequences / pattern_count * pattern_count;
   round_.sequence = whole > 0 ? whole : pattern_count;
-  if (settings_.loop && whole > 0) {  // what follows the last whole cycle would be a gap each round
+  if (settings_.loop && whole > 0) {  // a partial last cycle would leave a gap each round
     while (last.stamp.sequence >= first.stamp.sequence + whole) {
       do --to;
       while (!read(to - 1, last));
     }
     count_ = to;
   }
-  // From the last frame to the first again it is as long as from one to the next in the mean.
+  // The interval from the last frame to the first is the mean frame interval.
   const auto intervals = static_cast<nanoseconds::rep>(std::max<std::uint64_t>(to - from - 1, 1));
   const auto with_one_more = [&](nanoseconds span) { return span + span / intervals; };
   round_.device_time = with_one_more(last.stamp.device_time - first.stamp.device_time);
   round_.host_time = with_one_more(last.stamp.host_time - first.stamp.host_time);
-  // Frames that came faster came from memory, as the virtual scanner's without a rate.
+  // Faster frames came from memory, such as the virtual scanner's without a rate.
   constexpr std::chrono::microseconds shortest_interval(200);
   if (!settings_.rate && round_.host_time < (to - from) * shortest_interval) paced_ = false;
 }
@@ -228,9 +228,9 @@ bool ReplaySource::read_ahead() {
 }
 
 steady_clock::time_point ReplaySource::due() const {
-  if (!ahead_is_whole_) return started_;  // nobody knows when
+  if (!ahead_is_whole_) return started_;  // time unknown
   if (settings_.rate) {
-    const std::uint64_t taken = (next_ - 1) / (header_.in_colour ? 3 : 1);  // before, at once
+    const std::uint64_t taken = (next_ - 1) / (header_.in_colour ? 3 : 1);  // delivered before
     const std::chrono::duration<double> since(static_cast<double>(taken) / *settings_.rate);
     return started_ + std::chrono::duration_cast<steady_clock::duration>(since);
   }
@@ -250,7 +250,7 @@ Arrival ReplaySource::next(Frame& frame, std::chrono::milliseconds timeout) {
     ++damaged_;
     return Arrival::damaged;
   }
-  frame.pixels.swap(ahead_.pixels);  // the memory changes hands; no pixel is copied
+  frame.pixels.swap(ahead_.pixels);  // without copying pixels
   std::swap(frame.bits, ahead_.bits);
   frame.stamp = ahead_.stamp;
   frame.stamp.host_time = steady_clock::now();

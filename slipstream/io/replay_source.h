@@ -7,29 +7,29 @@
 
 namespace slipstream {
 
-/// How fast recorded frames come, and whether they come again.
+/// Pace and repetition of a replay.
 struct ReplaySettings {
-  /// Frames per second, in colour pictures; 0: as fast as they are asked for; none: at the times of
-  /// the recording. A scan folder has no times, nor have frames recorded from memory at more than
-  /// 5,000 per second: they are read as fast as they are asked for.
+  /// Frames (in colour: pictures) per second; 0: as fast as requested; nullopt: at the recorded
+  /// times, or as fast as requested for a scan folder and for frames recorded from memory, at more
+  /// than 5,000 per second.
   std::optional<double> rate;
-  bool loop = false;   ///< begins again at the end
-  ScanChanges scan{};  ///< over what a scan folder says
+  bool loop = false;   ///< restarts at the end
+  ScanChanges scan{};  ///< overrides a scan folder's settings
 };
 
-/// The frames of a recording or of a scan folder, as if a camera took them now. What the recording
-/// lacks is a gap in the sequence, as it was then. Looped, the sequence goes on without a gap: each
-/// round is of whole cycles, so that the pattern of each frame can be counted as before. Pictures
-/// in colour come as their channels, as RecordingHeader has them, from a scan folder too.
+/// Replays a recording or a scan folder as if a camera delivered the frames now. Missing frames
+/// leave the same gaps in the sequence. In a loop, the sequence continues without a gap: each round
+/// has complete cycles, so that frame counting still gives the pattern. Colour pictures arrive as
+/// channels, as in RecordingHeader, also from a scan folder.
 class ReplaySource : public FrameSource {
  public:
-  /// Throws Error where `path` is neither a recording nor a scan folder, has no frame that can be
-  /// read, or the rate is out of range.
+  /// Throws Error if `path` is neither a recording nor a scan folder, has no readable frame, or the
+  /// rate is out of range.
   ReplaySource(const std::filesystem::path& path, const ReplaySettings& settings);
 
-  /// What the recording or the folder says of its frames: format, strategy, scanner.
+  /// Format, strategy and scanner of the recording or folder.
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
-  /// For people: "PATH: was interrupted; ..." where the recording is not whole; else empty.
+  /// "PATH: was interrupted; ..." if the recording is incomplete; otherwise empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
   [[nodiscard]] FrameFormat format() const override { return header_.format; }
@@ -44,9 +44,9 @@ class ReplaySource : public FrameSource {
   void open_recording(const std::filesystem::path& path);
   void open_folder(const std::filesystem::path& folder);
   void measure_round(const std::filesystem::path& path);
-  /// Frame `index` as it was stamped then; false where it is damaged.
+  /// Frame `index` with its original stamp; returns false if it is damaged.
   bool read(std::uint64_t index, Frame& frame) const;
-  /// Reads the next frame into `ahead_`, stamped as if taken in this round; false at the end.
+  /// Reads the next frame into `ahead_`, stamped for this round; returns false at the end.
   bool read_ahead();
   [[nodiscard]] std::chrono::steady_clock::time_point due() const;
 
@@ -58,7 +58,7 @@ class ReplaySource : public FrameSource {
   std::vector<Frame> frames_;  ///< of a scan folder
   std::uint64_t count_ = 0;
 
-  /// What is added to the stamps of a frame from one round to the next.
+  /// Increments of the stamps from one round to the next.
   struct Round {
     std::uint64_t sequence = 0;
     std::chrono::nanoseconds device_time{};
@@ -70,7 +70,7 @@ class ReplaySource : public FrameSource {
 
   std::chrono::steady_clock::time_point started_;
   std::uint64_t next_ = 0;  ///< frames read since the start, in all rounds
-  bool is_ahead_ = false;   ///< `ahead_` has been read and not been given out
+  bool is_ahead_ = false;   ///< `ahead_` has been read but not delivered
   bool ahead_is_whole_ = false;
   Frame ahead_;
   std::atomic<std::uint64_t> delivered_ = 0;

@@ -11,7 +11,7 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// `map`: what is written to the file, where that is a map that the cloud does not hold.
+/// `map`: the map to write, if it is not part of the cloud.
 struct NamedFile {
   const char* name;
   std::string ResultFiles::*path;
@@ -37,14 +37,14 @@ void replace_all(std::string& path, std::string_view placeholder, std::string_vi
   }
 }
 
-/// One for all names of a file.
+/// Canonical path, the same for all names of a file.
 fs::path identity(const fs::path& path) {
   std::error_code unknown;
   fs::path whole = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
   return unknown ? path : whole;
 }
 
-/// What stands before the mark, which is taken off with it; all where there is none.
+/// Removes and returns the text before `mark`, and removes the mark; all without a mark.
 std::string_view take(std::string_view& text, char mark) {
   const std::size_t end = std::min(text.find(mark), text.size());
   const std::string_view taken = text.substr(0, end);
@@ -52,7 +52,7 @@ std::string_view take(std::string_view& text, char mark) {
   return taken;
 }
 
-/// A whole number, `otherwise` where there is nothing.
+/// Parses a whole number; returns `otherwise` for an empty text.
 std::optional<std::uint64_t> number_from(std::string_view text, std::uint64_t otherwise) {
   return text.empty() ? otherwise : number_in<std::uint64_t>(text);
 }
@@ -64,7 +64,7 @@ ListedScans listed_from(std::string_view line) {
   const auto cost = number_from(take(line, '\t'), 0), shard = number_from(take(line, '\t'), 0);
   constexpr std::uint64_t exact = std::uint64_t{1} << 53;  // in a double
   throw_if(scans.path.empty() || !cost || *cost > exact || !shard || !line.empty(),
-           "is no line of a list: PATH, A:B, COST and SHARD with tabs between");
+           "expected PATH, A:B, COST and SHARD separated by tabs");
   scans.cost = *cost;
   scans.shard = *shard;
   return scans;
@@ -147,7 +147,7 @@ void DistinctFiles::add_input(const fs::path& path) {
       scan.frames = images_in_folder(path);
     }
   } catch (const std::exception&) {
-    return;  // who reads it says why
+    return;  // reading it will report the reason
   }
   for (const fs::path& frame : scan.frames) inputs_.insert(identity(frame));
   if (scan.scanner) add_scanner(*scan.scanner);
@@ -157,11 +157,11 @@ void DistinctFiles::add_input(const fs::path& path) {
 void DistinctFiles::add_output(const fs::path& path) {
   if (path.empty()) return;
   const fs::path file = identity(path);
-  throw_if(inputs_.contains(file), "{}: is read, and would be written over; name another",
+  throw_if(inputs_.contains(file), "{}: is an input and would be overwritten; use another name",
            path.string());
   throw_if(!outputs_.insert(file).second,
-           "{}: two outputs would be written to it; give each its own name, which "
-           "{{name}} in it does with several scans",
+           "{}: two outputs would be written to it; use different names, such as with {{name}} for "
+           "several scans",
            path.string());
   for (const fs::path& beside : files_beside(path)) add_output(beside);
 }
@@ -181,7 +181,7 @@ WindowRange window_range_from(std::string_view text) {
   const bool is_one = text.find(':') == std::string_view::npos;
   const auto end = is_one && first ? *first + 1 : number_from(rest, WindowRange::last);
   throw_if(text.empty() || !first || !end || *end <= *first,
-           "'{}' is no range of windows; give A:B, as 0:100, 100: or :", text);
+           "'{}': expected a range of windows A:B, e.g. 0:100, 100: or :", text);
   return {*first, *end};
 }
 
@@ -199,7 +199,7 @@ std::string text_of(const std::vector<ListedScans>& scans) {
   std::string text;
   for (const auto& [path, windows, cost, shard] : scans) {
     throw_if(path.find_first_of("\t\n") != std::string::npos,
-             "{}: a list takes no name with a tab or a line end", path);
+             "{}: a name in a list must not contain a tab or a line break", path);
     std::string range;
     if (windows) range = fmt::format("{}:", windows->first);
     if (windows && windows->end != WindowRange::last) range += std::to_string(windows->end);
@@ -217,7 +217,8 @@ std::vector<ScanName> scan_names(const std::vector<ListedScans>& scans, std::uin
   std::vector<ScanName> names;
   for (const ListedScans& listed : scans) {
     const std::uint64_t count = scan_count(listed, every);
-    throw_if(count > most_scans - names.size(), "{}: more than {} scans", listed.path, most_scans);
+    throw_if(count > most_scans - names.size(), "{}: more than {} scans; split the run",
+             listed.path, most_scans);
     if (!listed.windows) names.push_back({listed.path});
     for (std::uint64_t i = 0; listed.windows && i < count; ++i) {
       names.push_back({listed.path, listed.windows->first + i * every});
@@ -235,7 +236,7 @@ std::vector<ListedScans> cut_into_shards(const std::vector<ListedScans>& scans, 
     const std::uint64_t count = scan_count(listed, every);
     const double cost = static_cast<double>(listed.cost) / static_cast<double>(count);
     for (std::uint64_t i = 0; i < count; ++i, before += cost) {
-      // A scan is of the shard that its middle lies in.
+      // A scan belongs to the shard that contains its middle.
       const double place = (before + cost / 2) / all * static_cast<double>(shards);
       const std::uint64_t shard = std::min(static_cast<std::uint64_t>(place) + 1, shards);
       if (i == 0 || shard != pieces.back().shard) {

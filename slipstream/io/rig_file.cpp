@@ -13,7 +13,7 @@ namespace {
 
 std::string text_of(const YAML::Node& node, const std::string& setting, const YAML::Mark& mark) {
   if (node.IsScalar()) return node.Scalar();
-  refuse(mark, fmt::format("{}: a value, or a list of values, is wanted", setting));
+  refuse(mark, fmt::format("{}: expected a value or a list of values", setting));
 }
 
 RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Mark& mark) {
@@ -29,7 +29,7 @@ RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Ma
 }
 
 std::vector<RigSetting> settings_in(const YAML::Node& root) {
-  if (!root.IsMap()) refuse(root.Mark(), "a map of settings is wanted, as source: virtual");
+  if (!root.IsMap()) refuse(root.Mark(), "expected a map of settings, e.g. source: virtual");
   std::vector<RigSetting> settings;
   const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
     settings.push_back(
@@ -37,7 +37,7 @@ std::vector<RigSetting> settings_in(const YAML::Node& root) {
     const bool twice =
         std::any_of(settings.begin(), settings.end() - 1,
                     [&](const RigSetting& other) { return other.name == settings.back().name; });
-    if (twice) refuse(key.Mark(), fmt::format("{} is there twice", settings.back().name));
+    if (twice) refuse(key.Mark(), fmt::format("{} is set twice", settings.back().name));
   };
   for (const auto& entry : root) {
     if (!entry.second.IsMap()) {
@@ -63,7 +63,7 @@ std::vector<RigSetting> rig_from(const std::string& text, const std::string& nam
       const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
       refuse(exception.mark,
              "not YAML: " + exception.msg +
-                 (colon ? "; what ends in a colon is put in quotes, as source: 'aravis:'" : ""));
+                 (colon ? "; quote values that end in a colon, e.g. source: 'aravis:'" : ""));
     }
   });
 }

@@ -20,7 +20,7 @@ FrameSet recorded_frames(const ScanFiles& files) {
     require_in_colour(files.sequence, files.path.string());
   }
   if (const int bits = recording.header().format.bits; bits != files.bits) {
-    throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is of pictures",
+    throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is only for pictures",
                             files.path.string(), bits, files.bits));
   }
   naming(files.path.string(), [&] {
@@ -31,24 +31,25 @@ FrameSet recorded_frames(const ScanFiles& files) {
                              : first_cycle(recording, files.sequence);
   if (frames) return *std::move(frames);
   if (files.window) {
-    throw Error(fmt::format("{}: frames of its window {} are missing or damaged",
+    throw Error(fmt::format("{}: frames of window {} are missing or damaged; use another window",
                             files.path.string(), *files.window));
   }
-  throw Error(fmt::format("{}: {} frames, and no whole cycle of {} among the first",
+  throw Error(fmt::format("{}: {} frames, but no complete cycle of {} among the first",
                           files.path.string(), recording.count(), cycle_length(files.sequence)));
 }
 
-/// Which pattern each frame shows.
+/// The frames in pattern order.
 FrameSet in_order(FrameSet frames, const ScanFiles& files) {
   if (files.order.empty()) return frames;
-  throw_if(!is_order_of(files.order, frames.count()),
-           "{}: --order {} is no order of its {} frames; name each of 0 to {} "
-           "once, with commas between",
-           files.path.string(), fmt::join(files.order, ","), frames.count(), frames.count() - 1);
+  throw_if(
+      !is_order_of(files.order, frames.count()),
+      "{}: --order {} is not an order of its {} frames; list each of 0 to {} once, separated by "
+      "commas",
+      files.path.string(), fmt::join(files.order, ","), frames.count(), frames.count() - 1);
   return reordered(std::move(frames), files.order);
 }
 
-/// One cycle, whole.
+/// Writes one complete cycle.
 void save_recording(const fs::path& path, const FrameViews& frames, RecordingHeader header) {
   const std::vector<Frame> cycle = frames_of(frames, path.string());
   header.format = cycle.front().format();
@@ -71,12 +72,12 @@ FrameSet white_of(const ScanFiles& files) {
   return files.white ? read_colour_frames({*files.white}) : FrameSet();
 }
 
-/// The frames as they were taken.
+/// The frames as captured.
 Scan taken_scan(const ScanFiles& files) {
   Scan scan{.sequence = files.sequence};
   if (files.recording) {
     scan.frames = recorded_frames(files);
-    scan.sequence.marker = false;  // no frame of the cycle is one
+    scan.sequence.marker = false;  // the cycle contains no marker frame
     return scan;
   }
   if (is_in_colour(files)) {
@@ -85,7 +86,7 @@ Scan taken_scan(const ScanFiles& files) {
   }
   if (const int wanted = frame_count(files.sequence);
       static_cast<int>(files.frames.size()) != wanted) {
-    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures takes {}",
+    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures has {}",
                             files.path.string(), files.frames.size(),
                             files.sequence.strategy.name(), wanted));
   }
@@ -95,8 +96,7 @@ Scan taken_scan(const ScanFiles& files) {
   return scan;
 }
 
-/// The frames in pattern order; those of pictures in colour taken apart by how their channels mix,
-/// where it is known.
+/// The frames in pattern order; separates colour channels with `mixture`, if known.
 Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixture) {
   Scan scan = taken_scan(files);
   if (is_in_colour(files)) {
@@ -116,7 +116,7 @@ std::optional<Scanner> scanner_of(const ScanFiles& files) {
   return std::nullopt;
 }
 
-/// Adds the scanner, which must fit the frames.
+/// Adds the scanner; it must match the frames.
 void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& files) {
   if (!scanner) return;
   scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
@@ -124,7 +124,7 @@ void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& fi
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
-/// Of a recording its header, and of the one that is the scan its frames.
+/// Checksum of a file; for a recording, of its header only.
 std::uint32_t checksum_of(const fs::path& file, std::uint32_t before) {
   return is_recording(file) ? RecordingReader(file).checksum(0, 0, before)
                             : checksum_of_file(file, before);
@@ -154,8 +154,8 @@ Scan load_scan(const ScanFiles& files) {
 
 Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
   throw_if(!files.order.empty(),
-           "{}: --order is of scans in grey; the channels of a picture in colour "
-           "were taken at once",
+           "{}: --order is only for grey scans; the channels of a colour picture are captured "
+           "together",
            files.path.string());
   Scan scan = taken_scan(files);
   white = white_of(files);
@@ -167,7 +167,7 @@ void add_camera(Scan& scan, const ScanFiles& files) {
   Scan further = load_scan(files);
   throw_if(further.sequence.strategy != scan.sequence.strategy ||
                further.sequence.axis != scan.sequence.axis,
-           "{}: another strategy than the first camera's; both see one projector",
+           "{}: its sequence differs from the first camera's; both must see one projector",
            files.path.string());
   scan.further_cameras.push_back(std::move(further));
 }
@@ -258,13 +258,13 @@ std::optional<double> error_against_truth(const fs::path& folder, const Cloud& c
   const fs::path file = folder / "truth" / "depth.tiff";
   if (!fs::exists(file)) return std::nullopt;
   const Image<double> truth = read_map(file);
-  throw_if(truth.size() != cloud.size(), "{} is {}, the frames are {}; both must agree",
+  throw_if(truth.size() != cloud.size(), "{} is {}, the frames are {}; both must have one size",
            file.string(), text_of(truth.size()), text_of(cloud.size()));
   double sum = 0, count = 0;
   for_each_pixel_in_order(truth.size(), [&](int column, int row) {
     constexpr double far = 0.01;  // of the depth
     const double z = cloud.z(column, row), at_centre = z - truth(column, row);
-    // At an edge a lens mixes both sides: the nearest surface about the pixel counts.
+    // At an edge the lens mixes both sides: use the nearest surface around the pixel.
     const double error =
         std::abs(at_centre) > far * z ? nearest_error(z, truth, column, row) : at_centre;
     if (!std::isfinite(error)) return;

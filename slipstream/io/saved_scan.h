@@ -7,57 +7,55 @@
 
 namespace slipstream {
 
-/// The frames of a scan, several exposures merged, and what they show, without its scanner, which
-/// is read where pictures in colour are to be taken apart; of a recording those of its first whole
-/// cycle. Throws Error, naming folder or recording, where they cannot be read, are not as many as
-/// the strategy's or its order is none of so many.
+/// Loads the frames and sequence of a scan, with exposures merged, without the scanner (read only
+/// to separate colour channels). From a recording, loads the first complete cycle. Throws Error
+/// with the path if frames cannot be read or do not match the strategy's number, or for an invalid
+/// order.
 Scan load_frames(const ScanFiles& files);
 
-/// Whether they are pictures in colour, each of three frames.
+/// Whether the files are colour pictures of three frames each.
 bool is_in_colour(const ScanFiles& files);
 
-/// What one camera took: frames, sequence and the scanner that `files` names, completed by what
-/// else is known and checked against it. Throws Error where anything of it cannot be read or does
-/// not fit together; a scan without scanner is no error.
+/// Loads one camera's frames, sequence and, if `files` names it, scanner, completed and validated
+/// against the frames. Throws Error if a part cannot be read or does not fit; the scanner is
+/// optional.
 Scan load_scan(const ScanFiles& files);
 
-/// The same of pictures in colour, neither taken apart nor merged, and the channels of the white
-/// one where there is one. Throws Error as well where an order is asked for.
+/// The same for colour pictures, neither separated nor merged; `white` receives the channels of the
+/// white picture, if any. Also throws Error if an order is set.
 Scan load_as_taken(const ScanFiles& files, FrameSet& white);
 
-/// Adds what a further camera took of the same patterns at the same time. Throws Error as well
-/// where it was told of others.
+/// Adds a further camera's frames of the same patterns. Throws Error as load_scan, and if its
+/// sequence differs.
 void add_camera(Scan& scan, const ScanFiles& files);
 
-/// The whole scan in a folder or a recording, that of a second camera with it; see scan_files_in.
+/// Loads the complete scan in a folder or recording, with any second camera; see scan_files_in.
 Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
 
-/// Writes a scan into a folder, which is made: its frames as frame_00.png and so on, .tiff where
-/// they are not quantised, scan.yaml, and scanner.yaml where the scanner is known, or
-/// `scanner_file` in its place, which is there already; or, where the path ends in .slip, as a
-/// recording of one cycle. `in_colour`: three frames to a picture, see colour_channels.h, and those
-/// of a white one where there is one. Returns what that says. Throws Error for a recording of
-/// unquantised frames, and as require_as_taken, before anything is written.
+/// Writes a scan to a new folder: frames as frame_00.png and so on (.tiff if unquantised),
+/// scan.yaml, and scanner.yaml if the scanner is known, or a reference to the existing
+/// `scanner_file`. If the path ends in .slip, writes a recording of one cycle. `in_colour`: three
+/// frames per picture, see colour_channels.h, plus a white picture if given. Returns the files.
+/// Throws Error for a recording of unquantised frames, and as require_as_taken, before writing.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
                     bool in_colour = false, const FrameSet& white = {});
 
-/// One checksum of all files that a scan consists of: scan.yaml, frames, scanner file, those of a
-/// second camera; of a recording its header and the frames of the window. Throws Error where one is
-/// missing.
+/// Checksum over all files of a scan: scan.yaml, frames, scanner file and a second camera's; for a
+/// recording, its header and the frames of the window. Throws Error if one is missing.
 std::uint32_t checksum_of(const ScanFiles& scan);
 
-/// The path, with -2, -3 and so on before the ending where it is there already.
+/// The path, with -2, -3 and so on before the ending if it exists.
 std::filesystem::path free_path(const std::filesystem::path& path);
 
-/// One in `parent`, named by the time: "WHAT-20260131-142530ENDING".
+/// A free path in `parent`, named by the time: "WHAT-20260131-142530ENDING".
 std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,
                                          std::string_view ending);
 
-/// RMS of depth minus the truth that the virtual scanner wrote beside a scan, truth/depth.tiff,
-/// over the points that have both, mm, at edges minus the nearest of those about the pixel; none
-/// where there is no truth or no such point. Throws Error where it is of another size.
+/// RMS error of depth, mm, against the ground truth of a virtual scan, truth/depth.tiff, over the
+/// points in both; at edges against the nearest depth around the pixel. Returns nullopt without
+/// ground truth or common points. Throws Error if the sizes differ.
 std::optional<double> error_against_truth(const std::filesystem::path& folder, const Cloud& cloud);
 
 }  // namespace slipstream

@@ -16,18 +16,19 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// A map of scan.yaml, with errors that name the key. `where`: "strategy: ", of one within another.
+/// A map of scan.yaml; errors name the key. `where`: prefix of a nested map, such as "strategy: ".
 class YamlMap {
  public:
   explicit YamlMap(YAML::Node node, std::string where = "")
       : node_(std::move(node)), where_(std::move(where)) {
-    if (!node_.IsMap()) refuse("a map of keys is wanted");
+    if (!node_.IsMap()) refuse("expected a map");
   }
 
   void require_known_keys(std::initializer_list<std::string_view> known) const {
     for (const std::string& key : keys()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      refuse(fmt::format("key '{}' is not known; there are: {}", key, fmt::join(known, ", ")));
+      refuse(
+          fmt::format("key '{}' is not known; expected one of: {}", key, fmt::join(known, ", ")));
     }
   }
 
@@ -42,7 +43,7 @@ class YamlMap {
     return convert<Value>(required(key), key, wanted);
   }
 
-  /// Reads what is there.
+  /// Reads a value if present.
   template <class Value>
   void read(const std::string& key, const char* wanted, Value& value) const {
     if (has(key)) value = this->value<Value>(key, wanted);
@@ -56,12 +57,12 @@ class YamlMap {
   [[nodiscard]] int whole_number(const std::string& key, int least, int most) const {
     const int number = value<int>(key, "a whole number");
     if (number < least || number > most) {
-      refuse(fmt::format("{} {} is out of range; {} to {}", key, number, least, most));
+      refuse(fmt::format("{} {} is out of range; expected {} to {}", key, number, least, most));
     }
     return number;
   }
 
-  /// Not empty where it is there.
+  /// Requires at least one value, if present.
   template <class Value>
   [[nodiscard]] std::vector<Value> list(const std::string& key, const char* of,
                                         const char* wanted) const {
@@ -103,7 +104,7 @@ class YamlMap {
   std::string where_;
 };
 
-/// The files that scan.yaml may name, all but the frames.
+/// The optional files named in scan.yaml, except the frames.
 constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 3>
     named_files{{{"scanner", "a file", &ScanFiles::scanner},
                  {"white", "a picture", &ScanFiles::white},
@@ -169,7 +170,7 @@ YAML::Node parsed(const std::string& text) {
   }
 }
 
-/// Of frames whose code or sinusoids come first, in each showing of all patterns.
+/// The order if the code or the sinusoids come first in each cycle.
 std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
   const int patterns = frame_count(sequence.strategy);
   const std::vector<int> sinusoids = measuring_frames(sequence.strategy.layout());
@@ -178,8 +179,7 @@ std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
     if (!std::binary_search(sinusoids.begin(), sinusoids.end(), n)) shown.push_back(n);
   }
   throw_if(sinusoids.empty() || shown.size() == sinusoids.size(),
-           "--order in words is for frames of sinusoids and of a code; {} has one "
-           "of them alone",
+           "--order in words requires a strategy of sinusoids and a code; {} has only one of them",
            sequence.strategy.name());
   if (code_first) {
     std::rotate(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(sinusoids.size()),
@@ -198,8 +198,8 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
   }
   std::vector<int> order = numbers_in<int>(text, ',');
   throw_if(order.empty(),
-           "--order {} is no order; give numbers with commas between, as 2,0,1, "
-           "or sinusoids,code or code,sinusoids",
+           "--order '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
+           "code,sinusoids",
            text);
   return order;
 }
@@ -218,7 +218,7 @@ ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingRe
 }  // namespace
 
 bool before_in_order(const std::string& a, const std::string& b) {
-  // Where a number stands, how many digits it has comes before them.
+  // Prefixes each number with its number of digits.
   const auto key_of = [](const std::string& name) {
     constexpr const char* digits = "0123456789";
     std::vector<int> key;
@@ -265,8 +265,8 @@ void write_scan_files(const fs::path& file, const ScanFiles& scan) {
 
 void require_as_taken(const Strategy& strategy) {
   throw_if(strategy.is_spectral() && !strategy.demodulation(),
-           "a scan of {} is written as it was taken, and these frames were taken apart as "
-           "they were read; copy the scan itself",
+           "the frames of {} were separated on reading and cannot be written as captured; copy the "
+           "original scan",
            strategy.name());
 }
 
@@ -316,14 +316,14 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
 
 void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(!files.described && !changes.sequence.strategy,
-           "{}: {}; say what the frames show with --strategy", files.path.string(),
-           files.frames.empty() ? "does not say what patterns it shows" : "no scan.yaml in it");
+           "{}: {}; set the pattern strategy with --strategy", files.path.string(),
+           files.frames.empty() ? "its patterns are unknown" : "no scan.yaml in it");
   files.sequence = changed(files.sequence, changes.sequence);
   if (!changes.order.empty()) files.order = order_from(changes.order, files.sequence);
   files.window = changes.window;
   files.bits = changes.bits.value_or(files.bits);
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
-           "--camera-bits {} is out of range; 8 to 16", files.bits);
+           "--camera-bits {} is out of range; expected 8 to 16", files.bits);
   if (changes.scanner) files.scanner = changes.scanner;
 }
 
@@ -333,7 +333,7 @@ ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
     files = recorded_files(path, changes.recording ? changes.recording
                                                    : std::make_shared<const RecordingReader>(path));
   } else if (!fs::is_directory(path)) {
-    throw Error(fmt::format("{}: {}; a scan folder or a recording is wanted", path.string(),
+    throw Error(fmt::format("{}: {}; expected a scan folder or a recording", path.string(),
                             fs::exists(path) ? "is neither" : "no such folder or file"));
   } else if (fs::exists(path / "scan.yaml")) {
     files = read_scan_files(path / "scan.yaml");
@@ -360,7 +360,7 @@ std::vector<fs::path> images_in_folder(const fs::path& folder) {
     jpeg = jpeg || ending == ".jpg" || ending == ".jpeg";
   }
   throw_if(
-      images.empty(), "{}: {}; PNG, TIFF, BMP or PGM files are wanted", folder.string(),
+      images.empty(), "{}: {}; expected PNG, TIFF, BMP or PGM files", folder.string(),
       jpeg ? "its pictures are JPEG, whose lossy compression spoils the phase" : "no pictures");
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     return before_in_order(a.filename().string(), b.filename().string());

@@ -15,9 +15,6 @@ namespace {
 
 using Entries = std::map<std::string, StoredMatrix>;
 
-constexpr const char* ambient_entry = "ambient_light";
-constexpr const char* noise_entry = "noise_variance";
-constexpr const char* gain_entry = "noise_gain";
 constexpr const char* gamma_entry = "gamma";
 constexpr const char* error_entry = "gamma_standard_error";
 constexpr const char* values_entry = "response_values";
@@ -36,7 +33,7 @@ std::optional<MeasuredResponse> response_of(const Entries& entries) {
   MeasuredResponse measured{.gamma = gamma.value_or(1),
                             .standard_error = number(entries, error_entry).value_or(0)};
   const bool has_values = entries.contains(values_entry), has_light = entries.contains(light_entry);
-  throw_if(has_values != has_light, "{} and {} go together", values_entry, light_entry);
+  throw_if(has_values != has_light, "{} and {} must both be present", values_entry, light_entry);
   if (has_values) {
     measured.response =
         response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
@@ -51,7 +48,7 @@ std::optional<ColourMixture> mixture_of(const Entries& entries) {
   const auto found = entries.find(mixture_entry);
   if (found == entries.end()) return std::nullopt;
   const auto& [rows, columns, numbers, text] = found->second;
-  throw_if(rows != 3 || columns != 4, "{} is no 3x4 matrix", mixture_entry);
+  throw_if(rows != 3 || columns != 4, "{} is not a 3x4 matrix", mixture_entry);
   ColourMixture mixture{};
   for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
   require_valid(mixture);
@@ -63,22 +60,22 @@ StoredMatrix row_of(std::vector<double> numbers) {
 }
 
 PhotometricCalibration photometric_calibration_of(const Entries& entries) {
-  PhotometricCalibration read{.ambient = number(entries, ambient_entry),
-                              .noise_variance = number(entries, noise_entry),
-                              .noise_gain = number(entries, gain_entry).value_or(0),
-                              .response = response_of(entries),
+  PhotometricCalibration read{.response = response_of(entries),
                               .colour_mixture = mixture_of(entries)};
+  PhotometricCalibration::for_each_setting(read, [&](const Setting& setting, auto& value) {
+    if (const auto stored = number(entries, setting.name)) value = *stored;
+  });
   require_valid(read);
   return read;
 }
 
 Entries entries_of(const PhotometricCalibration& calibration) {
   Entries entries;
-  if (calibration.ambient) entries[ambient_entry] = row_of({*calibration.ambient});
-  if (calibration.noise_variance) {
-    entries[noise_entry] = row_of({*calibration.noise_variance});
-    entries[gain_entry] = row_of({calibration.noise_gain});
-  }
+  PhotometricCalibration::for_each_setting(
+      calibration, [&](const Setting& setting, const std::optional<double>& value) {
+        if (value) entries[setting.name] = row_of({*value});
+      });
+  if (!calibration.noise_variance) entries.erase("noise_gain");
   if (const auto& mixture = calibration.colour_mixture) {
     StoredMatrix& stored = entries[mixture_entry] = {3, 4};
     for (const auto& row : *mixture) {
@@ -89,7 +86,7 @@ Entries entries_of(const PhotometricCalibration& calibration) {
   const auto& [response, gamma, standard_error] = *calibration.response;
   entries[gamma_entry] = row_of({gamma});
   entries[error_entry] = row_of({standard_error});
-  // Empty ones take away what was there.
+  // Empty entries are removed.
   entries[values_entry] = entries[light_entry] = {};
   if (const auto* curve = std::get_if<ResponseCurve>(&response)) {
     entries[values_entry] = row_of(curve->values);
@@ -98,8 +95,8 @@ Entries entries_of(const PhotometricCalibration& calibration) {
   return entries;
 }
 
-/// The names of a lens's entries, empty where a layout has none. A width without a height is an
-/// entry of both.
+/// The names of a lens's entries; "" if a layout lacks one. A width without a height is an
+/// entry with both.
 struct LensNames {
   std::string_view matrix, distortion, width, height;
 };
@@ -122,7 +119,7 @@ constexpr std::array<Layout, 4> layouts{{
     {{"M1", "D1", "S", ""}, {"M4", "D4", "", ""}, "Rlp", "Tlp"},
 }};
 
-// The layout of projection matrices, whose sizes have slipstream's names.
+// The layout with projection matrices; its sizes have slipstream's names.
 constexpr std::array<std::string_view, 2> projections{"camera_projection", "projector_projection"};
 
 constexpr const char* measured_entry = "measured";
@@ -136,18 +133,16 @@ const Layout& layout_of(const Entries& entries) {
   for (const Layout& layout : layouts) {
     if (has(entries, layout.camera.matrix) || has(entries, layout.projector.matrix)) return layout;
   }
-  throw Error(
-      "no camera matrix; it is named camera_matrix, Kc, cam_K, M1 or camera_projection in a "
-      "scanner file");
+  throw Error("no camera matrix; expected camera_matrix, Kc, cam_K, M1 or camera_projection");
 }
 
-/// Of an entry that is there.
+/// The numbers of an existing entry.
 const std::vector<double>& numbers_of(const Entries& entries, std::string_view name) {
   const StoredMatrix& matrix = entries.at(std::string(name));
   throw_if(matrix.rows == 0, "{} is not a matrix of numbers", name);
   for (const double value : matrix.numbers) {
     if (std::isfinite(value)) continue;
-    throw Error(fmt::format("{} holds {}; every number must be finite", name, value));
+    throw Error(fmt::format("{} contains {}; every number must be finite", name, value));
   }
   return matrix.numbers;
 }
@@ -157,7 +152,7 @@ template <int rows, int columns>
 Eigen::Matrix<double, rows, columns> matrix_of(const Entries& entries, std::string_view name) {
   throw_if(!has(entries, name), "{} is missing", name);
   const std::vector<double>& values = numbers_of(entries, name);
-  throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; it is {}x{}", name,
+  throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; expected {}x{}", name,
            values.size(), rows, columns);
   Eigen::Matrix<double, rows, columns> matrix;
   for (int i = 0; i < rows * columns; ++i) {
@@ -166,7 +161,7 @@ Eigen::Matrix<double, rows, columns> matrix_of(const Entries& entries, std::stri
   return matrix;
 }
 
-/// Whole numbers of pixels; 0 where the file does not say.
+/// Whole numbers of pixels; 0 if missing.
 std::vector<int> pixel_counts(const Entries& entries, std::string_view name, std::size_t count) {
   if (!has(entries, name)) return std::vector<int>(count, 0);
   const std::vector<double>& values = numbers_of(entries, name);
@@ -225,7 +220,7 @@ Entries entries_of(const Scanner& scanner) {
   return entries;
 }
 
-/// The text of a file of that path. Throws Error where read_scanner would.
+/// The text of a file for that path. Throws Error if read_scanner would.
 std::string text_of(const fs::path& path, const Scanner& scanner) {
   std::string text = new_storage(entries_of(scanner), lower_case_extension(path) == ".xml");
   static_cast<void>(scanner_from(text, path.string()));
@@ -243,14 +238,14 @@ bool names_geometry(std::string_view entry) {
          });
 }
 
-/// What a file holds besides geometry; nothing where there is no such file.
+/// A file's entries other than geometry; {} without such a file.
 Entries other_entries(const fs::path& path) {
   Entries entries;
   if (!fs::exists(path)) return entries;
   try {
     entries = read_opencv_storage(path);
   } catch (const Error&) {
-    return {};  // something else, which is written over as by write_scanner
+    return {};  // another kind of file; overwritten, as by write_scanner
   }
   std::erase_if(entries, [](const auto& entry) {
     return names_geometry(entry.first) || entry.first == measured_entry ||
@@ -259,7 +254,7 @@ Entries other_entries(const fs::path& path) {
   return entries;
 }
 
-/// Lenses and pose.
+/// The scanner's lenses and pose.
 Scanner geometry_of(const Entries& entries) {
   if (has(entries, projections[0]) || has(entries, projections[1])) {
     const Size projector_size = size_of(entries, layouts.front().projector);
@@ -333,7 +328,7 @@ Response response_named(const std::string& text, const std::string& name) {
   }
   if (auto curve = curve_named(text)) return *std::move(curve);
   const auto measured = read_photometric_calibration(text).response;
-  throw_if(!measured, "{}: no gamma in it; slipstream calibrate gamma puts it there", text);
+  throw_if(!measured, "{}: has no gamma; add it with slipstream calibrate gamma", text);
   return measured->response;
 }
 

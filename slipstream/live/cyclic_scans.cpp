@@ -19,19 +19,19 @@ CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scan
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
             [&] { return Frame(source.format()); }) {
   throw_if(scans > 1 && sequence.motion > 0,
-           "scans along both axes are of what stands still; leave out --motion");
+           "scans along both axes require a still scene; leave out --motion");
 }
 
 std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + timeout;
   do {
     Pooled<Frame> frame = pool_.take();
-    if (!frame) throw Error("more frames of a cycle wait than can be");
+    if (!frame) throw Error("out of frame buffers before a cycle was complete");
     const Arrival arrival =
         source_.next(frame.fill(), std::min(timeout, std::chrono::milliseconds(50)));
     if (arrival == Arrival::ended) {
       throw WorldError(fmt::format(
-          "the frames ended before a second whole cycle of {} came, to see that nothing moves",
+          "the frames ended before a second complete cycle of {}; it takes two to detect motion",
           frames_ * scans_));
     }
     if (arrival != Arrival::frame) continue;
@@ -77,7 +77,7 @@ FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::s
   frames.stop();
   if (seen) return std::move(seen->frames.front());
   throw WorldError(
-      fmt::format("{}: no whole cycle of {} frames came", source, cycle_length(sequence)));
+      fmt::format("{}: no complete cycle of {} frames arrived", source, cycle_length(sequence)));
 }
 
 }  // namespace slipstream

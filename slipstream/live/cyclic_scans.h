@@ -6,25 +6,25 @@
 
 namespace slipstream {
 
-/// Scans under a projector that shows their patterns by itself, over and over, one scan after the
-/// other: whole cycles, each frame in its place as PatternWindows finds it.
+/// Scans from a projector that repeats their patterns by itself: whole cycles of consecutive scans,
+/// with each frame assigned to its pattern by PatternWindows.
 class CyclicScans : public ScanCamera {
  public:
-  /// `source`: started, outlives this. `scans`: so many of the sequence in a cycle, which a marker
-  /// ends where the sequence has one. Throws Error where there are several with frames of motion.
+  /// `source`: started, outlives this. `scans`: number of scans in a cycle, which ends with a
+  /// marker if the sequence has one. Throws Error for several scans with motion frames.
   CyclicScans(FrameSource& source, const Sequence& sequence, int scans);
 
-  /// The frames of a cycle that begins after the one before.
+  /// Frames of a cycle that begins after the previous one.
   std::optional<Glimpse> look(std::chrono::milliseconds timeout) override;
-  /// Those of the last glimpse; none before there was one.
+  /// Frames of the last look; nullopt before the first.
   std::optional<std::vector<FrameSet>> take() override;
 
  private:
-  /// The frames of the window by scan; none where it shares some with the last glimpse.
+  /// Frames of the window, scan by scan; nullopt if it shares any with the last look.
   [[nodiscard]] std::optional<std::vector<FrameSet>> cycle_of(
       const std::vector<Pooled<Frame>>& window);
 
-  static constexpr int kept_cycles = 4;  ///< PatternWindows may keep frames of so many
+  static constexpr int kept_cycles = 4;  ///< cycles of frames that PatternWindows may keep
 
   FrameSource& source_;
   int frames_;  ///< N of each scan
@@ -33,11 +33,11 @@ class CyclicScans : public ScanCamera {
   Pool<Frame> pool_;
   std::vector<Pooled<Frame>> window_;
   std::vector<FrameSet> seen_;
-  std::optional<std::uint64_t> newest_;  ///< sequence, of the last glimpse
+  std::optional<std::uint64_t> newest_;  ///< sequence number at the last look
 };
 
-/// The frames of one cycle of a source that shows the sequence over and over, in pattern order; the
-/// source is started and stopped. Throws WorldError, naming `source`, where none comes whole.
+/// Frames of one cycle, in pattern order, from a source that repeats the sequence. Starts and stops
+/// the source. Throws WorldError, naming `source`, if no complete cycle arrives.
 FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::string& source);
 
 }  // namespace slipstream

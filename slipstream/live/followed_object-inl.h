@@ -4,7 +4,7 @@
 
 namespace slipstream {
 
-/// All that the settings want followed in the clouds of a run, each in a thread of its own.
+/// Tracks the object and builds the model that the settings ask for, each in its own thread.
 class FollowedObject {
  public:
   FollowedObject(const LiveSettings& settings, const Lens& camera,
@@ -20,7 +20,7 @@ class FollowedObject {
   }
 
   void follow(const Pooled<LiveCloud>& cloud) {
-    if (cloud->cloud.z.empty()) return;  // no scanner is known
+    if (cloud->cloud.z.empty()) return;  // no scanner
     const bool track_missed = track_follower_ && track_follower_->follow(cloud);
     const bool model_missed = model_follower_ && model_follower_->follow(cloud);
     const std::lock_guard lock(mutex_);
@@ -42,14 +42,14 @@ class FollowedObject {
     if (model_follower_) statistics.model = model_statistics_;
   }
 
-  /// Without points where no model was asked for.
+  /// No points unless a model is requested.
   [[nodiscard]] ModelPoints model() const {
     const std::lock_guard lock(model_mutex_);
     return model_ ? model_->points() : ModelPoints();
   }
 
  private:
-  /// The mean time of the cloud's frames, by the device's clock if it has one.
+  /// Mean time of the cloud's frames, s, by the device's clock if it has one.
   static double seconds_of(const LiveCloud& cloud) {
     using Seconds = std::chrono::duration<double>;
     double sum = 0;
@@ -83,12 +83,12 @@ class FollowedObject {
     model_statistics_.milliseconds = model_milliseconds_ / (model_->views() + model_->left_out());
   }
 
-  mutable std::mutex mutex_;  ///< of what follows but for the model, which its own guards
+  mutable std::mutex mutex_;  ///< guards the members below, except the model
   std::optional<ObjectTracker> tracker_;
   std::uint64_t track_missed_ = 0;
   ModelStatistics model_statistics_;
   double model_milliseconds_ = 0;
-  mutable std::mutex model_mutex_;
+  mutable std::mutex model_mutex_;  ///< guards the model
   std::optional<ObjectModel> model_;
   std::optional<CloudFollower> track_follower_, model_follower_;
 };

@@ -12,38 +12,38 @@
 
 namespace slipstream {
 
-/// The cloud of one window of frames, with what it was made from.
+/// Cloud of one window of frames, with its frames.
 struct LiveCloud {
-  Cloud cloud;               ///< empty where no scanner is known
-  ValidityCounts cleaned{};  ///< how many points cleaning took, by reason
-  /// The window, as PatternWindows gives it, each frame still as the camera gave it.
+  Cloud cloud;               ///< empty without a scanner
+  ValidityCounts cleaned{};  ///< points that cleaning removed, by reason
+  /// The window, in the order given by PatternWindows; frames as captured.
   std::vector<Pooled<Frame>> frames;
-  int first_pattern = 0;  ///< of its first frame
-  int motion = 0;         ///< frames beyond a cycle that the cloud was made of: see motion_window
-  FrameStamp newest;      ///< of the frame that completed the window
+  int first_pattern = 0;  ///< index of the first frame's pattern
+  int motion = 0;         ///< frames beyond one cycle used for the cloud: see motion_window
+  FrameStamp newest;      ///< the frame that completed the window
 };
 
-/// Passes values in order between threads; at most `capacity` wait. Its memory is allocated once.
+/// Passes values in order between threads; at most `capacity` wait. Allocates memory only once.
 template <class Value>
 class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t capacity) : places_(capacity) {}
 
-  /// Waits for room: for the only thread that pushes. False once the queue is closed.
+  /// Waits for room; only for the one thread that pushes. False once the queue is closed.
   bool wait_for_room() {
     std::unique_lock lock(mutex_);
     room_.wait(lock, [&] { return closed_ || waiting_ < places_.size(); });
     return !closed_;
   }
 
-  /// Waits for room. False where the queue is closed: the value is not taken.
+  /// Waits for room. False, without taking the value, if the queue is closed.
   bool push_when_room(Value value) {
     std::unique_lock lock(mutex_);
     room_.wait(lock, [&] { return closed_ || waiting_ < places_.size(); });
     return push(std::move(value), lock);
   }
 
-  /// Waits for nothing: where there is no room the oldest value is thrown away and given back.
+  /// Never waits: if the queue is full, removes the oldest value and returns it.
   std::optional<Value> push_over_oldest(Value value) {
     std::unique_lock lock(mutex_);
     std::optional<Value> overwritten;
@@ -52,14 +52,14 @@ class BoundedQueue {
     return overwritten;
   }
 
-  /// Throws the oldest value away where there is one.
+  /// Removes the oldest value, if there is one, and returns it.
   std::optional<Value> drop_oldest() {
     const std::lock_guard lock(mutex_);
     if (waiting_ == 0) return std::nullopt;
     return take_oldest();
   }
 
-  /// The oldest value, as soon as there is one; none once the queue is closed and empty.
+  /// Waits for the oldest value; nullopt once the queue is closed and empty.
   std::optional<Value> pop() {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, [&] { return closed_ || waiting_ > 0; });
@@ -70,7 +70,7 @@ class BoundedQueue {
     return value;
   }
 
-  /// Nothing goes in any more; what waits can still be taken.
+  /// Accepts no more values; waiting ones can still be taken.
   void close() {
     {
       const std::lock_guard lock(mutex_);
@@ -110,13 +110,14 @@ class BoundedQueue {
   bool closed_ = false;
 };
 
-/// Clouds that one follower holds at a time: one that waits and one that is looked at.
+/// Clouds that one follower holds: one waiting and one in use.
 inline constexpr std::size_t followed_clouds = 2;
 
-/// Looks at clouds in a thread of its own, for which the pipeline does not wait.
+/// Processes clouds in its own thread; the pipeline does not wait for it.
 class CloudFollower {
  public:
-  /// `failed`: gets what `look` throws, which ends the follower. `places`: clouds that may wait.
+  /// `failed`: gets an exception from `look`, which ends the follower. `places`: clouds that may
+  /// wait.
   CloudFollower(std::function<void(const Pooled<LiveCloud>&)> look,
                 std::function<void(std::exception_ptr)> failed, std::size_t places = 1)
       : waiting_(places), thread_([this, look = std::move(look), failed = std::move(failed)] {
@@ -133,7 +134,7 @@ class CloudFollower {
     return waiting_.push_over_oldest(cloud).has_value();
   }
   [[nodiscard]] std::size_t waiting() const { return waiting_.waiting(); }
-  /// Looks at what waits, and ends.
+  /// Processes the waiting clouds and ends the thread.
   void finish() {
     waiting_.close();
     if (thread_.joinable()) thread_.join();

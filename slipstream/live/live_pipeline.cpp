@@ -6,17 +6,17 @@
 namespace slipstream {
 namespace {
 
-/// Bytes of the frames that a run keeps, at most: some hundred of 20 MP and 16 bits.
+/// Limit for the frames of a run, bytes: a few hundred frames of 20 MP and 16 bits.
 constexpr std::uint64_t largest_run = std::uint64_t{16} << 30;
 
-/// One in each stage and queue, the newest, and those that consumers and followers hold.
+/// Clouds: one in each stage and queue, the newest, and those held by consumers and followers.
 std::size_t clouds_needed(const LiveSettings& settings) {
   const std::size_t followers = (settings.track ? 1U : 0U) + (settings.model ? 1U : 0U);
   return 3 + 2 * stage_places + 1 + settings.held_clouds + followers * followed_clouds;
 }
 
-/// A cloud keeps the frames of its window; the rolling window and the check of indices keep those
-/// of three cycles, with a marker; one is being filled and one passed on.
+/// Frames: each cloud keeps its window; windows and index checks keep three cycles with markers;
+/// one frame is being filled and one passed on.
 std::size_t frames_needed(const LiveSettings& settings, const Sequence& sequence) {
   const auto window = static_cast<std::size_t>(frame_count(sequence));
   return clouds_needed(settings) * window + 3 * (window + 1) + settings.waiting_frames + 2;
@@ -51,7 +51,7 @@ std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
   auto plan = std::make_shared<WindowEngine>(setup, settings_);
   const std::size_t needed = frames_needed(settings_, setup.sequence);
   throw_if(needed > largest_run / byte_count(format_),
-           "a run keeps {} frames, of {} pixels; at most {} bytes of them", needed, text_of(camera),
+           "a run needs {} frames of {} pixels; the limit is {} bytes", needed, text_of(camera),
            largest_run);
   if (needed > frame_count_) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });

@@ -8,74 +8,75 @@
 
 namespace slipstream {
 
-/// How a LivePipeline goes about it.
+/// Settings of a LivePipeline.
 struct LiveSettings {
   PatternIndexing indexing = PatternIndexing::told;
-  /// Captured frames of a source with its own pace that may wait before the oldest is overwritten.
+  /// Captured frames that may wait if the source has its own pace; beyond that, the oldest is lost.
   std::size_t waiting_frames = 16;
-  /// Clouds that consumers may hold at a time without keeping the pipeline waiting.
+  /// Clouds that consumers may hold without blocking the pipeline.
   std::size_t held_clouds = 4;
-  /// With frames for motion: a window in which little moves becomes a cloud of its middle cycle.
+  /// With motion frames: a window with little motion becomes a cloud of its middle cycle alone.
   bool motion_when_seen = false;
-  /// Capture ends after so many.
+  /// Capture ends after this many frames.
   std::optional<std::uint64_t> most_frames = {};
-  /// Called for every cloud, in order, in the thread of the show stage; while it takes its time
-  /// clouds and frames queue up before it. What it throws ends the pipeline.
+  /// Called for every cloud, in order, in the thread of the show stage; meanwhile clouds and frames
+  /// queue up. An exception ends the pipeline.
   std::function<void(const Pooled<LiveCloud>&)> on_cloud = {};
-  /// Each in a thread of its own, which misses clouds that come meanwhile: what is looked for in
-  /// the clouds, and whether they become one model of a rigid object.
+  /// Shape to track in the clouds, and whether to merge them into a model of a rigid object. Each
+  /// runs in its own thread and skips clouds that arrive while it is busy.
   std::optional<TrackedShape> track = {};
   bool model = false;
-  /// What looks at a window of each cycle, in pattern order, and says what is amiss; LiveCheck
-  /// where it is empty. Called in the thread of the reconstruct stage, which waits for it.
+  /// Checks one window per cycle, in pattern order, and returns diagnostics; LiveCheck if empty.
+  /// Called in the thread of the reconstruct stage, which waits for it.
   std::function<std::vector<Finding>(const FrameViews& window)> check = {};
 };
 
 class LiveRun;
 struct WindowEngine;
 
-/// Source to moving cloud: capture, window, reconstruct and show, each on a thread of its own with
+/// From a source to live clouds: capture, window, reconstruct and show, each in its own thread with
 /// a bounded queue before it. Each new frame gives a cloud of the N newest. A source with its own
-/// pace never waits: what finds no room is overwritten and counted. All memory is allocated at the
-/// start. Without a scanner (see without_geometry) only frames are checked and handed on.
+/// pace never waits: frames without room are overwritten and counted. Allocates all memory at the
+/// start. Without a scanner (see without_geometry) frames are only checked and passed on.
 ///
-/// One thread starts, stops and changes it; any may ask.
+/// One thread starts, stops and changes it; any thread may query it.
 class LivePipeline {
  public:
-  /// Not started. Throws Error if scanner, strategy or settings are invalid or do not fit frames.
+  /// Does not start. Throws Error if scanner, strategy or settings are invalid or do not match
+  /// frames.
   LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetup& setup,
                const LiveSettings& settings = {});
   ~LivePipeline();  ///< stops
 
-  /// Throws where the source does. What was counted before is forgotten.
+  /// Throws as the source does. Resets all counts.
   void start();
-  /// Finishes what was captured, if consumers let clouds go. It may be called twice; start() again.
+  /// Finishes captured frames if consumers release clouds. May be called twice; restart by start().
   void stop();
-  /// Whether it was started, not stopped, and neither has the source ended nor a stage failed.
+  /// True if started and not stopped, the source has not ended and no stage has failed.
   [[nodiscard]] bool running() const;
-  /// What a stage, the source or a consumer threw, which ended the pipeline; else null.
+  /// Exception of a stage, the source or a consumer that ended the pipeline; null if there is none.
   [[nodiscard]] std::exception_ptr failure() const;
 
-  /// Other settings, strategy or scanner from the next window on. Throws as the constructor.
+  /// Sets settings, strategy and scanner from the next window on. Throws as the constructor does.
   void change(const EngineSetup& setup);
 
-  /// The newest cloud whose window begins with the first pattern, for display; empty before it. The
-  /// share may be kept for as long as it is shown; capture does not wait for it.
+  /// Newest cloud whose window begins with the first pattern, for display; empty before the first.
+  /// May be kept while it is shown; capture does not wait for it.
   [[nodiscard]] Pooled<LiveCloud> newest() const;
-  /// A cloud is on the screen now; `captured`: host_time of its newest frame. From one thread.
+  /// Call from one thread when a cloud is on screen; `captured`: host_time of its newest frame.
   void shown(std::chrono::steady_clock::time_point captured);
 
   [[nodiscard]] LiveStatistics statistics() const;
-  /// What the clouds since the start have become; no points where the settings want no model.
+  /// Model of the clouds since the start; no points unless the settings ask for one.
   [[nodiscard]] ModelPoints model() const;
-  /// What was found amiss with the frames since the start, and when; see LiveStatistics for what is
-  /// amiss now. The check looks at one window of each cycle, before it becomes a cloud.
+  /// Diagnostics of the frames since the start; LiveStatistics has the current ones. One window per
+  /// cycle is checked, before it becomes a cloud.
   [[nodiscard]] std::vector<LiveFinding> findings() const;
 
  private:
   [[nodiscard]] std::shared_ptr<WindowEngine> plan_for(const EngineSetup& setup);
   [[nodiscard]] std::shared_ptr<LiveRun> run() const;
-  /// What the last run answers; before the first, an empty answer.
+  /// Queries the last run; an empty answer before the first.
   template <class Answer>
   Answer asked(Answer (LiveRun::*question)() const) const;
 
@@ -83,12 +84,12 @@ class LivePipeline {
   FrameFormat format_;
   LiveSettings settings_;
   std::shared_ptr<Pool<Frame>> frames_;
-  std::size_t frame_count_ = 0;  ///< of that pool
+  std::size_t frame_count_ = 0;  ///< size of the pool
   std::shared_ptr<Pool<LiveCloud>> clouds_;
   std::shared_ptr<WindowEngine> plan_;
   bool started_ = false;
-  mutable std::mutex mutex_;      ///< of what follows
-  std::shared_ptr<LiveRun> run_;  ///< the last one; stopped or not
+  mutable std::mutex mutex_;      ///< guards `run_`
+  std::shared_ptr<LiveRun> run_;  ///< the last one, stopped or not
 };
 
 }  // namespace slipstream

@@ -9,15 +9,15 @@
 
 namespace slipstream {
 
-/// Places of the queues between stages. One keeps the stages apart; more would make clouds older.
+/// Capacity of the queues between stages. One decouples the stages; more would add latency.
 inline constexpr std::size_t stage_places = 1;
 
-/// The threads of a LivePipeline from start to stop, and what passes between them.
+/// The threads of a LivePipeline from start to stop, and the queues between them.
 class LiveRun {
   using Clock = std::chrono::steady_clock;
 
  public:
-  /// The source has been started. All must live longer than this.
+  /// `source`: started. All arguments outlive this.
   LiveRun(FrameSource& source, const LiveSettings& settings,
           std::shared_ptr<Pool<LiveCloud>> clouds, std::shared_ptr<WindowEngine> plan)
       : source_(source),
@@ -42,7 +42,7 @@ class LiveRun {
           }
         });
       }
-    } catch (...) {  // those that run are not left alone
+    } catch (...) {  // stop the threads that run already
       fail(std::current_exception());
       stop();
       throw;
@@ -113,34 +113,34 @@ class LiveRun {
   [[nodiscard]] ModelPoints model() const { return followed_.model(); }
 
  private:
-  /// How soon a stage notices that it is to stop, while the source is silent.
+  /// How soon a stage notices a stop while the source is silent.
   static constexpr auto notice = std::chrono::milliseconds(50);
-  /// How often a stage looks whether a consumer has given something back.
+  /// How often a stage polls for values that consumers return.
   static constexpr auto look_again = std::chrono::microseconds(200);
-  /// How long clouds are waited for at the stop.
+  /// How long to wait for clouds after a stop.
   static constexpr auto cloud_patience = std::chrono::milliseconds(200);
 
   struct Captured {
     Pooled<Frame> frame;
-    /// Of the source, up to this frame: the frame at which it began to count again may be dropped.
+    /// Restarts of the source up to this frame; kept here as the restarting frame may be dropped.
     std::uint64_t restarts = 0;
   };
   struct Window {
-    Pooled<LiveCloud> cloud;  ///< but for its points
+    Pooled<LiveCloud> cloud;  ///< without its points
     std::shared_ptr<WindowEngine> reconstruct;
   };
 
   void capture() {
     using Kind = SequenceWatch::Kind;
     if (paced_) go_when_woken();
-    Frame nobodys(format_);  // what comes while every frame is held
+    Frame spare(format_);  // takes frames while the pool is empty
     const auto enough = [this] {
       return settings_.most_frames && frames_captured_ >= *settings_.most_frames;
     };
     while (!stopping_ && !enough() && (paced_ || captured_.wait_for_room())) {
       Pooled<Frame> frame = free_frame();
       if (!frame && !paced_) break;
-      Frame& filled = frame ? frame.fill() : nobodys;
+      Frame& filled = frame ? frame.fill() : spare;
       Arrival arrival = source_.next(filled, notice);
       if (arrival == Arrival::ended) break;
       if (arrival == Arrival::frame && filled.format() != format_) {
@@ -249,7 +249,7 @@ class LiveRun {
     return plan.engines.front().setup().sequence;
   }
 
-  /// Ends the whole run.
+  /// Stops all stages.
   void fail(std::exception_ptr failure) {
     {
       const std::lock_guard lock(mutex_);
@@ -262,13 +262,13 @@ class LiveRun {
     finished_.close();
   }
 
-  /// A copy of one of the members that the mutex guards.
+  /// Copy of a member that the mutex guards.
   template <class Value>
   [[nodiscard]] Value locked(const Value& value) const {
     const std::lock_guard lock(mutex_);
     return value;
   }
-  /// A frame to be filled; empty where there is none.
+  /// A frame to fill; empty if all are in use.
   Pooled<Frame> free_frame() {
     const std::shared_ptr<Pool<Frame>> frames = locked(plan_)->frames;
     if (!paced_) return wait_for(*frames, {});
@@ -291,7 +291,7 @@ class LiveRun {
     capture_meter_.done(captured_at);
   }
 
-  /// Waits for a value that nobody holds; empty if there is none so long after the stop.
+  /// Waits for a free value; gives up and returns an empty one `patience` after the stop.
   template <class Value>
   Pooled<Value> wait_for(Pool<Value>& pool, Clock::duration patience) const {
     Pooled<Value> value = pool.take();
@@ -311,7 +311,7 @@ class LiveRun {
   const Clock::time_point start_ = Clock::now();
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
-  mutable std::mutex mutex_;  ///< of the seven that follow
+  mutable std::mutex mutex_;  ///< guards the next seven
   FindingLog findings_;
   std::shared_ptr<WindowEngine> plan_;
   Pooled<LiveCloud> newest_;
@@ -327,7 +327,7 @@ class LiveRun {
 
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> capturing_ = true;
-  SequenceWatch sequence_;  ///< of the capture stage
+  SequenceWatch sequence_;  ///< used by the capture stage
   std::atomic<std::uint64_t> frames_captured_ = 0, frames_lost_ = 0, frames_overwritten_ = 0,
                              frames_repeated_ = 0, windows_lost_ = 0, resynchronisations_ = 0;
   StageMeter capture_meter_, window_meter_, reconstruct_meter_, show_meter_;

@@ -9,13 +9,13 @@
 namespace slipstream {
 namespace {
 
-constexpr double shortest_ms = 1e-3;  // of the latencies that a histogram tells apart
+constexpr double shortest_ms = 1e-3;  // resolution limit of the histogram
 
 std::string text_of_cleaned(const ValidityCounts& cleaned) {
   std::string text;
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (cleaned[i] == 0) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "\nleft out of the newest cloud, " : ", ",
+    text += fmt::format("{}{}: {}", text.empty() ? "\nremoved from the newest cloud, " : ", ",
                         name_of(static_cast<Validity>(i)), cleaned[i]);
   }
   return text;
@@ -27,8 +27,8 @@ std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
   std::string text = fmt::format(
       "{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated\n"
-      "{} clouds, {:.1f} per second{}; {} windows without one, {} resynchronisations\n"
-      "capture to cloud: {:.2f} ms half of the time, {:.2f} ms for 99 of 100, {:.2f} at most{}",
+      "{} clouds, {:.1f} per second{}; {} windows without a cloud, {} resynchronisations\n"
+      "capture to cloud: median {:.2f} ms, 99 % below {:.2f} ms, maximum {:.2f} ms{}",
       frames.captured, statistics.seconds, frames.lost, frames.overwritten, frames.repeated,
       statistics.clouds, statistics.clouds_per_second,
       statistics.backend.empty() ? "" : ", backend " + statistics.backend, statistics.windows_lost,

@@ -9,17 +9,17 @@
 
 namespace slipstream {
 
-/// A finding of a live scan, from the frame on at which it was first told.
+/// A diagnostic of a live scan, and how long it lasted.
 struct LiveFinding {
-  Finding finding;          ///< as it was told first
-  std::uint64_t begin = 0;  ///< sequence of the newest frame that was looked at then
-  /// That of the first look that did not find it again; none while it lasts.
+  Finding finding;          ///< as first reported
+  std::uint64_t begin = 0;  ///< newest frame's sequence number at the first check that found it
+  /// Sequence number at the first check that no longer found it; nullopt while it lasts.
   std::optional<std::uint64_t> end{};
 
   friend bool operator==(const LiveFinding&, const LiveFinding&) = default;
 };
 
-/// How long things took, ms; 0 where nothing has been measured yet.
+/// Durations, ms; 0 before the first measurement.
 struct Latency {
   double p50 = 0;
   double p99 = 0;
@@ -33,13 +33,13 @@ struct Latency {
   }
 };
 
-/// One of the threads that the data passes.
+/// Statistics of one stage.
 struct StageStatistics {
   std::string name;          ///< "capture", "window", "reconstruct", "show"
-  std::uint64_t done = 0;    ///< what it has finished
+  std::uint64_t done = 0;    ///< items finished
   double rate = 0;           ///< per second, over the last second
-  std::size_t waiting = 0;   ///< in the queue before it
-  std::size_t capacity = 0;  ///< of that queue
+  std::size_t waiting = 0;   ///< items in its queue
+  std::size_t capacity = 0;  ///< of its queue
   Latency latency;           ///< from a frame's capture to the end of this stage
 
   template <class Visit>
@@ -53,13 +53,13 @@ struct StageStatistics {
   }
 };
 
-/// Measured all the time; the counts are from the start.
+/// Updated continuously; counts are from the start.
 struct LiveStatistics {
   struct Frames {
-    std::uint64_t captured = 0;     ///< came whole, each counted once
+    std::uint64_t captured = 0;     ///< arrived complete, each counted once
     std::uint64_t lost = 0;         ///< gaps in the sequence and damaged frames
-    std::uint64_t overwritten = 0;  ///< came whole, but nobody had time for them
-    std::uint64_t repeated = 0;     ///< came again, or too late to be put in order
+    std::uint64_t overwritten = 0;  ///< arrived complete, but dropped because the queue was full
+    std::uint64_t repeated = 0;     ///< arrived again, or too late to be put in order
 
     template <class Visit>
     void for_each_figure(const Visit& visit) const {
@@ -70,29 +70,29 @@ struct LiveStatistics {
     }
   } frames;
   std::uint64_t clouds = 0;
-  std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or slipped
-  std::uint64_t resynchronisations = 0;  ///< pattern indices found slipped, and set right
-  /// Points of the newest cloud that cleaning rejected, by reason; at `valid` the gaps it filled.
+  std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or out of order
+  std::uint64_t resynchronisations = 0;  ///< pattern indices found shifted, and corrected
+  /// Points of the newest cloud that cleaning rejected, by reason; `valid` counts filled gaps.
   ValidityCounts cleaned{};
   int motion = 0;                ///< of the newest cloud: see LiveCloud
   double seconds = 0;            ///< since the start
-  double clouds_per_second = 0;  ///< over the whole time
+  double clouds_per_second = 0;  ///< since the start
   Latency latency;               ///< from capture to cloud
-  Latency screen_latency;        ///< from capture to screen; zeros without one
+  Latency screen_latency;        ///< from capture to screen; zeros without a screen
   std::vector<StageStatistics> stages;
-  std::string source_state;          ///< FrameSource::state
-  std::string backend;               ///< Engine::backend_for the newest cloud; empty before it
-  std::string fallback_reason;       ///< Engine::fallback_reason of the newest cloud
-  std::optional<ObjectTrack> track;  ///< where one is asked for, as the next
-  std::optional<ModelStatistics> model;
-  /// About the newest cycle that was looked at; empty: all is right.
+  std::string source_state;              ///< FrameSource::state
+  std::string backend;                   ///< Engine::backend_for the newest cloud; empty before it
+  std::string fallback_reason;           ///< Engine::fallback_reason of the newest cloud
+  std::optional<ObjectTrack> track;      ///< if requested
+  std::optional<ModelStatistics> model;  ///< if requested
+  /// Diagnostics of the newest cycle checked; empty: no problems found.
   std::vector<Finding> findings;
 
-  /// The one description of the statistics, of which JSON, metrics and the panel are views. Calls
-  /// `visit(name, value)` for each figure but the findings, `track` and `model` where there are
-  /// any. A name is the key in JSON and ends in its unit. A value is a number, a text,
+  /// The only list of the statistics; JSON, metrics and the panel are generated from it. Calls
+  /// `visit(name, value)` for each figure except the findings, and for `track` and `model` if
+  /// present. A name is the key in JSON and ends in its unit. A value is a number, a text,
   /// ValidityCounts, an Eigen::Vector3d, a struct with a for_each_figure of its own, or a vector of
-  /// such. A count of what goes wrong has a third argument, which says so in a row for people.
+  /// these. Counts of problems have a third argument, their label for people.
   template <class Visit>
   void for_each_figure(const Visit& visit) const {
     visit("frames", frames);
@@ -113,13 +113,13 @@ struct LiveStatistics {
   }
 };
 
-/// Lines for people: frames, clouds, latency, what cleaning took, what is followed.
+/// Text for people: frames, clouds, latency, cleaning, tracked shape and model.
 std::string text_of(const LiveStatistics& statistics);
 
-// What a live run counts; all but findings in fixed memory.
+// Counters of a live run; all except the diagnostics have fixed memory.
 
-/// Counts durations, 1 us to 100 s in steps of 4 %; percentiles are upper ends of steps, the
-/// maximum is exact. One thread adds, any may ask.
+/// Histogram of durations, 1 us to 100 s in steps of 4 %; percentiles are upper ends of steps, the
+/// maximum is exact. One thread adds, any may query.
 class LatencyHistogram {
  public:
   void add(std::chrono::nanoseconds duration);
@@ -133,20 +133,20 @@ class LatencyHistogram {
   std::atomic<std::int64_t> longest_ = 0;  ///< ns
 };
 
-/// What one stage has done, how fast and how late. The stage's thread counts, any may ask.
+/// Throughput and latency of one stage. The stage's thread counts, any may query.
 class StageMeter {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// One more is done now, of a frame captured then.
+  /// Counts an item finished now, from a frame captured at `captured`.
   void done(Clock::time_point captured);
 
   [[nodiscard]] std::uint64_t count() const { return count_.load(std::memory_order_relaxed); }
-  /// As it stood then; name and queue are left to the caller.
+  /// At time `then`; the caller sets name and queue.
   [[nodiscard]] StageStatistics statistics(Clock::time_point then) const;
 
  private:
-  /// A second is divided into slots; the one that is being filled is left out of the rate.
+  /// A second is divided into slots; the rate does not count the slot being filled.
   static constexpr std::int64_t slots_per_second = 10;
   struct Slot {
     std::atomic<std::int64_t> number = -1;
@@ -161,25 +161,25 @@ class StageMeter {
   LatencyHistogram latency_;
 };
 
-/// Counts what is missing in the sequence of a source's frames.
+/// Counts the frames missing in the sequence of a source.
 class SequenceWatch {
  public:
-  /// How far back a frame is taken for one that came late, not for a count begun anew.
+  /// How far back a frame counts as late, not as a restart.
   static constexpr std::uint64_t memory = 64;
 
   enum class Kind {
-    fresh,     ///< after all others, or one that was missing
-    repeated,  ///< this one was here
+    fresh,     ///< newer than all others, or missing until now
+    repeated,  ///< received before
     restart,   ///< the source counts from the beginning again
   };
 
   Kind look(std::uint64_t sequence);
-  /// A damaged frame came. Its number counts as lost, unless the next gap contains it.
+  /// Call for a damaged frame. Its number counts as lost, unless the next gap contains it.
   void damaged() { ++damaged_; }
 
-  /// Frames missing so far; one that comes late is missing no longer.
+  /// Frames missing so far, without those that came late.
   [[nodiscard]] std::uint64_t lost() const { return lost_ + damaged_; }
-  /// How often the source has counted from the beginning again.
+  /// How often the source restarted its count.
   [[nodiscard]] std::uint64_t restarts() const { return restarts_; }
 
  private:
@@ -191,16 +191,17 @@ class SequenceWatch {
   std::uint64_t restarts_ = 0;
 };
 
-/// When findings began and ended; one `what` is one finding. Allocates nothing while there is none.
+/// When diagnostics began and ended; those with the same `what` are one. Allocates nothing while
+/// there are none.
 class FindingLog {
  public:
-  /// The oldest that have ended are forgotten where there would be more.
+  /// Beyond this, the oldest that have ended are dropped.
   static constexpr std::size_t most = 256;
 
-  /// What a look has found takes the place of what the one before did.
+  /// Replaces the diagnostics of the previous check.
   void replace(std::vector<Finding> findings, std::uint64_t sequence);
 
-  /// By the newest look.
+  /// From the newest check.
   [[nodiscard]] const std::vector<Finding>& current() const { return current_; }
   /// All, in the order in which they began.
   [[nodiscard]] const std::vector<LiveFinding>& told() const { return told_; }

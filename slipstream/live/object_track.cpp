@@ -10,7 +10,7 @@
 namespace slipstream {
 namespace {
 
-/// All points of a cloud, or so many of them in even steps.
+/// All points of a cloud, or about this many, evenly spaced.
 std::vector<MeasuredPoint> thinned(std::vector<MeasuredPoint> points) {
   constexpr std::size_t most = 20'000;
   const std::size_t step = points.size() / most + 1;
@@ -33,7 +33,7 @@ TrackedShape tracked_shape_named(std::string_view name) {
     if (radius && *radius > 0 && *radius <= 1e5) return {radius};
   }
   throw Error(
-      fmt::format("'{}' is nothing to track; sphere:RADIUS (mm, to 100000) or plane", name));
+      fmt::format("cannot track '{}'; use sphere:RADIUS (mm, at most 100000) or plane", name));
 }
 
 std::string text_of(const ObjectTrack& track) {
@@ -54,8 +54,9 @@ std::string text_of(const ObjectTrack& track) {
 
 std::string text_of(const ModelStatistics& model) {
   return fmt::format(
-      "model: {} points of {} views, {:.3f} mm from the last; {} did not fit, {} missed; {:.1f} ms "
-      "a view",
+      "model: {} points of {} views, RMS {:.3f} mm from the last; {} did not fit, {} missed; "
+      "{:.1f} "
+      "ms per view",
       model.points, model.views, model.rms, model.left_out, model.missed, model.milliseconds);
 }
 
@@ -63,7 +64,7 @@ void ObjectTracker::look(const Cloud& cloud, double seconds) {
   ++track_.looked;
   try {
     fit(cloud, seconds);
-  } catch (const Error&) {  // it is not there, or too little of it
+  } catch (const Error&) {  // the shape is missing, or too little of it is visible
     moments_.clear();
     return;
   }
@@ -111,7 +112,7 @@ void ObjectTracker::fit(const Cloud& cloud, double seconds) {
   track_.residuals = plane.residuals;
 }
 
-/// The slope of the line of least squares through the last places.
+/// Slope of a least-squares line through the last positions.
 Eigen::Vector3d ObjectTracker::velocity() const {
   if (moments_.size() < 3) return Eigen::Vector3d::Zero();
   const double first = moments_.front().seconds, count = static_cast<double>(moments_.size());

@@ -6,25 +6,25 @@
 
 namespace slipstream {
 
-/// A known thing that is looked for in every cloud: a sphere, or the plane of most points.
+/// Known shape to find in every cloud: a sphere, or the plane with the most points.
 struct TrackedShape {
-  std::optional<double> radius{};  ///< of the sphere, mm; none: a plane
+  std::optional<double> radius{};  ///< of the sphere, mm; nullopt: a plane
 };
 
-/// Of "sphere:RADIUS" or "plane". Throws Error for anything else.
+/// Parses "sphere:RADIUS" or "plane". Throws Error for anything else.
 TrackedShape tracked_shape_named(std::string_view name);
 
-/// Where it was in the last cloud that held it.
+/// Position of a shape in the last cloud that contained it.
 struct ObjectTrack {
   TrackedShape shape{};
-  std::uint64_t found = 0;   ///< clouds that held it
-  std::uint64_t looked = 0;  ///< in which it was looked for
-  std::uint64_t missed = 0;  ///< that came while another was looked at
-  /// The sphere's centre, or where the plane meets the camera's axis, mm.
+  std::uint64_t found = 0;   ///< clouds that contained it
+  std::uint64_t looked = 0;  ///< clouds searched
+  std::uint64_t missed = 0;  ///< clouds skipped while another was searched
+  /// Centre of the sphere, or intersection of the plane with the camera's axis, mm.
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the plane, towards the camera; or zero
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< plane, towards the camera; else zero
   Residuals residuals{};
-  /// mm/s, by the clouds of the last moments; a plane's is along its normal. Zero before three.
+  /// mm/s, from the last clouds; along the normal of a plane. Zero before the third cloud.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 
   template <class Visit>
@@ -41,14 +41,14 @@ struct ObjectTrack {
   }
 };
 
-/// How a model of the clouds comes on.
+/// Progress of a model built from the clouds.
 struct ModelStatistics {
-  int views = 0;             ///< taken in
-  int left_out = 0;          ///< that did not fit
-  std::uint64_t missed = 0;  ///< that came while another was taken in
-  std::size_t points = 0;    ///< of the model, sure or not
-  double rms = 0;            ///< of the last view from the model, mm
-  double milliseconds = 0;   ///< that a view took, on average
+  int views = 0;             ///< merged
+  int left_out = 0;          ///< rejected because they did not fit
+  std::uint64_t missed = 0;  ///< skipped while another was merged
+  std::size_t points = 0;    ///< of the model, confirmed or not
+  double rms = 0;            ///< distance of the last view from the model, mm
+  double milliseconds = 0;   ///< per view, on average
 
   template <class Visit>
   void for_each_figure(const Visit& visit) const {
@@ -61,17 +61,17 @@ struct ModelStatistics {
   }
 };
 
-/// A line for people.
+/// One line for people.
 std::string text_of(const ObjectTrack& track);
 std::string text_of(const ModelStatistics& model);
 
-/// Looks for a shape cloud by cloud.
+/// Tracks a shape cloud by cloud.
 class ObjectTracker {
  public:
   explicit ObjectTracker(const TrackedShape& shape) : track_{.shape = shape} {}
 
-  /// `seconds`: the time in the middle of the cloud's frames, from anywhere. A sphere is fitted
-  /// with its radius, near where it is to be expected, or looked for anew.
+  /// `seconds`: time in the middle of the cloud's frames, from any origin. A sphere is fitted with
+  /// its known radius at the predicted position, or searched for in the whole cloud.
   void look(const Cloud& cloud, double seconds);
   [[nodiscard]] const ObjectTrack& track() const { return track_; }
 

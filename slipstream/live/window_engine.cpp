@@ -7,17 +7,17 @@
 namespace slipstream {
 namespace {
 
-/// So few cost next to nothing beside a cycle's clouds.
+/// So few samples cost almost nothing compared with a cycle's clouds.
 constexpr ScanSamples::Effort few{
     .most_looked = 384, .fewest_looked = 48, .lit_wanted = 32, .all_places = false};
 
-/// While something stays amiss it is looked into whole so often: it may have become something else.
+/// Interval of full checks while a problem lasts, as the problem may change.
 constexpr std::chrono::milliseconds next_look{500};
 
-/// Share of the pixels that move from which on a window is no still one.
+/// Share of moving pixels from which a window counts as moving.
 constexpr double least_moving = 0.01;
 
-/// LiveCheck as a function that can be copied.
+/// LiveCheck as a copyable function.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
   const bool known = has_geometry(setup.scanner);
   const auto check = std::make_shared<LiveCheck>(
@@ -53,7 +53,7 @@ LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   ScanSamples::Effort effort = few;
   effort.least_range = least_range(settings_);
   samples_.take(window, effort);
-  // A frame 5 percent brighter leaves 0.012 and more of its variation.
+  // A frame that is 5 % brighter leaves a residual of 0.012 and more.
   constexpr double most_residual = 0.011;
   fit_.moving = settings_.moving;
   fit_.frames = judge_(samples_, order_);
@@ -72,7 +72,7 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
   const Clock::time_point now = Clock::now();
   if (!findings_.empty()) {
     if (suspected_.any() && !raised.any()) {
-      findings_.clear();  // what was seen has gone
+      findings_.clear();  // the problem is gone
       return {};
     }
     if (raised == suspected_ && now - checked_ < next_look) return findings_;
@@ -83,7 +83,7 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
   findings_ = check_frames(window, sequence_, scanner_, settings_).findings;
   checked_ = now;
   suspected_ = raised;
-  // What the whole check finds nothing in, as motion, need not be looked into again.
+  // A suspicion that the full check clears, such as motion, does not start it again.
   if (findings_.empty()) {
     harmless_ = raised;
     harmless_residual_ = 1.3 * fit_.frames.residual;
@@ -125,8 +125,8 @@ ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
 bool WindowEngine::is_due(const LiveCloud& window) const {
   const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
   if (window.first_pattern != 0) return false;   // the check takes frames in pattern order
-  if (!looked || newest < *looked) return true;  // the first, or the source counts anew
-  // Where frames are lost the window that ends a cycle may never come: another has to do then.
+  if (!looked || newest < *looked) return true;  // the first, or the source restarted its count
+  // With lost frames, the window that ends a cycle may never come: use another one.
   const bool ends_cycle = window.frames.back()->stamp.sequence == newest;
   return newest - *looked >= (ends_cycle ? cycle : cycle + cycle / 2);
 }

@@ -7,26 +7,26 @@
 
 namespace slipstream {
 
-/// Whether the frames of a live scan still fit their patterns, the scanner and each other. The
-/// first ones are checked as any scan is. Of later ones a few pixels are looked at, cheap enough
-/// for every cycle; what they raise a suspicion of is checked whole. One thread uses it.
+/// Checks that the frames of a live scan still fit their patterns, the scanner and each other. The
+/// first frames get the full check. Of later ones only a few pixels are sampled, which is cheap
+/// enough for every cycle; if they look suspicious, the full check runs. For one thread.
 class LiveCheck {
  public:
-  /// Without a scanner less can be told: see check_frames.
+  /// Without a scanner fewer checks are possible: see check_frames.
   LiveCheck(const Sequence& sequence, const std::optional<Scanner>& scanner, Size camera,
             const CheckSettings& settings = {});
 
-  /// Findings of frames in pattern order, of the camera's size. Without any nothing is allocated.
+  /// Diagnostics of frames in pattern order, of the camera's size. Allocates only if there are any.
   std::vector<Finding> look(const FrameViews& window);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// What does not look as it should in a few pixels: residual, bands, seam, brightness.
+  /// Which samples look wrong: residual, bands, seam, brightness.
   using Suspicion = std::bitset<4>;
 
   Suspicion suspicion(const FrameViews& window);
-  /// Whether a frame has lost much of its light since the last that was right.
+  /// Whether a frame has lost much of its light since the last good check.
   [[nodiscard]] bool darkened() const;
 
   Sequence sequence_;
@@ -37,32 +37,33 @@ class LiveCheck {
   FrameJudge judge_;
   ScanSamples samples_;
   Fit fit_;
-  Suspicion harmless_;              ///< raised, but the whole check found nothing
-  double harmless_residual_ = 0;    ///< with a margin, of the frames that raised that
-  std::vector<double> right_sums_;  ///< of each frame, when last all was right
-  std::vector<Finding> findings_;   ///< of the last whole check
-  Suspicion suspected_;             ///< that led to it
-  Clock::time_point checked_{};     ///< when that was; the epoch before the first
+  Suspicion harmless_;              ///< raised, but cleared by the full check
+  double harmless_residual_ = 0;    ///< residual of the cleared frames, with a margin
+  std::vector<double> right_sums_;  ///< of each frame at the last good check
+  std::vector<Finding> findings_;   ///< of the last full check
+  Suspicion suspected_;             ///< suspicion that led to it
+  Clock::time_point checked_{};     ///< time of the last full check; the epoch before the first
 };
 
-/// Makes, checks and reconstructs windows, in memory that is kept from one to the next.
+/// Builds, checks and reconstructs windows; reuses its memory.
 struct WindowEngine {
   WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
-  /// Fills the window's cloud (empty without a scanner) and `motion`; returns what cleaning took.
+  /// Sets the window's cloud (empty without a scanner) and `motion`; returns the points that
+  /// cleaning removed.
   ValidityCounts reconstruct(LiveCloud& window);
-  /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
+  /// Whether to check the window: once per cycle, when its last pattern has arrived.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);
 
-  /// Of windows that begin with each pattern; one for all where they are in pattern order.
+  /// One for each first pattern of a window; a single one if windows are in pattern order.
   std::vector<Engine> engines;
-  std::optional<Engine> still;  ///< of one cycle, where that is to do while nothing moves
-  Engine* used = nullptr;       ///< that of them which made the newest cloud
+  std::optional<Engine> still;  ///< for one cycle, if that is enough while nothing moves
+  Engine* used = nullptr;       ///< the engine of the newest cloud
   FrameViews views;
   std::function<std::vector<Finding>(const FrameViews&)> check;
-  std::optional<std::uint64_t> looked;  ///< sequence of the newest frame that was looked at
-  std::shared_ptr<Pool<Frame>> frames;  ///< that its windows are made of
+  std::optional<std::uint64_t> looked;  ///< sequence number of the newest frame checked
+  std::shared_ptr<Pool<Frame>> frames;  ///< pool of the windows' frames
 };
 
 }  // namespace slipstream

@@ -9,12 +9,12 @@
 
 namespace slipstream {
 
-#ifndef SLIPSTREAM_ROS2  // without Cyclone DDS
+#ifndef SLIPSTREAM_ROS2  // stub for builds without Cyclone DDS
 const SinkKind ros2_sink{
     "ros2", "ros2:NAMESPACE",
     [](const std::string& name) {
       throw Error("--publish ros2:" + name +
-                  " needs Cyclone DDS, without which this program was built (cyclonedds-dev, "
+                  " needs Cyclone DDS, but this program was built without it (cyclonedds-dev, "
                   "-DSLIPSTREAM_ROS2=ON)");
     },
     [](const std::string&, PublishedRun) { return std::unique_ptr<CloudSink>(); }};
@@ -30,15 +30,15 @@ std::vector<std::string> each(const char* SinkKind::*what) {
   return all;
 }
 
-/// The kind, and what stands after it.
+/// The kind of sink and the text after the colon.
 std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
   const std::size_t colon = std::min(name.find(':'), name.size());
   const std::string called = name.substr(0, colon), what = name.substr(colon);
   const auto kind = std::find_if(kinds.begin(), kinds.end(),
                                  [&](const SinkKind* known) { return known->name == called; });
-  throw_if(kind == kinds.end(), "--publish {}: there is no such kind of sink{}; {}", name,
+  throw_if(kind == kinds.end(), "--publish {}: unknown kind of sink{}; {}", name,
            did_you_mean(called, each(&SinkKind::name)), sink_forms());
-  if (what.size() < 2) throw Error(fmt::format("--publish {}: {} is wanted", name, (*kind)->form));
+  if (what.size() < 2) throw Error(fmt::format("--publish {}: expected {}", name, (*kind)->form));
   return {**kind, what.substr(1)};
 }
 
@@ -52,18 +52,18 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
     std::vector<std::string> names;
     std::transform(settings.begin(), settings.end(), std::back_inserter(names),
                    [](const RunSetting& known) { return known.name; });
-    throw Error(fmt::format("there is no setting '{}' now{}; there are {}", name,
+    throw Error(fmt::format("there is no setting '{}' now{}; available: {}", name,
                             did_you_mean(name, names), fmt::join(names, ", ")));
   }
   const auto& [_, help, unit, now, choices, least, most, state] = *setting;
   if (choices.empty()) {
     const auto number = number_in<double>(value);
     if (number && *number >= least && *number <= most) return;
-    throw Error(fmt::format("{} '{}': a number from {:g} to {:g}{}{} is wanted", name, value, least,
+    throw Error(fmt::format("{} '{}': expected a number from {:g} to {:g}{}{}", name, value, least,
                             most, unit.empty() ? "" : " ", unit));
   }
   if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
-  throw Error(fmt::format("{} '{}': wanted is one of: {}{}", name, value, fmt::join(choices, "; "),
+  throw Error(fmt::format("{} '{}': expected one of: {}{}", name, value, fmt::join(choices, "; "),
                           did_you_mean(value, choices)));
 }
 
@@ -116,7 +116,7 @@ struct Publisher::Outlet {
   const std::string name;
   std::unique_ptr<CloudSink> sink;
   std::atomic<std::uint64_t> published = 0, dropped = 0;
-  std::atomic<bool> late = false;  ///< from a cloud that is dropped until none waits
+  std::atomic<bool> late = false;  ///< from a dropped cloud until the queue is empty
   mutable std::mutex mutex;
   std::string error;
   bool finished = false, told_drops = false, told_error = false;
@@ -158,9 +158,9 @@ void Publisher::tell(const std::function<void(const std::string&)>& say,
     for (const std::string& line : outlet->sink->news()) say(fmt::format("{}: {}", name, line));
     if (!error.empty()) {
       if (std::exchange(outlet->told_error, true)) continue;
-      warn(fmt::format("{}: {}; nothing more is published there", name, error));
+      warn(fmt::format("{}: {}; publishing there has stopped", name, error));
     } else if (dropped > 0 && !std::exchange(outlet->told_drops, true)) {
-      warn(fmt::format("{}: clouds come faster than it takes them; the oldest are dropped", name));
+      warn(fmt::format("{}: too slow for the clouds' rate; the oldest clouds are dropped", name));
     }
   }
 }

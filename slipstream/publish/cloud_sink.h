@@ -7,60 +7,62 @@
 
 namespace slipstream {
 
-/// Something of a run that can be changed while it goes on, as it is now.
+/// A setting that can change while the run continues, with its present value.
 struct RunSetting {
-  std::string name;                    ///< as the flag of `slipstream live`: "min-modulation"
-  std::string help;                    ///< what it means, in a few words
-  std::string unit{};                  ///< of a number: "ms"; empty where it has none
+  std::string name;                    ///< as in the flags of `slipstream live`: "min-modulation"
+  std::string help;                    ///< short description
+  std::string unit{};                  ///< unit of a number, e.g. "ms"; empty if none
   std::string value{};                 ///< a number, or one of the choices
-  std::vector<std::string> choices{};  ///< "off" and "on" of a switch; empty for a number
-  double least = 0, most = 0;          ///< of a number
-  std::string state{};                 ///< what is to be said beside it; mostly empty
+  std::vector<std::string> choices{};  ///< "off" and "on" for a switch; empty for a number
+  double least = 0, most = 0;          ///< range of a number
+  std::string state{};                 ///< remark shown beside it; usually empty
 };
 
-/// Throws Error, which says what would be right, unless a setting of that name takes that value.
+/// Throws Error, naming valid choices, unless a setting of that name accepts that value.
 void require_settable(const std::vector<RunSetting>& settings, const std::string& name,
                       const std::string& value);
 
-/// The run whose clouds are published. The functions are called from any thread; they may throw.
+/// The run whose clouds are published. Its functions are called from any thread and may throw.
 struct PublishedRun {
-  Lens camera{};           ///< whose pixels the clouds have
-  std::string scanner{};   ///< the text of its scanner file; empty where none is known
-  bool has_points = true;  ///< whether a scanner is known; else there are pictures alone
-  std::function<std::string()> statistics{};  ///< what the run has counted until now, as JSON
-  std::function<std::string()> trouble{};     ///< one line; empty where all is well
-  /// Writes the newest cloud; returns where. Throws Error within a second of the last time.
+  Lens camera{};           ///< camera whose pixel grid the clouds use
+  std::string scanner{};   ///< text of its scanner file; empty if unknown
+  bool has_points = true;  ///< whether a scanner is known; otherwise there are only pictures
+  std::function<std::string()> statistics{};  ///< the run's statistics so far, as JSON
+  std::function<std::string()> trouble{};     ///< one line; empty if all is well
+  /// Writes the newest cloud and returns its path. Throws Error within one second of the last call.
   std::function<std::string()> save{};
-  /// The phase that the cloud's frames show: of each pixel 1 to 255 over a period, 0 where it is
-  /// too dark. Empty where they are not of what is looked for now. One thread at a time.
+  /// Wrapped phase of the cloud's frames: 1 to 255 over a period per pixel, 0 if too dark. Empty
+  /// for frames of another sequence than the current one. One thread at a time.
   std::function<Image<std::uint8_t>(const LiveCloud&)> phase{};
-  /// What the frames show now.
+  /// The sequence in use now.
   std::function<Sequence()> sequence{};
   /// Null if the noise is unknown; nullopt for frames of another sequence. One thread at a time.
   std::function<std::optional<Uncertainty>(const LiveCloud&)> uncertainty{};
-  /// What can be changed now, in a stable order, by any sink or the viewer; none of a lost camera.
+  /// Settings that any sink or the viewer may change now, in a stable order; without those of a
+  /// lost camera.
   std::function<std::vector<RunSetting>()> settings{};
-  /// Sets the one of that name to a value that it can have: throws Error as require_settable.
+  /// Sets a setting by name. Throws Error like require_settable.
   std::function<void(const std::string& name, const std::string& value)> change{};
 };
 
-/// Where clouds go: a file, other programs, a browser. A Publisher gives each its thread.
+/// A destination of clouds: a file, other programs, a browser. A Publisher runs each on its own
+/// thread.
 class CloudSink {
  public:
   virtual ~CloudSink() = default;
 
-  /// Whether the sink is to be given this cloud, of those that come. In the thread that makes them.
+  /// Whether to pass this cloud to the sink. Called in the thread that makes clouds.
   [[nodiscard]] virtual bool wants(const LiveCloud&) { return true; }
-  /// Takes the next cloud; may keep one at most. What is thrown ends the sink and nothing else.
-  /// `alone`: others wait and some were dropped: add nothing slow, as uncertainty or frames.
+  /// Takes the next cloud; may keep at most one. An exception ends only this sink. `alone`: clouds
+  /// are waiting and some were dropped, so skip slow additions such as uncertainty or frames.
   virtual void put(const Pooled<LiveCloud>& cloud, bool alone) = 0;
-  /// No more clouds come. Throws likewise.
+  /// Called after the last cloud. Throws likewise.
   virtual void finish() {}
-  /// Lines for people that were not told before. From any thread.
+  /// New status lines since the last call. From any thread.
   virtual std::vector<std::string> news() { return {}; }
 };
 
-/// A sink of clouds that share no frame with the one before.
+/// A sink that skips clouds sharing a frame with the previous one.
 class DisjointCloudSink : public CloudSink {
  public:
   [[nodiscard]] bool wants(const LiveCloud& cloud) final {
@@ -71,66 +73,69 @@ class DisjointCloudSink : public CloudSink {
   }
 
  private:
-  std::optional<std::uint64_t> last_;  ///< sequence of the newest frame of the one chosen last
+  std::optional<std::uint64_t>
+      last_;  ///< sequence number of the newest frame of the last cloud taken
 };
 
-/// What can be asked for: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE, genicam:ADDRESS".
+/// The available sinks: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE, genicam:ADDRESS".
 std::string sink_forms();
 
-/// Throws Error, which names the forms, for what is none of them.
+/// Throws Error, listing the available forms, if `name` is invalid.
 void require_sink(const std::string& name);
 
-/// Throws as require_sink, and WorldError if the port is taken or the file cannot be written.
+/// Throws like require_sink, and WorldError if the port is taken or the file cannot be written.
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run);
 
-/// One kind of sink: a file that defines one of these.
+/// One kind of sink; each is defined in its own file.
 struct SinkKind {
   const char* name;
   const char* form;                          ///< "NAME:WHAT"
-  void (*require)(const std::string& what);  ///< throws Error where that cannot be meant
+  void (*require)(const std::string& what);  ///< throws Error if invalid
   std::unique_ptr<CloudSink> (*open)(const std::string& what, PublishedRun run);
 };
 
 /// Serves a page with the newest cloud, its picture and the run's statistics over HTTP and
-/// WebSocket; /statistics as JSON, /metrics for Prometheus, /health. If other machines reach it, a
-/// random token is required, which the news tell as part of the address.
+/// WebSocket; /statistics as JSON, /metrics for Prometheus, /health. If other machines can reach
+/// it, a random token is required; the printed address contains it.
 extern const SinkKind web_sink;
-/// Writes messages of ROS 2 into an MCAP file: /points, /image, of clouds that share no frame.
+/// Writes ROS 2 messages into an MCAP file: /points and /image, of clouds that share no frame.
 extern const SinkKind mcap_sink;
-/// Clouds, pictures and services of ROS 2 over Cyclone DDS, in the domain of ROS_DOMAIN_ID.
+/// Publishes clouds, pictures and services to ROS 2 over Cyclone DDS, in the domain ROS_DOMAIN_ID.
 extern const SinkKind ros2_sink;
-/// Is a 3-D camera to whoever reads GigE Vision and GenICam: one client at a time gets clouds, as
-/// points or depth, with intensity and confidence where it asks for these.
+/// Acts as a GigE Vision and GenICam 3-D camera: one client at a time receives clouds as points or
+/// depth, with intensity and confidence on request.
 extern const SinkKind genicam_sink;
 
-/// What has become of the clouds that a sink was given.
+/// Statistics of a sink.
 struct SinkStatistics {
-  std::string name;             ///< as it was asked for
-  std::uint64_t published = 0;  ///< that it has taken
-  std::uint64_t dropped = 0;    ///< that it had no time for, the oldest of those that waited
-  std::string error;            ///< why it takes no more; empty where it does
+  std::string name;             ///< as requested
+  std::uint64_t published = 0;  ///< clouds taken
+  std::uint64_t dropped = 0;    ///< clouds dropped because the sink was too slow, oldest first
+  std::string error;            ///< why it failed; empty while it works
 };
 
-/// Gives clouds to sinks, each on its own thread behind a queue that drops its oldest: no waiting.
+/// Passes clouds to sinks, each on its own thread behind a queue that drops its oldest; never
+/// waits.
 class Publisher {
  public:
-  /// Clouds that wait for a sink, and all that it may hold.
+  /// Clouds waiting for a sink, plus those it may hold.
   static constexpr std::size_t waiting_clouds = 4, held_clouds = waiting_clouds + 2;
 
   Publisher();
-  ~Publisher();  ///< finishes
+  ~Publisher();  ///< calls finish()
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// Before the first cloud.
+  /// Call before the first cloud.
   void add(const std::string& name, std::unique_ptr<CloudSink> sink);
   void publish(const Pooled<LiveCloud>& cloud);
-  /// Publishes what waits, and ends the sinks: they call nothing of their run any more.
+  /// Publishes waiting clouds and ends the sinks, which then no longer call their run.
   void finish();
 
-  /// In the order in which they were added.
+  /// In the order they were added.
   [[nodiscard]] std::vector<SinkStatistics> statistics() const;
-  /// News: to `say` what sinks tell, to `warn` once that one drops clouds or failed. One thread.
+  /// Passes status lines of sinks to `say`, and the first drop or failure of each to `warn`. One
+  /// thread.
   void tell(const std::function<void(const std::string&)>& say,
             const std::function<void(const std::string&)>& warn);
 

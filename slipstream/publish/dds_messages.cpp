@@ -8,7 +8,7 @@
 namespace slipstream {
 namespace {
 
-/// Of a message that is read: a request without content has 24 bytes.
+/// Largest message to read: an empty request has 24 bytes.
 constexpr std::size_t longest_read = 4096;
 
 struct MessageData : ddsi_serdata {
@@ -23,7 +23,7 @@ const RosMessage& message_of(const ddsi_serdata* data) {
   return *static_cast<const MessageData*>(data)->message;
 }
 
-/// No exception may reach DDS, which is C.
+/// Exceptions must not reach DDS, which is C.
 ddsi_serdata* make_data(const ddsi_sertype* type, ddsi_serdata_kind kind,
                         const SharedMessage& message) noexcept {
   return new (std::nothrow) MessageData(type, kind, message);
@@ -43,7 +43,7 @@ ddsi_serdata* read_data(const ddsi_sertype* type, ddsi_serdata_kind kind, std::s
   }
 }
 
-/// Fragments in the order of their begins; they may overlap.
+/// Fragments ordered by their start; they may overlap.
 void copy_fragments(const nn_rdata* fragment, std::span<std::uint8_t> to) {
   std::size_t done = 0;
   for (; fragment != nullptr; fragment = fragment->nextfrag) {
@@ -97,7 +97,7 @@ ddsi_serdata_ops make_data_operations() {
     *text = 0;
     return std::size_t{0};
   };
-  // Nothing tells one message of a topic from another: they have no key.
+  // Messages have no key: all belong to one instance.
   make.eqkey = [](const ddsi_serdata*, const ddsi_serdata*) { return true; };
   make.from_keyhash = [](const ddsi_sertype* type, const ddsi_keyhash*) {
     return make_data(type, SDK_KEY, nullptr);
@@ -121,9 +121,11 @@ ddsi_sertype_ops make_type_operations() {
     ddsi_sertype_fini(type);
     delete type;
   };
-  make.equal = [](const ddsi_sertype*, const ddsi_sertype*) { return true; };  // names are compared
+  make.equal = [](const ddsi_sertype*, const ddsi_sertype*) {
+    return true;
+  };  // types are compared by name
   make.hash = [](const ddsi_sertype*) { return std::uint32_t{0}; };
-  // Of samples that DDS lends; here it lends none.
+  // For loaned samples, which are not used here.
   make.zero_samples = [](const ddsi_sertype*, void*, std::size_t) {};
   make.realloc_samples = [](void**, const ddsi_sertype*, void*, std::size_t, std::size_t) {};
   make.free_samples = [](const ddsi_sertype*, void**, std::size_t, dds_free_op_t) {};
@@ -135,7 +137,7 @@ ddsi_sertype_ops make_type_operations() {
 void pad(RosMessage& message) {
   const std::size_t missing = (4 - message.size() % 4) % 4;
   message.resize(message.size() + missing);
-  message[3] = static_cast<std::uint8_t>(missing);  // so CDR tells it
+  message[3] = static_cast<std::uint8_t>(missing);  // as in the CDR header
 }
 
 dds_entity_t create_message_topic(dds_entity_t participant, const std::string& name,

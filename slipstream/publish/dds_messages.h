@@ -6,14 +6,14 @@
 
 namespace slipstream {
 
-/// What topics carry: dds_write takes the address of one, without a copy, and dds_take fills one.
+/// A topic's sample: dds_write takes its address, without a copy, and dds_take fills one.
 using SharedMessage = std::shared_ptr<const RosMessage>;
 
-/// Makes the message's length one that DDS sends, a multiple of four.
+/// Pads the message to a multiple of four bytes, as DDS requires.
 void pad(RosMessage& message);
 
-/// A topic of messages that are CDR already, of a type known by its name alone, as in ROS 2 over
-/// Cyclone DDS. Refuses to read long messages. Returns the topic, or a negative error of DDS.
+/// Creates a topic of ready-made CDR messages of a type known only by name, as in ROS 2 over
+/// Cyclone DDS. Rejects long messages when reading. Returns the topic, or a negative DDS error.
 dds_entity_t create_message_topic(dds_entity_t participant, const std::string& name,
                                   const std::string& type);
 

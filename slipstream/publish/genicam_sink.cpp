@@ -21,14 +21,15 @@ using enum GigeStatus;
 using namespace scan3d;
 
 constexpr std::uint32_t fire_test_packet = 0x80000000, is_test_whole = 0x40000000;
-/// Bytes per second. A receiver's socket holds some hundred kB: blocks are spread over the period.
+/// Bytes per second. A receiver's socket buffer holds a few hundred kB, so blocks are spread over
+/// the period.
 constexpr double slowest = 50e6, fastest = 400e6, spread = 0.5;
-/// How far the packets may fall behind and come at once after that.
+/// How far packets may lag behind before they are sent in a burst.
 constexpr auto most_behind = 500us;
 constexpr std::chrono::duration<double> longest_block = 1s;
 constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
 constexpr auto between_checks = 200ms;
-constexpr std::uint32_t depth = 2;  // of the coordinates
+constexpr std::uint32_t depth = 2;  // per coordinate
 
 GigeControl::Writable writable() {
   return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},
@@ -37,7 +38,7 @@ GigeControl::Writable writable() {
           {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c}, {0x8100, 0x8200}};
 }
 
-/// What a client may write into a register: always, or while no blocks are sent.
+/// When a client may write a register: always, or only while not streaming.
 struct Bounds {
   GigeRegister which;
   std::uint32_t least, most;
@@ -55,13 +56,13 @@ constexpr std::array bounds{Bounds{acquisition, 0, 1, true},
                             Bounds{at(component_enable, 1), 0, 1, false},
                             Bounds{at(component_enable, 2), 0, 1, false}};
 
-/// A block that was sent and may be asked for again, as much of it as it has.
+/// A sent block, kept for resend requests.
 struct SentBlock {
   GigeBlock block;
   std::atomic<std::size_t> sent_again = 0;
 };
 
-/// The camera: one thread answers, the publisher's sends clouds.
+/// The camera: one thread answers requests, the publisher's thread sends clouds.
 class GenicamSink final : public CloudSink {
  public:
   GenicamSink(const std::string& address, PublishedRun run)
@@ -76,7 +77,7 @@ class GenicamSink final : public CloudSink {
   bool wants(const LiveCloud& cloud) override {
     if (is_sending_) return false;
     const std::unique_lock lock(mutex_, std::try_to_lock);
-    return !lock || stream_for(cloud);  // who makes clouds waits for nobody
+    return !lock || stream_for(cloud);  // must not block the thread that makes clouds
   }
 
   void put(const Pooled<LiveCloud>& cloud, bool /*alone*/) override {
@@ -113,7 +114,7 @@ class GenicamSink final : public CloudSink {
   }
   std::vector<std::string> news() override {
     if (!fell_silent_ || std::exchange(told_silent_, true)) return {};
-    return {"a client that fell silent was let go"};
+    return {"disconnected a silent client"};
   }
 
  private:
@@ -139,7 +140,7 @@ class GenicamSink final : public CloudSink {
     }
   }
 
-  /// Nothing that changes what a block is may be written while blocks are sent.
+  /// Settings that change a block's layout are locked while streaming.
   GigeStatus accept(GigeRegister which, std::uint32_t value) {
     if (which >= setting) {
       return change_setting(
@@ -185,7 +186,7 @@ class GenicamSink final : public CloudSink {
     return accept_steps(which, std::bit_cast<float>(value));
   }
 
-  /// A point's pixels, with what their numbers mean.
+  /// Pixel formats of points, with their scale.
   GigeStatus choose(GigePixels pixels) {
     const bool has_steps = pixels == GigePixels::coord3d_c16;
     const bool has_axes = pixels == GigePixels::coord3d_abc32f;
@@ -199,7 +200,7 @@ class GenicamSink final : public CloudSink {
     return success;
   }
 
-  /// What any sink or the viewer has changed. One that is gone stays as it was.
+  /// Updates settings changed by any sink or the viewer. A removed setting keeps its value.
   void look_at_settings() try {
     const std::vector<RunSetting> all = run_.settings();
     const std::lock_guard lock(mutex_);
@@ -213,7 +214,7 @@ class GenicamSink final : public CloudSink {
                            : static_cast<std::uint32_t>(choice - now.choices.begin()));
       }
     }
-  } catch (const std::exception&) {  // the camera is going
+  } catch (const std::exception&) {  // the camera is shutting down
   }
 
   GigeStatus change_setting(std::size_t i, std::uint32_t value) {
@@ -231,7 +232,7 @@ class GenicamSink final : public CloudSink {
     }
   }
 
-  /// How 16 bits tell a depth; other numbers are millimetres.
+  /// Scale of 16-bit depths; floats are millimetres.
   [[nodiscard]] GigeStatus accept_steps(GigeRegister which, float number) const {
     const bool has_steps =
         control_.read(pixel_format) == static_cast<std::uint32_t>(GigePixels::coord3d_c16);
@@ -256,7 +257,7 @@ class GenicamSink final : public CloudSink {
     return packing;
   }
 
-  /// What follows from what was written.
+  /// Updates registers that depend on the written one.
   void refresh() {
     std::size_t bytes = 0;
     for (const auto& [component, pixels] : packing().parts) bytes += bytes_per_pixel(pixels);
@@ -273,7 +274,7 @@ class GenicamSink final : public CloudSink {
     }
   }
 
-  /// As many packets of a block as it has, no more: who asks for ever gets no more than that.
+  /// Resends at most as many packets per block as it has, so that endless requests are bounded.
   void send_again(const GigeResend& asked) {
     std::unique_lock lock(mutex_);
     const auto to = control_.stream_target();
@@ -295,19 +296,20 @@ class GenicamSink final : public CloudSink {
     stream_socket_.send(packet, *to);
   }
 
-  /// Where a cloud goes, if it is to. One that was triggered has no frame from before that.
+  /// The destination of a cloud, if it is to be sent. A triggered cloud has no frame from before
+  /// the trigger.
   std::optional<GigeStream> stream_for(const LiveCloud& cloud) {
     const auto now = steady_clock::now();
     const auto stream = control_.stream(now);
     fell_silent_ = control_.silent_clients() > 0;
     if (!stream || (!stream->is_free && !stream->is_triggered)) return std::nullopt;
-    const auto early = stream->period / 4;  // clouds come a little early and late
+    const auto early = stream->period / 4;  // tolerates jitter of clouds
     const bool is_due =
         stream->is_free ? now + early >= due_ : cloud.frames.front()->stamp.host_time >= triggered_;
     return is_due ? stream : std::nullopt;
   }
 
-  /// With the memory of the block before the last, where nobody sends that again.
+  /// Reuses the memory of the block before the last, unless it is being resent.
   std::shared_ptr<SentBlock> next_block(bool is_multipart) {
     auto next = std::exchange(sent_[1], nullptr);
     if (!next || next.use_count() > 1) next = std::make_shared<SentBlock>();
@@ -335,7 +337,7 @@ class GenicamSink final : public CloudSink {
       write_packet(block, i, packet);
       stream_socket_.send(packet, stream.to);
       const auto now = steady_clock::now();
-      // Clients make room for blocks when the first packet has come.
+      // Clients enlarge their buffers at the first packet.
       due = std::max(due, now - most_behind) + (i == 0 && block.number == 1 ? first_pause : step);
       if (due - now > shortest_sleep) std::this_thread::sleep_until(due);
     }
@@ -345,24 +347,23 @@ class GenicamSink final : public CloudSink {
   const std::vector<RunSetting> settings_;  ///< at the start
   const GigeControlSockets sockets_;
   const UdpSocket stream_socket_;
-  std::mutex mutex_;  ///< of what follows
+  std::mutex mutex_;  ///< guards the members below
   GigeControl control_;
-  std::array<std::shared_ptr<SentBlock>, 2> sent_;  ///< the newest first
+  std::array<std::shared_ptr<SentBlock>, 2> sent_;  ///< newest first
   steady_clock::time_point triggered_{};
   std::atomic<bool> fell_silent_ = false;  ///< a client
-  bool told_silent_ = false;               ///< of who asks for news
+  bool told_silent_ = false;               ///< of the thread that calls news()
   std::atomic<bool> is_sending_ = false;
-  std::uint64_t number_ = 0;        ///< of the newest block, since the client opened its port
-  steady_clock::time_point due_{};  ///< of the publisher's thread, as what follows
-  std::jthread thread_;             ///< goes first
+  std::uint64_t number_ = 0;        ///< ID of the newest block since the client opened its port
+  steady_clock::time_point due_{};  ///< publisher's thread only, also below
+  std::jthread thread_;             ///< destroyed first
 };
 
 std::string address_from(const std::string& where) {
   in_addr host{};
   if (::inet_pton(AF_INET, where.c_str(), &host) == 1) return where;
   throw Error(fmt::format(
-      "--publish genicam:{}: the number of one of this machine's addresses is wanted, as "
-      "genicam:127.0.0.1",
+      "--publish genicam:{}: expected an IPv4 address of this machine, e.g. genicam:127.0.0.1",
       where));
 }
 
@@ -372,7 +373,7 @@ const SinkKind genicam_sink{
     "genicam", "genicam:ADDRESS",
     [](const std::string& where) { static_cast<void>(address_from(where)); },
     [](const std::string& where, PublishedRun run) -> std::unique_ptr<CloudSink> {
-      throw_if(!run.has_points, "--publish genicam:{}: a 3-D camera has points; give a --scanner",
+      throw_if(!run.has_points, "--publish genicam:{}: a 3-D camera needs points; give a --scanner",
                where);
       return std::make_unique<GenicamSink>(address_from(where), std::move(run));
     }};

@@ -12,12 +12,12 @@ using namespace std::string_view_literals;
 using namespace mcap;
 using Bytes = std::vector<std::uint8_t>;
 
-/// A chunk ends once it holds so much.
+/// A chunk ends once it holds this many bytes.
 constexpr std::size_t chunk_bytes = 4 << 20;
-/// Of zstd: the fastest ones save nearly as much of 32-bit floats as the thorough ones.
+/// zstd level: for 32-bit floats the fastest levels save nearly as much as the slow ones.
 constexpr int compression = -3;
 
-/// What tells what a record is, and how long its content.
+/// A record's opcode and length.
 void append_head(Bytes& bytes, Opcode opcode, std::uint64_t length) {
   append(bytes, static_cast<std::uint8_t>(opcode), length);
 }
@@ -37,12 +37,12 @@ Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
   return bytes;
 }
 
-/// Bytes of a record, and of a chunk's content.
+/// Limits of a record and of a chunk's content, bytes.
 constexpr std::uint64_t largest_record = std::uint64_t{1} << 30;
 /// A block of zstd has 128 KiB at most and takes 4 bytes at least.
 constexpr std::uint64_t most_times_smaller = (128 << 10) / 4;
 
-/// What records say, one behind another.
+/// Encoders of records.
 class Records {
  public:
   explicit Records(const std::function<void(const McapMessage&)>& see) : see_(see) {}
@@ -61,15 +61,15 @@ class Records {
       channel.encoding = record.text();
     } else if (opcode == message) {
       const auto channel = channels_.find(record.get<std::uint16_t>());
-      if (channel == channels_.end()) throw Error("a message is of no channel");
+      if (channel == channels_.end()) throw Error("a message has no channel");
       const auto& [schema, topic, encoding] = channel->second;
       const auto message_number = record.get<std::uint32_t>();
       const auto time = record.get<std::uint64_t>();
-      record.get<std::uint64_t>();  // when it was published
+      record.get<std::uint64_t>();  // publish time
       see_({topic, types_[schema], encoding, message_number, time, record.take(record.left())});
     } else if (opcode == attachment) {
       const auto time = record.get<std::uint64_t>();
-      record.get<std::uint64_t>();  // when it was made
+      record.get<std::uint64_t>();  // creation time
       const std::string name(record.text()), type(record.text());
       see_({name, type, "", 0, time, record.take(record.get<std::uint64_t>())});
     }
@@ -82,27 +82,28 @@ class Records {
   };
 
   void take_chunk(ByteReader& chunk) {
-    chunk.take(8 + 8);  // from when to when
+    chunk.take(8 + 8);  // time range
     const auto size = chunk.get<std::uint64_t>();
     const auto sum = chunk.get<std::uint32_t>();
     const std::string_view compression = chunk.text();
     std::span<const std::uint8_t> content = chunk.take(chunk.get<std::uint64_t>());
     if (compression == "zstd") {
       throw_if(size > largest_record || size / most_times_smaller > content.size(),
-               "a chunk says that it is larger than can be");
+               "a chunk states an impossible size");
       unpacked_.resize(size);
       throw_if(ZSTD_decompress(unpacked_.data(), size, content.data(), content.size()) != size,
                "a chunk is damaged");
       content = unpacked_;
     } else if (!compression.empty()) {
-      throw Error(fmt::format("its chunks are compressed by {}; zstd or none can be read",
-                              compression.substr(0, 32)));
+      throw Error(
+          fmt::format("its chunks are compressed by {}; only zstd or no compression can be read",
+                      compression.substr(0, 32)));
     }
     if (sum != 0 && checksum(content) != sum) throw Error("a chunk is damaged");
     for (ByteReader records(content); records.left() > 0;) {
       const auto opcode = records.get<std::uint8_t>();
       const auto record = records.take(records.get<std::uint64_t>());
-      if (opcode != mcap::chunk) take(opcode, record);  // there is none in another
+      if (opcode != mcap::chunk) take(opcode, record);  // chunks do not nest
     }
   }
 
@@ -114,7 +115,7 @@ class Records {
 
 bool read_records(const InputFile& file, Records& records) {
   std::array<std::uint8_t, 8> begin{};
-  if (!file.read(0, {begin}) || begin != magic) throw Error("is no MCAP file");
+  if (!file.read(0, {begin}) || begin != magic) throw Error("not an MCAP file");
   Bytes content;
   for (std::uint64_t offset = begin.size();;) {
     std::array<std::uint8_t, 1 + 8> head{};
@@ -124,9 +125,9 @@ bool read_records(const InputFile& file, Records& records) {
     const auto length = reader.get<std::uint64_t>();
     offset += head.size();
     if (opcode == data_end || opcode == footer) return true;
-    if (length > file.size() - offset) return false;  // what was being written
+    if (length > file.size() - offset) return false;  // an incomplete last record
     if ((opcode >= schema && opcode <= chunk) || opcode == attachment) {
-      if (length > largest_record) throw Error("a record of it is larger than 1 GiB");
+      if (length > largest_record) throw Error("has a record larger than 1 GiB");
       content.resize(length);
       if (!file.read(offset, {content})) return false;
       records.take(opcode, content);
@@ -170,7 +171,7 @@ class McapSink final : public DisjointCloudSink {
   }
   void add(const CloudTopic& topic) { topics_.emplace_back(add(topic.type, topic.name), topic); }
 
-  /// As they came, each on the topic of its pattern; none of a strategy that was just changed.
+  /// Frames as received, each on its pattern's topic; none right after a change of strategy.
   void put_frames(const LiveCloud& cloud) {
     const Sequence window = run_.sequence(), cycle = cycle_of(window);
     if (cloud.frames.size() != static_cast<std::size_t>(frame_count(window))) return;
@@ -192,7 +193,7 @@ class McapSink final : public DisjointCloudSink {
     }
   }
 
-  /// What the frames show from now on, where that is not as before.
+  /// Writes the sequence if it has changed.
   void attach_scan(const Sequence& sequence, const Frame& frame) {
     if (sequence == sequence_) return;
     const std::uint64_t time = world_time(frame.stamp.host_time);
@@ -210,7 +211,7 @@ class McapSink final : public DisjointCloudSink {
   std::vector<std::pair<std::uint16_t, CloudTopic>> topics_;  ///< by channel
   std::uint16_t statistics_ = 0;
   std::vector<std::uint16_t> frames_;  ///< by pattern
-  std::optional<Sequence> sequence_;   ///< that is attached
+  std::optional<Sequence> sequence_;   ///< as attached
   std::uint64_t next_statistics_ = 0;
   RosMessage message_;
 };
@@ -221,7 +222,7 @@ McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing wr
     : path_(path) {
   Bytes begin(magic.begin(), magic.end());
   append_record(begin, header, "ros2"sv, "slipstream"sv);
-  file_ = std::make_unique<OutputFile>(path, writing);  // last: it stays where memory fails
+  file_ = std::make_unique<OutputFile>(path, writing);  // last: kept if memory runs out before
   put({begin});
 }
 
@@ -229,11 +230,11 @@ McapWriter::~McapWriter() {
   try {
     if (file_) (void)file_->give_up(chunk_count_ == 0 ? 0 : offset_);
   } catch (const std::exception&) {
-    // A destructor has nobody to tell; what was written stays.
+    // A destructor cannot report failures; complete chunks stay.
   }
 }
 
-/// Puts what is read as a whole.
+/// Writes a complete chunk.
 void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts) {
   if (!file_) throw WorldError(fmt::format("{}: is closed", path_.string()));
   try {
@@ -246,29 +247,29 @@ void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts)
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
                                       const std::string& text) {
-  const auto number = static_cast<std::uint16_t>(messages_.size() + 1);  // of its schema too
+  const auto number = static_cast<std::uint16_t>(messages_.size() + 1);  // also its schema's
   Bytes of_schema, of_channel;
   append_record(of_schema, schema, number, schema_name, "ros2msg"sv, text);
-  constexpr std::uint32_t metadata = 0;  // no more is told of it
+  constexpr std::uint32_t metadata = 0;  // not described further
   append_record(of_channel, channel, number, number, topic, "cdr"sv, metadata);
   append(schemas_, of_schema);
   append(channels_, of_channel);
   append(of_schema, of_channel);
-  append(chunk_, of_schema);  // both at once or none
+  append(chunk_, of_schema);  // both or neither
   messages_[number] = 0;
   return number;
 }
 
 void McapWriter::write(std::uint16_t number, std::uint64_t time,
                        std::span<const std::uint8_t> content, std::optional<std::uint32_t> own) {
-  // All memory before the first byte: where there is none, no half a message is left.
+  // Reserves all memory first, so that running out leaves no half message.
   const std::size_t head = 1 + 8 + 2 + 4 + 8 + 8, needed = chunk_.size() + head + content.size();
   if (needed > chunk_.capacity()) chunk_.reserve(std::max(needed, 2 * chunk_.capacity()));
   chunk_times_.take_in({time, time});
   index_[number].push_back({time, chunk_.size()});
   const auto counted = static_cast<std::uint32_t>(messages_[number]++);
   append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
-  append(chunk_, number, own.value_or(counted), time, time, content);  // logged, and published
+  append(chunk_, number, own.value_or(counted), time, time, content);  // log and publish time
 }
 
 void McapWriter::attach(const std::string& name, const std::string& media_type, std::uint64_t time,
@@ -299,7 +300,7 @@ void McapWriter::end_chunk() {
   append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
   append(head, start, end, unpacked, checksum(chunk_), "zstd"sv, packed);
   const std::uint64_t length = head.size() + size;
-  std::map<std::uint16_t, std::uint64_t> begins;  // of each channel's index
+  std::map<std::uint16_t, std::uint64_t> begins;  // per channel index
   for (const auto& [number, places] : index_) {
     begins[number] = offset + length + indices.size();
     append_head(indices, message_index, 2 + 4 + 16 * places.size());
@@ -316,15 +317,15 @@ void McapWriter::end_chunk() {
 }
 
 void McapWriter::finish() {
-  if (!file_) return;  // what failed was told
+  if (!file_) return;  // the failure was reported before
   end_chunk();
   if (chunk_count_ == 0) return std::exchange(file_, nullptr)->discard();
   Bytes end;
-  append_record(end, data_end, std::uint32_t{0});  // no checksum of all before
+  append_record(end, data_end, std::uint32_t{0});  // no checksum of the data section
   put({end});
   const std::uint64_t summary = offset_;
   Bytes records, offsets;
-  // Of each kind of record, where the records of that kind lie.
+  // Position of each kind of record in the summary.
   const auto add_group = [&](Opcode opcode, const Bytes& group) {
     if (group.empty()) return;
     append_record(offsets, summary_offset, static_cast<std::uint8_t>(opcode),
@@ -343,7 +344,7 @@ void McapWriter::finish() {
   add_group(statistics, counts);
   add_group(chunk_index, chunk_indices_);
   add_group(attachment_index, attachment_indices_);
-  // The footer's own checksum is of all from the summary on but itself.
+  // The footer's checksum covers everything from the summary to itself.
   const std::uint64_t offsets_at = summary + records.size();
   append(records, offsets);
   append_head(records, footer, 8 + 8 + 4);

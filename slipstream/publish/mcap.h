@@ -9,7 +9,7 @@
 
 namespace slipstream {
 
-/// What stands in MCAP files: mcap.dev/spec.
+/// MCAP constants, see mcap.dev/spec.
 namespace mcap {
 
 inline constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
@@ -29,7 +29,7 @@ enum Opcode : std::uint8_t {
   data_end = 0x0f,
 };
 
-/// Adds what a record says: numbers, texts behind their length in 32 bits, and bytes.
+/// Appends a record's fields: numbers, texts after their 32-bit length, and bytes.
 template <class... Values>
 void append(std::vector<std::uint8_t>& record, const Values&... values) {
   const auto add = [&](const auto& value) {
@@ -47,28 +47,32 @@ void append(std::vector<std::uint8_t>& record, const Values&... values) {
 }
 }  // namespace mcap
 
-/// Messages of several channels in one MCAP file (mcap.dev/spec): chunks compressed by zstd, each
-/// with its index, one of all at the end, checksums. Without its end it is read by whole chunks.
+/// Writes messages of several channels into one MCAP file (mcap.dev/spec): chunks compressed by
+/// zstd, each with an index, a summary at the end, checksums. A truncated file is readable up to
+/// its last complete chunk.
 class McapWriter {
  public:
-  /// Throws WorldError where the file cannot be written, as all that follows: then it ends with the
-  /// chunk before, and nothing more is written. With none the file that was there before stays.
+  /// Throws WorldError if the file cannot be written, like all functions below: then it ends with
+  /// the last complete chunk, and nothing more is written. Without any chunk an existing file
+  /// stays.
   explicit McapWriter(const std::filesystem::path& path,
                       OutputFile::Writing writing = OutputFile::Writing::over_time);
-  ~McapWriter();  ///< without finish() it ends as if it could not be written
+  ~McapWriter();  ///< without finish() the file ends as after a failure
 
-  /// Messages in CDR, defined by a name and a "ros2msg" text. Returns the channel's number.
+  /// Adds a channel of CDR messages, defined by a type name and a "ros2msg" text. Returns its
+  /// number.
   std::uint16_t add_channel(const std::string& topic, const std::string& schema_name,
                             const std::string& schema);
-  /// `time`: ns of the world's clock since 1970. `number`: the message's own, else its count.
+  /// `time`: ns since 1970 (Unix time). `number`: the message's own sequence number, else its
+  /// count.
   void write(std::uint16_t channel, std::uint64_t time, std::span<const std::uint8_t> message,
              std::optional<std::uint32_t> number = std::nullopt);
-  /// A file within the file: its name and what it is, "application/yaml".
+  /// Attaches a file with its name and media type, e.g. "application/yaml".
   void attach(const std::string& name, const std::string& media_type, std::uint64_t time,
               std::string_view content);
-  /// Ends the chunk where it is full: what is written together is best read together.
+  /// Ends the chunk if it is full; messages written together stay together.
   void end_message_group();
-  /// Writes the end and gives the file its name; without any message the file before it stays.
+  /// Completes the file and gives it its name; without any message an existing file stays.
   void finish();
 
  private:
@@ -88,27 +92,28 @@ class McapWriter {
   void end_chunk();
 
   std::filesystem::path path_;
-  std::unique_ptr<OutputFile> file_;  ///< none once closed
+  std::unique_ptr<OutputFile> file_;  ///< null once closed
   std::uint64_t offset_ = 0;
   Bytes schemas_, channels_, chunk_, packed_, chunk_indices_, attachment_indices_;
   std::uint32_t chunk_count_ = 0, attachment_count_ = 0;
-  std::map<std::uint16_t, std::vector<Index>> index_;  ///< of the chunk, by channel
-  std::map<std::uint16_t, std::uint64_t> messages_;    ///< of each channel
+  std::map<std::uint16_t, std::vector<Index>> index_;  ///< the chunk's, by channel
+  std::map<std::uint16_t, std::uint64_t> messages_;    ///< per channel
   Span chunk_times_, times_;
 };
 
-/// A borrowed message of an MCAP file. An attached file has no encoding; the topic is its name.
+/// A borrowed message of an MCAP file. An attachment has no encoding, and its name as topic.
 struct McapMessage {
   const std::string& topic;
-  const std::string& type;      ///< its schema's name: "sensor_msgs/msg/PointCloud2"
+  const std::string& type;      ///< schema name, e.g. "sensor_msgs/msg/PointCloud2"
   const std::string& encoding;  ///< "cdr"
-  std::uint32_t number;         ///< that its writer gave it
-  std::uint64_t time;           ///< when it was logged, ns
+  std::uint32_t number;         ///< sequence number given by the writer
+  std::uint64_t time;           ///< log time, ns
   std::span<const std::uint8_t> content;
 };
 
-/// Calls `see` for each message in order, as far as the file is whole. Returns whether its end is
-/// there. Throws Error, naming the file, if it is invalid, not of zstd or plain, or if `see` does.
+/// Calls `see` for each message in order, up to the last complete chunk. Returns whether the file
+/// is complete. Throws Error, naming the file, if it is invalid or compressed by anything but zstd,
+/// or if `see` throws.
 bool read_mcap(const std::filesystem::path& path,
                const std::function<void(const McapMessage&)>& see);
 

@@ -37,22 +37,23 @@ Qos quality(dds_reliability_kind_t reliability, int kept,
   return qos;
 }
 
-/// The domain of ROS 2's and Cyclone DDS's variables. Its log becomes the sink's news, not stderr.
+/// Joins the domain set by ROS 2's and Cyclone DDS's environment variables. Its log goes to the
+/// sink's news, not to stderr.
 class Domain {
  public:
   Domain() {
     const std::string asked = variable("ROS_DOMAIN_ID");
     const auto id = number_in<std::uint32_t>(asked.empty() ? "0" : asked);
-    throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; a number from 0 to 232 is wanted", asked);
+    throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; expected a number from 0 to 232", asked);
     dds_set_log_sink(
         [](void* self, const dds_log_data_t* said) {
           static_cast<Domain*>(self)->hear({said->message, said->size});
         },
         this);
-    // These messages are not made for memory that processes share.
+    // These messages do not support shared memory.
     std::string config = "<SharedMemory><Enable>false</Enable></SharedMemory>";
     const std::string own = variable("CYCLONEDDS_URI");
-    // An interface that is named twice is refused.
+    // Cyclone DDS rejects an interface named twice.
     if (variable("ROS_LOCALHOST_ONLY") == "1" && own.find("<NetworkInterface") == own.npos) {
       config +=
           "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>";
@@ -68,7 +69,7 @@ class Domain {
       const std::vector<std::string> why = news();
       leave();
       throw_if(domain_ == DDS_RETCODE_PRECONDITION_NOT_MET,
-               "a program publishes to one namespace of ROS 2");
+               "only one ROS 2 namespace per program is possible");
       throw WorldError(fmt::format("cannot join ROS 2's domain {}: {}", *id,
                                    why.empty() ? dds_strretcode(-participant_) : why.back()));
     }
@@ -88,11 +89,11 @@ class Domain {
 
  private:
   void leave() {
-    if (domain_ >= 0) dds_delete(domain_);  // with all that was made in it
+    if (domain_ >= 0) dds_delete(domain_);  // with everything created in it
     dds_set_log_sink(nullptr, nullptr);
   }
 
-  std::mutex mutex_;  ///< of the two that follow
+  std::mutex mutex_;  ///< guards the two members below
   std::vector<std::string> news_;
   std::size_t heard_ = 0;
   dds_entity_t domain_ = 0, participant_ = 0;
@@ -105,10 +106,10 @@ std::string dds_name(const std::string& type) {
                      type.substr(slash + 1, last - slash - 1), type.substr(last + 1));
 }
 
-/// Messages of one type under one name.
+/// A topic: messages of one type.
 class MessageWriter {
  public:
-  /// `type`: as "sensor_msgs/msg/Image".
+  /// `type`: e.g. "sensor_msgs/msg/Image".
   MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type,
                 const Qos& qos) {
     const dds_entity_t topic = made(create_message_topic(participant, name, dds_name(type)), name);
@@ -122,7 +123,7 @@ class MessageWriter {
   }
   template <class Write>
   void write(Write write_message) {
-    if (message_.use_count() != 1) message_ = std::make_shared<RosMessage>();  // DDS has it still
+    if (message_.use_count() != 1) message_ = std::make_shared<RosMessage>();  // DDS still holds it
     write_message(*message_);
     pad(*message_);
     const SharedMessage message = message_;
@@ -134,7 +135,7 @@ class MessageWriter {
   std::shared_ptr<RosMessage> message_;
 };
 
-/// A service, answered in the thread that asks for it.
+/// A service, answered in the thread that calls answer().
 class Service {
  public:
   Service(dds_entity_t participant, const RosService& service) : answer_(service.answer) {
@@ -151,7 +152,7 @@ class Service {
     dds_instance_handle_t number = 0;
     made(dds_get_guid(participant, &participant_id), name);
     made(dds_get_instance_handle(requests, &number), name);
-    // By this ROS 2 sees that reader and writer are one service's.
+    // Tells ROS 2 that this reader and writer belong to one service.
     const std::string id =
         fmt::format("serviceid={:02x}.{:x};", fmt::join(participant_id.v, "."), number);
     dds_qset_userdata(qos.get(), id.data(), id.size());
@@ -161,7 +162,7 @@ class Service {
 
   [[nodiscard]] dds_entity_t reader() const { return reader_; }
 
-  /// Answers all requests that have come, until `stop`.
+  /// Answers all pending requests, until `stop`.
   void answer_requests(const std::atomic<bool>& stop) {
     SharedMessage request;
     void* sample = &request;
@@ -181,8 +182,8 @@ class Service {
     answer_(asked, answer);
     pad(*message);
     const SharedMessage written = message;
-    dds_write(writer_, &written);    // who does not listen any more gets none
-  } catch (const std::exception&) {  // nor who asks in no way that is known
+    dds_write(writer_, &written);    // skips clients that no longer listen
+  } catch (const std::exception&) {  // and unknown request formats
   }
 
   std::function<void(CdrReader& request, Cdr& answer)> answer_;
@@ -246,11 +247,11 @@ class Ros2Sink final : public DisjointCloudSink {
         if (run_.settings) tell_changes();
       }
     } catch (const std::exception& error) {
-      domain_.hear(fmt::format("no request is answered any more: {}", error.what()));
+      domain_.hear(fmt::format("requests are no longer answered: {}", error.what()));
     }
   }
 
-  /// A service std_srvs/srv/Trigger.
+  /// A std_srvs/srv/Trigger service.
   void add_trigger(const char* what, std::function<std::string()> pulled) {
     services_.emplace_back(participant_,
                            RosService{name_ + "/" + what, "std_srvs/srv/Trigger",
@@ -260,17 +261,17 @@ class Ros2Sink final : public DisjointCloudSink {
   }
 
   [[nodiscard]] std::string check() const {
-    std::vector<std::string> amiss;
-    if (std::string trouble = run_.trouble(); !trouble.empty()) amiss.push_back(trouble);
+    std::vector<std::string> problems;
+    if (std::string trouble = run_.trouble(); !trouble.empty()) problems.push_back(trouble);
     const auto document = nlohmann::json::parse(run_.statistics());
     for (const auto& finding : document.value("findings", nlohmann::json::array())) {
-      if (finding.at("end").is_null()) amiss.push_back(finding.at("what").get<std::string>());
+      if (finding.at("end").is_null()) problems.push_back(finding.at("what").get<std::string>());
     }
-    if (amiss.empty()) return "nothing is amiss";
-    throw Error(fmt::format("{}", fmt::join(amiss, "; ")));
+    if (problems.empty()) return "OK: no problems found";
+    throw Error(fmt::format("{}", fmt::join(problems, "; ")));
   }
 
-  /// To who listens, what any sink or the viewer has changed.
+  /// Publishes settings changed by any sink or the viewer.
   void tell_changes() try {
     if (!events_.is_heard()) return;
     std::vector<RunSetting> now = run_.settings();
@@ -280,10 +281,11 @@ class Ros2Sink final : public DisjointCloudSink {
       events_.write([&](RosMessage& message) { message.swap(event); });
     }
     told_ = std::move(now);
-  } catch (const std::exception&) {  // the camera is going, or nobody takes it: later
+  } catch (const std::exception&) {  // the camera is shutting down or there is no reader: try later
   }
 
-  /// rmw_dds_common/msg/ParticipantEntitiesInfo of the node. Identities have 24 bytes up to Humble.
+  /// rmw_dds_common/msg/ParticipantEntitiesInfo of the node. Identities have 24 bytes up to ROS 2
+  /// Humble.
   void tell_node() {
     const std::string distribution = variable("ROS_DISTRO");
     const std::size_t spare = distribution == "humble" ? 8 : 0;
@@ -311,21 +313,21 @@ class Ros2Sink final : public DisjointCloudSink {
                       "rmw_dds_common/msg/ParticipantEntitiesInfo",
                       quality(DDS_RELIABILITY_RELIABLE, 1, DDS_DURABILITY_TRANSIENT_LOCAL)};
   std::vector<Service> services_;
-  std::vector<RunSetting> told_;  ///< of the serving thread
+  std::vector<RunSetting> told_;  ///< serving thread only
   dds_entity_t waiting_ = 0, wake_ = 0;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };
 
-/// "scanner" of "scanner" and "/scanner"; throws Error where ROS 2 would not take it.
+/// "scanner" from "scanner" or "/scanner"; throws Error for an invalid ROS 2 namespace.
 std::string ros_namespace(const std::string& given) {
   static const std::regex form(R"(/?((?!.*__)[A-Za-z_]\w*(/[A-Za-z_]\w*)*))");
   std::smatch found;
   if (std::regex_match(given, found, form)) return found[1];
-  throw Error(fmt::format(
-      "--publish ros2:{}: a namespace of ROS 2 is wanted, as ros2:scanner or ros2:cell/left: "
-      "letters, digits and single _, no digit first",
-      given));
+  throw Error(
+      fmt::format("--publish ros2:{}: expected a ROS 2 namespace, e.g. ros2:scanner or "
+                  "ros2:cell/left: letters, digits and single _, no digit first",
+                  given));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace slipstream {
 namespace {
 
-/// The definition of a type that another one names.
+/// The definition of a type used by another.
 std::string named_definition(std::string_view name, std::string_view fields) {
   return fmt::format("\n{:=>80}\nMSG: {}\n{}", "", name, fields);
 }
@@ -20,11 +20,11 @@ std::string header_definition() {
          named_definition("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
 }
 
-constexpr std::uint8_t float32 = 7;  // PointField's number of it
+constexpr std::uint8_t float32 = 7;  // its PointField datatype
 
 struct PointField {
   std::string_view name;
-  float millimetres;  ///< in its unit
+  float millimetres;  ///< scale to its unit
 };
 constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
                                                   {"y", 1000},
@@ -35,7 +35,7 @@ constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
                                                   {"sigma_y", 1000},
                                                   {"sigma_z", 1000}}};
 
-/// How messages of pictures begin.
+/// Starts an Image message.
 Cdr begin_picture(RosMessage& message, std::uint64_t time, Size size) {
   Cdr cdr(message);
   cdr.add_header(time).add(static_cast<std::uint32_t>(size.height));
@@ -63,7 +63,8 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
     return std::any_of(D.begin() + static_cast<std::ptrdiff_t>(first), D.end(),
                        [](double d) { return d != 0; });
   };
-  // ROS's first model has five coefficients, its second eight; OpenCV reads 12 and 14 as well.
+  // ROS's plumb_bob model has five coefficients, rational_polynomial eight; OpenCV also reads 12
+  // and 14.
   const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
   Cdr cdr = begin_picture(message, time, size);
   cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial").add_count(count);
@@ -76,16 +77,16 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
   projection.leftCols<3>() = lens.intrinsic;
   add_rows(lens.intrinsic);
-  add_rows(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));  // rectified is not turned
+  add_rows(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));  // no rectifying rotation
   add_rows(projection);
-  for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, all of the sensor
+  for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, full sensor
   cdr.add(std::uint8_t{0});
 }
 
 void skip_header(CdrReader& cdr) {
   cdr.count();  // seconds
   cdr.count();
-  cdr.text();  // of the frame
+  cdr.text();  // the frame's
 }
 
 }  // namespace
@@ -165,7 +166,7 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
         uncertainty->y.begin()[i] / 1000, uncertainty->z.begin()[i] / 1000};
     std::memcpy(at + sizeof point, sigma.data(), sizeof sigma);
   }
-  cdr.add(std::uint8_t{0});  // some points are NaN
+  cdr.add(std::uint8_t{0});  // not dense: some points are NaN
 }
 
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
@@ -177,7 +178,7 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
     const std::string_view name = cdr.text();
     const std::uint32_t offset = cdr.count();
     const bool wanted = cdr.get<std::uint8_t>() == float32;
-    cdr.count();  // how many, of which the first is taken
+    cdr.count();  // count; only the first is used
     const auto known = std::find_if(point_fields.begin(), point_fields.end(),
                                     [&](const PointField& field) { return field.name == name; });
     if (wanted && known != point_fields.end()) {
@@ -195,7 +196,7 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
                !std::all_of(offsets.begin(), offsets.end(), largest) || points > largest_picture ||
                row_step < std::uint64_t{width} * step ||
                data.size() < std::uint64_t{row_step} * height,
-           "a cloud whose points are not 32-bit x, y, z, little-endian, in their places");
+           "cloud without little-endian 32-bit float x, y, z fields");
   const Size size{static_cast<int>(width), static_cast<int>(height)};
   StoredCloud stored{.cloud = Cloud(size), .organised = height > 1};
   if (offsets.back()) stored.uncertainty.emplace(size);
@@ -258,7 +259,7 @@ Frame read_frame(std::span<const std::uint8_t> message, int bits) {
   throw_if(big_endian || encoding != (bits > 8 ? "mono16" : "mono8") || width == 0 || height == 0 ||
                std::uint64_t{width} * height > largest_picture || step != row ||
                data.size() != row * height,
-           "a frame that is no grey picture of {} bits", bits);
+           "frame is not a {}-bit grey picture", bits);
   Frame frame({{static_cast<int>(width), static_cast<int>(height)}, bits});
   std::visit([&](auto& pixels) { std::memcpy(pixels.begin(), data.data(), data.size()); },
              frame.pixels);

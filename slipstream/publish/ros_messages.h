@@ -11,13 +11,13 @@
 
 namespace slipstream {
 
-/// A message of ROS 2 in its binary form: CDR, little-endian.
+/// A ROS 2 message in little-endian CDR.
 using RosMessage = std::vector<std::uint8_t>;
 
-/// Adds numbers and texts one after the other, each where CDR aligns it.
+/// Appends numbers and texts with CDR alignment.
 class Cdr {
  public:
-  /// Begins the message anew; its memory is used.
+  /// Restarts the message, reusing its memory.
   explicit Cdr(RosMessage& message) : message_(message) {
     message_.assign({0, 1, 0, 0});  // CDR, little-endian
   }
@@ -29,7 +29,7 @@ class Cdr {
     std::memcpy(&message_[at], &number, sizeof number);
     return *this;
   }
-  /// How many follow, or how long something is.
+  /// A count or a length.
   Cdr& add_count(std::size_t count) { return add(static_cast<std::uint32_t>(count)); }
   Cdr& add_text(std::string_view text) {
     add_count(text.size() + 1);
@@ -44,7 +44,7 @@ class Cdr {
     return add(static_cast<std::uint32_t>(nanoseconds % second));
   }
   Cdr& add_header(std::uint64_t time) { return add_time(time).add_text("camera"); }
-  /// A list of so many bytes, to be filled before more is added.
+  /// Appends a list of this many bytes; fill it before appending more.
   std::span<std::uint8_t> add_bytes(std::size_t count) {
     add_count(count);
     message_.resize(message_.size() + count);
@@ -55,7 +55,7 @@ class Cdr {
   RosMessage& message_;
 };
 
-/// Takes numbers and texts off the front of untrusted bytes. Throws Error if they end too soon.
+/// Reads numbers and texts from untrusted bytes. Throws Error if they end too soon.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -70,12 +70,12 @@ class ByteReader {
   Number get() {
     return number_at<Number>(take(sizeof(Number)), 0);
   }
-  /// Behind its length in 32 bits.
+  /// A text after its 32-bit length.
   std::string_view text() {
     const auto letters = take(get<std::uint32_t>());
     return {reinterpret_cast<const char*>(letters.data()), letters.size()};
   }
-  /// Goes on at the next multiple of `size`, counted from the begin.
+  /// Skips to the next multiple of `size` from the beginning.
   void align(std::size_t size) { take((size - at_ % size) % size); }
 
  private:
@@ -83,7 +83,7 @@ class ByteReader {
   std::size_t at_ = 0;
 };
 
-/// The same of an untrusted message. The constructor throws Error if it is not little-endian CDR.
+/// Reads an untrusted CDR message. The constructor throws Error if it is not little-endian CDR.
 class CdrReader : private ByteReader {
  public:
   explicit CdrReader(std::span<const std::uint8_t> message) : ByteReader(content_of(message)) {}
@@ -99,7 +99,7 @@ class CdrReader : private ByteReader {
     const std::string_view text = ByteReader::text();
     return text.substr(0, text.find('\0'));
   }
-  /// Those of a list of numbers of so many bytes each.
+  /// A list of numbers of this many bytes each.
   std::span<const std::uint8_t> list(std::size_t size = 1) {
     const std::uint64_t numbers = count();
     if (numbers > 0) align(size);
@@ -109,13 +109,13 @@ class CdrReader : private ByteReader {
  private:
   static std::span<const std::uint8_t> content_of(std::span<const std::uint8_t> message) {
     if (message.size() < 4 || message[0] != 0 || message[1] != 1) {
-      throw Error("a message is no little-endian CDR");
+      throw Error("message is not little-endian CDR");
     }
     return message.subspan(4);
   }
 };
 
-/// A type of message: "sensor_msgs/msg/Image", and its definition with those that it names.
+/// A message type, e.g. "sensor_msgs/msg/Image", and its definition with the types it uses.
 struct RosType {
   std::string name;
   std::string definition;
@@ -123,10 +123,10 @@ struct RosType {
 RosType point_cloud_type();
 RosType image_type();
 
-/// Nanoseconds of the world's clock since 1970 at that time of this machine's.
+/// Unix time in ns of a time on this machine's steady clock.
 std::uint64_t world_time(std::chrono::steady_clock::time_point time);
 
-/// A cloud as a sink is given it, see CloudSink::put; `time`: world_time.
+/// Arguments of CloudSink::put; `time`: world_time.
 struct PublishedCloud {
   const LiveCloud& cloud;
   const PublishedRun& run;
@@ -134,49 +134,51 @@ struct PublishedCloud {
   std::uint64_t time = world_time(cloud.newest.host_time);
 };
 
-/// A topic that sinks publish for each cloud.
+/// A topic published for each cloud.
 struct CloudTopic {
   std::string name;
   RosType type;
-  /// Writes the cloud's message, whose memory is used.
+  /// Writes the cloud's message, reusing its memory.
   void (*write)(const PublishedCloud& published, RosMessage& message);
 };
-/// "image": the cloud's intensity as mono8; without a scanner the window's first frame.
+/// "image": the cloud's intensity as mono8; without a scanner, the window's first frame.
 CloudTopic image_topic();
-/// "points": write_point_cloud, with what the run knows of its uncertainty unless it goes alone.
+/// "points": write_point_cloud, with the uncertainty, if known and if not sent `alone`.
 CloudTopic points_topic();
-/// "depth": sensor_msgs/msg/Image as 32FC1, metres, as write_point_cloud has them.
+/// "depth": sensor_msgs/msg/Image as 32FC1, metres, like write_point_cloud.
 CloudTopic depth_topic();
-/// "camera_info": sensor_msgs/msg/CameraInfo of the run's camera, of the cloud's size.
+/// "camera_info": sensor_msgs/msg/CameraInfo of the run's camera at the cloud's size.
 CloudTopic camera_info_topic();
 
-/// Each into `message`, whose memory is used; `time`: world_time.
+/// All write into `message`, reusing its memory; `time`: world_time.
 
-/// sensor_msgs/msg/PointCloud2 of 32-bit floats, organised as the camera's pixels: x, y, z in
-/// metres (the cloud's millimetres divided by 1000), NaN without a point, intensity in grey levels
-/// of 255, and with the uncertainty sigma_coordinate, sigma_x, sigma_y and sigma_z likewise.
+/// sensor_msgs/msg/PointCloud2 of 32-bit floats, organised like the camera's pixels: x, y, z in
+/// metres (the cloud's millimetres divided by 1000), NaN if invalid; intensity in grey levels of
+/// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z.
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
 /// sensor_msgs/msg/Image: a camera's frame, mono8 or mono16.
 void write_image(const Frame& frame, std::uint64_t time, RosMessage& message);
-/// The same of a cloud's intensity, mono8.
+/// sensor_msgs/msg/Image of a cloud's intensity, mono8.
 void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 
-/// What of a PointCloud2's fields write_point_cloud has, in mm, whoever wrote it. Throws Error,
-/// naming no file, where it is none, has no x, y, z of 32-bit float, or is not little-endian.
+/// Reads the fields of write_point_cloud from any PointCloud2, converted to mm. Throws Error,
+/// without a file name, if it is not a PointCloud2, has no 32-bit float x, y, z, or is not little-
+/// endian.
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
-/// The frame of an Image of so many bits, without its stamp. Throws Error, naming no file.
+/// The frame of an Image with this bit depth, without its timestamp. Throws Error without a file
+/// name.
 Frame read_frame(std::span<const std::uint8_t> message, int bits);
 
-/// A service of ROS 2.
+/// A ROS 2 service.
 struct RosService {
   std::string name;  ///< "scanner/capture"
   std::string type;  ///< "std_srvs/srv/Trigger"
-  /// Reads what is asked and adds the answer. Throws Error where the request is none.
+  /// Reads the request and appends the answer. Throws Error for an invalid request.
   std::function<void(CdrReader& request, Cdr& answer)> answer;
 };
 
-/// Adds a Trigger or SetParametersResult: true and what `work` returns, or false and its error.
+/// Appends a Trigger or SetParametersResult: true and the result of `work`, or false and its error.
 template <class Work>
 void add_outcome(Cdr& answer, const Work& work) {
   std::string text;
@@ -191,10 +193,11 @@ void add_outcome(Cdr& answer, const Work& work) {
 }
 
 /// The services by which ROS 2 reads and changes a node's parameters: the settings of the borrowed
-/// run. Numbers are doubles (whole numbers are taken too), switches booleans, all else texts.
+/// run. Numbers are doubles (integers are accepted), switches booleans, everything else text.
 std::vector<RosService> parameter_services(const std::string& node, const PublishedRun& run);
 
-/// rcl_interfaces/msg/ParameterEvent: settings that have come, changed and gone. False if none has.
+/// rcl_interfaces/msg/ParameterEvent: new, changed and removed settings. Returns false if there are
+/// none.
 bool write_parameter_event(const std::string& node, std::uint64_t time,
                            const std::vector<RunSetting>& before,
                            const std::vector<RunSetting>& now, RosMessage& message);

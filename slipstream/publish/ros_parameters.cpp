@@ -17,7 +17,7 @@ struct Wish {
   std::string name, value;
 };
 
-/// Kind::none for a setting without a name.
+/// Kind::none for an unknown setting.
 Kind kind_of(const RunSetting& setting) {
   if (setting.name.empty()) return Kind::none;
   if (setting.choices.empty()) return Kind::real;
@@ -50,7 +50,7 @@ std::string read_value(CdrReader& cdr) {
   return kind == Kind::boolean   ? (on ? "on" : "off")
          : kind == Kind::integer ? fmt::format("{}", integer)
          : kind == Kind::real    ? fmt::format("{}", real)
-                                 : std::move(text);  // of all else it is empty
+                                 : std::move(text);  // empty for other kinds
 }
 
 void add_parameters(const Settings& settings, Cdr& cdr) {
@@ -76,7 +76,7 @@ Wish read_wish(CdrReader& request) {
   return {read_name(request), read_value(request)};  // in this order
 }
 
-/// All of them or none, as far as a camera lets itself be set back.
+/// Sets all or none, as far as a camera can be set back.
 void change_all(const PublishedRun& run, const std::vector<Wish>& wishes) {
   const Settings before = run.settings();
   for (const auto& [name, value] : wishes) require_settable(before, name, value);
@@ -95,10 +95,10 @@ void add_description(const std::string& name, const RunSetting& setting, Cdr& cd
   cdr.add_text(name).add(kind_of(setting));
   cdr.add_text(setting.help + (setting.unit.empty() ? "" : ", " + setting.unit));
   cdr.add_text(fmt::format("{}", fmt::join(setting.choices, "; ")));
-  cdr.add(std::uint8_t{0}).add(std::uint8_t{0});  // can be set, to a value of its type
+  cdr.add(std::uint8_t{0}).add(std::uint8_t{0});  // writable, of fixed type
   cdr.add_count(is_number ? 1 : 0);
   if (is_number) cdr.add(setting.least).add(setting.most).add(0.0);
-  cdr.add_count(0);  // of whole numbers
+  cdr.add_count(0);  // integer ranges
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
     return RosService{node + "/" + name, std::string("rcl_interfaces/srv/") + type,
                       std::move(answer)};
   };
-  /// What is told of each of the names that are asked for.
+  /// A reply per requested name.
   const auto of_each = [&run](auto add) {
     return [&run, add](CdrReader& request, Cdr& answer) {
       const Settings settings = run.settings();
@@ -137,7 +137,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
                 });
                 answer.add_count(listed.size());
                 for (const RunSetting& setting : listed) answer.add_text(setting.name);
-                answer.add_count(0);  // no name has parts
+                answer.add_count(0);  // names are not nested
               }),
       service("set_parameters", "SetParameters",
               [&run](CdrReader& request, Cdr& answer) {

@@ -13,14 +13,14 @@
 namespace slipstream {
 namespace {
 
-/// Elements around a node's value, in the schema's order, and the feature that selects one of many.
+/// XML elements around a node's value, in schema order, and its selector feature.
 struct Around {
   std::string before{}, after{}, selector{};
 };
 
 constexpr const char* unsigned_number = "<Sign>Unsigned</Sign>";
 
-/// Nodes of GenApi, feature by feature.
+/// Builds GenApi nodes, feature by feature.
 class Features {
  public:
   void begin_category(const std::string& name) { categories_.emplace_back(name, ""); }
@@ -28,12 +28,12 @@ class Features {
   void node(const std::string& kind, const std::string& name, const std::string& content) {
     nodes_ += fmt::format("<{0} Name=\"{1}\">{2}</{0}>\n", kind, name, content);
   }
-  /// A node that is shown.
+  /// A visible node.
   void show(const std::string& kind, const std::string& name, const std::string& content) {
     categories_.back().second += fmt::format("<pFeature>{}</pFeature>", name);
     node(kind, name, content);
   }
-  /// Where a value is kept.
+  /// The register of a value.
   void keep(const std::string& kind, const std::string& name, GigeRegister where,
             const std::string& access, const std::string& before = "",
             const std::string& after = "") {
@@ -43,7 +43,7 @@ class Features {
                      "</Endianess>",
                      static_cast<std::uint32_t>(where), before, access, after));
   }
-  /// A feature of a register, which is written where it is "RW".
+  /// A feature backed by a register, writable if "RW".
   void add(const std::string& kind, const std::string& name, GigeRegister where,
            const std::string& access, const Around& around = {}) {
     const auto& [before, after, selector] = around;
@@ -54,7 +54,7 @@ class Features {
     keep(is_float ? "FloatReg" : "IntReg", name, where, access, index,
          is_float ? "" : unsigned_number);
   }
-  /// One that has a single value.
+  /// A feature with a constant value.
   void constant(const std::string& name, const std::string& only) {
     show("Enumeration", name,
          fmt::format("<ImposedAccessMode>RO</ImposedAccessMode><EnumEntry Name=\"{}\"><Value>0"
@@ -67,7 +67,7 @@ class Features {
                      "<pPort>Device</pPort>",
                      address, length));
   }
-  /// Bits of the register of the packets' size.
+  /// Bits of the packet size register.
   void part(const std::string& kind, const std::string& name, const std::string& bits,
             const std::string& after) {
     show(kind, name, fmt::format("<pValue>{}Kept</pValue>{}", name, after));
@@ -96,7 +96,7 @@ std::string entry(std::string_view name, std::size_t value, const std::string& m
   return fmt::format("<EnumEntry Name=\"{}\">{}<Value>{}</Value></EnumEntry>", name, more, value);
 }
 
-/// Their values are numbers from `first` on.
+/// Their values count up from `first`.
 std::string entries(std::initializer_list<const char*> names, std::size_t first = 0) {
   std::string text;
   for (const char* name : names) text += entry(name, first++);
@@ -213,7 +213,7 @@ void add_scan3d(Features& features) {
   features.add("Float", "Scan3dInvalidDataValue", invalid_value, "RO", of_each);
 }
 
-/// A name as GenApi wants them: "MinModulation" of "min-modulation".
+/// A GenApi name: "MinModulation" from "min-modulation".
 std::string name_from(const std::string& words) {
   std::string name;
   bool begins = true;
@@ -232,7 +232,7 @@ std::string escaped(const std::string& words) {
   return text;
 }
 
-/// Settings that SFNC has a name for, and one that would be taken for another.
+/// Settings with an SFNC name, and one whose name would clash.
 std::string feature_name(const RunSetting& setting) {
   return setting.name == "exposure" ? "ExposureTime"
          : setting.name == "rate"   ? "CameraFrameRate"
@@ -300,7 +300,7 @@ std::string scan3d_description(const std::vector<RunSetting>& settings) {
       features.text());
 }
 
-/// The values of a region's pixels, row by row.
+/// Pixel values of a region, row by row.
 template <class ValueAt>
 void write_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, ValueAt value_at) {
   using Value = decltype(value_at(0, 0));
@@ -347,10 +347,10 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
   for (const auto& [which, value] : std::initializer_list<std::pair<GigeRegister, std::uint32_t>>{
            {GigeRegister(0x0), 0x00020001},    // version of the standard
            {GigeRegister(0x4), 0x80000001},    // big-endian, UTF-8
-           {GigeRegister(0x8), 0x0200},        // a locally administered MAC address, and
-           {GigeRegister(0xc), host},          // the rest of it
-           {GigeRegister(0x10), 4},            // can have an address from its link
-           {GigeRegister(0x14), 4},            // and has
+           {GigeRegister(0x8), 0x0200},        // a locally administered MAC address,
+           {GigeRegister(0xc), host},          // its lower part
+           {GigeRegister(0x10), 4},            // supports a link-local address
+           {GigeRegister(0x14), 4},            // and uses it
            {GigeRegister(0x24), host},         //
            {GigeRegister(0x600), 1},           // interfaces
            {GigeRegister(0x904), 1},           // streams

@@ -22,7 +22,7 @@ int thinned(int pixels, int step) {
   return (pixels + step - 1) / step;
 }
 
-/// Calls `visit` for every so many pixels of a row, of every so many rows.
+/// Calls `visit` for every Nth pixel of every Nth row.
 template <class Visit>
 void each_sent(Size size, int step, Visit visit) {
   for (int row = 0; row < size.height; row += step) {
@@ -41,7 +41,7 @@ DepthRange range_of(const Image<float>& depth, int step) {
   return range.nearest <= range.farthest ? range : DepthRange{};
 }
 
-/// Writes values one after the other.
+/// Appends values in binary form.
 template <class Value>
 void put(char*& at, Value value) {
   std::memcpy(at, &value, sizeof value);
@@ -52,7 +52,7 @@ constexpr std::array counts{
     "captured",           "lost",      "overwritten",  "repeated", "clouds", "done",
     "resynchronisations", "published", "windows_lost", "missed",   "dropped"};
 
-/// Samples of each metric, together as the form wants them.
+/// Samples grouped by metric, as the format requires.
 using Metrics = std::map<std::string, std::string>;
 
 std::string escaped_label(const std::string& label) {
@@ -124,7 +124,7 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const int width = thinned(size.width, every), height = thinned(size.height, every);
   const DepthRange range = range_of(cloud.z, every);
   const auto nearest = static_cast<float>(range.nearest);
-  constexpr double finest = 1e-6;  // of the depth, which a float tells
+  constexpr double finest = 1e-6;  // depth step, representable as a float
   const auto step = static_cast<float>(
       std::max({(range.farthest - range.nearest) / most_levels, finest * range.farthest,
                 double{std::numeric_limits<float>::min()}}));
@@ -161,7 +161,7 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
 
 std::string metrics_of(std::string_view statistics) {
   const auto document = nlohmann::json::parse(statistics, nullptr, false);
-  if (document.is_discarded()) throw Error("statistics that are no JSON");
+  if (document.is_discarded()) throw Error("statistics are not JSON");
   Metrics metrics;
   add_metrics(document, "slipstream", "", metrics);
   std::string text;

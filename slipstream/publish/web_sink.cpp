@@ -4,7 +4,7 @@
 #include <numeric>
 #include <random>
 #include <set>
-#include <utility>  // before Boost 1.74, which forgets it
+#include <utility>  // missing from Boost 1.74
 
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
@@ -34,16 +34,16 @@ using SharedBytes = std::shared_ptr<const std::string>;
 
 constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body = 256,
                       largest_message = 64;
-/// How long a client may take to ask for something, and to take it.
+/// Time limit for a client's request and for reading the reply.
 constexpr auto patience = 10s, answer_patience = 30s;
 constexpr std::chrono::milliseconds between_clouds{30}, between_looks{200};
-/// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
+/// Only the page's own scripts and styles; no other sources, no framing by other pages.
 constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 std::string random_token() {
-  std::random_device device;  // of the system
+  std::random_device device;  // from the system's random source
   std::string token;
   for (int word = 0; word < 4; ++word) token += fmt::format("{:08x}", device());
   return token;
@@ -59,7 +59,7 @@ std::string_view text_of(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// "localhost" of "localhost:8080".
+/// "localhost" from "localhost:8080".
 std::string_view without_port(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   return host.ends_with(']') || colon == host.npos ? host : host.substr(0, colon);
@@ -67,7 +67,8 @@ std::string_view without_port(std::string_view host) {
 
 class Connection;
 
-/// What is served, and who asks. All but `put`, `news` and `finish` is the serving thread's.
+/// The server and its clients. Everything except `put`, `news` and `finish` runs in the serving
+/// thread.
 class WebSink final : public CloudSink {
  public:
   WebSink(const tcp::endpoint& endpoint, PublishedRun run);
@@ -99,18 +100,18 @@ class WebSink final : public CloudSink {
     if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
   }
 
-  /// Whether the request comes from the page, or from who may know of it; else why not.
+  /// Why the request is refused; empty for the page itself and authorised clients.
   [[nodiscard]] std::string refusal(const Request& request) const {
     const std::string_view host = text_of(request[http::field::host]),
                            origin = text_of(request[http::field::origin]),
                            target = text_of(request.target()), name = without_port(host);
     if (token_.empty() && name != "localhost" && name != host_ && name != "[::1]") {
-      return "this page is for localhost";  // a foreign name may point here
+      return "this page is for localhost";  // a foreign host name may resolve to this machine
     }
     if (!token_.empty()) {
       const std::size_t question = target.find("?token=");
       if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
-        return "the token is wrong; the whole address was printed where slipstream began";
+        return "wrong token; use the full address that slipstream printed at the start";
       }
     }
     const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
@@ -159,7 +160,7 @@ class WebSink final : public CloudSink {
       } else if (asked == "POST /save") {
         say(http::status::ok, run_.save());
       } else {
-        say(http::status::not_found, "there is no such page\n");
+        say(http::status::not_found, "no such page\n");
       }
     } catch (const Error& error) {
       say(http::status::bad_request, error.what());
@@ -170,7 +171,7 @@ class WebSink final : public CloudSink {
     return response;
   }
 
-  /// The newest cloud, and which it is, where it is newer.
+  /// The newest cloud and its number, if newer than the given one.
   std::pair<SharedBytes, std::uint64_t> newer_than(std::uint64_t seen, bool with_phase) {
     const auto now = std::chrono::steady_clock::now();
     Sent& sent = sent_[with_phase ? 1 : 0];
@@ -178,7 +179,7 @@ class WebSink final : public CloudSink {
     if (newest_ && count_ != sent.count && now >= sent.next) {
       const Pooled<LiveCloud> cloud = newest_;
       sent.count = count_;
-      // Clouds come a little early and late.
+      // Tolerates jitter of clouds.
       sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
       lock.unlock();
       const bool has_phase = with_phase && run_.phase;
@@ -202,13 +203,13 @@ class WebSink final : public CloudSink {
       try {
         io_.run();
         return;
-      } catch (const std::exception& error) {  // of one client, who is let go
+      } catch (const std::exception& error) {  // ends only this client
         tell(error.what());
       }
     }
   }
 
-  /// A camera is not asked for each page.
+  /// Avoids asking the camera for each page.
   const std::string& settings() {
     const auto now = std::chrono::steady_clock::now();
     if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
@@ -217,19 +218,19 @@ class WebSink final : public CloudSink {
     return settings_;
   }
 
-  /// As "min-modulation=20".
+  /// E.g. "min-modulation=20".
   void change(const std::string& wish) {
     const std::size_t mark = std::min(wish.find('='), wish.size());
-    if (mark == wish.size()) throw Error("NAME=VALUE is wanted");
+    if (mark == wish.size()) throw Error("expected NAME=VALUE");
     settings_.clear();
     run_.change(wish.substr(0, mark), wish.substr(mark + 1));
   }
 
   const std::string host_;  ///< the address, as a number
   const PublishedRun run_;
-  const std::string token_;  ///< none where nobody but this machine reaches the page
+  const std::string token_;  ///< empty if only this machine reaches the page
   const std::string rays_;
-  std::mutex mutex_;  ///< of the four that follow
+  std::mutex mutex_;  ///< guards the four members below
   std::vector<std::string> news_;
   Pooled<LiveCloud> newest_;
   std::uint64_t count_ = 0;
@@ -237,19 +238,19 @@ class WebSink final : public CloudSink {
   std::atomic<bool> anybody_waits_ = false;
   struct Sent {
     SharedBytes bytes{};
-    std::uint64_t count = 0;                       ///< of the cloud
-    std::chrono::steady_clock::time_point next{};  ///< when another may be
+    std::uint64_t count = 0;                       ///< the cloud's number
+    std::chrono::steady_clock::time_point next{};  ///< earliest time of the next
   };
   std::array<Sent, 2> sent_{};  ///< without phase and with it
   std::chrono::steady_clock::time_point looked_at_{};
-  std::string settings_;  ///< of that time
+  std::string settings_;  ///< at that time
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer pause_{io_};
   std::thread thread_;
 };
 
-/// One client: requests one after the other, or a page that asks for clouds.
+/// One client: sequential requests, or a page that requests clouds.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, WebSink& sink) : stream_(std::move(socket)), sink_(sink) {
@@ -268,10 +269,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
                      });
   }
 
-  /// Sends the newest cloud if one is asked for and it is new.
+  /// Sends the newest cloud if requested and new.
   void send_cloud() {
     if (!asked_ || sending_) return;
-    sink_.wait_for_cloud();  // first: one may come while this looks
+    sink_.wait_for_cloud();  // set first: a request may arrive meanwhile
     auto [bytes, count] = sink_.newer_than(seen_, with_phase_);
     if (!bytes) return;
     asked_ = false;
@@ -313,11 +314,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   bool has_failed(Failure failure) {
-    if (failure == beast::error::timeout) sink_.tell("a page that stopped reading was let go");
+    if (failure == beast::error::timeout) sink_.tell("disconnected a page that stopped reading");
     return failure.failed();
   }
 
-  /// All that a page says is "next" or "next phase".
+  /// A page only sends "next" or "next phase".
   void read_wish() {
     buffer_.clear();
     page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
@@ -342,7 +343,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<websocket::stream<beast::tcp_stream>> page_;
   bool asked_ = false, with_phase_ = false;
   SharedBytes sending_;
-  std::uint64_t seen_ = 0;  ///< count of the newest cloud that was sent
+  std::uint64_t seen_ = 0;  ///< number of the newest cloud sent
 };
 
 WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
@@ -367,7 +368,7 @@ WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
 
 void WebSink::accept() {
   acceptor_.async_accept([this](Failure failure, tcp::socket socket) {
-    if (failure) {  // no descriptors are left
+    if (failure) {  // out of file descriptors
       tell(failure.message());
       pause_.expires_after(100ms);
       pause_.async_wait([this](Failure) { accept(); });
@@ -378,7 +379,7 @@ void WebSink::accept() {
       socket.set_option(tcp::no_delay(true), failure);
       std::make_shared<Connection>(std::move(socket), *this)->read_request();
     } else {
-      tell(fmt::format("more than {} clients at a time are turned away", most_clients));
+      tell(fmt::format("at most {} clients at a time; further ones are refused", most_clients));
     }
   });
 }
@@ -387,19 +388,20 @@ void WebSink::serve_waiting() {
   for (Connection* const connection : connections) connection->send_cloud();
 }
 
-/// From "PORT" or "ADDRESS:PORT", as "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: a free one.
+/// Parses "PORT" or "ADDRESS:PORT", e.g. "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: any free
+/// port.
 tcp::endpoint web_endpoint_from(const std::string& where) {
   const std::size_t colon = where.rfind(':');
   std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // of all without a colon
+  const auto port =
+      number_in<std::uint16_t>(where.substr(colon + 1));  // the whole text if it has no colon
   Failure failure;
   const auto address = asio::ip::make_address(host, failure);
-  throw_if(
-      !port || failure,
-      "--publish web:{}: a port, or the number of one of this machine's addresses and a port, is "
-      "wanted, as web:8080 or web:0.0.0.0:8080",
-      where);
+  throw_if(!port || failure,
+           "--publish web:{}: expected a port, or an IP address of this machine and a port, e.g. "
+           "web:8080 or web:0.0.0.0:8080",
+           where);
   return {address, *port};
 }
 

@@ -10,7 +10,7 @@
 namespace slipstream {
 namespace {
 
-/// Where the projector lights the point of a ray at that depth; NaN where it is behind it.
+/// Projector coordinate of the point at this depth on a ray; NaN behind the projector.
 double coordinate_at(const EngineSetup& setup, const Eigen::Vector3d& ray, double depth) {
   const Eigen::Vector3d point = in_projector_frame(setup.scanner, depth * ray);
   if (!(point.z() > 0)) return nan;
@@ -18,7 +18,7 @@ double coordinate_at(const EngineSetup& setup, const Eigen::Vector3d& ray, doubl
   return coordinate_along(setup.sequence.axis, project(projector, point), projector.size);
 }
 
-/// The depth up to which a range from `nearest` covers that share of a field.
+/// Depth up to which a range from `nearest` spans this share of the field.
 double farthest_within(const EngineSetup& setup, const Eigen::Vector3d& ray, double share) {
   double near = *setup.settings.nearest, far = *setup.settings.farthest;
   const double start = coordinate_at(setup, ray, near);
@@ -29,8 +29,8 @@ double farthest_within(const EngineSetup& setup, const Eigen::Vector3d& ray, dou
   return near;
 }
 
-/// Throws Error unless each pixel has one order or, of a spectrum, whose edges are left out, each
-/// surface may have.
+/// Throws Error if the range begins behind the projector or, unless the strategy is spectral, spans
+/// a period or more.
 void require_narrow(const EngineSetup& setup, double periods) {
   const double nearest = *setup.settings.nearest, farthest = *setup.settings.farthest;
   const Size size = setup.scanner.camera.size;
@@ -39,15 +39,14 @@ void require_narrow(const EngineSetup& setup, double periods) {
   const double covered =
       std::abs(coordinate_at(setup, ray, farthest) - coordinate_at(setup, ray, nearest));
   throw_if(!std::isfinite(covered),
-           "depths from {} mm on begin behind the projector; name a farther one", nearest);
+           "nearest depth {} mm is behind the projector; choose a larger one", nearest);
   if (covered * periods < 1 || setup.sequence.strategy.is_spectral()) return;
-  constexpr double sure = 0.95;  // of a period: noise takes the rest
-  throw Error(
-      fmt::format("depths from {} to {} mm cover {:.2f} of {} periods at the middle of the "
-                  "picture, where less than one tells the fringe order; from {} to {:.5g} mm would "
-                  "do, or {:.3g} periods",
-                  nearest, farthest, covered * periods, periods, nearest,
-                  farthest_within(setup, ray, sure / periods), sure / covered));
+  constexpr double sure = 0.95;  // of a period: the rest is for noise
+  throw Error(fmt::format(
+      "depths from {} to {} mm span {:.2f} of {} periods at the middle of the image; the "
+      "fringe order needs less than one: use {} to {:.5g} mm, or {:.3g} periods",
+      nearest, farthest, covered * periods, periods, nearest,
+      farthest_within(setup, ray, sure / periods), sure / covered));
 }
 
 }  // namespace
@@ -125,7 +124,7 @@ Image<Validity> DepthUnwrapper::operator()(BasicMaps<double>& maps, double full_
   return std::move(orders.validity);
 }
 
-/// The orders by which a coordinate lies between the bounds, but for noise.
+/// Orders whose coordinate lies between the bounds, with a margin for noise.
 OrderRange DepthUnwrapper::possible(float phi, float modulation, const Bounds& bounds) const {
   constexpr float sigmas = 4;
   if (std::isnan(bounds.least)) return {};

@@ -29,7 +29,7 @@ void pack(const Cloud& cloud, PackedPoints& points) {
   }
 }
 
-/// One scale of brightness for all pixels: that of the shortest exposure.
+/// Scales all pixels to the brightness of the shortest exposure.
 void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   if (!frames.merged()) return;
   for_each_row(intensity.height(), [&](int row) {
@@ -39,20 +39,20 @@ void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
 }
 
 std::string without_gpu(const GpuError& error) {
-  return fmt::format("{}; the processor goes on", error.what());
+  return fmt::format("{}; continuing on the CPU", error.what());
 }
 
 std::string without_fused(const std::string& why) {
-  return fmt::format("no fused engine: {}; the reference engine goes on", why);
+  return fmt::format("no fused engine: {}; using the reference engine", why);
 }
 
-/// With the frames of a cycle and more as one window; and with lenses and a pose, where nobody has
-/// measured any: maps are the same with all of them.
+/// Frames of a motion window become one sequence. A scanner without geometry gets arbitrary lenses
+/// and an arbitrary pose, on which maps do not depend.
 EngineSetup as_reconstructed(EngineSetup setup) {
   setup.sequence = merged_sequence(std::move(setup.sequence));
   Scanner& scanner = setup.scanner;
   if (has_geometry(scanner)) return setup;
-  setup.settings.nearest.reset();  // depths without a geometry say nothing
+  setup.settings.nearest.reset();  // depths need a geometry
   constexpr int fine_enough = 1 << 14;
   if (scanner.projector.size == Size{}) scanner.projector.size = {fine_enough, fine_enough};
   for (Lens* const lens : {&scanner.camera, &scanner.projector}) {
@@ -65,7 +65,7 @@ EngineSetup as_reconstructed(EngineSetup setup) {
 
 }  // namespace
 
-/// What copies of an engine share.
+/// Shared by the copies of an engine.
 struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
       : setup(of), complete(as_reconstructed(of)), corrections(phase_corrections(of)) {
@@ -74,40 +74,40 @@ struct Engine::Tables {
     noise = depth_noise(complete);
     const Band& band = measuring_band(complete.sequence.strategy.layout());
     if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
-    const EngineKind asked = setup.settings.engine;
-    if (asked != EngineKind::reference && !setup.own_engine) {
+    const ReconstructSettings& asked = setup.settings;
+    if (asked.engine != EngineKind::reference && !asked.own_engine) {
       std::string why_not;
       fused = FusedEngine::make(complete, corrections, &why_not);
-      if (!fused && asked == EngineKind::fused) fall_back(without_fused(why_not));
+      if (!fused && asked.engine == EngineKind::fused) fall_back(without_fused(why_not));
     }
-    if (fused && asked == EngineKind::gpu) {
+    if (fused && asked.engine == EngineKind::gpu) {
       try {
-        gpu = GpuEngine::make(*fused, setup.settings.gpu);
-      } catch (const GpuError& error) {  // too small for such pictures: the processor is not
+        gpu = GpuEngine::make(*fused, asked.gpu);
+      } catch (const GpuError& error) {  // the device is too small
         fall_back(without_gpu(error));
       }
     }
-    if (!setup.own_engine && (!fused || fused->wants_coarse())) static_cast<void>(reference());
+    if (!asked.own_engine && (!fused || fused->wants_coarse())) static_cast<void>(reference());
   }
 
-  /// What computes such frames: what is asked for or, where that cannot, the next that can.
+  /// The chosen engine or, if it cannot process these frames, the next.
   [[nodiscard]] EngineKind engine_for(const FrameViews& frames) const {
     if (!fused || !frames.quantised()) return EngineKind::reference;
     return gpu && !fell_back ? EngineKind::gpu : EngineKind::fused;
   }
-  /// Another engine computes from now on, for all copies.
+  /// Switches all copies to another engine from now on.
   void fall_back(const std::string& why_not) {
     std::call_once(once_fallen_back, [&] {
       fallback_reason = why_not;
       fell_back = true;
     });
   }
-  /// Its tables take long to build: they are when they are first wanted.
+  /// Built on first use, because its tables take long.
   const ReferenceEngine& reference() {
     std::call_once(once, [this] { built.emplace(complete, corrections); });
     return *built;
   }
-  /// The most noise that a pixel has.
+  /// Noise variance of the brightest pixels, in squared grey levels of the frames.
   [[nodiscard]] double noise_variance_of(const FrameViews& frames) const {
     const double grey_level = frames.full_scale() / 255;
     return noise_variance_at(255, cue_settings(complete).noise_variance,
@@ -115,19 +115,20 @@ struct Engine::Tables {
            grey_level * grey_level;
   }
   void require_geometry() const {
-    if (!has_geometry(setup.scanner)) throw Error("without a scanner frames give maps, no points");
+    if (!has_geometry(setup.scanner))
+      throw Error("points require a scanner; without one, frames give only maps");
   }
 
   EngineSetup setup;
-  /// See as_reconstructed; with the modulation that its cue needs.
+  /// See as_reconstructed; with the least modulation that the cue needs.
   EngineSetup complete;
   PhaseCorrections corrections;
-  DepthNoise noise;                                 ///< of frames of 8 bits
-  std::optional<MotionMeasurement> measure_motion;  ///< of windows of more than a cycle
+  DepthNoise noise;                                 ///< for 8-bit frames
+  std::optional<MotionMeasurement> measure_motion;  ///< for windows longer than a cycle
   std::optional<FusedEngine> fused;
   std::optional<GpuEngine> gpu;
   std::once_flag once_fallen_back;
-  std::string fallback_reason;  ///< once it fell back
+  std::string fallback_reason;  ///< set when it falls back
   std::atomic<bool> fell_back = false;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
@@ -140,9 +141,9 @@ struct Engine::Memory {
   GpuScanMemory gpu;
   FrameAdapter adapt;
   Image<float> modulation;
-  std::optional<Cloud> cloud;  ///< whose points are packed; an empty one allocates
-  Image<float> coarse;         ///< coordinates whose orders the picture gives
-  Maps phases;                 ///< by which it does
+  std::optional<Cloud> cloud;  ///< source of packed points; constructed when needed
+  Image<float> coarse;         ///< coordinates with orders from the whole image
+  Maps phases;                 ///< from which these orders are found
   DepthOrders orders;
   FrameMotion motion;
   Cleaner clean;
@@ -200,13 +201,13 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   return memory.clean(*made.cloud, &modulation, noise);
 }
 
-/// By the engine chosen, else by the next that can.
+/// Runs the chosen engine or, if it cannot process these frames, the next.
 void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse) {
-  if (setup().own_engine) return setup().own_engine->run(frames, outputs);
+  if (setup().settings.own_engine) return setup().settings.own_engine->run(frames, outputs);
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) {
     if (setup().settings.engine == EngineKind::fused && !frames.quantised()) {
-      tables_->fall_back(without_fused("it takes frames of 8 to 16 bits"));
+      tables_->fall_back(without_fused("it requires 8 to 16 bits"));
     }
     return tables_->reference().run(frames, outputs);
   }
@@ -215,7 +216,7 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
   if (kind == EngineKind::gpu) {
     try {
       return (*tables_->gpu)(frames, outputs, memory_->gpu, coarse);
-    } catch (const GpuError& error) {  // the same comes from the processor
+    } catch (const GpuError& error) {  // the CPU gives the same result
       if (error.why == GpuFailure::lost) tables_->gpu->gpu->lose();
       tables_->fall_back(without_gpu(error));
     }
@@ -224,8 +225,8 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
   (*tables_->fused)(frames, outputs, memory_->fused, coarse);
 }
 
-/// First the coordinates whose orders the picture gives, then what follows from them; of pixels
-/// without one, why, where that is known.
+/// First finds coordinates with orders from the whole image, then computes the outputs from them.
+/// Pixels without a coordinate get the reason, if it is known.
 void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs) {
   Memory& memory = *memory_;
   const DepthUnwrapper* const by_depth = tables_->reference().by_depth();
@@ -239,7 +240,7 @@ void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs
     by_depth->unwrap(phase, memory.orders.order, memory.coarse);
   }
   compute(frames, outputs, &memory.coarse);
-  const auto say_why = [&](Image<Validity>& validity) {
+  const auto set_reasons = [&](Image<Validity>& validity) {
     for_each_pixel(validity.size(), [&](int column, int row) {
       Validity& pixel = validity(column, row);
       const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
@@ -247,8 +248,8 @@ void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs
       pixel = by_depth == nullptr ? Validity::doubtful_order : memory.orders.validity(column, row);
     });
   };
-  if (outputs.cloud != nullptr) say_why(outputs.cloud->validity);
-  if (outputs.depth != nullptr) say_why(outputs.depth->validity);
+  if (outputs.cloud != nullptr) set_reasons(outputs.cloud->validity);
+  if (outputs.depth != nullptr) set_reasons(outputs.depth->validity);
 }
 
 void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
@@ -287,7 +288,7 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {
-  if (setup().own_engine) return setup().own_engine->name;
+  if (setup().settings.own_engine) return setup().settings.own_engine->name;
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) return tables_->reference().method_for(frames);
   return kind == EngineKind::gpu ? "gpu" : "fused";
@@ -298,7 +299,7 @@ std::string Engine::fallback_reason() const {
 }
 
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings) {
-  if (!scan.scanner) throw Error("the scan has no scanner; a calibration file says one");
+  if (!scan.scanner) throw Error("the scan has no scanner; add a calibration file");
   EngineSetup setup{
       completed(*scan.scanner, "the scanner", scan.frames.size(), scan.sequence.projector),
       scan.sequence, settings};

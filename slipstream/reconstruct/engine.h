@@ -8,17 +8,16 @@
 
 namespace slipstream {
 
-/// Frames to cloud and maps, for one scanner and one sequence: the one way there is. Tables are
-/// built once and memory is reused, so that from the second call on nothing is allocated where the
-/// same outputs are handed in. Phases are corrected for the scanner's response where it is known,
-/// and clouds are cleaned as the settings say: by default, and not at all by CleanSettings::none().
-/// A scanner without geometry (see has_geometry) gives maps alone; all else throws Error.
+/// Converts frames to clouds and maps for one scanner and one sequence; all reconstruction goes
+/// through it. Builds its tables once and reuses its memory: from the second call on it does not
+/// allocate if it gets the same outputs. Corrects phases for the scanner's response if known, and
+/// cleans clouds as the settings say; CleanSettings::none() turns cleaning off. A scanner without
+/// geometry (see has_geometry) gives maps only; other outputs throw Error.
 ///
-/// One thread uses it at a time. A copy shares the tables and has memory of its own: one for each
-/// thread.
+/// For one thread at a time. Copies share the tables but not the memory: make one per thread.
 class Engine {
  public:
-  /// Throws Error as require_reconstructible.
+  /// Throws Error as require_reconstructible does.
   explicit Engine(const EngineSetup& setup);
   Engine(const Scanner& scanner, const Sequence& sequence,
          const ReconstructSettings& settings = {});
@@ -28,49 +27,51 @@ class Engine {
 
   [[nodiscard]] const EngineSetup& setup() const;
 
-  /// Frames with exposures merged, and with what a frame holds at once taken apart, in memory that
-  /// lasts until the next call; other frames as they are. All calls below do so themselves.
+  /// Frames with exposures merged and multiplexed frames separated, in memory that lasts until the
+  /// next call; other frames are returned unchanged. All calls below do this themselves.
   [[nodiscard]] const FrameViews& merged(const FrameViews& frames);
 
-  /// Makes what is wanted of a scan, by the engine chosen or the next that can: GPU, fused pass,
-  /// reference engine. Of a window over more than a cycle, pixels are rejected whose frames differ
-  /// by more than noise and even motion explain; then a cloud is cleaned. Returns how many points
-  /// cleaning took, by reason. Throws Error if size or number of the frames is wrong.
+  /// Computes the requested outputs with the chosen engine or, failing that, the next in this
+  /// order: GPU, fused pass, reference engine. In windows longer than a cycle, rejects pixels whose
+  /// frames differ by more than noise and uniform motion explain; then cleans the cloud. Returns
+  /// the number of points that cleaning removed, by reason. Throws Error if the size or number of
+  /// the frames is wrong.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {
     return run(frames, {.cloud = &cloud});
   }
-  /// Less is computed and written than for a cloud; nothing is cleaned.
+  /// Computes and writes less than a cloud does; not cleaned.
   void depth(const FrameViews& frames, Depth& depth) { run(frames, {.depth = &depth}); }
   /// Depth only, quantised to 16 bits; pixels without a point are 0.
   void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers) {
     run(frames, {.depth16 = &numbers, .scale = scale});
   }
-  /// The points of the cloud alone, not cleaned, in the same order whatever the threads. Only the
-  /// fused pass needs no cloud for them, and not of merged frames nor in motion.
+  /// Only the valid points, not cleaned, in an order that does not depend on the number of threads.
+  /// The fused pass writes them directly, except from merged frames or motion windows; otherwise
+  /// they are copied from a cloud.
   void points(const FrameViews& frames, PackedPoints& points) { run(frames, {.points = &points}); }
-  /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
+  /// Coordinates from each pixel alone, not yet confirmed or rejected by its neighbours.
   void maps(const FrameViews& frames, Maps& maps) { run(frames, {.maps = &maps}); }
   /// Both in one pass.
   ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps) {
     return run(frames, {.cloud = &cloud, .maps = &maps});
   }
 
-  /// Share of the measured pixels whose phase moves, see MotionMeasurement; 0 where the frames are
-  /// no window of more than a cycle.
+  /// Share of the measured pixels whose phase moves, see MotionMeasurement; 0 unless the frames are
+  /// a window longer than a cycle.
   [[nodiscard]] double moving_share(const FrameViews& frames) const;
 
-  /// How sure each point of a scan is under noise of the scanner's variance at the pixel's mean
-  /// (1.6 where it is not known): sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the
-  /// derivative of the point. `frames` are those that cloud and maps were made from.
+  /// Standard deviation of each point of a scan under the scanner's noise variance at the pixel's
+  /// mean (1.6 if unknown): of y by Eq. (3.40) or (3.63), of X, Y, Z through the derivative of the
+  /// point. `frames`: the ones that `cloud` and `maps` were made from.
   [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
                                         const FrameViews& frames);
 
-  /// What really reconstructs such frames: "fused", "gpu" until it fails in any copy, or the
-  /// reference engine's methods for their phases, "lut", "equation", "closed-form".
+  /// Backend used for such frames: "fused", "gpu" until it fails in any copy, or the phase method
+  /// of the reference engine: "lut", "equation", "closed-form".
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
-  /// Why the engine asked for does not compute, and what does, in one line; empty where it does.
+  /// Why the chosen engine is not used, and what replaces it, in one line; empty if it is used.
   [[nodiscard]] std::string fallback_reason() const;
 
  private:
@@ -82,25 +83,25 @@ class Engine {
   struct Memory;
 
   std::shared_ptr<Tables> tables_;
-  std::shared_ptr<Memory> memory_;  ///< its own
+  std::shared_ptr<Memory> memory_;  ///< not shared by copies
 };
 
-/// The cloud of a scan, by an engine made for it alone. Throws Error where the scan has no scanner
-/// or does not fit it.
+/// Cloud of a scan, by an engine made for it. Throws Error if the scan has no scanner or does not
+/// fit it.
 Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings = {});
 
-/// An engine's setup for that scan: its scanner, completed by what the scan says, its sequence and
-/// the settings. Throws Error where the scan has no scanner, does not fit it, or has a cue that
-/// needs an ambient light unknown to the scanner.
+/// Setup of an engine for this scan: its scanner, completed from the scan, its sequence, and the
+/// settings. Throws Error if the scan has no scanner, does not fit it, or has a cue that needs the
+/// ambient light and the scanner does not know it.
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {});
 
-/// What the frames of a scan say about its light, with or without a scanner.
+/// Light in the frames of a scan, with or without a scanner.
 struct PictureReport {
-  Image<Validity> validity{};  ///< too_dark, saturated, else valid
+  Image<Validity> validity{};  ///< `too_dark`, `saturated` or `valid`
   double modulation = 0;       ///< median of the valid pixels, grey levels of 255; 0 without any
 };
 
-/// By the maps of these frames, which are merged where there are several exposures: Engine::merged.
+/// `maps`: of these frames, which must be merged if there are several exposures: Engine::merged.
 PictureReport picture_report(const FrameViews& frames, const Maps& maps,
                              const ReconstructSettings& settings);
 

@@ -14,14 +14,14 @@
 namespace slipstream {
 namespace {
 
-/// Weights of the four pixels around a place `t` past the second of them: cubic convolution (Keys).
+/// Cubic convolution weights (Keys) of the four pixels around a position, `t` past the second.
 std::array<double, 4> cubic_weights(double t) {
   const double u = 1 - t;
   return {-0.5 * t * u * u, 1 + t * t * (1.5 * t - 2.5), 1 + u * u * (1.5 * u - 2.5),
           -0.5 * u * t * t};
 }
 
-/// How badly the two cameras' phases agree, 1 - cos of their difference, over pixels of a window.
+/// Disagreement of the two cameras' phases over a window: 1 - cos of their difference.
 struct Disagreement {
   float sum = 0;
   float seen = 0;  ///< pixels that the second camera sees
@@ -33,7 +33,7 @@ struct Disagreement {
   }
 };
 
-/// Of every pixel and fringe order; the orders of a pixel lie side by side.
+/// For every pixel and fringe order; the orders of a pixel are adjacent.
 struct OrderVolume {
   OrderVolume(Size size, int count)
       : orders(count), values(Size{size.width * count, size.height}) {}
@@ -47,7 +47,7 @@ struct OrderVolume {
   Image<Disagreement> values;
 };
 
-/// Whole turns from one pixel's phase to its neighbour's where it runs on between them.
+/// Whole turns from one pixel's phase to its neighbour's, if the phase is continuous.
 struct Turn {
   bool runs_on = false;
   int turns = 0;
@@ -59,10 +59,10 @@ Turn turn_between(double phi, double next) {
   return {std::abs(step) < std::numbers::pi / 2, static_cast<int>(turns)};
 }
 
-/// Half the width of a window.
+/// Half width of a window, pixels.
 constexpr int reach = 7;
 
-/// Adds to each pixel those at most `reach` away to one side along (dx, dy), order by order.
+/// Adds to a pixel the values of up to `reach` pixels on one side, along (dx, dy), order by order.
 void add_side(const OrderVolume& from, const CameraPhases& phases, int dx, int dy, int column,
               int row, Disagreement* to) {
   const Image<double>& phi = phases.maps.wrapped_phase;
@@ -80,7 +80,7 @@ void add_side(const OrderVolume& from, const CameraPhases& phases, int dx, int d
   }
 }
 
-/// Sums over windows: along rows, then along columns.
+/// Sums over windows: first along rows, then along columns.
 OrderVolume window_sums(OrderVolume volume, const CameraPhases& phases) {
   const Size size = phases.validity.size();
   for (const bool along_row : {true, false}) {
@@ -97,11 +97,11 @@ OrderVolume window_sums(OrderVolume volume, const CameraPhases& phases) {
   return volume;
 }
 
-/// The order that fits alone; -1 where there is none.
+/// The only order that fits; -1 if there is none.
 int best_order(const Disagreement* orders, int count) {
-  constexpr float fits = 0.1F;      // half a radian off throughout
-  constexpr float clearly = 0.15F;  // the next one
-  constexpr float fewest = 40;      // an island of fewer pixels may agree by chance
+  constexpr float fits = 0.1F;      // mean for phases half a radian apart
+  constexpr float clearly = 0.15F;  // margin to the second best
+  constexpr float fewest = 40;      // regions of fewer pixels may match by chance
   const float most = std::max_element(orders, orders + count, [](const auto& a, const auto& b) {
                        return a.seen < b.seen;
                      })->seen;
@@ -122,12 +122,12 @@ int best_order(const Disagreement* orders, int count) {
 }
 
 constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
-constexpr double least_limit = 0.5;  // projector pixels: what calibration may be off
+constexpr double least_limit = 0.5;  // projector pixels: error of a calibration
 
-/// Coordinates along the other axis.
+/// Maps of the scan along the other axis.
 BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
   throw_if(!has_coordinate(setup.sequence.strategy),
-           "patterns along both axes are compared where each gives a coordinate alone");
+           "comparing both axes requires a strategy that gives a coordinate along each axis alone");
   setup.sequence = other.sequence;
   const Decoder decode(setup.sequence.strategy.layout(), projector_length(setup),
                        setup.settings.phase_method, phase_corrections(setup), cue_settings(setup));
@@ -135,14 +135,14 @@ BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
                 least_neighbour_modulation(setup.settings, other.frames.full_scale()));
 }
 
-/// Returns how many points it took.
+/// Marks points off their epipolar lines as doubtful; returns how many.
 std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& sigma) {
   Image<std::uint8_t> doubtful(cloud.size());
   std::size_t points = 0, doubted = 0;
   for (std::size_t i = 0; i < doubtful.pixel_count(); ++i) {
     if (cloud.validity.begin()[i] != Validity::valid) continue;
     const double limit = std::max(least_limit, 5.0 * sigma.begin()[i]);
-    // Where a wrong coordinate leads out of the lens's model there is no distance.
+    // There is no distance if a wrong coordinate lies outside the lens model.
     const bool too_far = sigma.begin()[i] > 0 && !(std::abs(off.begin()[i]) <= limit);
     doubtful.begin()[i] = too_far ? 1 : 0;
     ++points;
@@ -158,7 +158,7 @@ std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Imag
   return all ? points : doubted;
 }
 
-/// The medians over the points, before any is left out.
+/// Medians over the points, before any is rejected.
 EpipolarCheck summary_of(const Image<float>& distance, const Image<float>& sigma,
                          const Cloud& cloud) {
   std::vector<double> distances, lengths, sigmas;

@@ -7,52 +7,52 @@
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
-// Where one view sees what the other does: patterns along the other axis, a second camera.
+// Epipolar geometry: checks with patterns along the other axis, and a second camera.
 namespace slipstream {
 
-/// How far a projector pixel lies from the epipolar line of a camera pixel.
+/// Distance of a projector pixel from the epipolar line of a camera pixel.
 struct EpipolarDistance {
-  double distance = 0;  ///< projector pixels, signed, in the picture without the lens's distortion
-  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< of the line, unit length
+  double distance = 0;  ///< projector pixels, signed, in the undistorted image
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit normal of the line
 };
 
-/// `ray`: of the camera pixel, (u, v, 1) in its frame; `x`, `y`: projector coordinates along both
-/// axes. NaN where the projector's lens model has no inverse.
+/// `ray`: of the camera pixel, (u, v, 1) in the camera's frame; `x`, `y`: projector coordinates
+/// along both axes. NaN where the projector's lens model has no inverse.
 EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d& ray, double x,
                                    double y);
 
-/// What the patterns along the other axis say of a scan. Only the part of an error across the
-/// epipolar line shows: where that runs along x, mistakes of x alone do not.
+/// Result of comparing a scan with patterns along the other axis. It reveals only errors across the
+/// epipolar line: where the line runs along x, errors of x alone stay hidden.
 struct EpipolarCheck {
-  double median = 0;         ///< of the distances of points, projector pixels
-  double median_length = 0;  ///< likewise without their signs
-  double median_sigma = 0;   ///< what noise does to it: one standard deviation
-  std::size_t doubted = 0;   ///< points that lay farther off than noise explains
+  double median = 0;         ///< of the points' distances, projector pixels
+  double median_length = 0;  ///< of their absolute values
+  double median_sigma = 0;   ///< of their standard deviations due to noise
+  std::size_t doubted = 0;   ///< points farther off than noise explains
 
-  /// Whether the distances are far beyond noise, so that calibration and scan do not fit.
+  /// Whether the distances far exceed noise, so that calibration and scan do not match.
   [[nodiscard]] bool contradicts() const;
 };
 
-/// Compares a cloud and its maps, along x, with `other`, the same seen under patterns along y:
-/// sets the maps' epipolar distance and makes points farther than 5 standard deviations, or half a
-/// pixel where that is more, from their epipolar lines `doubtful_order`; all of them where more
-/// than a third are: the others lie there by chance. Throws Error where its frames do not fit the
-/// setup or give no coordinate alone.
+/// Compares a cloud and its maps, along x, with `other`, a scan of the same scene along y. Sets the
+/// maps' epipolar distance. Marks points as `doubtful_order` if they are off their epipolar lines
+/// by more than 5 standard deviations, or half a pixel if that is more. If more than a third are,
+/// marks all points, since the rest are close only by chance. Throws Error if the frames of `other`
+/// do not fit the setup or do not give coordinates by themselves.
 EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps, Cloud& cloud);
 
-/// Modulation and phase as one number, B exp(i phi): unlike the phase it has no seam, and it stays
-/// smooth where gamma bends the phase, so that it can be interpolated.
+/// Modulation and phase as one complex number, B exp(i phi). Unlike the phase it has no jump at 2
+/// pi, and it stays smooth where gamma distorts the phase, so it can be interpolated.
 using Phasor = std::complex<double>;
 
-/// What one camera knows of every pixel.
+/// Decoded images of one camera.
 struct CameraPhases {
   BasicMaps<double> maps;
-  /// Of each band, from few periods to many; of a single one twice, for it is looked for twice.
+  /// One per band, from few periods to many; a single band twice, because it is searched twice.
   std::vector<Image<Phasor>> bands;
-  Image<Validity> validity;  ///< too dark, saturated, or valid
+  Image<Validity> validity;  ///< `too_dark`, `saturated` or `valid`
 };
 
-/// From the first camera's frame to the second's.
+/// Transform from the first camera's frame to the second's.
 struct Stereo {
   Stereo(const Scanner& first, const Scanner& second);
 
@@ -60,7 +60,7 @@ struct Stereo {
   Eigen::Vector3d translation;  ///< mm
 };
 
-/// The second camera along one ray of the first: what it sees at each depth.
+/// Image of one ray of the first camera in the second camera, by depth.
 struct EpipolarLine {
   const Stereo& stereo;
   const Lens& camera;
@@ -69,24 +69,24 @@ struct EpipolarLine {
 
   [[nodiscard]] Eigen::Vector2d pixel(double depth) const;
 
-  /// Phase there minus that of `reference`, around the circle; NaN where a pixel beside the place
-  /// is not valid.
+  /// Phase at that depth minus the phase of `reference`, wrapped, rad; NaN if a pixel around the
+  /// position is invalid.
   [[nodiscard]] double difference(const Image<Phasor>& phase, Phasor reference, double depth) const;
 
-  /// Depth that moves the place in the second camera by one pixel, mm.
+  /// Change of depth that moves the image in the second camera by one pixel, mm.
   [[nodiscard]] double depth_of_a_pixel(double depth) const;
 };
 
-/// What a camera sees, and where its pixels' coordinates lie.
+/// Decoded images of a camera, with the triangulator of its pixels.
 struct SeeingCamera {
   const CameraPhases& phases;
   const Triangulator& triangulate;
 };
 
-/// Of a single band of many periods, the projector coordinate of each pixel of `camera`: the fringe
-/// order is that of the point that the other camera sees under the same phase. As wrong orders meet
-/// that by chance, the pixels of a window count, as far as the phase runs on without a leap. NaN
-/// where two orders fit, or none. `possible`: whether a surface may be there in the camera's frame.
+/// Projector coordinates of the pixels of `camera` from a single band of many periods. Chooses the
+/// fringe order whose point the other camera sees under the same phase. Wrong orders can match by
+/// chance, so all pixels of a window vote, as far as the phase continues without a jump. NaN if two
+/// orders fit, or none. `possible`: whether a surface may be at this point of the camera's frame.
 Image<double> order_by_other_camera(const SeeingCamera& camera, const SeeingCamera& other,
                                     double periods,
                                     const std::function<bool(const Eigen::Vector3d&)>& possible);

@@ -11,9 +11,9 @@
 namespace slipstream {
 namespace {
 
-/// Calls what calls the driver, whose errors become GpuError.
+/// Calls the driver; its errors become GpuError.
 template <class Call>
-auto told(const Call& call) -> decltype(call()) {
+auto driver_call(const Call& call) -> decltype(call()) {
   try {
     return call();
   } catch (const vk::SystemError& error) {
@@ -28,7 +28,7 @@ auto told(const Call& call) -> decltype(call()) {
 
 constexpr std::uint32_t least_version = VK_API_VERSION_1_1;
 
-/// The driver's loader, found when the program runs, and what it finds.
+/// The Vulkan loader, found at run time, and its devices.
 struct Loader {
   vk::raii::Context context;
   vk::raii::Instance instance{nullptr};
@@ -41,8 +41,7 @@ struct Loader {
   }
 };
 
-/// One for the program. It is never destroyed: a driver may be gone before the program's last
-/// statics are.
+/// One per program. Never destroyed: the driver may be gone before the program's last statics.
 const Loader& loader() {
   static const Loader* const shared = new Loader;
   return *shared;
@@ -76,17 +75,17 @@ void require_large_enough(const vk::raii::PhysicalDevice& device) {
   }
   throw GpuError(
       GpuFailure::too_small,
-      fmt::format("{} is too small: Vulkan 1.1, {} buffers and groups of {} are wanted",
+      fmt::format("{} is not supported: requires Vulkan 1.1, {} buffers and work groups of {}",
                   own.deviceName.data(), GpuProgram::most_buffers, GpuProgram::group_size));
 }
 
-/// Of the queues that compute the first.
+/// Index of the first queue family that computes.
 std::uint32_t compute_queues(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
   }
-  throw GpuError(GpuFailure::too_small, "the GPU has no queue that computes");
+  throw GpuError(GpuFailure::too_small, "the GPU has no compute queue");
 }
 
 vk::raii::Device device_of(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
@@ -105,7 +104,7 @@ vk::raii::DescriptorSetLayout buffer_layout(const vk::raii::Device& device) {
   return {device, vk::DescriptorSetLayoutCreateInfo({}, bindings)};
 }
 
-/// The kinds of memory that will do, the best first.
+/// Suitable kinds of memory, best first.
 std::initializer_list<vk::MemoryPropertyFlags> kinds_for(GpuMemory memory) {
   using Flag = vk::MemoryPropertyFlagBits;
   static constexpr vk::MemoryPropertyFlags seen = Flag::eHostVisible | Flag::eHostCoherent;
@@ -130,7 +129,7 @@ struct Gpu::Parts {
   vk::raii::PhysicalDevice physical;
   std::uint32_t family;
   vk::raii::Device device;
-  std::mutex mutex{};  ///< of the queue
+  std::mutex mutex{};  ///< guards the queue
   vk::raii::Queue queue;
   vk::raii::DescriptorSetLayout set_layout;
   vk::raii::PipelineLayout layout;
@@ -142,9 +141,9 @@ struct GpuBuffer::Parts {
   vk::raii::Buffer buffer{nullptr};
   vk::raii::DeviceMemory memory{nullptr};
   bool mapped = false;
-  bool coherent = true;  ///< the host sees what is written without asking for it
+  bool coherent = true;  ///< the host sees the device's writes without invalidation
 
-  /// Memory of a kind, or nothing where there is none of it left.
+  /// Allocates memory of a kind; false if it is used up.
   bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
     const auto all = gpu->parts_->physical.getMemoryProperties();
     for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
@@ -172,10 +171,10 @@ GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemor
   const std::string& name = own.description().name;
   if (bytes > own.most_bytes()) {
     throw GpuError(GpuFailure::too_small,
-                   fmt::format("{} takes {} bytes at a time, and {} are wanted", name,
+                   fmt::format("{} supports buffers of up to {} bytes; {} are required", name,
                                own.most_bytes(), bytes));
   }
-  told([&] {
+  driver_call([&] {
     parts_->buffer = vk::raii::Buffer(
         own.parts_->device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
                                                  vk::BufferUsageFlagBits::eStorageBuffer));
@@ -208,7 +207,7 @@ GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint
   }
   const vk::SpecializationInfo special(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                        constants.size_bytes(), constants.data());
-  told([&] {
+  driver_call([&] {
     const vk::raii::ShaderModule module(
         own.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
@@ -237,7 +236,7 @@ struct GpuRun::Parts {
     done = {own.device, vk::FenceCreateInfo()};
   }
 
-  /// All bindings have a buffer: those that no program asks for the first.
+  /// Binds a buffer everywhere: unused bindings get the first one.
   void bind() {
     std::array<vk::DescriptorBufferInfo, GpuProgram::most_buffers> infos;
     for (std::size_t i = 0; i < infos.size(); ++i) {
@@ -280,7 +279,7 @@ struct GpuRun::Parts {
         throw GpuError(GpuFailure::lost,
                        fmt::format("{} does not answer", gpu->description().name));
       }
-    } catch (const vk::DeviceLostError&) {  // nothing runs there
+    } catch (const vk::DeviceLostError&) {  // nothing runs there any more
       runs = false;
       throw;
     }
@@ -310,19 +309,19 @@ struct GpuRun::Parts {
     } catch (const std::runtime_error&) {
     }
     if (!own->runs) return delete own;
-    // The device may write there yet: kept for good, in a list by which leak checkers know of it.
+    // The device may still write there: kept for good, in a list so that leak checkers find it.
     static std::atomic<Parts*> kept = nullptr;
     own->kept_before = kept.exchange(own);
   }
 };
 
 GpuRun::GpuRun(std::shared_ptr<const Gpu> gpu)
-    : parts_(told([&] { return new Parts(std::move(gpu)); }), Parts::end) {}
+    : parts_(driver_call([&] { return new Parts(std::move(gpu)); }), Parts::end) {}
 
 void GpuRun::start(std::span<const GpuBuffer* const> buffers,
                    std::span<const GpuProgram* const> programs, std::uint64_t invocations,
                    std::uint32_t layers) {
-  told([&] {
+  driver_call([&] {
     parts_->buffers.clear();
     parts_->programs.clear();
     for (const GpuBuffer* buffer : buffers) parts_->buffers.push_back(buffer->parts_);
@@ -348,7 +347,7 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
 }
 
 void GpuRun::wait() {
-  told([&] { parts_->wait(); });
+  driver_call([&] { parts_->wait(); });
 }
 
 Gpu::Gpu(int number) {
@@ -360,7 +359,7 @@ Gpu::Gpu(int number) {
 
 std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   const std::vector<GpuDescription> devices = gpu_devices();
-  if (devices.empty()) throw WorldError("this machine has no GPU that Vulkan finds");
+  if (devices.empty()) throw WorldError("Vulkan finds no GPU on this machine");
   if (!number) {
     const auto best =
         std::min_element(devices.begin(), devices.end(), [](const auto& device, const auto& other) {
@@ -373,12 +372,12 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
     throw WorldError(fmt::format("there is no GPU {}; this machine has {}, counted from 0", *number,
                                  devices.size()));
   }
-  // Drivers take long to open a device, and open few at a time.
+  // Opening a device takes long, and drivers allow few at a time.
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<const Gpu>> open;
   const std::lock_guard lock(mutex);
   if (auto shared = open[*number].lock(); shared && !shared->lost_) return shared;
-  std::shared_ptr<const Gpu> gpu(told([&] { return new Gpu(*number); }));
+  std::shared_ptr<const Gpu> gpu(driver_call([&] { return new Gpu(*number); }));
   open[*number] = gpu;
   return gpu;
 }
@@ -387,7 +386,7 @@ std::vector<GpuDescription> gpu_devices() {
   std::vector<GpuDescription> devices;
   try {
     for (const auto& device : loader().devices) devices.push_back(describe(device));
-  } catch (const std::runtime_error&) {  // no loader, or no driver: no device
+  } catch (const std::runtime_error&) {  // no loader or no driver: no devices
   }
   return devices;
 }
@@ -407,7 +406,7 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int>) {
       "this program was built without Vulkan (libvulkan-dev and glslc, -DSLIPSTREAM_GPU=ON)");
 }
 
-// Never called, as no device is ever open.
+// Never called, because no device is ever open.
 GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu>, std::size_t, GpuMemory) {}
 GpuProgram::GpuProgram(std::shared_ptr<const Gpu>, std::span<const std::uint32_t>,
                        std::span<const std::uint32_t>) {}

@@ -22,7 +22,7 @@ CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
                        const ReconstructSettings& settings) {
   LayoutPhases decoded = decode.demodulate(frames);
   CameraPhases phases{{}, {}, Image<Validity>(frames.size())};
-  // Each by itself: under gamma the coordinate may be of another fringe in both cameras.
+  // Each band by itself: gamma may put the coordinate in different fringes in the two cameras.
   for (const std::size_t i : coarse_to_fine(decode.layout())) {
     const PhaseMaps& band = decoded.bands[i];
     phases.bands.push_back(phasors(band.modulation, band.wrapped_phase));
@@ -46,22 +46,22 @@ CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
 /// Where the phases agree.
 struct Match {
   double depth = nan;  ///< mm
-  double slope = 0;    ///< of the phase with depth, rad / mm
+  double slope = 0;    ///< of the phase over depth, rad / mm
 };
 
-/// The agreement nearest to `start`, at most `farthest` pixels of the second camera away.
+/// The agreement nearest to `start`, within `farthest` pixels of the second camera.
 Match nearest_match(const EpipolarLine& line, const Image<Phasor>& phase, Phasor reference,
                     double start, int farthest) {
   const double step = line.depth_of_a_pixel(start);
   if (!(step > 0) || !std::isfinite(step)) return {};
   const auto difference = [&](double depth) { return line.difference(phase, reference, depth); };
   const auto match_between = [&](double near, double far, double d_near, double d_far) -> Match {
-    // A turn of the circle changes the sign too, but by a leap.
+    // At a full turn the sign changes too, but with a jump.
     if (!(d_near * d_far <= 0) || std::abs(d_far - d_near) > std::numbers::pi / 2) return {};
     double depth = std::lerp(near, far, d_near / (d_near - d_far));
     const double d = difference(depth);
     if (std::isfinite(d)) {
-      // The phase bends between two pixels: once more, on the side where the sign changes.
+      // The phase is not linear between two pixels: interpolate again where the sign changes.
       depth = d * d_near <= 0 ? std::lerp(near, depth, d_near == d ? 0 : d_near / (d_near - d))
                               : std::lerp(depth, far, d == d_far ? 0 : d / (d - d_far));
     }
@@ -86,13 +86,13 @@ Match nearest_match(const EpipolarLine& line, const Image<Phasor>& phase, Phasor
   return {};
 }
 
-/// Pixels of the second camera to look at either side of the place that the projector says; under
-/// gamma 3 three steps are off by a tenth of the field.
+/// Search range in the second camera on either side of the place given by the projector, as a share
+/// of the width; with gamma 3, three steps are off by a tenth of the field.
 constexpr double coarse_reach = 0.15;
-/// The coarse phase is good to a few pixels.
+/// Search range around the coarse match, which is good to a few pixels.
 constexpr int fine_reach = 12;
 
-/// Band by band, from few periods to many; `fringes`: one period of each in rad of the one before.
+/// Matches band by band, from few periods to many; `fringes`: a period of each, in rad of the last.
 Match match_pixel(const EpipolarLine& line, const CameraPhases& first, const CameraPhases& second,
                   int column, int row, double guess, const std::vector<double>& fringes) {
   const int reach = static_cast<int>(coarse_reach * second.bands[0].width());
@@ -100,7 +100,7 @@ Match match_pixel(const EpipolarLine& line, const CameraPhases& first, const Cam
   for (std::size_t i = 1; i < first.bands.size() && std::isfinite(match.depth); ++i) {
     match =
         nearest_match(line, second.bands[i], first.bands[i](column, row), match.depth, fine_reach);
-    // A fringe further the fine phase agrees again, but the coarse one does not.
+    // One fringe further the fine phase agrees again, but the coarse one does not.
     const double apart =
         line.difference(second.bands[i - 1], first.bands[i - 1](column, row), match.depth);
     if (!(std::abs(apart) < fringes[i] / 3)) return {};
@@ -108,19 +108,19 @@ Match match_pixel(const EpipolarLine& line, const CameraPhases& first, const Cam
   return match;
 }
 
-/// Depth and weight of every pixel's match.
+/// Depth and weight of each pixel's match.
 struct Matches {
   explicit Matches(Size size) : depth(size, nan), weight(size), pixel_step(size) {}
 
   Image<double> depth;  ///< mm
-  /// Inverse of the depth's variance up to a factor: the phase's noise goes with 1 / B, and the
-  /// depth's with that over the phase's slope.
+  /// Inverse variance of the depth, up to a factor. Phase noise is proportional to 1 / B, and depth
+  /// noise is the phase noise divided by the phase's slope.
   Image<double> weight;
-  Image<double> pixel_step;  ///< mm for a pixel of the second camera
+  Image<double> pixel_step;  ///< mm per pixel of the second camera
 };
 
-/// Depth of the plane through the window's matches, at its centre. Over a plane 1 / Z is linear in
-/// the picture.
+/// Depth at the centre of a plane fitted to the window's matches. On a plane, 1 / Z is linear in
+/// the image.
 double plane_depth(const Matches& matches, int column, int row, int half_width) {
   const double centre = matches.depth(column, row);
   const double step = matches.pixel_step(column, row);
@@ -132,7 +132,7 @@ double plane_depth(const Matches& matches, int column, int row, int half_width) 
       const int x = column + dx, y = row + dy;
       if (x < 0 || y < 0 || x >= matches.depth.width() || y >= matches.depth.height()) continue;
       const double depth = matches.depth(x, y);
-      // A surface that both cameras see changes by less than a pixel from one to the next.
+      // On a surface seen by both cameras, depth changes by less than a pixel per pixel.
       const bool same_surface =
           std::abs(depth - centre) <= step * (1 + std::abs(dx) + std::abs(dy));
       if (!same_surface) continue;
@@ -153,9 +153,9 @@ void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchS
   require_valid(second);
   throw_if(first.projector.size != second.projector.size ||
                !first.projector.intrinsic.isApprox(second.projector.intrinsic),
-           "the two cameras' scanners have different projectors; it is one projector");
+           "the two cameras' scanners have different projectors; both must have the same");
   throw_if(Stereo(first, second).translation.norm() < 1e-9,
-           "the two cameras stand in one place and see no depth; check their translations");
+           "the two cameras are in the same place and measure no depth; check their translations");
   throw_if(match.window < 0 || match.window > 100,
            "match window {} is out of range; 0 to 100 pixels", match.window);
 }
@@ -173,13 +173,13 @@ std::vector<double> fringes_of(const Layout& layout) {
   return fringes;
 }
 
-/// Coordinates of one band of many periods, each camera's orders told by the other.
+/// Coordinates of one band of many periods; each camera resolves the other's orders.
 struct SearchedOrders {
   double period = 1;  ///< of the field
   Image<double> first, second;
 
-  /// Whether the second camera finds the point there too: where the right place is hidden from it,
-  /// a wrong one agrees by chance, but not both ways.
+  /// Whether the second camera finds the same point: where the right place is hidden from it, a
+  /// wrong one may match by chance, but not both ways.
   [[nodiscard]] bool seen_from_second(const Eigen::Vector2d& place, double y) const {
     const double other =
         second(static_cast<int>(std::lround(place.x())), static_cast<int>(std::lround(place.y())));
@@ -205,9 +205,8 @@ SearchedOrders search_orders(const CameraPhases& first, const CameraPhases& seco
 
 void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
   throw_if(frames.size() != scanner.camera.size,
-           "frames of the {} camera are {}x{}, its scanner says {}x{}; both must "
-           "agree",
-           which, frames.size().width, frames.size().height, scanner.camera.size.width,
+           "frames of the {} camera are {}x{}, its scanner says {}x{}; both must agree", which,
+           frames.size().width, frames.size().height, scanner.camera.size.width,
            scanner.camera.size.height);
 }
 
@@ -223,8 +222,8 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
   require_valid(first_);
   require_pair(first, second, match);
   throw_if(order_source(decode_.layout()) != OrderSource::bands,
-           "{}: its frames do not match between cameras; use a strategy of sinusoids, one "
-           "band or bands that unwrap each other, or --one-camera",
+           "{}: frames cannot be matched between cameras; use a strategy of sinusoids, one band "
+           "or bands that unwrap each other, or --one-camera",
            sequence.strategy.name());
   if (!has_coordinate(sequence.strategy)) {
     second_triangulate_.emplace(second, sequence.axis, PointMethod::form3);

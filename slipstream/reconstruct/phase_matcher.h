@@ -9,39 +9,38 @@
 
 namespace slipstream {
 
-/// How the phases of two cameras are matched.
+/// Settings of phase matching between two cameras.
 struct PhaseMatchSettings {
-  /// Half the width, pixels of the first camera, of the window through whose matches a plane is
-  /// laid, each weighed by how steeply its phase runs: where gamma flattens the phase, neighbours
-  /// say more. 0: each pixel by itself.
+  /// Half width, pixels of the first camera, of the window in which a plane is fitted to the
+  /// matches, weighted by the slope of the phase, which gamma flattens in places. 0: no fit.
   int window = 5;
 };
 
-/// Two cameras and one projector, Liu 2010, Section 4.4: the point of a pixel is where the ray of
-/// the first camera meets a place that the second sees under the same phase. Gamma bends both
-/// phases alike and drops out. The projector's place only says where to begin to look; where one
-/// band of many periods leaves the fringe order open, the second camera's phase says it as well.
+/// Two cameras and one projector, Liu 2010, Section 4.4: a pixel's point is where its ray in the
+/// first camera meets a place that the second camera sees under the same phase. Gamma distorts both
+/// phases equally and cancels. The projector coordinate only gives the start of the search; for a
+/// single band of many periods the second camera's phase also resolves the fringe order.
 class PhaseMatcher {
  public:
-  /// `first`, `second`: each camera with the one projector. Phases are matched as they are
-  /// measured, without a correction. Throws Error where a scanner or the settings are not valid,
-  /// the projectors differ, the cameras stand in one place, or the strategy is not of one band or
-  /// bands that unwrap each other.
+  /// `first`, `second`: each camera with the same projector. Phases are matched as measured,
+  /// without correction. Throws Error if a scanner or a setting is invalid, the projectors differ,
+  /// the cameras are in the same place, or the strategy is neither a single band nor bands that
+  /// unwrap each other.
   PhaseMatcher(const Scanner& first, const Scanner& second, const Sequence& sequence,
                const ReconstructSettings& settings = {}, const PhaseMatchSettings& match = {});
 
-  /// What the two cameras give together, in the first one's picture and frame.
+  /// Result in the first camera's image and frame.
   struct Result {
     Cloud cloud{};
     Maps maps{};  ///< of the first camera
   };
 
-  /// A point for each pixel of the first camera that finds its match; `no_point` where none is
-  /// found: hidden from the second camera, unlit there, or outside its picture. Throws Error when
-  /// frames are not of their camera's size or not as many as the strategy's.
+  /// A point for each pixel of the first camera that has a match; `no_point` for the others: hidden
+  /// from the second camera, unlit there, or outside its image. Throws Error if the size or number
+  /// of the frames is wrong.
   [[nodiscard]] Result operator()(const FrameViews& first, const FrameViews& second) const;
 
-  /// How the phases of either camera's frames are computed.
+  /// Phase method used for frames of either camera.
   [[nodiscard]] std::string method_for(const FrameViews& frames) const {
     return decode_.method_for(frames);
   }
@@ -51,7 +50,7 @@ class PhaseMatcher {
   Scanner second_;
   PhaseMatchSettings match_;
   Triangulator triangulate_;
-  std::optional<Triangulator> second_triangulate_;  ///< where the second tells the fringe order
+  std::optional<Triangulator> second_triangulate_;  ///< if needed for the fringe order
   Decoder decode_;
 };
 

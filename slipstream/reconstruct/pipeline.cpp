@@ -1,5 +1,5 @@
-// From the frames of a scan to its cloud: the method of Liu 2010, whole and in the order of its
-// stages. A setup names scanner, patterns and settings; equation numbers are the dissertation's.
+// Frames to point cloud by the method of Liu 2010, stage by stage. EngineSetup holds the scanner,
+// the patterns and the settings; numbers in parentheses are equations of the dissertation.
 #include "slipstream/reconstruct/pipeline.h"
 
 #include <fmt/format.h>
@@ -32,15 +32,16 @@ ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrection
 
 BasicMaps<double> ReferenceEngine::maps(const FrameViews& frames, Image<Validity>& order) const {
   require_size(frames, setup_.scanner.camera.size);
-  // Mean A, modulation B and phase of every sinusoid, (1.3)-(1.7): by the equations, the closed
-  // forms or the tables, (2.1)-(2.18). Each phase is corrected for the projector's response, Ch. 4.
+  // Demodulate: mean A, modulation B and wrapped phase of every band, (1.3)-(1.7), by the
+  // equations, the closed forms or the lookup tables (2.1)-(2.18). Correct each phase for the
+  // projector's response, Ch. 4.
   LayoutPhases phases = decode_.demodulate(frames);
-  // Fringe order, and so the coordinate y on the projector: from band to band (1.17), by a code, or
-  // by a cue and the neighbours' vote, Ch. 3.
+  // Unwrap: find each pixel's fringe order, and with it the projector coordinate y. The order comes
+  // from a lower frequency (1.17), a binary code, or a cue and the vote of the neighbours, Ch. 3.
   BasicMaps<double> maps =
       decode_.unwrapped(std::move(phases), frames.full_scale(),
                         least_neighbour_modulation(setup_.settings, frames.full_scale()));
-  // One band of many periods: the order by which the point lies in the range of depth.
+  // With a single band of many periods, the fringe order comes from the depth range.
   if (unwrap_by_depth_) order = (*unwrap_by_depth_)(maps, frames.full_scale());
   return maps;
 }
@@ -48,16 +49,17 @@ BasicMaps<double> ReferenceEngine::maps(const FrameViews& frames, Image<Validity
 ReferenceResult ReferenceEngine::operator()(const FrameViews& frames) const {
   Image<Validity> order;
   BasicMaps<double> maps = this->maps(frames, order);
-  // What a pixel is left out for: too dark, saturated, contradicted by its neighbours.
+  // Reject pixels that are too dark, saturated, or contradicted by their neighbours.
   Image<Validity> validity = judged(maps, order, frames, setup_);
-  // The ray of the pixel meets the light plane of y, (1.15) or one of its forms, (2.21)-(2.31).
+  // Triangulate: intersect the pixel's ray with the light plane of y, (1.15) or one of its faster
+  // forms (2.21)-(2.31). Reject points outside the projector's field or the depth range.
   BasicCloud<double> cloud =
       triangulated(maps.coordinate, std::move(validity), triangulate_, setup_);
-  // The texture is the mean A, in which the patterns do not show.
+  // Intensity: the mean A, in which the patterns cancel, on a scale of 0 to 255.
   std::transform(maps.mean.begin(), maps.mean.end(), cloud.intensity.begin(), [&](double mean) {
     return static_cast<float>(mean / (frames.full_scale() / 255));
   });
-  return {std::move(cloud), std::move(maps)};  // to be cleaned, see Engine::run
+  return {std::move(cloud), std::move(maps)};  // Engine::run cleans the cloud
 }
 
 void ReferenceEngine::run(const FrameViews& frames, const Outputs& outputs) const {

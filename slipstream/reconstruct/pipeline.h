@@ -10,41 +10,41 @@
 
 namespace slipstream {
 
-/// The order of every pixel, and the memory that finding it takes.
+/// Fringe orders of all pixels, with the buffers used to find them.
 struct DepthOrders {
   Image<int> order{};  ///< SurfaceOrders::none where not valid
-  /// `out_of_range` where there is no candidate, `doubtful_order` where there are several.
+  /// `out_of_range` if no order lies in the depth range, `doubtful_order` if it is ambiguous.
   Image<Validity> validity{};
   Image<OrderRange> possible{};
   Image<float> phase{};
   SurfaceOrders by_surfaces{};
 };
 
-/// The fringe order from the range of depth asked for (An, Hyun, Zhang 2016): along a pixel's ray
-/// the nearest and the farthest depth bound the projector coordinate, and an order whose coordinate
-/// lies between them is a candidate. All that is lit must lie in the range. Of frames that are
-/// taken apart by their spectra each connected surface has one order, see by_possible_orders; of
-/// others each pixel has that which is the only candidate.
+/// Finds fringe orders from the depth range (An, Hyun, Zhang 2016). Along a pixel's ray, the
+/// nearest and farthest depth bound the projector coordinate; every order whose coordinate lies
+/// between them is a candidate. All lit surfaces must lie in the range. Spectral strategies get one
+/// order per connected surface, see by_possible_orders; with others, a pixel needs a single
+/// candidate.
 class DepthUnwrapper {
  public:
-  /// Throws Error where the range lies behind the projector at the middle pixel or, of what is no
-  /// spectrum, covers a period or more there, so that little would have one candidate alone.
+  /// Throws Error if, at the middle pixel, the range begins behind the projector or, for strategies
+  /// that are not spectral, spans a period or more: few pixels would then have a single candidate.
   explicit DepthUnwrapper(const EngineSetup& setup);
 
-  /// `full_scale`: the largest grey level of the frames, whose levels the modulation has.
+  /// `full_scale`: largest grey level of the frames; `modulation` is in the same grey levels.
   void operator()(const Image<float>& wrapped_phase, const Image<float>& modulation,
                   double full_scale, DepthOrders& to) const;
 
-  /// Coordinates of wrapped phases of those orders; NaN where there is none.
+  /// Coordinates from wrapped phases and orders; NaN where the order is SurfaceOrders::none.
   template <class Real>
   void unwrap(const Image<Real>& wrapped_phase, const Image<int>& order,
               Image<Real>& coordinate) const;
 
-  /// Gives the maps their coordinate, and says why where there is none: DepthOrders::validity.
+  /// Sets the coordinates of `maps`; returns why a pixel has none, see DepthOrders::validity.
   [[nodiscard]] Image<Validity> operator()(BasicMaps<double>& maps, double full_scale) const;
 
  private:
-  /// Between which y lies, in periods, least first; NaN where that is not known.
+  /// Range of y along a pixel's ray, periods; NaN if unknown.
   struct Bounds {
     float least = 0;
     float largest = 0;
@@ -53,38 +53,38 @@ class DepthUnwrapper {
   [[nodiscard]] OrderRange possible(float phi, float modulation, const Bounds& bounds) const;
 
   double periods_;
-  float noise_;  ///< standard deviation in periods where B is one grey level of 8 bits
+  float noise_;  ///< standard deviation, periods, where B is one grey level of 8 bits
   bool by_surfaces_;
   float least_modulation_;  ///< grey levels of 8 bits
   Image<Bounds> bounds_;
 };
 
-/// A scan in 3-D and in double, with what it was made from.
+/// Cloud of a scan in double precision, with the maps it was made from.
 struct ReferenceResult {
   BasicCloud<double> cloud{};
   BasicMaps<double> maps{};
 };
 
-/// The algorithm itself, in double and stage by stage over the whole picture: every layout, any
-/// frames, any lens that Triangulator takes. What the fused pass and the GPU are measured by, and
-/// what stands in for them where they cannot. Read pipeline.cpp for the order of the stages.
-/// Tables are built once. Thread-safe.
+/// Reference implementation: double precision, stage by stage over the whole image, for every
+/// layout, frame format and lens that Triangulator supports. The fused pass and the GPU are tested
+/// against it, and it replaces them where they cannot be used. Read pipeline.cpp for the stages.
+/// Builds its tables once. Thread-safe.
 class ReferenceEngine {
  public:
-  /// Throws Error as Engine does. `corrections` are added to the phases.
+  /// Throws Error as Engine's constructor does. `corrections` are added to the phases.
   ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections);
 
-  // Each throws Error when the frames are not of the camera's size or not as many as the
-  // strategy's. Nothing is cleaned: Engine cleans the clouds of all engines alike.
+  // Both throw Error if the size or number of the frames is wrong. The cloud is not cleaned: Engine
+  // does that for all engines.
   [[nodiscard]] ReferenceResult operator()(const FrameViews& frames) const;
   [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames) const {
     Image<Validity> order;
     return maps(frames, order);
   }
-  /// The same in float, as far as it is wanted.
+  /// Computes the requested outputs, converted to float.
   void run(const FrameViews& frames, const Outputs& outputs) const;
 
-  /// Null where no range of depth gives the fringe order.
+  /// Null if the fringe order does not come from the depth range.
   [[nodiscard]] const DepthUnwrapper* by_depth() const {
     return unwrap_by_depth_ ? &*unwrap_by_depth_ : nullptr;
   }
@@ -94,7 +94,7 @@ class ReferenceEngine {
   }
 
  private:
-  /// `order`: why the range of depth gives a pixel no fringe order; empty where it gives none.
+  /// `order`: why the depth range gives a pixel no fringe order; no pixels if it is not used.
   [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames, Image<Validity>& order) const;
 
   EngineSetup setup_;
@@ -103,20 +103,20 @@ class ReferenceEngine {
   std::optional<DepthUnwrapper> unwrap_by_depth_;
 };
 
-// Stages of the pipeline that belong to no room above this one.
+// Pipeline stages defined in points.cpp.
 
-/// Why the frames leave a pixel out, `valid` where they do not: too dark, saturated, or of a fringe
-/// order that its neighbours do not confirm; else what `order` says of it, unless that is empty.
+/// Why each pixel is rejected, or `valid`: too dark, saturated, a fringe order that the neighbours
+/// do not confirm, or the reason in `order` unless that is empty.
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
                        const FrameViews& frames, const EngineSetup& setup);
 
-/// The points of the pixels that are valid and whose point lies before camera and projector, in the
-/// projector's field and in the range of depth. Its intensity is not set.
+/// Points of the valid pixels, without intensity. Rejects points behind the camera or the
+/// projector, outside the projector's field or outside the depth range.
 BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity> validity,
                                 const Triangulator& triangulate, const EngineSetup& setup);
 
-/// How sure each point of a cloud is under noise of the scanner's variance: see
-/// Engine::uncertainty. `full_scale`: of the frames.
+/// Standard deviations of a cloud's points due to noise, see Engine::uncertainty. `full_scale`:
+/// largest grey level of the frames.
 Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSetup& setup,
                            double full_scale);
 

@@ -1,4 +1,4 @@
-// Which pixels become points, where these lie and how sure they are.
+// Which pixels become points, where the points are, and their uncertainty.
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
@@ -13,11 +13,11 @@
 namespace slipstream {
 namespace {
 
-/// Whether the point is seen by the projector's lens at that pixel. Past the angle at which its
-/// polynomial turns back, a lens seems to light from within its field what it does not.
+/// Whether the projector's lens really lights the point through that pixel. Beyond the angle at
+/// which its polynomial turns back, a lens model maps points outside the field into it.
 bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2d& pixel) {
   const Eigen::Vector3d direction = point / point.z();
-  // Only a lens that moves the point this far turns back; to ask it is dear.
+  // Only a shift this large can turn back; the exact test is expensive.
   constexpr double least_turn = 0.1;  // of the field
   const Eigen::Vector2d moved = (lens.intrinsic * direction).head<2>() - pixel;
   if (!(moved.norm() > least_turn * lens.size.width)) return true;
@@ -27,7 +27,7 @@ bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2
 
 Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
   if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
-  const auto& [scanner, sequence, settings, own_engine] = setup;
+  const auto& [scanner, sequence, settings] = setup;
   const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
   if (in_projector.z() <= 0) return Validity::no_point;
   const double end = farthest_past_field(projector_length(setup));
@@ -45,11 +45,11 @@ Validity validity_of(double coordinate, const Eigen::Vector3d& point, const Engi
   return in_range ? Validity::valid : Validity::out_of_range;
 }
 
-/// |dy / d ln z| of a point along its pixel's ray: how much the projector coordinate changes for
-/// a change of z relative to it. The projector's lens is asked forwards, and no point solved for.
+/// |dy / d ln z| of a point along its pixel's ray: change of the projector coordinate for a
+/// relative change of z. Needs only the forward projection of the projector's lens.
 double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) {
-  constexpr double step = 1e-6;  // where y is a straight line of the distance
-  const auto& [scanner, sequence, settings, own_engine] = setup;
+  constexpr double step = 1e-6;  // small enough that y is linear in the distance
+  const auto& [scanner, sequence, settings] = setup;
   const auto y = [&](double distance) {
     const Eigen::Vector2d pixel =
         project(scanner.projector, in_projector_frame(scanner, distance * point));
@@ -157,7 +157,7 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
   for (std::size_t i = 0; i < saturated.pixel_count(); ++i) {
     const float modulation = maps.modulation.begin()[i];
     Validity& pixel = report.validity.begin()[i];
-    // First, as what is saturated in all frames has no modulation either.
+    // Tested first: a pixel that is saturated in all frames has no modulation either.
     if (saturated.begin()[i] != 0) {
       pixel = Validity::saturated;
     } else if (!(modulation >= least)) {

@@ -18,8 +18,8 @@ void require_valid(const ReconstructSettings& settings) {
   const double nearest = settings.nearest.value_or(0);
   const double farthest = settings.farthest.value_or(infinity);
   require_in_range({.name = "nearest_depth", .unit = "mm", .least = 0}, nearest);
-  throw_if(!(farthest > nearest), "farthest depth {} is out of range; more than the nearest",
-           farthest);
+  throw_if(!(farthest > nearest),
+           "farthest depth {} mm is out of range; it must be more than the nearest", farthest);
   require_valid(settings.clean);
 }
 
@@ -36,7 +36,7 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
     if (name == "gpu") return;
     settings.gpu = number_in<int>(name.substr(4));
     if (settings.gpu.value_or(-1) >= 0) return;
-    throw Error(fmt::format("backend '{}' names no GPU; gpu:0 is the first", name));
+    throw Error(fmt::format("backend '{}': expected gpu:NUMBER, e.g. gpu:0", name));
   }
   settings.engine = EngineKind::reference;
   for (const PhaseMethod method : {PhaseMethod::equation, PhaseMethod::closed_form,
@@ -45,11 +45,11 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
     settings.phase_method = method;
     return;
   }
-  throw Error(fmt::format("backend '{}' is not known; it is {}", name, backend_forms));
+  throw Error(fmt::format("unknown backend '{}'; choose {}", name, backend_forms));
 }
 
 DepthRange depth_range(const EngineSetup& setup) {
-  const auto& [scanner, sequence, settings, own_engine] = setup;
+  const auto& [scanner, sequence, settings] = setup;
   DepthRange usual{0, infinity};
   if (const auto& covered = scanner.calibrated_depths) {
     usual = {covered->nearest / 2, covered->farthest * 2};
@@ -68,12 +68,12 @@ bool unwraps_by_picture(const EngineSetup& setup) {
 }
 
 void require_valid(const EngineSetup& setup) {
-  const auto& [scanner, sequence, settings, own_engine] = setup;
+  const auto& [scanner, sequence, settings] = setup;
   require_valid(scanner);
   require_depth_visible(scanner, sequence.axis);
   require_valid(sequence.light);
   throw_if(sequence.both_axes,
-           "patterns along both axes are read from a scan that is done; here take --axis x");
+           "patterns along both axes require a finished scan; use --axis x here");
   require_resolved(sequence.strategy, sequence.axis, scanner.projector.size);
   require_valid(settings);
 }
@@ -83,9 +83,9 @@ void require_reconstructible(const EngineSetup& setup) {
   const Strategy& strategy = setup.sequence.strategy;
   if (has_coordinate(strategy) || unwraps_by_depth(setup)) return;
   throw Error(fmt::format(
-      "{}: more than one period covers the field, so these frames alone give no depth; give "
-      "--nearest and --farthest, between which depth spans less than a period, use one period, a "
-      "second camera, or a strategy that unwraps: {}",
+      "{}: more than one period covers the field, so these frames alone give no depth; set "
+      "--nearest and --farthest to a range of less than a period, or use one period, a second "
+      "camera, or a strategy that unwraps: {}",
       strategy.name(), fmt::join(names_with_coordinate(), ", ")));
 }
 
@@ -93,8 +93,8 @@ void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {
   const Strategy& strategy = setup.sequence.strategy;
   if (!needs_ambient_light(strategy.layout()) || setup.scanner.photometry.ambient) return;
   throw Error(
-      fmt::format("{}: no ambient light in it, which {} of {} frames needs; measure it "
-                  "with slipstream calibrate ambient, or give --ambient",
+      fmt::format("{}: the ambient light is unknown, but {} with {} frames needs it; measure it "
+                  "with slipstream calibrate ambient, or set --ambient",
                   scanner, strategy.name(), frame_count(strategy)));
 }
 

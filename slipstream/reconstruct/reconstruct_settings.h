@@ -17,47 +17,72 @@
 
 namespace slipstream {
 
-/// What turns frames into a cloud.
+/// Implementation that turns frames into a cloud.
 enum class EngineKind {
-  automatic,  ///< `fused` where it can, else `reference`; no GPU, see docs/how-to/gpu.md
-  reference,  ///< in double, stage by stage over the whole picture: any layout, frames and lens
-  fused,      ///< in float, one pass over the pixels; where it cannot, `reference`, saying why
-  gpu,        ///< what `fused` computes, by Vulkan; `fused` stands in where it cannot or fails
+  automatic,  ///< `fused` if possible, else `reference`; no GPU, see docs/how-to/gpu.md
+  reference,  ///< in double, stage by stage over the whole image: any layout, frames and lens
+  fused,      ///< in float, one pass over the pixels; if not possible, `reference`, with a reason
+  gpu,        ///< `fused` on a GPU, through Vulkan; if not possible or on failure, `fused`
 };
 
-/// What decides whether a pixel becomes a point, and how it is computed.
+/// Requested outputs of a scan; null: not requested. At most one of cloud, depth, depth16 and
+/// points, and no maps with points. Outputs that have the image's size already keep their memory.
+struct Outputs {
+  Cloud* cloud = nullptr;
+  Depth* depth = nullptr;
+  Image<std::uint16_t>* depth16 = nullptr;  ///< depth by `scale`, without validity
+  PackedPoints* points = nullptr;           ///< from the fused pass only
+  Maps* maps = nullptr;  ///< coordinates from each pixel alone, not confirmed by its neighbours
+  Image<float>* modulation = nullptr;  ///< as in `maps`, if the rest is not requested
+  DepthScale scale{};
+
+  [[nodiscard]] bool makes_points() const {
+    return cloud != nullptr || depth != nullptr || depth16 != nullptr || points != nullptr;
+  }
+};
+
+/// Your own engine, in place of slipstream's.
+struct OwnEngine {
+  std::string name;  ///< returned by Engine::backend_for
+  /// Computes the requested outputs, never points, from the adapted frames of a scan. Called from
+  /// all threads that have a copy of the Engine.
+  std::function<void(const FrameViews& frames, const Outputs& outputs)> run;
+};
+
+/// Settings that decide whether a pixel becomes a point, and how the point is computed.
 struct ReconstructSettings {
   EngineKind engine = EngineKind::automatic;
+  std::shared_ptr<const OwnEngine> own_engine{};   ///< replaces `engine` unless null
   PhaseMethod phase_method = PhaseMethod::tables;  ///< of the reference engine
-  double minimum_modulation = 15;  ///< least modulation B^c, grey levels of 255 whatever the bits
-  /// A pixel with a saturated frame is dropped (`false` keeps it, biased).
+  double minimum_modulation = 15;  ///< least modulation B^c, grey levels of 255 for any bit depth
+  /// Drops pixels with a saturated frame; `false` keeps them, biased.
   bool drop_saturated = true;
-  /// When the fringe order of several bands, or of a cue, is believed.
+  /// When to trust a fringe order from several bands or from a cue.
   FringeOrderConsensus fringe_order{};
-  /// Of a strategy whose fringe order comes from a cue in the same frames.
+  /// For strategies whose fringe order comes from a cue in the same frames.
   CueRule cue_rule = CueRule::consensus;
-  /// Likewise: the share of the least modulation from which a pixel votes, too dark for a point or
-  /// not.
+  /// For the same strategies: share of the least modulation from which a pixel votes, even if it is
+  /// too dark for a point.
   double least_voting_share = 0.8;
-  /// How far past the projector's field, as a share of its length across the stripes, a point may
-  /// lie.
+  /// How far outside the projector's field a point may lie, as a share of the field's length across
+  /// the stripes.
   double field_margin = 0.02;
-  std::optional<double> nearest{};   ///< mm, least depth; none: see depth_range
-  std::optional<double> farthest{};  ///< mm, largest depth; none: see depth_range
-  /// Which points of a finished cloud are left out.
+  std::optional<double> nearest{};   ///< mm, least depth; nullopt: see depth_range
+  std::optional<double> farthest{};  ///< mm, largest depth; nullopt: see depth_range
+  /// Which points of a finished cloud are removed.
   CleanSettings clean{};
-  /// Of EngineKind::gpu: the device, see gpu_devices; none: that which Gpu::open chooses.
+  /// For EngineKind::gpu: the device, see gpu_devices; nullopt: Gpu::open chooses one.
   std::optional<int> gpu{};
 
-  /// Without those of `clean`, and those that have names: see set_backend and cue_rule_named.
+  /// All except `clean` and settings with named values: see set_backend and cue_rule_named.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
     visit({.name = "minimum_modulation",
+           .flag = "--min-modulation",
+           .help = "least modulation, grey levels of 255 for any bit depth of the camera",
            .unit = "grey levels",
            .least = 0,
            .most = std::numeric_limits<double>::max(),
-           .flag = "--min-modulation",
-           .help = "least modulation, grey levels of 255 whatever the camera's bits",
            .live = {"least modulation of a point", "grey levels of 255", 0, 127}},
           self.minimum_modulation);
     visit({.name = "drop_saturated",
@@ -69,13 +94,10 @@ struct ReconstructSettings {
     FringeOrderConsensus::for_each_setting(self.fringe_order, visit);
     visit({.name = "least_voting_share"}, self.least_voting_share);
     visit({.name = "field_margin", .least = 0}, self.field_margin);
-    visit({.name = "nearest",
-           .flag = "--nearest",
-           .help = "least depth, mm; half of the nearest calibrated where not given"},
+    visit({"nearest", "--nearest", "least depth, mm; default: half the nearest calibrated depth"},
           self.nearest);
-    visit({.name = "farthest",
-           .flag = "--farthest",
-           .help = "largest depth, mm; twice the farthest calibrated where not given"},
+    visit({"farthest", "--farthest",
+           "largest depth, mm; default: twice the farthest calibrated depth"},
           self.farthest);
   }
 
@@ -86,92 +108,67 @@ inline constexpr const char* backend_forms =
     "fused, gpu or gpu:NUMBER (see slipstream gpu list), lut, closed-form, equation or "
     "intensity-ratio";
 
-/// Sets engine and method by one of these names; the last four are of the reference engine. Throws
-/// Error for another.
+/// Sets engine and phase method by one of these names; the last four select the reference engine.
+/// Throws Error for other names.
 void set_backend(ReconstructSettings& settings, std::string_view name);
 
-/// What is wanted of a scan; null is not. At most one of cloud, depth, depth16 and points, and no
-/// maps beside points. An output's memory is used again where it is of the picture's size.
-struct Outputs {
-  Cloud* cloud = nullptr;
-  Depth* depth = nullptr;
-  Image<std::uint16_t>* depth16 = nullptr;  ///< depth by `scale`, without reasons
-  PackedPoints* points = nullptr;           ///< by the fused pass alone
-  Maps* maps = nullptr;  ///< coordinates as each pixel says them, not confirmed by its neighbours
-  Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
-  DepthScale scale{};
-
-  [[nodiscard]] bool makes_points() const {
-    return cloud != nullptr || depth != nullptr || depth16 != nullptr || points != nullptr;
-  }
-};
-
-/// An engine of one's own, in the place of slipstream's.
-struct OwnEngine {
-  std::string name;  ///< what Engine::backend_for says
-  /// Makes what is wanted of the adapted frames of a scan, but never points. Called from all
-  /// threads that have a copy of the Engine.
-  std::function<void(const FrameViews& frames, const Outputs& outputs)> run;
-};
-
-/// All that an engine is made of.
+/// Everything that an engine is made from.
 struct EngineSetup {
   Scanner scanner{};
   Sequence sequence{};
   ReconstructSettings settings{};
-  std::shared_ptr<const OwnEngine> own_engine{};  ///< null: as the settings say
 
   friend bool operator==(const EngineSetup&, const EngineSetup&) = default;
 };
 
-/// Throws Error where the frames are not of the camera's size.
+/// Throws Error unless the frames have the camera's size.
 void require_size(const FrameViews& frames, Size camera);
 
-/// The depths that may become points, mm: as set, else from half the nearest to twice the farthest
-/// that the calibration's boards covered, else any.
+/// Depths at which points are valid, mm: as set, else from half the nearest to twice the farthest
+/// depth of the calibration boards, else any.
 DepthRange depth_range(const EngineSetup& setup);
 
-/// Whether the fringe order comes from the range of depth: both its ends are set, and the frames
-/// give no projector coordinate alone.
+/// Whether the fringe order comes from the depth range: both ends are set, and the frames alone
+/// give no projector coordinate.
 bool unwraps_by_depth(const EngineSetup& setup);
 
-/// Whether it comes from the whole picture rather than from a pixel's frames: that, or surfaces.
+/// Whether the fringe order comes from the whole image: from the depth range or from surfaces.
 bool unwraps_by_picture(const EngineSetup& setup);
 
-/// Throws Error where scanner or settings are not valid or see no depth along that axis, or where
-/// the strategy is too fine for the projector. An unknown ambient light counts as none.
+/// Throws Error if scanner or settings are invalid or measure no depth along the axis, or if the
+/// strategy is too fine for the projector. An unknown ambient light counts as 0.
 void require_valid(const EngineSetup& setup);
 
-/// Likewise, and where one camera's frames give no coordinate, alone or by the range of depth.
+/// As require_valid; also if one camera's frames give no coordinate, alone or by the depth range.
 void require_reconstructible(const EngineSetup& setup);
 
-/// Throws Error, naming `scanner`, where a cue needs an ambient light unknown to the scanner.
+/// Throws Error, naming `scanner`, if a cue needs the ambient light and the scanner lacks it.
 void require_ambient_known(const EngineSetup& setup, std::string_view scanner);
 
-/// What a cue needs beside the frames: light of patterns and room, noise, the rule.
+/// Inputs of a cue in addition to the frames: light of patterns and room, noise, the rule.
 CueSettings cue_settings(const EngineSetup& setup);
 
-/// What is added to each band's phase to correct for the scanner's response; none if unknown.
+/// Correction of each band's phase for the scanner's response; empty if the response is unknown.
 PhaseCorrections phase_corrections(const EngineSetup& setup);
 
-/// What the noise of 8-bit frames does to depth, to first order and without the projector's
+/// Effect of noise in 8-bit frames on depth, to first order and without the projector's
 /// distortion: Eq. (3.40) or (3.63) through the derivative of the point.
 DepthNoise depth_noise(const EngineSetup& setup);
 
 /// Projector pixels along the axis of the patterns.
 int projector_length(const EngineSetup& setup);
 
-/// The least modulation of a point, grey levels of 255: the settings', or more where noise would
-/// hide the fringe order, see CueEvidence::least_modulation.
+/// Least modulation of a point, grey levels of 255: as set, or more if noise would hide the fringe
+/// order, see CueEvidence::least_modulation.
 double least_modulation(const EngineSetup& setup);
 
-/// Raises that of the settings to it; who has a vote stays the same.
+/// Raises the settings' least modulation to this; the same pixels vote as before.
 void raise_least_modulation(EngineSetup& setup);
 
-/// The modulation threshold, grey levels of frames whose largest is `full_scale`.
+/// Modulation threshold, grey levels of frames whose largest is `full_scale`.
 double least_modulation(const ReconstructSettings& settings, double full_scale);
 
-/// That from which a pixel is asked for its neighbours' orders, likewise.
+/// Modulation from which a pixel votes on its neighbours' orders, in the same grey levels.
 double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale);
 
 }  // namespace slipstream

@@ -31,10 +31,10 @@ double light_at_angle(const PatternLight& light, const Response& response, doubl
   return 255 * light_at(response, value / 255);
 }
 
-/// The linear patterns whose mean and modulation are those of the light that a response makes of
-/// sinusoidal ones; its beta_p may be negative.
+/// The linear patterns with the mean and modulation of the light that a response produces from
+/// sinusoidal ones; beta_p may be negative.
 PatternLight linear_equivalent(const PatternLight& light, const Response& response) {
-  constexpr int samples = 720;  // harmonics up to 700 are not folded in
+  constexpr int samples = 720;  // no aliasing of harmonics up to 700
   double mean = 0, first = 0;
   for (int i = 0; i < samples; ++i) {
     const double angle = 2 * pi * i / samples;
@@ -45,10 +45,10 @@ PatternLight linear_equivalent(const PatternLight& light, const Response& respon
   return {2 * first, mean - first};
 }
 
-/// What a second harmonic as large as the first would be measured as.
+/// The measured value of a second harmonic as large as the first.
 std::complex<double> whole_second(const MeasuredHarmonics& pixel, int steps) {
   const std::complex<double> whole = pixel.fundamental * pixel.fundamental / pixel.B_1();
-  // Four steps fold the harmonic -2 onto it.
+  // Four steps alias the harmonic -2 onto it.
   return steps == 4 ? 2 * whole.real() : whole;
 }
 
@@ -64,7 +64,7 @@ struct ShareFit {
   [[nodiscard]] double share() const { return product / square; }
 };
 
-/// Mean of the values in the one grey level, wherever it begins, that holds most of them.
+/// Mean of the values in the fullest interval of one grey level, wherever it starts.
 double mode_of(const std::vector<double>& sorted) {
   std::size_t first = 0, best_first = 0, best_count = 0;
   for (std::size_t last = 0; last < sorted.size(); ++last) {
@@ -79,7 +79,7 @@ double mode_of(const std::vector<double>& sorted) {
   return sum / static_cast<double>(best_count);
 }
 
-/// Throws Error where the frames show another response: mean and modulation then say nothing of
+/// Throws Error if the frames show another response, for which mean and modulation do not give
 /// ambient light.
 void require_response(const ScanAverage& scans, const std::optional<Response>& response) {
   const auto linearity = response_linearity(scans);
@@ -90,14 +90,14 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
   const double percent = 100 * linearity->second;
   if (response) {
     throw Error(
-        fmt::format("the frames do not show the response in the scanner file (second harmonic "
+        fmt::format("the frames do not match the response in the scanner file (second harmonic "
                     "{:.2g} % of the first, not {:.2g} %); calibrate gamma again first",
                     percent, 100 * expected));
   }
   throw Error(
-      fmt::format("the response is not linear (second harmonic {:.2g} % of the first), which reads "
-                  "as ambient light; calibrate gamma into the scanner file first (slipstream "
-                  "calibrate gamma), then give that file with --scanner",
+      fmt::format("the response is not linear (second harmonic {:.2g} % of the first), which looks "
+                  "like ambient light; first add gamma to the scanner file (slipstream "
+                  "calibrate gamma), then pass that file with --scanner",
                   percent));
 }
 
@@ -149,9 +149,9 @@ std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
 }
 
 bool has_second_harmonic(const ResponseLinearity& linearity, double share) {
-  // By a power law a share of 0.004 is a gamma of 1.012, and moves the mean by 0.6 % of the
-  // modulation, which is a hundred grey levels at most; at a gamma of 2.2 three hundredths of the
-  // share do as much.
+  // For a power law a share of 0.004 is a gamma of 1.012, and shifts the mean by 0.6 % of the
+  // modulation, which is at most a hundred grey levels; at a gamma of 2.2 three hundredths of the
+  // share have the same effect.
   constexpr double negligible = 0.004, negligible_part = 0.03, deviations = 5;
   return std::abs(linearity.second - share) <=
          std::max({negligible, negligible_part * std::abs(share),
@@ -174,8 +174,7 @@ AmbientEstimate ambient_estimate(const Image<double>& map) {
   constexpr std::size_t fewest = 100;
   std::vector<double> values = finite_values(map);
   throw_if(values.size() < fewest,
-           "{} pixels are bright enough to measure ambient light; at least {} are "
-           "wanted",
+           "{} pixels are bright enough to measure ambient light; at least {} are required",
            values.size(), fewest);
   std::sort(values.begin(), values.end());
   const auto count = static_cast<double>(values.size());
@@ -190,13 +189,14 @@ AmbientEstimate ambient_estimate(const Image<double>& map) {
 }
 
 void require_ambient_measurable(const Scan& scan, const std::string& name) {
-  throw_if(scan.exposures.size() > 1, "{}: {} exposures; ambient light is measured with one", name,
+  throw_if(scan.exposures.size() > 1,
+           "{}: {} exposures; measuring ambient light requires a single one", name,
            scan.exposures.size());
   const Strategy& strategy = scan.sequence.strategy;
   const Layout& layout = strategy.layout();
   if (order_source(layout) != OrderSource::neighbours && carrier_periods(strategy) == 0) return;
   throw Error(
-      fmt::format("{}: {}; ambient light is measured with patterns that hold no cue and no carrier",
+      fmt::format("{}: {}; measuring ambient light requires patterns without a cue or carrier",
                   name, strategy.name()));
 }
 

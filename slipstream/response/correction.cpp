@@ -27,8 +27,7 @@ Constraint constraint_of(int steps, const MeasuredHarmonics& harmonics) {
           steps < fewest_for_third ? 0 : harmonics.third * back * back * back / B, mean};
 }
 
-/// The curve on which all pixels of that response lie, in `count` pieces of one length in true
-/// phase.
+/// The curve of all pixels under that response, in `count` pieces of equal length in true phase.
 std::vector<HarmonicSample> model_curve(const Response& response, int steps, int count) {
   std::vector<HarmonicSample> curve;
   for (int i = 0; i <= count; ++i) {
@@ -40,7 +39,7 @@ std::vector<HarmonicSample> model_curve(const Response& response, int steps, int
   return curve;
 }
 
-/// The middle value, and the variance of one value, outliers left out.
+/// Median, and robust variance of one value.
 struct Middle {
   Complex value;
   double variance = 0;
@@ -60,8 +59,8 @@ Middle middle_of(const std::vector<Complex>& values) {
   return middle;
 }
 
-/// The root of a rising function between two places, f(low) <= 0 <= f(high), to rounding: false
-/// position, with the standing end's value halved (Illinois) and now and then the middle.
+/// The root of an increasing function in [low, high], with f(low) <= 0 <= f(high), to rounding:
+/// false position, with the value of the retained end halved (Illinois) and occasional bisection.
 template <class Function>
 double root_between(const Function& f, double low, double high) {
   constexpr double rounding = 4e-15;  // of f
@@ -162,7 +161,7 @@ double distorted_phase(const Response& response, int steps, double phi) {
 
 std::vector<HarmonicSample> harmonic_samples(const Image<MeasuredHarmonics>& pixels,
                                              const Image<std::uint8_t>& lit, int steps) {
-  // More say no more: the standard error is by then far below what matters.
+  // More add nothing: the standard error is then far below any tolerance.
   constexpr std::size_t most = 40000;
   const auto lit_count = static_cast<std::size_t>(std::count(lit.begin(), lit.end(), 1));
   const double stride = std::max(1.0, static_cast<double>(lit_count) / most);
@@ -184,7 +183,7 @@ std::vector<HarmonicSample> harmonic_samples(const Image<MeasuredHarmonics>& pix
 
 std::vector<Constraint> predicted(const std::vector<HarmonicSample>& samples,
                                   const Response& response, int steps, int count) {
-  // Both rise, so one walk along the curve serves all.
+  // Both are increasing, so one pass along the curve is enough.
   const std::vector<HarmonicSample> curve = model_curve(response, steps, count);
   std::vector<Constraint> constraints;
   constraints.reserve(samples.size());
@@ -229,7 +228,8 @@ ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, con
       middle.constraint.*part = model[centre].*part + value;
       if (part == &Constraint::mean) continue;
       noise += variance;
-      curve.variance += pi / 2 * variance / static_cast<double>(left.size());  // of a median
+      curve.variance +=
+          pi / 2 * variance / static_cast<double>(left.size());  // variance of a median
     }
   }
   const auto count = static_cast<double>(std::max<std::size_t>(curve.bins.size(), 1));
@@ -278,8 +278,8 @@ double true_phase(const Response& response, int steps, double measured) {
 }
 
 double true_phase(const std::function<double(double)>& distorted, int steps, double measured) {
-  // Brings the measured phase to [0, pi / N], where measured and true phase agree at both ends and
-  // rise together, and the solution back.
+  // Maps the measured phase to [0, pi / N], where measured and true phase agree at both ends and
+  // increase together, and maps the solution back.
   const double half = pi / steps;
   const double period = std::floor(measured / half);
   const double within = measured - period * half;
@@ -301,7 +301,7 @@ PhaseCorrection phase_correction(const Response& response, int steps, double acc
   if (const auto* law = std::get_if<PowerLaw>(&response)) require_gamma(law->gamma, "gamma");
   constexpr std::size_t shortest = 256, longest = 65536;
 
-  // The first half of the period; the second is the first in reverse with the other sign.
+  // The first half of the period; the second is its mirror image with opposite sign.
   std::vector<double> half;
   for (std::size_t i = 0; i <= shortest / 2; ++i) {
     half.push_back(added_at(response, steps, static_cast<double>(i) / shortest));

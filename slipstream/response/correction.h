@@ -13,119 +13,118 @@
 
 namespace slipstream {
 
-/// What N frames of one sinusoid say about the harmonics at one place.
+/// Harmonics at one pixel, from the N frames of one sinusoid.
 struct MeasuredHarmonics {
   double mean = 0;                   ///< distorted mean, Liu 2010, Eq. (4.31)
   std::complex<double> fundamental;  ///< C_N + i S_N, Eqs. (4.34), (4.35)
   /// C_{2,N} + i S_{2,N}, Eqs. (4.46), (4.47); for N = 4 the real B_cos (4.51); for N = 3 the
-  /// fundamental mirrored, which says nothing more.
+  /// mirrored fundamental, which adds no information.
   std::complex<double> second;
-  std::complex<double> third;  ///< the same of the third harmonic; of use for N >= 6
+  std::complex<double> third;  ///< third harmonic; useful for N >= 6
 
-  /// The modulation, Eq. (4.36): B_1 as Eq. (4.50) takes it.
+  /// The modulation, Eq. (4.36): B_1 in Eq. (4.50).
   [[nodiscard]] double B_1() const { return std::abs(fundamental); }
-  /// B_2 with its sign, which Eq. (4.50) loses: the part of the second harmonic in step with the
-  /// fundamental. Negative where gamma < 1.
+  /// B_2 with its sign, which Eq. (4.50) loses: the component of the second harmonic in phase with
+  /// the fundamental. Negative for gamma < 1.
   [[nodiscard]] double B_2() const {
     const double square = std::norm(fundamental);
     return square > 0 ? (second * std::conj(fundamental * fundamental)).real() / square : 0;
   }
 };
 
-/// Of the `steps` frames that start at `first`, every pixel, in grey levels.
+/// Harmonics of every pixel, grey levels, from the `steps` frames that start at `first`.
 Image<MeasuredHarmonics> pixel_harmonics(const FrameViews& frames, int first, int steps);
 
-/// 1 where a pixel serves to find gamma: modulation of at least `minimum` grey levels and none of
-/// the frames saturated. `minimum` 0 or less: a sixteenth of the frames' full scale.
+/// 1 where a pixel is usable for finding gamma: modulation of at least `minimum` grey levels and no
+/// frame saturated. `minimum` <= 0: a sixteenth of the frames' full scale.
 Image<std::uint8_t> well_lit(const Image<MeasuredHarmonics>& pixels, const FrameViews& frames,
                              double minimum = 0);
 
-/// What N frames of a response measure at true phase phi (rad) for alpha alpha_p = 1, all harmonics
-/// included.
+/// Harmonics that N frames measure under a response at true phase phi (rad) for alpha alpha_p = 1,
+/// all harmonics included.
 MeasuredHarmonics measured_harmonics(const Response& response, int steps, double phi);
 
-/// The phase that N steps measure, Eq. (4.42), all harmonics included: within a third of a turn
-/// of phi, not wrapped. phi in rad.
+/// The phase that N steps measure, Eq. (4.42), all harmonics included: within a third of a turn of
+/// phi, not wrapped. phi in rad.
 double distorted_phase(const Response& response, int steps, double phi);
 
 /// Delta phi = phi - distorted phase, Eq. (4.45), rad.
 double phase_error(const Response& response, int steps, double phi);
 
-/// What the harmonics say of the response, the same at every pixel of one measured phase:
-/// reflectivity and ambient light are not in it, but for N = 3.
+/// Information of the harmonics about the response, equal for all pixels of the same measured
+/// phase: independent of reflectivity and ambient light, except for N = 3.
 struct Constraint {
   /// The second harmonic relative to the fundamental, Liu 2010, Eqs. (4.60), (4.61); for N = 3 the
-  /// ratio of mean and modulation (4.58), which ambient light changes.
+  /// ratio of mean and modulation (4.58), which depends on ambient light.
   std::complex<double> second{};
-  std::complex<double> third{};  ///< the third, likewise; 0 for N < 6, which say nothing of it
-  std::complex<double> mean{};   ///< A / B, to which ambient light adds
+  std::complex<double> third{};  ///< the third harmonic, relative; 0 for N < 6
+  std::complex<double> mean{};   ///< A / B, which depends on ambient light
 };
 
-/// A pixel, or a place on a response's curve. Measured phase and constraint repeat with 2 pi / N.
+/// A pixel, or a point on a response's curve. Measured phase and constraint have period 2 pi / N.
 struct HarmonicSample {
   double measured = 0;  ///< phase, rad, [0, 2 pi / N]
   Constraint constraint;
-  double modulation = 1;  ///< grey levels: the noise of the constraint goes with its inverse
+  double modulation = 1;  ///< grey levels: the constraint's noise is inversely proportional
 };
 
-/// The pixels where `lit` is 1, by rising phase; evenly chosen ones where they are more than 40000.
+/// The pixels where `lit` is 1, by increasing phase; a uniform subset if there are more than 40000.
 std::vector<HarmonicSample> harmonic_samples(const Image<MeasuredHarmonics>& pixels,
                                              const Image<std::uint8_t>& lit, int steps);
 
-/// What a response predicts at each sample's measured phase, by its curve in `count` pieces.
+/// Predictions of a response at each sample's measured phase, from its curve in `count` pieces.
 std::vector<Constraint> predicted(const std::vector<HarmonicSample>& samples,
                                   const Response& response, int steps, int count = 16384);
 
-/// The medians of samples in bins of the measured phase, by which edges and noise do not count.
+/// Medians of samples in bins of the measured phase, insensitive to edges and noise.
 struct ConstraintCurve {
   int steps = 0;
   std::vector<HarmonicSample> bins{};
   double variance = 0;  ///< of a bin's second and third harmonic, the mean of all bins
-  double noise = 0;     ///< standard deviation of those of a pixel
+  double noise = 0;     ///< standard deviation of a pixel's harmonics
 };
 
-/// Bins of less than 10 samples are left out. `near`: a response not far from that of the samples,
-/// so that a bin's width does not count.
+/// Skips bins with fewer than 10 samples. `near`: a response close to the samples', so that the bin
+/// width has no effect.
 ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, const Response& near,
                                  int steps);
 
-/// Mean square of what the response leaves of the second and third harmonic; infinite where there
-/// are no bins.
+/// Mean square residual of the second and third harmonic; infinite without bins.
 double distance(const ConstraintCurve& curve, const Response& response);
 
-/// Its root, less what noise does: about the phase error in rad that correcting by it leaves.
+/// The distance's root without noise: approximate phase error, rad, that correction leaves.
 double misfit(const ConstraintCurve& curve, const Response& response);
 
-/// How much of it drowns in the noise of one pixel, or is too little to matter.
+/// Misfit that is hidden by the noise of one pixel, or negligible.
 double harmless_misfit(const ConstraintCurve& curve);
 
-/// RMS of what the response leaves of the mean over the modulation, once light that is the same
-/// everywhere is taken away: what N = 4 say of odd harmonics, which bend their phase.
+/// RMS residual of mean over modulation, after fitting a uniform light: for N = 4 it indicates odd
+/// harmonics, which distort the phase.
 double misfit_of_mean(const ConstraintCurve& curve, const Response& response);
 
-/// The true phase behind a measured one, Liu 2010, Eqs. (4.56), (4.57): solves the distorted phase
+/// The true phase for a measured one, Liu 2010, Eqs. (4.56), (4.57): solves the distorted phase
 /// (4.42) for phi to rounding. `measured` in rad, any; N >= 3.
 double true_phase(const Response& response, int steps, double measured);
 
-/// The same by any `distorted(phi)` that agrees with phi at the multiples of pi / N and rises.
+/// The same for any increasing `distorted(phi)` that equals phi at multiples of pi / N.
 double true_phase(const std::function<double(double)>& distorted, int steps, double measured);
 
-/// What correcting multiplies the noise of a measured phase by, at true phase phi, rad: more than 1
-/// where the response presses phases together. N >= 3.
+/// Factor by which correction multiplies the noise of a measured phase, at true phase phi, rad:
+/// above 1 where the response compresses phases. N >= 3.
 double noise_gain(const Response& response, int steps, double phi);
 
-/// What is added to the measured phase, as a table: made once for a device. Its length is the
-/// power of two, 256 to 65536, at which linear interpolation is within `accuracy` (rad); past gamma
-/// 4.5, N = 3 needs more than that where the measured phase hardly moves, and is less accurate
-/// there. Throws Error where N < 3 or gamma is out of range.
+/// The correction of the measured phase, as a table: made once per device. Its length is the power
+/// of two, 256 to 65536, at which linear interpolation is within `accuracy` (rad); above gamma 4.5,
+/// N = 3 would need more where the measured phase hardly changes, and is less accurate there.
+/// Throws Error if N < 3 or gamma is out of range.
 PhaseCorrection phase_correction(const Response& response, int steps, double accuracy = 2e-7);
 
-/// One for each of the step counts.
+/// One correction per distinct step count.
 PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts);
 
-/// The pictures that a projector of that response turns into the light of `patterns`: the inverse
-/// response is applied before projection. What people do instead of correcting the phase; it costs
-/// grey levels, because the pictures are rounded to the projector's after it.
+/// The images that a projector with that response turns into the light of `patterns`: the inverse
+/// response is applied before projection. The alternative to correcting the phase; it costs grey
+/// levels, because images are rounded to the projector's levels afterwards.
 PatternSet precompensated(const PatternSet& patterns, const Response& response);
 
 }  // namespace slipstream

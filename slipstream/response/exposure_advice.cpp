@@ -13,7 +13,7 @@
 namespace slipstream {
 namespace {
 
-/// Of exposure 1, grey levels of 255.
+/// For exposure 1, grey levels of 255.
 struct LitPixel {
   double modulation = 0;
   double peak = 0;  ///< of its brightest frame
@@ -21,7 +21,7 @@ struct LitPixel {
 
 struct LitPixels {
   std::vector<LitPixel> known{};
-  std::size_t saturated = 0;  ///< by all exposures
+  std::size_t saturated = 0;  ///< in all exposures
   std::size_t all = 0;        ///< pixels of the camera
 
   [[nodiscard]] std::size_t count() const { return known.size() + saturated; }
@@ -52,7 +52,7 @@ Image<double> brightest_level(const FrameViews& frames) {
   return brightest;
 }
 
-/// `shortest`: the exposure that a gain of 1 has.
+/// `shortest`: the exposure at a gain of 1.
 LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shortest,
                      double noise_variance) {
   constexpr double deviations = 5;
@@ -77,13 +77,13 @@ LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shor
   return lit;
 }
 
-/// What exposures do to the pixels of one scan.
+/// Predicts the effect of exposures on the pixels of one scan.
 struct Prediction {
   std::vector<LitPixel> samples{};
-  double unknown = 0;  ///< share of the lit pixels that the shortest exposure saturates
+  double unknown = 0;  ///< share of the lit pixels saturated in the shortest exposure
   const Layout& layout;
   const ExposureNeeds& needs;
-  /// What passes it may be saturated, by noise of 3 standard deviations.
+  /// Levels above may be saturated, with noise of 3 standard deviations.
   double brightest = 255 - 3 * std::sqrt(needs.noise_variance);
 
   [[nodiscard]] ExposureChoice of(const std::vector<double>& exposures) const {
@@ -107,7 +107,7 @@ struct Prediction {
     return choice;
   }
 
-  /// The share measured, and in one percent of it how well.
+  /// The measured share, with a weight of one per cent for its quality.
   [[nodiscard]] double worth(const std::vector<double>& exposures) const {
     double worth = 0;
     for (const LitPixel& pixel : samples) {
@@ -117,7 +117,7 @@ struct Prediction {
     return worth;
   }
 
-  /// As merge_exposures makes it; 0 where every exposure saturates the pixel.
+  /// As in merge_exposures; 0 if every exposure saturates the pixel.
   [[nodiscard]] double merged_modulation(const LitPixel& pixel,
                                          const std::vector<double>& exposures) const {
     double squares = 0;
@@ -128,7 +128,7 @@ struct Prediction {
   }
 };
 
-/// Asks so many pixels at most, evenly spread over the picture.
+/// Samples a limited number of pixels, evenly over the image.
 Prediction prediction_of(const LitPixels& lit, const Layout& layout, const ExposureNeeds& needs) {
   constexpr std::size_t most = 20000;
   const double unknown = static_cast<double>(lit.saturated) / static_cast<double>(lit.count());
@@ -140,9 +140,9 @@ Prediction prediction_of(const LitPixels& lit, const Layout& layout, const Expos
   return prediction;
 }
 
-/// Two to each doubling, from what spares the brightest pixels to what shows the darkest.
+/// Two per doubling, from unsaturated brightest pixels to measurable darkest ones.
 std::vector<double> candidates(const Prediction& prediction, double least_modulation) {
-  constexpr double few = 0.001;  // pixels that no exposure is made for
+  constexpr double few = 0.001;  // fraction of pixels to ignore
   constexpr std::size_t most = 32;
   std::vector<double> peaks, modulations;
   for (const LitPixel& pixel : prediction.samples) {
@@ -157,7 +157,7 @@ std::vector<double> candidates(const Prediction& prediction, double least_modula
   return exposures;
 }
 
-/// Each exposure in turn is set to what is best beside the others, until none changes.
+/// Optimises each exposure in turn, given the others, until none changes.
 std::vector<double> best_of(std::size_t count, const Prediction& prediction,
                             const std::vector<double>& candidates, std::vector<double> exposures) {
   exposures.resize(count, candidates.front());
@@ -175,7 +175,7 @@ std::vector<double> best_of(std::size_t count, const Prediction& prediction,
   return exposures;
 }
 
-/// To two digits: no camera needs more.
+/// To two digits: cameras need no more.
 double rounded(double exposure) {
   const double digit = std::pow(10, std::floor(std::log10(exposure)) - 1);
   return std::round(exposure / digit) * digit;
@@ -187,10 +187,10 @@ void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureA
   std::vector<double> exposures;
   for (const std::size_t count : {1U, 2U, 3U}) {
     exposures = best_of(count, prediction, from, exposures);
-    std::vector<double> told = exposures;
-    std::sort(told.begin(), told.end());
-    std::transform(told.begin(), told.end(), told.begin(), rounded);
-    advice.proposed.push_back(prediction.of(told));
+    std::vector<double> choice = exposures;
+    std::sort(choice.begin(), choice.end());
+    std::transform(choice.begin(), choice.end(), choice.begin(), rounded);
+    advice.proposed.push_back(prediction.of(choice));
   }
   while (advice.best + 1 < advice.proposed.size() &&
          advice.proposed[advice.best + 1].measured >=
@@ -216,14 +216,15 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
     return exposure_advice(merged_exposures(given, exposures), sequence, needs);
   }
   const Layout& layout = sequence.strategy.layout();
-  throw_if(given.count() != layout.frames, "{} frames given; the strategy takes {}", given.count(),
+  throw_if(given.count() != layout.frames, "{} frames given; the strategy has {}", given.count(),
            layout.frames);
   const double shortest = *std::min_element(exposures.begin(), exposures.end());
   const LitPixels lit = lit_pixels(given, layout, shortest, needs.noise_variance);
   if (lit.known.empty()) {
-    throw Error(lit.saturated > 0 ? "every lit pixel is saturated; expose shorter"
-                                  : "no pixel shows the patterns; expose longer, or look at the "
-                                    "frames with slipstream view");
+    throw Error(lit.saturated > 0
+                    ? "every lit pixel is saturated; use a shorter exposure"
+                    : "no pixel shows the patterns; use a longer exposure, or inspect "
+                      "the frames with slipstream view");
   }
   const Prediction prediction = prediction_of(lit, layout, needs);
   ExposureAdvice advice{.lit = static_cast<double>(lit.count()) / static_cast<double>(lit.all),

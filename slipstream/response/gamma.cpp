@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 
 using Samples = std::vector<HarmonicSample>;
 
-/// The gamma that the medians of the pixels agree on, within 1 %.
+/// The gamma on which the pixels' medians agree, within 1 %.
 double agreed_gamma(const Samples& samples, int steps) {
   const ConstraintCurve curve = constraint_curve(samples, PowerLaw{1}, steps);
   double best_gamma = 1, best = std::numeric_limits<double>::infinity();
@@ -39,7 +39,7 @@ struct Fit {
 enum class Offset { none, free };
 
 /// Least squares with Tukey's weights, from a gamma near the solution. With a free offset the mean
-/// of every pixel may hold the same light besides the pattern's (N = 3).
+/// of every pixel may include a common light besides the pattern's (N = 3).
 Fit fitted(const Samples& samples, int steps, double gamma, Offset offset) {
   Fit fit{.gamma = gamma};
   for (int round = 0; round < 60; ++round) {
@@ -47,7 +47,7 @@ Fit fitted(const Samples& samples, int steps, double gamma, Offset offset) {
     const auto model = predicted(samples, PowerLaw{fit.gamma}, steps);
     const auto below = predicted(samples, PowerLaw{fit.gamma - h}, steps);
     const auto above = predicted(samples, PowerLaw{fit.gamma + h}, steps);
-    // In grey levels: residual r, its slopes with gamma, J, and with the offset, 1.
+    // In grey levels: residual r, its derivatives J for gamma and 1 for the offset.
     const auto residual = [&](std::size_t i) {
       return (samples[i].constraint.second - model[i].second) * samples[i].modulation -
              (offset == Offset::free ? fit.offset : 0);
@@ -89,15 +89,15 @@ Fit fitted(const Samples& samples, int steps, double gamma, Offset offset) {
   return fit;
 }
 
-/// What noise has put just outside, at the end of the range.
-double in_range_but_for_noise(double gamma) {
+/// Clamps to the range if the excess is within noise.
+double clamped_within_noise(double gamma) {
   const double inside = std::clamp(gamma, least_gamma, largest_gamma);
   return std::abs(inside - gamma) <= 0.01 * gamma ? inside : gamma;
 }
 
-/// Whether the power law leaves no more than noise, or than a small part of what it explains, of
-/// what the pixels say. The fewer the steps, the better other responses pass for one: four see odd
-/// harmonics, which bend their phase, in the mean alone, and three have nothing else.
+/// Whether the residual of the power law is no more than noise, or a small part of its effect. With
+/// fewer steps, other responses are harder to distinguish: four detect odd harmonics, which distort
+/// their phase, in the mean alone, and three have only the mean.
 bool follows_power_law(const Samples& samples, double gamma, int steps) {
   if (!(gamma >= least_gamma && gamma <= largest_gamma)) return false;
   const Response law = PowerLaw{gamma}, linear = PowerLaw{1};
@@ -111,7 +111,7 @@ bool follows_power_law(const Samples& samples, double gamma, int steps) {
   return steps > 4 || of_mean <= std::max({0.001, drowned, 0.2 * misfit_of_mean(curve, linear)});
 }
 
-/// Whether light that is not the pattern's, if there is any, leaves gamma as it was found.
+/// Whether gamma is unaffected by possible light other than the pattern's.
 bool survives_ambient_light(const Samples& samples, const Fit& fit, double tolerance) {
   const Fit with_offset = fitted(samples, 3, fit.gamma, Offset::free);
   return std::abs(with_offset.gamma - fit.gamma) <= tolerance &&
@@ -129,8 +129,8 @@ GammaChoice corrected_for(const MeasuredResponse& response, std::string_view sou
   return choice;
 }
 
-/// Of the scan's sinusoids the one that is surest of its gamma; where all refuse, the first, and
-/// one that follows no power law before all, because the others may have too few steps to see it.
+/// Gamma from the sinusoid with the smallest standard error. If all are refused, the first; one
+/// that follows no power law takes precedence: others may have too few steps to see that.
 BlindGamma surest_gamma(const Layout& layout, const FrameViews& frames) {
   std::optional<BlindGamma> surest;
   for (const Band& band : layout.bands) {
@@ -159,7 +159,7 @@ GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
     choice.sentence = fmt::format("phase corrected blind: {}", value);
   } else {
     choice.sentence =
-        fmt::format("phase left alone: {} ({} would fit best)", reason_of(found.refusal), value);
+        fmt::format("phase not corrected: {} (best fit: {})", reason_of(found.refusal), value);
   }
   return choice;
 }
@@ -175,8 +175,8 @@ StepRun longest_run(const Sequence& sequence) {
     if (run && (!longest || run->steps > longest->steps)) longest = run;
   }
   if (longest) return *longest;
-  throw Error(fmt::format("{}: no run of phase steps in it, by which gamma is measured",
-                          sequence.strategy.name()));
+  throw Error(
+      fmt::format("{}: measuring gamma requires a run of phase steps", sequence.strategy.name()));
 }
 
 PixelGamma gamma_of_pixels(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit) {
@@ -188,8 +188,8 @@ PixelGamma gamma_of_pixels(const Image<MeasuredHarmonics>& pixels, const Image<s
   return found;
 }
 
-/// What lit pixels see of the sinusoid, by its value: the mean over all of them and all frames,
-/// each pixel's mean and modulation taken out.
+/// The sinusoid's values as seen by the lit pixels: mean over all of them and all frames,
+/// normalised by each pixel's mean and modulation.
 ResponseCurve curve_seen(const FrameViews& frames, const Image<MeasuredHarmonics>& pixels,
                          const Image<std::uint8_t>& lit, const StepRun& run) {
   constexpr int pieces = 64;  // of half a period
@@ -221,9 +221,9 @@ ResponseCurve curve_seen(const FrameViews& frames, const Image<MeasuredHarmonics
 void add_response(GammaCalibration& found, const Image<MeasuredHarmonics>& pixels,
                   const Image<std::uint8_t>& lit, const FrameViews& frames, const StepRun& run) {
   constexpr int fewest_for_curve = 8;
-  // With fewer, the harmonics that the phases themselves are bent by blur the curve.
+  // With fewer steps, the harmonics that distort the phases also blur the curve.
   constexpr int fewest_for_seen = 12;
-  constexpr double most_left = 0.05;  // of what no correction leaves
+  constexpr double most_left = 0.05;  // of the misfit without correction
   const Response law = PowerLaw{std::clamp(found.fit.gamma, least_gamma, largest_gamma)};
   const ConstraintCurve curve =
       constraint_curve(harmonic_samples(pixels, lit, found.steps), law, found.steps);
@@ -249,9 +249,9 @@ void add_response(GammaCalibration& found, const Image<MeasuredHarmonics>& pixel
 
 std::string_view reason_of(BlindRefusal refusal) {
   static constexpr std::array<std::string_view, 5> reasons{
-      "gamma found", "too few pixels are lit and not saturated",
-      "ambient light, which three steps cannot tell from gamma", "no distortion to see",
-      "the response follows no gamma in range"};
+      "gamma found", "too few pixels are lit and unsaturated",
+      "ambient light, which three steps cannot distinguish from gamma", "no measurable distortion",
+      "the response matches no gamma in range"};
   return reasons[static_cast<std::size_t>(refusal)];
 }
 
@@ -266,7 +266,7 @@ BlindGamma find_gamma(const Image<MeasuredHarmonics>& pixels, const Image<std::u
     return found;
   }
   const Fit fit = fitted(samples, steps, agreed_gamma(samples, steps), Offset::none);
-  found.gamma = in_range_but_for_noise(fit.gamma);
+  found.gamma = clamped_within_noise(fit.gamma);
   found.standard_error = fit.standard_error;
   if (steps == 3 && !survives_ambient_light(samples, fit, ambient_tolerance * fit.gamma)) {
     found.refusal = BlindRefusal::ambient_light;
@@ -286,12 +286,12 @@ BlindGamma find_gamma(const FrameViews& frames, int first, int steps) {
 GammaChoice choose_gamma(const std::string& how,
                          const std::optional<MeasuredResponse>& of_scanner) {
   throw_if(how == "blind",
-           "--gamma blind needs a scan of a thing at rest; find the number with slipstream "
-           "reconstruct --gamma blind and give that");
+           "--gamma blind requires a scan of a static scene; find gamma with slipstream "
+           "reconstruct --gamma blind and pass that number");
   if (how == "scanner" && of_scanner) return corrected_for(*of_scanner, "scanner file");
   if (how == "scanner" || how == "none") return {};
   const auto gamma = number_in<double>(how);
-  throw_if(!gamma, "--gamma {} is not known; it is scanner, blind, none or a number", how);
+  throw_if(!gamma, "--gamma '{}' is unknown; expected scanner, blind, none or a number", how);
   require_gamma(*gamma, "--gamma");
   return corrected_for({PowerLaw{*gamma}, *gamma, 0}, "given");
 }
@@ -326,7 +326,7 @@ Image<double> gamma_map(const Image<MeasuredHarmonics>& pixels, const Image<std:
 GammaEstimate robust_gamma(const Image<double>& map) {
   const std::vector<double> gammas = finite_values(map);
   constexpr std::size_t fewest = 100;
-  throw_if(gammas.size() < fewest, "{} pixels are lit and not saturated; gamma takes at least {}",
+  throw_if(gammas.size() < fewest, "{} pixels are lit and unsaturated; gamma requires at least {}",
            gammas.size(), fewest);
   double centre = median(gammas);
   const double scale = std::max(robust_deviation(gammas, centre), 1e-12);
@@ -359,7 +359,7 @@ GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modula
   }
   GammaCalibration found{.steps = run.steps, .fit = find_gamma(pixels, lit, run.steps)};
   throw_if(found.fit.refusal == BlindRefusal::too_few_pixels,
-           "{}; show the patterns brighter or expose longer", reason_of(found.fit.refusal));
+           "{}; use brighter patterns or a longer exposure", reason_of(found.fit.refusal));
   add_response(found, pixels, lit, frames, run);
   if (run.steps >= 5) found.pixels = gamma_of_pixels(pixels, lit);
   return found;
@@ -372,7 +372,7 @@ MeasuredResponse found_response(const GammaCalibration& calibration) {
             fit.standard_error};
   }
   const std::string what = is_power_law(fit) || fit.refusal == BlindRefusal::no_power_law
-                               ? fmt::format("no gamma{} fits, {:.2g} rad of phase are left over",
+                               ? fmt::format("no gamma{} fits: {:.2g} rad of phase error remain",
                                              steps < 8 ? "" : ", sRGB or S-curve", misfit)
                                : std::string(reason_of(fit.refusal));
   throw Error(fmt::format("{}; scan with {} steps or more, or measure the response with --uniform",

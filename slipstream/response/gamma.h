@@ -14,109 +14,109 @@
 
 namespace slipstream {
 
-/// Why a scan does not say what its gamma is.
+/// Why gamma cannot be determined from a scan.
 enum class BlindRefusal {
   none,
-  too_few_pixels,  ///< that are lit and not saturated
-  ambient_light,   ///< N = 3: it shows in A / B as gamma does
+  too_few_pixels,  ///< lit and unsaturated ones
+  ambient_light,   ///< N = 3: it affects A / B as gamma does
   no_distortion,   ///< gamma is 1 within its uncertainty
-  no_power_law,    ///< what is seen fits no gamma, or one out of range
+  no_power_law,    ///< no gamma in range fits
 };
 
-/// A sentence without a stop.
+/// A sentence without a full stop.
 std::string_view reason_of(BlindRefusal refusal);
 
-/// Gamma as one scan tells it by itself.
+/// Gamma estimated from one scan alone.
 struct BlindGamma {
   BlindRefusal refusal = BlindRefusal::none;
-  double gamma = 1;           ///< the best found, also where it is refused
+  double gamma = 1;           ///< the best fit, even if refused
   double standard_error = 0;  ///< if the pixels' errors are independent
-  std::size_t pixels = 0;     ///< how many were asked
+  std::size_t pixels = 0;     ///< number of pixels used
 
-  /// The gamma to correct with: nothing where it is refused.
+  /// The gamma to correct with; nullopt if refused.
   [[nodiscard]] std::optional<double> accepted() const {
     return refusal == BlindRefusal::none ? std::optional(gamma) : std::nullopt;
   }
 };
 
-/// Gamma without calibration, Liu 2010, Section 4.3, from the frames of one sinusoid: the gamma
-/// with which the second constraint holds at all pixels together, the first being (4.53). The
-/// constraint is the ratio of mean and modulation for N = 3 (4.58); for N >= 4 the second harmonic,
-/// taken relative to the fundamental as a complex number: for N = 4 it is B_cos (4.60), for N >= 5
-/// its angle is phi_2 (4.61) and its length says more. One gamma for all pixels, because for N = 3
-/// a pixel alone often has several solutions. Pixels too dark or saturated are not asked.
+/// Gamma without calibration, Liu 2010, Section 4.3, from the frames of one sinusoid: the gamma for
+/// which the second constraint holds at all pixels together; the first is (4.53). The constraint is
+/// the ratio of mean and modulation for N = 3 (4.58); for N >= 4 the second harmonic relative to
+/// the fundamental, as a complex number: for N = 4 it is B_cos (4.60), for N >= 5 its angle is
+/// phi_2 (4.61) and its magnitude adds information. One gamma for all pixels, because for N = 3 a
+/// single pixel often has several solutions. Ignores pixels that are too dark or saturated.
 BlindGamma find_gamma(const FrameViews& frames, int first, int steps);
 
-/// The same from harmonics already at hand.
+/// The same from given harmonics.
 BlindGamma find_gamma(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit,
                       int steps);
 
-/// The response that a scan's phases are corrected for, and why that one.
+/// The response that a scan's phases are corrected for, and its origin.
 struct GammaChoice {
-  std::optional<MeasuredResponse> response{};  ///< none: phases are left alone
+  std::optional<MeasuredResponse> response{};  ///< nullopt: no correction
   std::string source = "none";    ///< "scanner file", "blind", "given", "two cameras" or "none"
-  std::optional<double> gamma{};  ///< nothing for a measured curve; told also where refused
+  std::optional<double> gamma{};  ///< nullopt for a measured curve; set even if refused
   std::optional<BlindGamma> blind{};
-  std::string sentence{};  ///< for people; empty where nothing was corrected or asked for
+  std::string sentence{};  ///< for the user; empty unless corrected or requested
 };
 
-/// By `how`: "scanner" (what the scanner holds, if it does), "none", or a number. Throws Error for
-/// anything else, for "blind" by saying that it takes a scan.
+/// `how`: "scanner" (the scanner's response, if any), "none", or a number. Throws Error for
+/// anything else; for "blind" the message says that it requires a scan.
 GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredResponse>& of_scanner);
 
-/// The same of a scan, and so also by "blind": from the frames themselves, of the scan's runs of
-/// steps by the one that is surest.
+/// Also accepts "blind": estimates gamma from the frames, using the scan's run of steps with the
+/// smallest standard error.
 GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredResponse>& of_scanner,
                          const Layout& layout, const FrameViews& frames);
 
-/// Likewise for each camera of a scan: puts the response into its scanner, where that is known, so
-/// that what looks at the scan next corrects phases for it. Returns that of the first camera.
+/// Does this for each camera of a scan, and stores the response in its scanner, if known, so that
+/// later processing corrects phases for it. Returns the first camera's choice.
 GammaChoice choose_response(Scan& scan, const std::string& how);
 
 /// gamma from neighbouring harmonics, Liu 2010, Eq. (4.55). B_1 != B_2.
 double gamma_from_harmonics(double B_1, double B_2);
 
 /// gamma of every pixel by Eqs. (4.50), (4.55); NaN where `lit` is 0. For N >= 5 steps; the fewer
-/// they are, the more of the harmonics N - 2 and above is taken for the second (Fig. 4.7).
+/// the steps, the more of the harmonics N - 2 and above is aliased onto the second (Fig. 4.7).
 Image<double> gamma_map(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit);
 
 /// One gamma for a device.
 struct GammaEstimate {
   double gamma = 1;
   double standard_error = 0;  ///< of gamma, if the pixels' errors are independent
-  double spread = 0;          ///< standard deviation among pixels, outliers left out
-  std::size_t pixels = 0;     ///< how many spoke
+  double spread = 0;          ///< standard deviation among pixels, without outliers
+  std::size_t pixels = 0;     ///< number of pixels used
 };
 
-/// The pixels' common gamma: their mean with Tukey's weights, so that edges and shadows do not
-/// count, from the median. Throws Error where the map has fewer than 100 finite pixels.
+/// The pixels' common gamma: mean with Tukey's weights, starting from the median, so that edges and
+/// shadows have no effect. Throws Error if the map has fewer than 100 finite pixels.
 GammaEstimate robust_gamma(const Image<double>& map);
 
-/// What each pixel says of gamma by itself.
+/// Gamma estimated at each pixel on its own.
 struct PixelGamma {
-  Image<double> map{};  ///< NaN where a pixel does not speak
+  Image<double> map{};  ///< NaN where a pixel is unusable
   GammaEstimate estimate{};
-  Histogram histogram{};  ///< five spreads either side of the estimate
+  Histogram histogram{};  ///< five spreads on either side of the estimate
 };
 
 /// Gamma of a projector and a camera, from scans of any surface.
 struct GammaCalibration {
-  int steps = 0;      ///< of the band that it was found with
-  BlindGamma fit{};   ///< to all pixels with all harmonics, a power law
-  double misfit = 0;  ///< of the power law, about the phase error it leaves, rad
-  /// The power law where it leaves no more than noise, else what curve_that_serves, else the curve
-  /// that the pixels see of 12 steps and more, if it takes 95 % of the error away; none where
-  /// nothing does, and for other curves with less than 8 steps: they fit curves that are not there.
+  int steps = 0;      ///< of the band used
+  BlindGamma fit{};   ///< power law fitted to all pixels with all harmonics
+  double misfit = 0;  ///< of the power law: approximate phase error it leaves, rad
+  /// The power law if its residual is noise; otherwise the result of curve_that_serves; otherwise,
+  /// with 12 or more steps, the curve measured by the pixels if it removes 95 % of the error;
+  /// nullopt if none fits. With fewer than 8 steps only a power law, as curves would overfit.
   std::optional<NamedResponse> response{};
-  std::optional<PixelGamma> pixels{};  ///< from B_1 and B_2, where there are 5 steps and more
+  std::optional<PixelGamma> pixels{};  ///< from B_1 and B_2, with 5 or more steps
 };
 
-/// By the longest run of steps of the scans' patterns. `minimum_modulation`: grey levels of 255; 16
-/// where 0. Throws Error where the patterns have no such run or too few pixels are lit.
+/// Uses the longest run of steps of the scans' patterns. `minimum_modulation`: grey levels of 255;
+/// 0 means 16. Throws Error if the patterns have no such run or too few pixels are lit.
 GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modulation = 0);
 
-/// The response and the gamma nearest to it. Throws Error, saying what to do, where the scans do
-/// not tell. That there is no distortion to see is no reason.
+/// The response and the gamma nearest to it. Throws Error, with the remedy, if the scans do not
+/// determine it. A linear response is valid.
 MeasuredResponse found_response(const GammaCalibration& calibration);
 
 }  // namespace slipstream

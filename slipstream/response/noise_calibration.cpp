@@ -11,7 +11,7 @@
 namespace slipstream {
 namespace {
 
-/// Variance over the measured pixels of what `value` gives at each, times `factor`.
+/// Variance of `value` over the measured pixels, times `factor`.
 template <class Value>
 NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor,
                               const Value& value) {
@@ -26,8 +26,8 @@ NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor
     mean += from_mean / static_cast<double>(count);
     squares += from_mean * (x - mean);
   }
-  throw_if(count < fewest, "{} pixels are too few to measure noise; at least {} are wanted", count,
-           fewest);
+  throw_if(count < fewest, "{} pixels are too few to measure noise; at least {} are required",
+           count, fewest);
   const double variance = factor * squares / static_cast<double>(count - 1);
   return {.variance = variance,
           .standard_error = variance * std::sqrt(2.0 / static_cast<double>(count - 1)),
@@ -36,7 +36,7 @@ NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor
 
 constexpr double least_modulation = 8;  // grey levels
 
-/// Adds an estimate to the sums that divided_by_count makes a measurement of.
+/// Adds an estimate to the sums for divided_by_count.
 void add(NoiseMeasurement& sums, const NoiseEstimate& estimate) {
   sums.variance += estimate.variance;
   sums.standard_error += estimate.standard_error * estimate.standard_error;
@@ -54,23 +54,23 @@ bool of_one_band(const Layout& layout) {
   return layout.bands.size() == 1 && !layout.cue;
 }
 
-/// What noise would have made different is not.
+/// Throws Error for images that are identical, as noise would make them differ.
 void require_two_takes(const Image<double>& a, const Image<double>& b) {
   if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return;
   throw Error(
-      "two of the scans have the very same frames, noise and all: copies, or the virtual scanner's "
-      "of one --seed; noise is measured between two takes");
+      "two of the scans have identical frames: copies, or virtual scans with the same --seed; "
+      "measuring noise requires two takes");
 }
 
-/// Why a measurement says another value than the one trusted most; empty where it does not.
+/// Why a measurement differs from the most trusted one; otherwise empty.
 std::string disagreement(const NoiseMeasurement& other, const NoiseMeasurement& trusted) {
   const double difference = other.variance - trusted.variance;
   const double error = std::hypot(other.standard_error, trusted.standard_error);
   if (std::abs(difference) < std::max(4 * error, 0.05 * trusted.variance)) return "";
   if (mistakes_gamma_for_noise(other) || other.equation == "3.19") {
-    return "the response is not linear, and this counts what it leaves as noise: calibrate gamma";
+    return "the response is not linear, and this counts its effect as noise: calibrate gamma";
   }
-  return "light or scene changed between the scans in a way that is not the same everywhere";
+  return "light or scene changed unevenly between the scans";
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ NoiseLine noise_line_from_means(const Image<double>& mean_1, const Image<double>
   }
   shift /= static_cast<double>(all.pixels);
   NoiseLine line{.at_half = all.variance};
-  // Squares of Gaussian values spread as their mean squared: weights follow from the line itself.
+  // Weights: squared Gaussian values have a variance proportional to their squared mean.
   for (int iteration = 0; iteration < 5; ++iteration) {
     double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
     for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
@@ -152,8 +152,7 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy(scan.sequence.strategy) {
   const Layout& layout = strategy.layout();
   const Band& band = layout.bands.front();
   const auto run = step_run(band);
-  if (!run)
-    throw Error(strategy.name() + ": no run of phase steps in it, by which noise is measured");
+  if (!run) throw Error(strategy.name() + ": measuring noise requires a run of phase steps");
   steps = run->steps;
   const PhaseDecoder decode(PhaseMethod::equation, {});
   const PhaseMaps maps = decode(frames, band);
@@ -176,7 +175,7 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy(scan.sequence.strategy) {
 std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) {
   NoiseMeasurement halves{"3.82", "half phase channels of two scans"};
   NoiseMeasurement means{"3.20", "means of two scans"};
-  NoiseMeasurement unequal_means{"3.19", "means of two scans of other step counts"};
+  NoiseMeasurement unequal_means{"3.19", "means of two scans with different step counts"};
   NoiseMeasurement modulations{"3.99", "two modulations of one scan"};
   NoiseMeasurement half{"3.79", "half phase channel of one scan"};
   for (std::size_t i = 0; i < scans.size(); ++i) {
@@ -200,10 +199,10 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
   for (const NoiseMeasurement& sums : {halves, means, unequal_means, modulations, half}) {
     if (sums.count > 0) all.push_back(divided_by_count(sums));
   }
-  throw_if(
-      all.empty(),
-      "these scans measure no noise; give two alike of one unmoved scene, one of 4 steps of one "
-      "frequency, or one of a second band in the same frames");
+  throw_if(all.empty(),
+           "these scans cannot measure noise; expected two equal scans of a static scene, one of 4 "
+           "steps "
+           "of one frequency, or one with a second band in the same frames");
   for (NoiseMeasurement& other : all) other.reason = disagreement(other, all.front());
   return all;
 }

@@ -12,7 +12,7 @@
 namespace slipstream {
 namespace {
 
-/// The curve through 129 points of a function that rises from 0 to 1.
+/// The curve through 129 points of an increasing function from 0 to 1.
 template <class Function>
 ResponseCurve through_points_of(const Function& light) {
   constexpr int last = 128;
@@ -24,7 +24,7 @@ ResponseCurve through_points_of(const Function& light) {
   return response_curve(values, intensities);
 }
 
-/// The lowest point of a function with one valley between two places.
+/// Minimum of a unimodal function in [low, high].
 template <class Function>
 double lowest_between(const Function& f, double low, double high) {
   while (high - low > 1e-9) {
@@ -46,7 +46,7 @@ ResponseCurve curve_of(const Logistic& logistic) {
                         std::clamp(logistic[1], 0.0, 1.0));
 }
 
-/// The lowest place of a function near `place`, by steps along each axis that become shorter.
+/// Local minimum near `place`, by coordinate descent with decreasing steps.
 template <class Function>
 Logistic lowest_near(const Function& f, Logistic place) {
   double least = f(place);
@@ -90,8 +90,8 @@ LevelFit fit_levels(const Response& response, std::span<const double> values,
   return fit;
 }
 
-/// Whether what a response leaves of the levels is noise (von Neumann's ratio, 2 for noise, 0 for
-/// a smooth curve), or less than any noise.
+/// Whether the residual is noise (von Neumann ratio: 2 for noise, 0 for a smooth curve), or below
+/// any noise.
 bool leaves_noise(const LevelFit& fit) {
   constexpr double least_ratio = 1.2, negligible = 5e-4;
   double squares = 0, differences = 0;
@@ -112,7 +112,8 @@ ResponseCurve srgb_curve() {
 
 ResponseCurve logistic_curve(double slope, double centre) {
   throw_if(!(slope > 0 && slope <= 50 && centre >= 0 && centre <= 1),
-           "logistic curve of slope {} and centre {}: slope 0 to 50, centre 0 to 1", slope, centre);
+           "logistic curve: slope {} or centre {} is out of range; slope 0 to 50, centre 0 to 1",
+           slope, centre);
   return through_points_of(
       [&](double value) { return 1 / (1 + std::exp(-slope * (value - centre))); });
 }
@@ -123,16 +124,16 @@ std::optional<ResponseCurve> curve_named(std::string_view name) {
   if (!name.starts_with(logistic)) return std::nullopt;
   const auto numbers = numbers_in<double>(name.substr(logistic.size()), ':');
   if (numbers.size() == 2) return logistic_curve(numbers[0], numbers[1]);
-  throw Error(fmt::format("{}: two numbers are wanted, as in logistic:9:0.45", name));
+  throw Error(fmt::format("{}: expected two numbers, e.g. logistic:9:0.45", name));
 }
 
 GammaFit fit_gamma(std::span<const double> values, std::span<const double> intensities) {
   throw_if(values.size() < 4 || values.size() != intensities.size(),
-           "{} uniform patterns with {} intensities; a fit of gamma takes at least 4",
+           "{} uniform patterns with {} intensities; fitting gamma requires at least 4",
            values.size(), intensities.size());
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   if (*least == *most) {
-    throw Error(fmt::format("uniform patterns: all have the value {}; several are needed", *least));
+    throw Error(fmt::format("uniform patterns: all have the value {}; use several", *least));
   }
   const auto fit_at = [&](double gamma) {
     return fit_levels(PowerLaw{gamma}, values, intensities);
@@ -141,7 +142,7 @@ GammaFit fit_gamma(std::span<const double> values, std::span<const double> inten
                                       least_gamma / 2, 2 * largest_gamma);
   const GammaFit fit{fit_at(gamma), gamma};
   throw_if(!(fit.scale > 0),
-           "uniform patterns: the intensity does not rise with the pattern's value");
+           "uniform patterns: the intensity does not rise with the pattern value");
   return fit;
 }
 

@@ -8,7 +8,7 @@ namespace slipstream {
 
 Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
   throw_if(a.size() != b.size(),
-           "the scans are of different sizes; they are to be of one unmoved scene");
+           "the scans have different sizes; expected scans of one static scene");
   Image<std::uint8_t> both = a;
   std::transform(both.begin(), both.end(), b.begin(), both.begin(),
                  [](std::uint8_t x, std::uint8_t y) { return static_cast<std::uint8_t>(x & y); });
@@ -22,8 +22,8 @@ void ScanAverage::add(const Scan& scan, const std::string& name) {
     sequence = scan.sequence;
     unclipped = Image<std::uint8_t>(of_scan.size(), 1);
   } else if (scan.sequence.strategy != sequence.strategy) {
-    throw Error(fmt::format("{}: another strategy than in {}; scans that are averaged are alike",
-                            name, first_name));
+    throw Error(
+        fmt::format("{}: strategy differs from {}; averaged scans must match", name, first_name));
   }
   frames.add(scan.frames);
   unclipped = in_both(unclipped, of_scan);

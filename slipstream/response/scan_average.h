@@ -8,19 +8,19 @@
 
 namespace slipstream {
 
-/// 1 where two masks are. Throws Error where their sizes differ.
+/// 1 where both masks are 1. Throws Error if their sizes differ.
 Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b);
 
-/// Scans of one unmoved scene, averaged as they come.
+/// Average of scans of one static scene.
 struct ScanAverage {
-  /// `name`: what a message calls the scan. Throws Error where it differs from the first in
-  /// strategy, size or bits.
+  /// `name`: of the scan, for messages. Throws Error if it differs from the first in strategy, size
+  /// or bits.
   void add(const Scan& scan, const std::string& name);
 
   std::string first_name;
   Sequence sequence;  ///< of the first scan
   MeanFrames frames;
-  Image<std::uint8_t> unclipped;  ///< 1 where no frame of any is at either end of the grey levels
+  Image<std::uint8_t> unclipped;  ///< 1 where no frame is at either end of the grey levels
 };
 
 }  // namespace slipstream

@@ -20,7 +20,7 @@ using Points = std::vector<MeasuredPoint>;
 
 constexpr double left_out = 0.003;
 
-/// The width of the narrowest range that holds a share of the values, which rise.
+/// Width of the narrowest range with a share of the sorted `values`.
 double narrowest_range(const std::vector<double>& values, double share) {
   const auto held = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
   double width = values.back() - values.front();
@@ -34,7 +34,7 @@ Points points_of(const Cloud& cloud) {
   return points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
 }
 
-/// The part of a map that holds all its finite values, of which there are some.
+/// Crops a map to its finite values; it must have some.
 Image<double> cropped(const Image<double>& map) {
   Eigen::AlignedBox2i held;
   for_each_pixel_in_order(map.size(), [&](int column, int row) {
@@ -47,7 +47,7 @@ Image<double> cropped(const Image<double>& map) {
   return part;
 }
 
-/// The cloud with those of its points alone that belong.
+/// The cloud with only the points for which `belongs` is true.
 template <class Belongs>
 Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   Cloud part = cloud;
@@ -59,7 +59,7 @@ Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   return part;
 }
 
-/// Fits the shape to a cloud and says how its points deviate from it.
+/// Fits the shape to a cloud and evaluates the deviations of its points.
 template <class Fit>
 auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) {
   const auto shape = fit(points_of(cloud), left_out);
@@ -86,7 +86,7 @@ std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Clo
   std::vector<FittedSphere> fitted;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const FittedSphere &here = found[i], &other = found[found.size() - 1 - i];
-    const Eigen::Vector3d rod = (other.centre - here.centre).normalized();  // 0 of one sphere
+    const Eigen::Vector3d rod = (other.centre - here.centre).normalized();  // 0 for one sphere
     const Cloud part = part_of(cloud, [&](int column, int row) {
       const Eigen::Vector3d point = position_at(cloud, column, row);
       return is_on_cap(here, point, 60 * degree) &&
@@ -101,7 +101,7 @@ std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Clo
   return accuracies;
 }
 
-/// RMS of the means of squares of pixels, of those that hold enough values.
+/// RMS of the means over square blocks of pixels with enough values.
 double rms_of_means(const Image<double>& map) {
   constexpr int side = 16, least = side * side / 2;
   double squares = 0;
@@ -152,14 +152,14 @@ ShapeAccuracy measure_plane(const Cloud& cloud) {
   return accuracy;
 }
 
-/// Mean and sum of squared deviations of Z by pixel, which grow scan by scan.
+/// Mean and sum of squared deviations of Z by pixel, updated scan by scan.
 struct Spread {
   Image<double> mean, squares;
   int scans = 0;
 
   void add(const Image<float>& z) {
     if (scans == 0) mean = squares = Image<double>(z.size());
-    if (z.size() != mean.size()) throw Error("of another size than the first");
+    if (z.size() != mean.size()) throw Error("its size differs from the first scan's");
     ++scans;
     for (std::size_t i = 0; i < z.pixel_count(); ++i) {
       const double step = static_cast<double>(z.begin()[i]) - mean.begin()[i];
@@ -174,7 +174,7 @@ Repeatability repeatability(const Spread& spread) {
   for (double& value : result.sigma) value = std::sqrt(value / (spread.scans - 1));
   std::vector<double> sigmas = finite_values(result.sigma);
   if (sigmas.empty()) throw Error("repeated: no pixel has a point in all scans");
-  if (quantile(sigmas, 0.5) == 0) throw Error("repeated: the scans are copies of one");
+  if (quantile(sigmas, 0.5) == 0) throw Error("repeated: the scans are copies of each other");
   result.sigma = cropped(result.sigma);
   return result;
 }
@@ -182,13 +182,13 @@ Repeatability repeatability(const Spread& spread) {
 double length_from(const std::string& text) {
   constexpr double longest = 1e6;
   const auto length = number_in<double>(text);
-  throw_if(!length || !(*length > 0) || *length > longest, "'{}' is no length, 0 to {:g} mm", text,
-           longest);
+  throw_if(!length || !(*length > 0) || *length > longest, "'{}': expected a length, 0 to {:g} mm",
+           text, longest);
   return *length;
 }
 
 double one_length_from(const std::vector<std::string>& values) {
-  if (values.size() != 1) throw Error("one length is wanted");
+  if (values.size() != 1) throw Error("expected one length");
   return length_from(values.front());
 }
 
@@ -209,25 +209,25 @@ void take(const RigSetting& setting, const fs::path& folder, Artefacts& artefact
   } else {
     const std::vector<std::string> known{"diameters", "distance", "spheres",
                                          "planes",    "repeated", "diagonal"};
-    throw Error(fmt::format("not known; it is one of: {}{}", fmt::join(known, ", "),
+    throw Error(fmt::format("not known; expected one of: {}{}", fmt::join(known, ", "),
                             did_you_mean(setting.name, known)));
   }
 }
 
-/// What does not go together; empty where all does.
+/// The first inconsistency, or an empty string.
 std::string fault_of(const Artefacts& artefacts) {
   const std::size_t spheres = artefacts.diameters.size();
-  if (spheres > 2) return "diameters: one or two are wanted";
+  if (spheres > 2) return "diameters: expected one or two";
   if (artefacts.distance.has_value() != (spheres == 2)) {
-    return "two diameters and the distance of their spheres go together";
+    return "two diameters require the distance of their spheres, and a distance two diameters";
   }
   if (artefacts.spheres.empty() != (spheres == 0)) {
-    return "diameters and the scans of spheres go together";
+    return "diameters require scans of spheres, and scans of spheres diameters";
   }
-  if (artefacts.repeated.size() == 1) return "repeated: two scans or more are wanted";
+  if (artefacts.repeated.size() == 1) return "repeated: expected two scans or more";
   const bool none =
       artefacts.spheres.empty() && artefacts.planes.empty() && artefacts.repeated.empty();
-  return none ? "no scans are named" : "";
+  return none ? "no scans are listed" : "";
 }
 
 std::string cell(std::optional<double> value) {
@@ -251,7 +251,7 @@ void write_shapes(Page& page, const Accuracy& accuracy) {
   }
 }
 
-/// Of the sphere and the plane of largest form error, and of the repeated scans.
+/// Pictures of the sphere and the plane with the largest form error, and of the repeated scans.
 void write_pictures(Page& page, const fs::path& folder, const Accuracy& accuracy) {
   const auto add = [&](const std::string& says, const char* file, const Image<double>& map) {
     write_map_preview(folder / file, map, "mm");

@@ -8,7 +8,7 @@
 namespace slipstream {
 namespace {
 
-/// Of a point from what rays within one and a half pixels of its own meet, mm.
+/// Distance of a point to the surfaces within one and a half pixels, mm.
 double distance_to_surfaces(const Cloud& cloud, int column, int row, const VirtualWorld& world) {
   const Eigen::Vector3d point = position_at(cloud, column, row);
   double nearest = std::numeric_limits<double>::infinity();
@@ -22,7 +22,8 @@ double distance_to_surfaces(const Cloud& cloud, int column, int row, const Virtu
   return nearest;
 }
 
-/// Deviation of depth from take to take, mm, by the median difference of two; 0 without any.
+/// Standard deviation of depth from scan to scan, mm, from the median difference of two; 0 without
+/// common points.
 double repeatability(const Cloud& first, const Cloud& second) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < first.z.pixel_count(); ++i) {
@@ -33,7 +34,7 @@ double repeatability(const Cloud& first, const Cloud& second) {
   return deviation_from_median(median(std::move(differences))) / std::sqrt(2.0);
 }
 
-/// The world with a share of the light for each frame, and as much more gain.
+/// The world with a share of the light per frame, and correspondingly more gain.
 VirtualWorld with_exposure(VirtualWorld world, double share) {
   world.photometry.noise_variance /= share;
   world.photometry.physics.full_well *= share;
@@ -54,7 +55,7 @@ double milliseconds_of(Engine& engine, const FrameSet& frames, Cloud cloud) {
   return fastest;
 }
 
-/// The world's scanner with all that calibrations would find.
+/// The world's scanner with an ideal calibration.
 Scanner fully_calibrated(const VirtualWorld& world) {
   Scanner scanner = as_calibrated(world);
   const Response& response = world.photometry.response;
@@ -104,7 +105,8 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
     if (std::isfinite(y)) ++measured;
     if (std::abs(coordinate(column, row) - y) * periods >= 0.5) ++wrong;
     const double z = cloud.z(column, row), sigma = uncertainty.z(column, row);
-    // At the pixel's own surface if small as noise: the nearest on a slope would flatter.
+    // Prefer the pixel's own surface within noise: the nearest one would understate the error on
+    // slopes.
     const double own = z - truth.depth(column, row);
     const double error =
         std::abs(own) <= 5 * sigma ? own : nearest_error(z, truth.depth, column, row);

@@ -18,7 +18,7 @@ double bump(const Vector& direction, const Vector& centre, double width, double 
                   offset.y() * offset.y() / (height * height));
 }
 
-/// How far from the middle of the head its surface lies in a direction.
+/// Distance of the head's surface from its centre in a direction.
 double head_radius(const Vector& d) {
   double radius = 1;
   radius += 0.30 * bump(d, {0, -0.12, 1}, 0.11, 0.17);     // nose
@@ -57,7 +57,7 @@ Vector torso(double u, double v) {
   return {folds * width * std::sin(angle), y, folds * depth * std::cos(angle) - 0.02};
 }
 
-/// A tube bent to a ring that stands before the chest, so that it hides and shades what is behind.
+/// A ring in front of the chest, which occludes and shades it.
 Vector ring(double u, double v) {
   const double around = 2 * pi * u, across = 2 * pi * v;
   const double from_middle = 0.13 + 0.022 * std::cos(across);
@@ -65,7 +65,7 @@ Vector ring(double u, double v) {
           0.26 + 0.022 * std::sin(across) + 0.05 * std::cos(around)};
 }
 
-/// What a device sees whole at that distance.
+/// Extent of a device's field at a distance.
 double visible_extent(const Lens& lens, double distance) {
   return distance *
          std::min(lens.size.width / lens.intrinsic(0, 0), lens.size.height / lens.intrinsic(1, 1));
@@ -76,7 +76,7 @@ Eigen::Isometry3d placed(const Vector& position, double about_x = 0, double abou
          Eigen::AngleAxisd(about_x, Vector::UnitX());
 }
 
-/// About X, from meshes' Y up, facing +Z, to upright in the camera's picture, facing the camera.
+/// Rotation about X from a mesh's Y up, facing +Z, to upright in the picture, facing the camera.
 constexpr double upright = std::numbers::pi;
 
 Scene board_scene(const WorkingVolume& volume) {
@@ -138,9 +138,9 @@ bool seen_whole(const Scanner& scanner, const Eigen::Isometry3d& pose, double wi
   return seen;
 }
 
-/// Pose `i`, moved from the middle by `shift` in its own direction.
+/// Pose `i`, moved from the centre by `shift` in its own direction.
 Eigen::Isometry3d pose_number(int i, const WorkingVolume& volume, double shift) {
-  constexpr double golden_angle = 2.399963;  // rad: no two poses lean or move the same way
+  constexpr double golden_angle = 2.399963;  // rad: every pose gets its own tilt and direction
   const double lean_direction = golden_angle * i;
   const double lean = (15 + 20 * std::fmod(0.618 * i, 1.0)) * degree;
   const double nearness = 1 + 0.12 * std::cos(2.1 * i);
@@ -165,7 +165,7 @@ Mesh statue() {
 }
 
 WorkingVolume working_volume(const Scanner& scanner) {
-  // The point of the camera's axis (0, 0, z) nearest to the projector's.
+  // The point of the camera's axis (0, 0, z) nearest to the projector's axis.
   const Vector centre = projector_centre(scanner);
   const Vector axis = scanner.rotation.row(2);
   const double across = 1 - axis.z() * axis.z();
@@ -218,7 +218,7 @@ Scene scene_named(std::string_view name, const Scanner& scanner) {
   if (name == "boxes") return boxes_scene(volume);
   if (name == "statue") return statue_scene(scanner, volume);
   if (name == "contrast") return contrast_scene(volume);
-  throw Error(fmt::format("scene '{}' is not known; it is one of: {}{}", name,
+  throw Error(fmt::format("scene '{}' is not known; expected one of: {}{}", name,
                           fmt::join(scene_names(), ", "), did_you_mean(name, scene_names())));
 }
 
@@ -241,8 +241,8 @@ std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, do
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < count; ++i) {
     throw_if(!seen_whole(scanner, pose_number(i, volume, 0), width, height),
-             "a board of {:.4g}x{:.4g} mm does not fit into the scanner's view, "
-             "which is about {:.4g} mm; a smaller one is wanted",
+             "a board of {:.4g}x{:.4g} mm does not fit into the scanner's view of about {:.4g} mm; "
+             "use a smaller one",
              width, height, volume.extent);
     double near_middle = 0, too_far = volume.extent;
     for (int halving = 0; halving < 12; ++halving) {

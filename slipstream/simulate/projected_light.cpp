@@ -7,10 +7,10 @@ namespace {
 
 using Profile = std::vector<double>;
 
-constexpr int places = 8;          // of a profile in a projector pixel
-constexpr double blur_step = 0.5;  // pixels, from one profile to the next
+constexpr int places = 8;          // samples of a profile per projector pixel
+constexpr double blur_step = 0.5;  // pixels, between profiles
 
-/// Across the projector, not blurred.
+/// The unblurred profile across the projector.
 Profile sharp_profile(const PatternSet& patterns, int n, int length, const Photometry& photometry) {
   Profile profile;
   for (int place = 0; place < length * places; ++place) {
@@ -27,7 +27,7 @@ Profile sharp_profile(const PatternSet& patterns, int n, int length, const Photo
   return profile;
 }
 
-/// `deviation` in places, above 0. Dark beyond its ends.
+/// `deviation`: in places, above 0. Dark beyond the ends.
 Profile blurred(const Profile& sharp, double deviation) {
   const int reach = static_cast<int>(std::ceil(4 * deviation));
   Profile weights;
@@ -58,8 +58,8 @@ class BlurredPattern {
     }
   }
 
-  /// `place`: from the projector's edge; linear in between, and from blur to blur in its
-  /// square, by which a Gaussian takes modulation away.
+  /// `place`: from the projector's edge. Interpolates linearly in place and in the square of the
+  /// blur, by which a Gaussian reduces modulation.
   [[nodiscard]] double at(double place, double blur) const {
     if (blur == 0) {
       const double last = static_cast<double>(profiles_[0].size()) - 1;
@@ -84,7 +84,7 @@ class BlurredPattern {
   std::vector<Profile> profiles_;
 };
 
-/// How much of a Gaussian lies over each pixel of a row, from pixel `first` on.
+/// Share of a Gaussian over each pixel of a row, from pixel `first` on.
 struct PixelShares {
   int first = 0;
   std::vector<double> shares{};
@@ -108,7 +108,7 @@ PixelShares shares_about(double place, double deviation, int length) {
   return result;
 }
 
-/// At a place of a picture, even over each pixel; dark beyond its edges.
+/// Blurred picture at a position, constant over each pixel; dark beyond its edges.
 double blurred_at(const Image<double>& picture, const Eigen::Vector2d& place, double deviation) {
   const PixelShares across = shares_about(place.x(), deviation, picture.width());
   const PixelShares down = shares_about(place.y(), deviation, picture.height());
@@ -121,7 +121,7 @@ double blurred_at(const Image<double>& picture, const Eigen::Vector2d& place, do
   return sum;
 }
 
-/// `light_under`: what is there under a blur.
+/// `light_under`: the light under a given blur.
 template <class LightUnder>
 double spread_light(const LitSample& sample, const LightUnder& light_under) {
   const double sharp = light_under(sample.blur);

@@ -30,13 +30,13 @@ bool is_seen(const Scanner& scanner, const Vector& centre, double side) {
   return true;
 }
 
-/// The side, mm, of the largest cube that both see whole.
+/// Side, mm, of the largest cube that both fully see.
 double measured_cube(const Scanner& scanner) {
   const WorkingVolume volume = working_volume(scanner);
   for (double side = volume.extent; side > volume.extent / 20; side *= 0.99) {
     if (is_seen(scanner, volume.centre, side)) return side;
   }
-  throw Error("camera and projector see no volume in common");
+  throw Error("camera and projector see no common volume; check rotation and translation");
 }
 
 /// Two spheres and a square rod between them, along X about the origin.
@@ -52,7 +52,7 @@ Scene ball_bar(const Artefacts& artefacts, const Eigen::Isometry3d& pose) {
 }
 
 struct BarPosition {
-  Vector middle, direction;  ///< middle: as a share of half the free way to the sides
+  Vector middle, direction;  ///< middle: relative to half the free distance to the sides
 };
 
 const std::array<BarPosition, 7> bar_positions{{{{0, 0, 0}, {1, 1, 1}},
@@ -63,7 +63,7 @@ const std::array<BarPosition, 7> bar_positions{{{{0, 0, 0}, {1, 1, 1}},
                                                 {{1, 0, 1}, {0, 1, 0}},
                                                 {{0, -1, 0}, {1, 0, 1}}}};
 
-/// Depth of a plane's middle, as a share of the cube's side, and its tilts.
+/// Depth of a plane's centre, relative to the cube's side, and its tilts.
 struct PlanePosition {
   double depth, about_x, about_y;
 };

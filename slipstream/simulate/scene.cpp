@@ -13,7 +13,7 @@ namespace {
 using Bounds = Eigen::AlignedBox3d;
 using BoxTree = Eigen::KdBVH<double, 3, int>;
 
-/// What Eigen's tree search asks: may this box hold a nearer hit, and does this triangle?
+/// Query of Eigen's tree search: whether a box may contain, or a triangle is, a nearer hit.
 struct NearestHit {
   const Mesh& mesh;
   const Ray& ray;
@@ -97,13 +97,13 @@ std::optional<Hit> hit(const Body& body, const Ray& ray, double time) {
 
 constexpr float white = 255;
 
-/// White about the picture.
+/// White outside the picture.
 float grey_at(const Image<float>& picture, double column, double row) {
   const bool inside = column >= 0 && column < picture.width() && row >= 0 && row < picture.height();
   return inside ? picture(static_cast<int>(column), static_cast<int>(row)) : white;
 }
 
-/// Linear between the centres of pixels, which are at integers.
+/// Interpolates linearly between pixel centres, which are at integers.
 double between_pixels(const Image<float>& picture, double column, double row) {
   const double left = std::floor(column), top = std::floor(row);
   const double right_share = column - left, bottom_share = row - top;
@@ -165,14 +165,14 @@ void append_surface(Mesh& mesh, int rows, int columns,
 }
 
 MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
-  if (mesh_.triangles.empty()) throw Error("the mesh has no triangle");
+  if (mesh_.triangles.empty()) throw Error("the mesh has no triangles");
   std::vector<int> indices;
   std::vector<Bounds> boxes;
   for (const std::array<int, 3>& triangle : mesh_.triangles) {
     Bounds& box = boxes.emplace_back();
     for (const int corner : triangle) {
       throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh_.vertices.size(),
-               "a triangle of the mesh names vertex {} of {}", corner, mesh_.vertices.size());
+               "a triangle of the mesh refers to vertex {} of {}", corner, mesh_.vertices.size());
       box.extend(mesh_.vertices[static_cast<std::size_t>(corner)]);
     }
     indices.push_back(static_cast<int>(indices.size()));
@@ -269,7 +269,7 @@ std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, do
 
 bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
                double time) {
-  // From the light towards the point, whose own surface is at distance 1 but for rounding.
+  // From the light towards the point; its own surface is at distance 1, within rounding.
   constexpr double own_surface = 1 - 1e-6;
   const Ray ray{light, point - light};
   return std::any_of(scene.begin(), scene.end(), [&](const Body& body) {

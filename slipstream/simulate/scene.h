@@ -17,8 +17,8 @@
 
 namespace slipstream {
 
-/// The points origin + distance direction, distance > 0. Distances are in units of the direction,
-/// so that along a camera ray (u, v, 1) they are depths.
+/// The points origin + distance direction, distance > 0. Distances are in units of `direction`, so
+/// that they are depths along a camera ray (u, v, 1).
 struct Ray {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
@@ -30,7 +30,7 @@ struct Hit {
   Eigen::Vector3d normal;  ///< of any length and sign
 };
 
-/// Triangles by the indices of their corners. Units and axes are its maker's.
+/// Triangles by the indices of their corners. Units and axes depend on the source.
 struct Mesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
@@ -40,10 +40,10 @@ struct Mesh {
 void append_surface(Mesh& mesh, int rows, int columns,
                     const std::function<Eigen::Vector3d(double u, double v)>& point);
 
-/// A mesh that answers rays: its triangles in a tree of boxes.
+/// A mesh for ray tracing: its triangles in a tree of boxes.
 class MeshTree {
  public:
-  /// Throws Error when there is no triangle or one names a vertex that is not there.
+  /// Throws Error without triangles, or if one refers to a missing vertex.
   explicit MeshTree(Mesh mesh);
 
   /// The first triangle that the ray meets, from either side; the normal is the triangle's.
@@ -88,13 +88,13 @@ Texture veined_texture(double darkest, double brightest, double scale);
 Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel, double dark,
                         double bright, double blur = 0);
 
-/// How the angle of the projector's light bears on the reflectivity.
+/// How reflectivity depends on the angle of the projector's light.
 enum class Shading {
   none,        ///< alpha is the texture's
   lambertian,  ///< alpha is the texture's times the cosine between normal and light
 };
 
-/// What swings as the sine of time: none by default.
+/// A sinusoidal oscillation; amplitude 0 by default.
 template <class Value>
 struct Swing {
   Value amplitude{};
@@ -105,33 +105,33 @@ struct Swing {
   }
 };
 
-/// How a body moves in the camera's frame, all at once; by default not at all.
+/// Motion of a body in the camera's frame; all components combine. None by default.
 struct Motion {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();  ///< mm from one frame to the next
-  /// About `centre`: the direction of the axis, rad from one frame to the next long.
+  /// Rotation about `centre`: axis times angle, rad from one frame to the next.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   Swing<Eigen::Vector3d> vibration{Eigen::Vector3d::Zero()};  ///< mm
-  Swing<double> breathing{0};                                 ///< share by which it grows
+  Swing<double> breathing{0};                                 ///< relative growth
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of turns and breathing at time 0, mm
-  double pace = 1;                                   ///< times all this
+  double pace = 1;                                   ///< factor for all of these
 
-  /// From where a point of the body is at time 0 to where it is at `time`, frames.
+  /// Maps a point of the body at time 0 to its position at `time`, frames.
   [[nodiscard]] Eigen::Affine3d at(double time) const;
   [[nodiscard]] bool only_turns() const;
   [[nodiscard]] bool is_none() const;
 };
 
-/// A thing in the scene.
+/// An object in the scene.
 struct Body {
   Shape shape;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< own frame to camera frame
   Texture texture = uniform_texture(0.8);
   Shading shading = Shading::none;
-  /// Added to alpha where the surface mirrors the light into the camera: times the 30th power of
-  /// the cosine between its normal and the direction half way.
+  /// Specular part of alpha: times the 30th power of the cosine between the normal and the
+  /// half-way direction of light and camera.
   double gloss = 0;
   Motion motion{};
-  bool fixed = false;  ///< stands still when what the scene is about is made to move
+  bool fixed = false;  ///< stays still when motion is applied to the scene
 };
 
 using Scene = std::vector<Body>;
@@ -148,13 +148,13 @@ struct SurfacePoint {
 
 bool is_moving(const Scene& scene);
 
-/// Frames of a whole turn of a scene that does nothing but turn; none otherwise.
+/// Frames per full turn if the scene only rotates; nullopt otherwise.
 std::optional<double> frames_of_a_turn(const Scene& scene);
 
-/// In the scene as it stands at `time`, in frames (0 at the first).
+/// The first surface in the scene at `time`, in frames (0 at the first).
 std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time);
 
-/// Whether anything but the surface at `point` itself stands between it and `light`.
+/// Whether anything other than the surface at `point` blocks `light`.
 bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
                double time);
 

@@ -12,13 +12,13 @@ using Vector = Eigen::Vector3d;
 
 constexpr double shutter_rolls = 0.9;  // from the first row to the last, frames
 
-/// How far from the middle of a picture, 1 in its corners, squared.
+/// Squared distance from the centre of a picture, 1 in its corners.
 double off_centre(const Eigen::Vector2d& pixel, Size size) {
   const Eigen::Vector2d middle(0.5 * size.width, 0.5 * size.height);
   return (pixel - middle).squaredNorm() / middle.squaredNorm();
 }
 
-/// The projector pixel that lights a point; nothing in shadow and outside the field.
+/// The projector pixel that lights a point; nullopt in shadow or outside the field.
 std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scene& scene,
                                               const SurfacePoint& surface, double time) {
   const Lens& projector = scanner.projector;
@@ -31,7 +31,7 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scen
                         pixel.y() >= -0.5 && pixel.y() < projector.size.height - 0.5;
   if (!in_field) return std::nullopt;
   if (!projector.distortion.is_zero()) {
-    // Far outside the field the lens model folds back into it.
+    // Far outside the field, the lens model folds back into it.
     const Vector ray = ray_through(projector, pixel);
     if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;
   }
@@ -39,8 +39,8 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scen
   return pixel;
 }
 
-/// From the pixel's centre, pixels. Rays are evenly spread in columns and in rows: a lattice by a
-/// step of about the golden section.
+/// Offset from the pixel's centre, pixels. A golden-section lattice spreads the rays evenly in
+/// columns and rows.
 Eigen::Vector2d ray_offset(int ray, int rays) {
   int step = std::max(1, static_cast<int>(std::lround(rays / std::numbers::phi)));
   while (std::gcd(step, rays) != 1) ++step;
@@ -48,14 +48,14 @@ Eigen::Vector2d ray_offset(int ray, int rays) {
   return (place + Eigen::Vector2d(0.5, 0.5)) / rays - Eigen::Vector2d(0.5, 0.5);
 }
 
-/// A direction about `normal`, as often as its cosine says; u and v in [0, 1).
+/// A cosine-distributed direction around `normal`; u and v in [0, 1).
 Vector diffuse_direction(const Vector& normal, double u, double v) {
   const Vector across = normal.unitOrthogonal(), along = normal.cross(across);
   const double radius = std::sqrt(u), angle = 2 * std::numbers::pi * v;
   return radius * (std::cos(angle) * across + std::sin(angle) * along) + std::sqrt(1 - u) * normal;
 }
 
-/// What a camera ray meets, and the light on it.
+/// The surface that a camera ray meets, and the light on it.
 struct Met {
   SurfacePoint surface;
   double reflectivity = 0;
@@ -71,7 +71,7 @@ struct Onlooker {
   Vector light = projector_centre(scanner);
   Vector working_place = working_volume(scanner).centre;
   double working_distance = (working_place - light).norm();  ///< from the projector
-  /// At which the light is what patterns say.
+  /// Distance at which the light is nominal.
   double bright_distance = working_distance - working_volume(scanner).extent / 4;
 
   [[nodiscard]] std::optional<Met> along(const Eigen::Vector2d& pixel) const {
@@ -80,7 +80,7 @@ struct Onlooker {
     return met({Vector::Zero(), direction}, time_of(pixel));
   }
 
-  /// Adds the light that other surfaces throw on what a pixel sees.
+  /// Adds the light that other surfaces reflect onto a pixel's surface.
   void add_bounces(const Eigen::Vector2d& pixel, const SurfacePoint& from,
                    std::vector<LitSample>& samples) const {
     const auto key = static_cast<std::uint64_t>(pixel.y() * 65536 + pixel.x());
@@ -96,7 +96,7 @@ struct Onlooker {
     }
   }
 
-  /// Of the camera, pixels.
+  /// The camera's blur, pixels.
   [[nodiscard]] double blur(double depth) const {
     return physics.camera.at(std::isnan(depth) ? 1 : depth / working_place.z());
   }
@@ -106,7 +106,7 @@ struct Onlooker {
     return physics.rolling_shutter ? time + rolled : time;
   }
 
-  /// A smooth field that no polynomial of a lens follows.
+  /// A smooth error that no lens polynomial fits.
   [[nodiscard]] Eigen::Vector2d residue(const Eigen::Vector2d& pixel) const {
     if (physics.lens_residue == 0) return Eigen::Vector2d::Zero();
     const double u = 12 * pixel.x() / scanner.camera.size.width;
@@ -114,7 +114,7 @@ struct Onlooker {
     return physics.lens_residue * Eigen::Vector2d(std::sin(u + std::cos(v)), std::cos(v - u));
   }
 
-  /// Seen from where the ray comes from.
+  /// `eye`: origin of the ray.
   [[nodiscard]] double reflectivity(const SurfacePoint& surface, const Vector& eye) const {
     constexpr double sharpness = 30;
     const Vector to_light = (light - surface.point).normalized();
@@ -144,19 +144,19 @@ struct Onlooker {
   }
 };
 
-/// What the rays through the pixels' centres meet.
+/// Surfaces met by the rays through the pixels' centres.
 struct MetByCentres {
   Size size;
   std::vector<std::optional<Met>> met;
 
-  /// The nearest in the picture.
+  /// Clamps to the picture.
   [[nodiscard]] std::optional<Met>& at(int column, int row) {
     const int x = std::clamp(column, 0, size.width - 1), y = std::clamp(row, 0, size.height - 1);
     return met[static_cast<std::size_t>(y * size.width + x)];
   }
 };
 
-/// Whether what a pixel and its neighbours see is one even surface under one even light.
+/// Whether a pixel and its neighbours see one smooth surface with uniform light.
 bool is_even(MetByCentres& met, int column, int row) {
   constexpr double bend = 2e-4;  // of the depth, from pixel to pixel
   constexpr double contrast = 0.02;
@@ -201,7 +201,7 @@ MetByCentres meet(const Onlooker& onlooker, Size size) {
   return centres;
 }
 
-/// Convolved along one direction with a Gaussian, whose `deviation` differs from pixel to pixel.
+/// Convolves along one direction with a Gaussian whose `deviation` varies from pixel to pixel.
 Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
                       int down) {
   Image<double> result(picture.size());
@@ -260,7 +260,7 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
                       const ProjectedLight& light) {
   const Physics& physics = photometry.physics;
   const Size size = seen.depth.size();
-  // Sines of a frequency that no number of steps has a share in.
+  // A frequency that is incommensurable with any number of steps.
   const double flicker = 1 + physics.flicker * std::sin(2.4 * n + 1);
   Image<double> frame(size);
   for_each_row(size.height, [&](int row) {

@@ -5,8 +5,8 @@
 
 namespace slipstream {
 
-// Random numbers are functions of their arguments alone, so that frames do not depend on the order
-// in which threads render them.
+// Random numbers are pure functions of their arguments, so that frames do not depend on the order
+// of rendering threads.
 
 /// A well-mixed 64-bit number for each counter (the finaliser of SplitMix64).
 constexpr std::uint64_t mixed(std::uint64_t counter) {
@@ -28,15 +28,15 @@ inline double gaussian(std::uint64_t seed, std::uint64_t frame, std::uint64_t pi
          std::cos(2 * std::numbers::pi * uniform(mixed(key)));
 }
 
-/// Light that reaches a camera pixel from a place of the projector's picture.
+/// Light that reaches a camera pixel from a position in the projector's picture.
 struct LitSample {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of the projector
   double strength = 0;  ///< of the projector's light: reflectivity, fall-off, share of the pixel
-  double blur = 0;      ///< standard deviation of the projector's Gaussian there, its pixels
-  double spread = 0;    ///< of half of the light within the surface, likewise
+  double blur = 0;      ///< standard deviation of the projector's Gaussian, projector pixels
+  double spread = 0;    ///< the same for the half of the light scattered within the surface
 };
 
-/// What the camera's pixels see of a scene at one time, for frames of any patterns and noise.
+/// A scene as seen by the camera at one time, for frames of any patterns and noise.
 struct SeenScene {
   explicit SeenScene(Size size)
       : depth(size, nan),
@@ -48,45 +48,44 @@ struct SeenScene {
         samples(static_cast<std::size_t>(size.height)),
         sample_count(size) {}
 
-  Image<double> depth;         ///< at the pixels' centres, mm; NaN where there is no surface
-  Image<double> reflectivity;  ///< alpha there, shading and gloss included; 0: no surface
+  Image<double> depth;         ///< at the pixels' centres, mm; NaN without a surface
+  Image<double> reflectivity;  ///< alpha with shading and gloss; 0 without a surface
   Image<double> albedo;        ///< mean alpha of a pixel, for ambient light
   Image<double> blur;          ///< standard deviation of the camera's Gaussian, pixels
   /// The projector's pixel that lights a pixel's centre; NaN in shadow and outside the field.
   Image<double> lit_column, lit_row;
-  std::vector<std::vector<LitSample>> samples;  ///< of each row's pixels, one after the other
-  Image<int> sample_count;                      ///< of each pixel
+  std::vector<std::vector<LitSample>> samples;  ///< for each row, pixel by pixel
+  Image<int> sample_count;                      ///< for each pixel
 };
 
-/// `time`: in frames, 0 at the first; of the first row where the shutter rolls. On even surfaces a
-/// pixel sees what its centre does, at edges the mean of as many rays as the photometry says.
+/// `time`: in frames, 0 at the first; of the first row for a rolling shutter. On even surfaces a
+/// pixel uses the ray through its centre, at edges the mean of `photometry.rays` rays.
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time);
 
-/// Grey levels of 8 bits that a place of the projector's picture sends out under some blur.
+/// Light of a position in the projector's picture under blur, grey levels of 8 bits.
 using ProjectedLight = std::function<double(const LitSample&)>;
 
-/// What the pixels collect in frame n, grey levels of 8 bits, before the sensor's noise: I =
-/// alpha (I^p + beta) + beta, Eq. (3.2), with what physics adds, `exposure` times as long as usual.
+/// Frame n before sensor noise, grey levels of 8 bits: I = alpha (I^p + beta) + beta, Eq. (3.2),
+/// plus the effects of Physics. `exposure`: relative to the usual one.
 Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
                       const ProjectedLight& light);
 
-/// The light that answers a pattern's intensity: grey levels both, Eq. (4.2).
+/// The projector's light for a pattern intensity, both grey levels, Eq. (4.2).
 double responded(double intensity, const Photometry& photometry);
 
-/// The light of a picture that fills the projector's field: even over each pixel, blurred.
+/// The light of a picture that fills the projector's field: constant over each pixel, blurred.
 ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry);
 
-/// The light of pattern n for the samples of `seen`: exact, or where physics say so by pixels of
-/// 256 levels, blurred; that of its picture for binary patterns, and with a carrier where it is
-/// blurred.
+/// The light of pattern n for the samples of `seen`: exact, or blurred pixels of 256 levels if
+/// Physics says so. Uses the pattern's picture for binary patterns, and for carriers with blur.
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen);
 
-/// Adds the sensor's noise to frame n, grey levels of 8 bits; the same for the same seed.
+/// Adds the sensor's noise to frame n, grey levels of 8 bits; deterministic for a seed.
 void add_noise(Image<double>& frame, int n, const Photometry& photometry);
 
-/// The frames rounded and clipped to `bits`; unchanged without.
+/// The frames rounded and clipped to `bits`; unchanged without `bits`.
 FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits);
 
 }  // namespace slipstream

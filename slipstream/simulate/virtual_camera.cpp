@@ -8,7 +8,7 @@
 namespace slipstream {
 namespace {
 
-/// Share of the way from one pose to another.
+/// Interpolates between two poses.
 Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to,
                           double share) {
   const Eigen::Quaterniond turn(from.linear()), end(to.linear());
@@ -16,7 +16,7 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d
          turn.slerp(share, end);
 }
 
-/// Each pattern alone, in the order in which they are shown.
+/// Each pattern separately, in the order shown.
 std::vector<PatternSet> cycle_of(const std::vector<PatternSet>& sets) {
   std::vector<PatternSet> cycle;
   for (const PatternSet& set : sets) {
@@ -25,7 +25,7 @@ std::vector<PatternSet> cycle_of(const std::vector<PatternSet>& sets) {
   return cycle;
 }
 
-/// The picture's grey level at a place between its pixels.
+/// The picture's grey level between its pixels.
 double level_at(const Image<std::uint8_t>& picture, double x, double y) {
   x = std::clamp(x, 0.0, picture.width() - 1.0);
   y = std::clamp(y, 0.0, picture.height() - 1.0);
@@ -53,7 +53,7 @@ Frame first_frame(const FrameSet& exposed) {
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   const PatternSet& patterns, const Photometry& photometry,
                                   int cycles) {
-  throw_if(cycles < 1, "{} cycles of patterns; 1 or more", cycles);
+  throw_if(cycles < 1, "{} cycles of patterns; expected 1 or more", cycles);
   throw_if(!photometry.bits, "a virtual camera has 8 to 16 bits; none are given");
   const bool moving = is_moving(scene);
   const int count = patterns.count * cycles;
@@ -69,7 +69,7 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
     if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
-      // Evenly round, or to and fro.
+      // Uniform rotation, or back and forth.
       const double time = round ? n : count / 4.0 - std::abs(n - count / 2.0);
       seen = take_scan(scanner, scene, pattern, light, time);
       frame = first_frame(seen->frames);
@@ -77,7 +77,7 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
     frame.stamp.sequence = static_cast<std::uint64_t>(n);
     frame.stamp.pattern_index = n % patterns.count;
   };
-  // On its way back the scene stands where it stood before.
+  // On its way back, the scene repeats its positions.
   for (int n = 0; n < (round ? count : count / 2 + 1); ++n) {
     if (moving) seen.reset();
     expose(n);
@@ -90,10 +90,10 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
                  const std::vector<PatternSet>& sets, int still_cycles,
                  const std::function<void()>& rendered) {
   throw_if(poses.empty() || sets.empty() || still_cycles < 1,
-           "a board that is moved needs a pose, a set of patterns and a cycle at least");
+           "a moving board requires at least one pose, one set of patterns and one cycle");
   const std::vector<PatternSet> cycle = cycle_of(sets);
   Photometry photometry = world.photometry;
-  photometry.rays = 1;  // what is printed on a sheet has soft edges of its own
+  photometry.rays = 1;  // a printed sheet already has soft edges
   Reel reel;
   const auto expose = [&](const PatternSet& patterns) {
     std::vector<Frame> seen = virtual_frames(world.scanner, {sheet}, patterns, photometry, 1);
@@ -103,7 +103,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
   };
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const std::size_t first = reel.frames.size();
-    reel.enough = reel.order.size() + cycle.size();  // who takes a pose sees a cycle of it
+    reel.enough = reel.order.size() + cycle.size();  // capturing a pose takes one cycle
     sheet.pose = poses[p];
     for (const PatternSet& set : sets) expose(set);
     for (std::size_t k = 0; k < cycle.size() * static_cast<std::size_t>(still_cycles); ++k) {
@@ -122,13 +122,13 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
 
 VirtualCamera::VirtualCamera(std::vector<Frame> loop, std::optional<double> rate)
     : loop_(std::move(loop)), rate_(rate) {
-  if (loop_.empty()) throw Error("a virtual camera without frames; at least one is wanted");
+  if (loop_.empty()) throw Error("a virtual camera without frames; expected at least one");
   for (const Frame& frame : loop_) {
     throw_if(frame.format() != loop_.front().format(),
-             "a virtual camera with frames of several sizes or bits; all must be the same");
+             "a virtual camera with frames of several sizes or bits; all must have one format");
   }
   if (rate_ && !(*rate_ > 0 && std::isfinite(*rate_))) {
-    throw Error(fmt::format("frame rate {} Hz is out of range; above 0", *rate_));
+    throw Error(fmt::format("frame rate {} Hz is out of range; expected above 0", *rate_));
   }
 }
 

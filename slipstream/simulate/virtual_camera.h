@@ -13,35 +13,35 @@
 
 namespace slipstream {
 
-/// The frames of a camera while the patterns are shown `cycles` times, ready to be repeated: bodies
-/// move from frame to frame, to and fro through where they stand at time 0; round and round where
-/// they only turn and the frames last a whole turn, to half a cycle. Each frame has noise of its
-/// own. Sets sequence and pattern index of the stamps. Throws Error for less than one cycle or a
-/// photometry without bits, and as take_scan.
+/// Simulates a camera while the patterns are shown `cycles` times, as a seamless loop: bodies move
+/// back and forth through their position at time 0, or rotate continuously if they only turn and
+/// the frames last a full turn to within half a cycle. Each frame has its own noise. Sets sequence
+/// and pattern index of the stamps. Throws Error for less than one cycle or a photometry without
+/// bits, and as take_scan.
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   const PatternSet& patterns, const Photometry& photometry,
                                   int cycles);
 
-/// What a camera sees of a sheet that is held still for `still_cycles` in each pose and moved on
-/// within one, the last pose followed by the first, while a projector repeats the patterns of all
-/// sets. Of the last pose one cycle is enough. Each frame of a pose is rendered once; `rendered` is
-/// called after each pose. Throws Error for less than one pose or cycle, and as virtual_frames.
+/// Simulates a camera in front of a sheet that rests for `still_cycles` in each pose and moves to
+/// the next within one cycle, cyclically, while the projector repeats the patterns of all sets. One
+/// cycle of the last pose suffices. Renders each frame of a pose once and calls `rendered` after
+/// each pose. Throws Error for less than one pose or cycle, and as virtual_frames.
 Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen::Isometry3d>& poses,
                  const std::vector<PatternSet>& sets, int still_cycles,
                  const std::function<void()>& rendered);
 
-/// The first frame of a set; black where the set is unquantised.
+/// The first frame of a set; black if the set is unquantised.
 Frame first_frame(const FrameSet& exposed);
 
-/// Repeats frames from memory without end, and counts them as a real camera does.
+/// Repeats frames from memory endlessly, and counts them as a real camera does.
 class VirtualCamera : public FrameSource {
  public:
-  /// Frames that a camera of its own pace keeps until they are fetched; then it loses the oldest.
+  /// Frames buffered by a camera with its own pace; beyond these it loses the oldest.
   static constexpr int waiting_frames = 8;
 
   /// `loop`: frames of one format, which keep the pattern index of their stamps. `rate`: Hz;
-  /// without one frames come as fast as they are asked for. Throws Error where there are no frames,
-  /// their formats differ or the rate is not positive.
+  /// without it, frames arrive as fast as they are requested. Throws Error without frames, if their
+  /// formats differ or if the rate is not positive.
   explicit VirtualCamera(std::vector<Frame> loop, std::optional<double> rate = std::nullopt);
 
   [[nodiscard]] FrameFormat format() const override { return loop_.front().format(); }
@@ -57,7 +57,7 @@ class VirtualCamera : public FrameSource {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// When frame `sequence_` is whole; waits for it. None where that is past `end`.
+  /// Waits for frame `sequence_` and returns when it was complete; nullopt if that is after `end`.
   std::optional<Clock::time_point> wait_until(Clock::time_point end);
   [[nodiscard]] Clock::time_point due(std::uint64_t sequence) const;
 
@@ -68,19 +68,17 @@ class VirtualCamera : public FrameSource {
   std::atomic<std::uint64_t> delivered_ = 0, lost_ = 0;
 };
 
-/// A projector and a camera before a scene, in this machine: a world that answers patterns with
-/// frames. What the projector shows, any pictures, is what the next frame sees; before the first
-/// pattern it is dark. One thread uses both:
+/// A simulated projector and camera in front of a scene. The next frame sees the picture that the
+/// projector shows, any picture; before the first pattern it is dark. Not thread-safe:
 ///
 ///   rig.show(n);
-///   rig.next(frame, timeout);  // the scene under pattern n, with noise of its own
+///   rig.next(frame, timeout);  // the scene under pattern n, with new noise
 ///
-/// Unless physics say that the projector has pixels, light goes evenly from the centre of one to
-/// the next, without blur. Bodies go on by their `motion` from frame to frame, still in each
-/// exposure.
+/// Without Physics::projector_pixels, light is interpolated between pixel centres, without blur.
+/// Bodies move by their `motion` from frame to frame, but not during an exposure.
 class VirtualRig : public PatternSink, public FrameSource {
  public:
-  /// Throws Error where the scanner or the photometry is not valid or says no bits.
+  /// Throws Error if the scanner or the photometry is invalid, or has no bits.
   VirtualRig(Scanner scanner, Scene scene, const Photometry& photometry = {});
 
   [[nodiscard]] std::optional<Size> size() const override { return scanner_.projector.size; }
@@ -91,12 +89,12 @@ class VirtualRig : public PatternSink, public FrameSource {
   [[nodiscard]] FrameFormat format() const override;
   [[nodiscard]] bool has_own_pace() const override { return false; }
   void start() override {}
-  /// Never waits. Sequence: of the frames taken, from 0; pattern index: the one on show.
+  /// Never waits. Sequence: number of the frame, from 0; pattern index: the pattern shown.
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override {}
   [[nodiscard]] SourceCounters counters() const override { return {.delivered = taken_}; }
 
-  /// Of both: nothing is ever amiss.
+  /// Always empty: neither device can fail.
   [[nodiscard]] std::string state() const override { return {}; }
 
  private:

@@ -16,8 +16,8 @@ Mesh read_mesh(const std::filesystem::path& path) {
   StoredPoints stored = read_points(path);
   Mesh mesh{.vertices = {}, .triangles = std::move(stored.triangles)};
   for (const auto& point : stored.points) mesh.vertices.emplace_back(point.x, point.y, point.z);
-  throw_if(mesh.triangles.empty(),
-           "{}: no triangle could be read; a whole PLY or OBJ mesh is wanted", path.string());
+  throw_if(mesh.triangles.empty(), "{}: no triangles; expected a complete PLY or OBJ mesh",
+           path.string());
   const std::string name = path.string();
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
     throw_if(!vertex.allFinite(), "{}: a vertex is not finite", name);
@@ -25,7 +25,7 @@ Mesh read_mesh(const std::filesystem::path& path) {
   for (const auto& triangle : mesh.triangles) {
     for (const int corner : triangle) {
       throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh.vertices.size(),
-               "{}: a triangle names vertex {} of {}", name, corner, mesh.vertices.size());
+               "{}: a triangle refers to vertex {} of {}", name, corner, mesh.vertices.size());
     }
   }
   return mesh;
@@ -52,7 +52,7 @@ std::vector<std::string> save_board_scans(const fs::path& folder, const Sequence
   make_folder(folder);
   write_scanner(scanner_file, world.scanner);
   Photometry photometry = world.photometry;
-  photometry.rays = 1;  // what is printed on a sheet has soft edges of its own
+  photometry.rays = 1;  // a printed sheet already has soft edges
   std::vector<std::string> names;
   for (const Eigen::Isometry3d& pose : poses) {
     sheet.pose = pose;

@@ -7,7 +7,7 @@
 namespace slipstream {
 namespace {
 
-// What is random lies beyond the numbers of frames where it does not change from frame to frame.
+// Keys of random numbers that are constant over frames; no frame has these numbers.
 constexpr std::uint64_t of_offsets = 0xfffff0, of_sensitivities = 0xfffff1, of_rows = 0x800000;
 
 template <class Pixel>
@@ -25,14 +25,14 @@ std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures,
 
 constexpr std::size_t channels = 3;
 
-/// Which share of its light channel c keeps of paint at that place of the surface.
+/// Share of channel c's light that the paint reflects at a point of the surface.
 double kept(double paint, const Eigen::Vector3d& point, std::size_t c) {
   constexpr double around = 40;  // mm
   const double hue = (point.x() + point.y()) / around - static_cast<double>(c) / channels;
   return 1 - paint * (0.5 + 0.5 * std::cos(2 * std::numbers::pi * hue));
 }
 
-/// The channels of one picture, before the sensor, of what each projector colour alone would give.
+/// The channels of one picture before the sensor, from the light of each projector colour alone.
 std::vector<Image<double>> mixed(const std::vector<ImageView<const double>>& lights,
                                  const VirtualScan& seen, const Lens& camera,
                                  const ColourDevices& devices) {
@@ -54,9 +54,9 @@ std::vector<Image<double>> mixed(const std::vector<ImageView<const double>>& lig
   return picture;
 }
 
-constexpr double exposed_for = 0.5;  // of a frame, where motion is blurred
+constexpr double exposed_for = 0.5;  // of a frame, with motion blur
 
-/// The scene while the frame of a time is exposed: once, or several times where motion is blurred.
+/// The scene during the exposure of a frame: one moment, or several with motion blur.
 std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
                              const Photometry& photometry, double time) {
   const bool blurred = photometry.physics.motion_blur && is_moving(scene);
@@ -169,8 +169,8 @@ FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
 VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                              const Photometry& photometry, const ColourDevices& devices) {
   throw_if(patterns.count % static_cast<int>(channels) != 0,
-           "{} patterns do not make whole pictures of three in colour", patterns.count);
-  if (is_moving(scene)) throw Error("a scene in colour stands still");
+           "{} patterns in colour; expected a multiple of 3", patterns.count);
+  if (is_moving(scene)) throw Error("a scene in colour must be static; remove its motion");
   require_in_range(devices.paint >= 0 && devices.paint <= 1, "paint", devices.paint, "0 to 1");
   Photometry light = photometry;
   light.bits.reset();

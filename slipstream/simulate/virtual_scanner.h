@@ -9,10 +9,10 @@
 
 namespace slipstream {
 
-/// How sharp a device's picture is.
+/// Sharpness of a device's picture.
 struct Sharpness {
   double blur = 0;  ///< standard deviation of its Gaussian at the working distance, pixels
-  /// Added in squares, pixels, at twice the working distance; elsewhere in proportion.
+  /// Added in quadrature, pixels, at twice the working distance; proportional to the defocus.
   double defocus = 0;
 
   /// Pixels, at `distance` times the working distance.
@@ -22,94 +22,93 @@ struct Sharpness {
   friend bool operator==(const Sharpness&, const Sharpness&) = default;
 };
 
-/// What makes a real rig differ from the equations; every effect is off by default.
+/// Effects of a real rig beyond the equations; all off by default.
 struct Physics {
-  bool projector_pixels = false;  ///< light is even over each, and one of 256 levels
+  bool projector_pixels = false;  ///< light is constant over each pixel, with 256 levels
   Sharpness projector{}, camera{};
-  double vignetting = 0;  ///< share of the light that either lens loses in its corners
-  /// Light falls with the distance squared, from what patterns say half way to the near end of the
-  /// working volume.
+  double vignetting = 0;  ///< share of the light lost in each lens's corners
+  /// Light falls off with the distance squared; nominal half way to the near end of the working
+  /// volume.
   bool fall_off = false;
-  double gloss = 0;         ///< added to every body's
-  double translucency = 0;  ///< mm that a half of the light spreads within a surface
-  int bounces = 0;          ///< rays of a pixel that look for light from other surfaces; one bounce
-  double ambient_gradient = 0;  ///< share by which ambient light rises from the middle to the right
-  double flicker = 0;           ///< share by which all light differs from frame to frame
-  bool motion_blur = false;     ///< bodies move on while a frame is exposed, for half of its time
+  double gloss = 0;              ///< added to every body's gloss
+  double translucency = 0;       ///< mm by which half of the light spreads within a surface
+  int bounces = 0;               ///< rays per pixel for light from other surfaces; one bounce
+  double ambient_gradient = 0;   ///< relative rise of ambient light from the centre to the right
+  double flicker = 0;            ///< relative change of all light from frame to frame
+  bool motion_blur = false;      ///< bodies move during the exposure, half of the frame time
   bool rolling_shutter = false;  ///< the last row is exposed almost a frame after the first
-  double lens_residue = 0;       ///< camera pixels by which no lens model fits, at most
+  double lens_residue = 0;       ///< largest error of any lens model, camera pixels
   // The sensor, by the model of EMVA 1288.
-  double full_well = 0;           ///< electrons at full scale, whose number is random: shot noise
-  double read_noise = 0;          ///< standard deviation, electrons; needs the full well
-  double row_noise = 0;           ///< of what a row's pixels have in common in a frame, grey levels
-  double dark_spread = 0;         ///< of the pixels' offsets, the same in all frames, grey levels
-  double sensitivity_spread = 0;  ///< of the pixels' sensitivities, a share
+  double full_well = 0;           ///< electrons at full scale, for shot noise
+  double read_noise = 0;          ///< standard deviation, electrons; requires full_well
+  double row_noise = 0;           ///< standard deviation of a row's offset in a frame, grey levels
+  double dark_spread = 0;         ///< of the pixels' offsets, constant over frames, grey levels
+  double sensitivity_spread = 0;  ///< of the pixels' sensitivities, relative
   // Calibration boards.
-  double board_bend = 0;     ///< mm by which the middle of a board stands out
-  double board_stretch = 0;  ///< share by which it is printed too large along its rows
+  double board_bend = 0;     ///< mm by which the middle of a board bulges out
+  double board_stretch = 0;  ///< relative stretch of the print along its rows
 
   friend bool operator==(const Physics&, const Physics&) = default;
 };
 
 struct SeenScene;
 
-/// Light and sensor of the virtual scanner. Full scale is a grey level of 255 whatever the bits.
+/// Light and sensor of the virtual scanner. Full scale is grey level 255 for any number of bits.
 struct Photometry {
-  double ambient = 0;   ///< beta of Liu 2010, Eq. (3.2); may be negative, as a camera's offset
+  double ambient = 0;   ///< beta of Liu 2010, Eq. (3.2); may be negative, like a camera's offset
   Response response{};  ///< of the projected intensity / 255, Eq. (4.2); gamma 0.1 to 20
   double noise_variance = 0;    ///< sigma_w^2, Gaussian, grey levels^2
-  std::optional<int> bits = 8;  ///< of the camera, 8 to 16; none: not rounded and not clipped
+  std::optional<int> bits = 8;  ///< of the camera, 8 to 16; nullopt: not rounded or clipped
   std::uint64_t seed = 1;       ///< of the noise; the same seed gives the same frames
-  /// Rays of a pixel, 1 to 256, which sees their mean: one through its centre, or where surface,
-  /// light or reflectivity are not even several, so that an edge is right to 1 / rays of a pixel.
+  /// Rays per pixel, 1 to 256, averaged where surface, light or reflectivity vary: an edge is right
+  /// to 1 / rays of a pixel. Even pixels use one ray through the centre.
   int rays = 1;
   Physics physics{};
 };
 
-/// What a virtual camera saw, and what was there half way through its exposures.
+/// Frames of a virtual camera, and the ground truth half way through the exposures.
 struct VirtualScan {
   FrameSet frames;
-  Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN where there is none
-  /// y that lights it, [0, 1) give or take half a pixel; NaN in shadow or outside the field.
+  Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN without a surface
+  /// Projector coordinate y, [0, 1) within half a pixel; NaN in shadow or outside the field.
   Image<double> coordinate;
-  Image<double> reflectivity;  ///< alpha, shading and gloss included; 0 where there is no surface
-  std::shared_ptr<const SeenScene> seen{};  ///< when the first frame was taken
+  Image<double> reflectivity;               ///< alpha with shading and gloss; 0 without a surface
+  std::shared_ptr<const SeenScene> seen{};  ///< at the time of the first frame
   Size projector{};
   bool in_colour = false;  ///< three frames are the channels of one picture
-  FrameSet white{};        ///< in colour: the channels of a picture under an even grey
+  FrameSet white{};        ///< in colour: the channels of a picture under uniform grey
 };
 
-/// Takes the frames of `patterns`, the first at `time`, the others one frame later each: I = alpha
-/// (I^p + beta) + beta + w, Eq. (3.2), I^p times the pattern's exposure, and 0 in the projector's
-/// shadow and outside its field. Unless physics say otherwise patterns are exact, neither sampled
-/// by projector pixels nor quantised; binary ones are their pictures. Throws Error where the
-/// scanner or the photometry is not valid.
+/// Simulates the frames of `patterns`, the first at `time`, each one frame after the last: I =
+/// alpha (I^p + beta) + beta + w, Eq. (3.2), I^p times the pattern's exposure, and 0 in the
+/// projector's shadow and outside its field. Without Physics::projector_pixels, patterns are exact,
+/// neither sampled by projector pixels nor quantised; binary ones use their pictures. Throws Error
+/// if the scanner or the photometry is invalid.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {}, double time = 0);
 
-/// The frames of other patterns, or with other light, of the scene as it stood when `scan` was
-/// taken. No rays are traced again: their number, blur and bounces stay. Throws Error where the
-/// photometry is not valid.
+/// Frames of the scene of `scan`, at the same time, with other patterns or light. Reuses the traced
+/// rays, with their number, blur and bounces. Throws Error if the photometry is invalid.
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
                     const Photometry& photometry);
 
-/// Throws Error, naming what is out of range.
+/// Throws Error with the first value out of range.
 void require_valid(const Photometry& photometry);
 
-/// A projector and a camera in colour, and surfaces that are painted.
+/// A colour projector and camera, and painted surfaces.
 struct ColourDevices {
   ColourMixture mixture{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};  ///< its dark levels are 0
-  double paint =
-      0;  ///< most that paint takes of a channel's light, 0 to 1; its hues repeat in 40 mm
+  double paint = 0;  ///< largest share of a channel's light that paint absorbs, 0 to 1; hues repeat
+                     ///< every 40 mm
 };
 
-/// A mixture of 20 % and channels of unlike gain.
+/// A mixture of 20 %, and channels with different gains.
 inline constexpr ColourMixture usual_mixture{
     {{1, 0.2, 0.05, 0}, {0.15, 0.9, 0.2, 0}, {0.05, 0.2, 0.75, 0}}};
 
-/// As take_scan, but three patterns are shown at once, each picture gives three frames, and there
-/// is a white picture. Throws Error unless the patterns are a multiple of three, the scene stands
-/// still and the paint is in range.
+/// Like take_scan, but shows three patterns at once, takes three frames from each picture, and adds
+/// a white picture. Throws Error unless the patterns are a multiple of three, the scene is static
+/// and the paint is in range.
 VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                              const Photometry& photometry, const ColourDevices& devices);
 

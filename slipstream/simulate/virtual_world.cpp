@@ -80,7 +80,7 @@ constexpr std::array effects{
     Effect{"flicker", take<&Physics::flicker>}, Effect{"motion-blur", take<&Physics::motion_blur>},
     Effect{"rolling-shutter", take<&Physics::rolling_shutter>},
     Effect{"lens-residue", take<&Physics::lens_residue>},
-    // Shot, read and row noise take the place of noise that is the same everywhere.
+    // Shot, read and row noise replace the constant noise.
     Effect{"sensor-noise",
            [](Photometry& to, const Photometry& from) {
              take<&Physics::full_well, &Physics::read_noise, &Physics::row_noise>(to, from);
@@ -111,7 +111,7 @@ const auto& entry_named(const Entries& entries, std::string_view name, std::stri
     if (entry.name == name) return entry;
   }
   const std::vector<std::string_view> names = names_of(entries);
-  throw Error(fmt::format("{} '{}' is not known; it is one of: {}{}", kind, name,
+  throw Error(fmt::format("{} '{}' is not known; expected one of: {}{}", kind, name,
                           fmt::join(names, ", "), did_you_mean(name, names)));
 }
 
@@ -196,6 +196,7 @@ VirtualWorld seen_from_second(const VirtualWorld& first) {
 }
 
 VirtualWorld virtual_world(const WorldSettings& settings) {
+  require_in_range(settings);
   VirtualWorld world{
       .scanner = settings.scanner ? *settings.scanner : example_scanner(settings.camera),
       .photometry = photometry_named(settings.world)};

@@ -1,5 +1,5 @@
-// The least change of the steps that makes every way around close, a flow of least cost between
-// residues: Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
+// Minimum-cost flow between residues, the cheapest change of steps that closes every loop:
+// Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
 
 #include <lemon/bucket_heap.h>
 #include <lemon/maps.h>
@@ -9,9 +9,9 @@
 namespace slipstream {
 namespace {
 
-/// The corners of pixels, between which steps are changed by way of the edges. Each unit goes by
-/// the cheapest path left (successive shortest paths): residues are few and near each other, so
-/// that a search ends soon, where a network of all edges has to be built.
+/// The network of pixel corners; flow across an edge changes its step. Successive shortest paths:
+/// residues are few and close to each other, so each search is short, and no network of all edges
+/// has to be built.
 class CornerFlow {
  public:
   CornerFlow(const WrappedCycles& wrapped, EdgeSteps& steps)
@@ -23,7 +23,7 @@ class CornerFlow {
     merge_corners();
   }
 
-  /// Changes the steps so that all ways around agree.
+  /// Changes the steps so that all loops close.
   void run() {
     if (std::all_of(residues_.begin(), residues_.end(), [](int residue) { return residue == 0; })) {
       return;
@@ -33,7 +33,7 @@ class CornerFlow {
     potentials_.resize(corners);
     arrivals_.resize(corners);
     places_.resize(static_cast<int>(corners), Heap::PRE_HEAP);
-    // A search ends at the border, which has an edge to every side, and does not begin there.
+    // Start searches inside, not at the border, which has edges to every side.
     if (residue(node(0)) > 0) {
       turn_ = -1;
       for (int& residue : residues_) residue = -residue;
@@ -47,11 +47,11 @@ class CornerFlow {
   using Places = lemon::RangeMap<int>;
   using Heap = lemon::BucketHeap<Places>;
 
-  /// A way over the edge between the pixels `from` and `to`, which changes its step.
+  /// An arc across the edge between pixels `from` and `to`; flow changes the edge's step.
   struct Arc {
-    std::int16_t* step = nullptr;  ///< none where there is no edge
+    std::int16_t* step = nullptr;  ///< null without an edge
     int from = 0, to = 0, change = 0;
-    int target = 0;  ///< the corner
+    int target = 0;  ///< corner
   };
 
   int& node(int corner) { return nodes_[static_cast<std::size_t>(corner)]; }
@@ -59,7 +59,7 @@ class CornerFlow {
   int& potential(int corner) { return potentials_[static_cast<std::size_t>(corner)]; }
   int& arrival(int corner) { return arrivals_[static_cast<std::size_t>(corner)]; }
 
-  /// Up, down, to the right and to the left.
+  /// `direction`: up, down, right, left.
   Arc arc(int corner, int direction) {
     const bool sideways = direction >= 2;
     const int x = corner % wide_ - (direction == 2 ? 0 : 1),
@@ -74,8 +74,8 @@ class CornerFlow {
             corner + (back ? -forth : forth)};
   }
 
-  /// Corners that no edge keeps apart are one node, the first of them: those around a hole, and
-  /// those around the picture. It knows those of them that have an edge.
+  /// Merges corners without an edge between them into one node, the first of them: the corners
+  /// around a hole, and around the picture. A node lists its corners that have an edge.
   void merge_corners() {
     const auto [width, height] = size_;
     PhaseGroups groups(residues_.pixel_count());
@@ -102,7 +102,7 @@ class CornerFlow {
     }
   }
 
-  /// What is changed is given back for what it cost.
+  /// Undoing a change refunds its cost.
   int cost(const Arc& arc) const {
     const float* const cycles = wrapped_.cycles.begin();
     const int changed = *arc.step - step_between(cycles[arc.from], cycles[arc.to]);
@@ -111,7 +111,7 @@ class CornerFlow {
                : cost_of_change(wrapped_, weights_, arc.from, arc.to, arc.change);
   }
 
-  /// One unit to the node that lacks one and is the cheapest to reach.
+  /// Sends one unit to the cheapest node with a deficit.
   void send_from(int source) {
     heap_.push(source, 0);
     touched_.assign(1, source);
@@ -153,7 +153,7 @@ class CornerFlow {
   int wide_;  ///< corners in a row
   Image<int> residues_;
   Image<float> weights_;
-  int turn_ = 1;  ///< -1: from nodes that lack to those that have, against the arcs
+  int turn_ = 1;  ///< -1: from deficits to surpluses, against the arcs
   std::vector<int> nodes_, others_, potentials_, arrivals_, touched_;
   std::vector<std::pair<int, int>> settled_;  ///< nodes and their distances
   Places places_;

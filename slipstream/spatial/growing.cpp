@@ -1,4 +1,4 @@
-// Methods that join pixels to groups, one edge after the other.
+// Methods that join pixels into groups, edge by edge.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -9,10 +9,10 @@
 namespace slipstream {
 namespace {
 
-/// Where two regions touch, and how often by each step from the first to the second.
+/// The border of two regions, with the number of edges for each step from the first to the second.
 struct Border {
   std::uint64_t regions = 0;
-  std::array<int, 3> votes{};  ///< for -1, 0, 1 period
+  std::array<int, 3> votes{};  ///< for -1, 0, 1 periods
 
   [[nodiscard]] int step() const {
     return static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin()) - 1;
@@ -22,7 +22,7 @@ struct Border {
   }
 };
 
-/// One for each pair of regions.
+/// Merges borders, one for each pair of regions.
 std::vector<Border> merged(std::vector<Border> single) {
   std::sort(single.begin(), single.end(),
             [](const Border& a, const Border& b) { return a.regions < b.regions; });
@@ -35,18 +35,18 @@ std::vector<Border> merged(std::vector<Border> single) {
   return borders;
 }
 
-/// Where four pixels meet, the lower right of them (x, y).
+/// The corner of four pixels; (x, y) is the lower right one.
 struct Corner {
   int x = 0, y = 0;
 };
 
-/// Cuts between residues whose charges cancel, which no way may cross. A cut runs between pixels,
-/// as Huntley's do, and takes none of them away.
+/// Branch cuts between residues whose charges cancel; unwrapping must not cross them. Cuts run
+/// between pixels, as Huntley's do, and remove none.
 class BranchCuts {
  public:
   explicit BranchCuts(const WrappedCycles& wrapped)
       : steps_(edge_steps(wrapped.cycles)), corners_(charges_of(steps_)), tree_(corners_.size()) {
-    // What is not between four pixels is the border.
+    // Corners that are not between four pixels are the border.
     const auto has = [&](int x, int y) {
       return x >= 0 && y >= 0 && x < wrapped.cycles.width() && y < wrapped.cycles.height() &&
              !std::isnan(wrapped.cycles(x, y));
@@ -57,7 +57,7 @@ class BranchCuts {
     });
   }
 
-  /// The ways that are left.
+  /// Places the cuts and returns the remaining edges.
   EdgeSteps placed() {
     for_each_pixel_in_order(corners_.size(), [&](int x, int y) {
       const bool is_residue = corners_(x, y) != 0 && corners_(x, y) != border;
@@ -71,10 +71,10 @@ class BranchCuts {
 
   struct Branch {
     Corner at;
-    int searched = 0;  ///< so far around, corners
+    int searched = 0;  ///< radius searched so far, corners
   };
 
-  /// Joins residues in boxes that grow until they cancel or the border is met.
+  /// Joins residues in growing boxes until they cancel or reach the border.
   void grow_tree(Corner root) {
     branches_ = {{root}};
     charge_ = corners_(root.x, root.y);
@@ -105,14 +105,14 @@ class BranchCuts {
     if (met == border) {
       charge_ = 0;
     } else {
-      if (tree == 0) charge_ += met;  // others cancel already
+      if (tree == 0) charge_ += met;  // residues of other trees already cancel
       tree = trees_;
       branches_.push_back({to});
     }
     cut(from, to);
   }
 
-  /// A staircase along the straight line.
+  /// Cuts a staircase along the straight line.
   void cut(Corner at, Corner to) {
     const int wide = std::abs(to.x - at.x), high = std::abs(to.y - at.y);
     while (at.x != to.x || at.y != to.y) {
@@ -129,16 +129,16 @@ class BranchCuts {
   }
 
   EdgeSteps steps_;
-  Image<int> corners_;  ///< their charges, and where cuts may end
-  Image<int> tree_;     ///< the last that each residue is of, from 1
+  Image<int> corners_;  ///< charges, and the border, at which cuts may end
+  Image<int> tree_;     ///< last tree of each residue, from 1
   std::vector<Branch> branches_{};
   int charge_ = 0, trees_ = 0;
 };
 
 }  // namespace
 
-/// Fringes counted along each row, the rows then tied to each other where they first touch:
-/// Nakadate and Saito, Applied Optics 24 (1985).
+/// Counts fringes along each row, then links the rows where they first touch: Nakadate and Saito,
+/// Applied Optics 24 (1985).
 Orders orders_by_rows(const WrappedCycles& wrapped) {
   const EdgeSteps steps = edge_steps(wrapped.cycles);
   PhaseGroups groups(wrapped.cycles.pixel_count());
@@ -146,8 +146,8 @@ Orders orders_by_rows(const WrappedCycles& wrapped) {
   return groups.orders(wrapped);
 }
 
-/// Pixels where second differences say that a way would not be safe are left out of the flood, and
-/// follow a neighbour afterwards: Bone, Applied Optics 30 (1991).
+/// Excludes pixels with large second differences from the flood; they follow a neighbour
+/// afterwards: Bone, Applied Optics 30 (1991).
 Orders orders_by_flood(const WrappedCycles& wrapped) {
   constexpr float roughest = 0.04F;  // periods squared
   const EdgeSteps all = edge_steps(wrapped.cycles);
@@ -176,14 +176,14 @@ Orders orders_by_flood(const WrappedCycles& wrapped) {
   return flood(wrapped, open);
 }
 
-/// The surest neighbours first, which makes a minimum spanning tree: Judge, Quan and
-/// Bryanston-Cross, Optical Engineering 31 (1992); sure by second differences: Herraez et al.,
-/// Applied Optics 41 (2002).
+/// Joins the most reliable neighbours first (a minimum spanning tree): Judge, Quan and
+/// Bryanston-Cross, Optical Engineering 31 (1992); reliability by second differences: Herraez et
+/// al., Applied Optics 41 (2002).
 Orders orders_by_quality(const WrappedCycles& wrapped) {
   EdgeSteps steps = edge_steps(wrapped.cycles);
   const Image<float> rough = roughness(wrapped);
   const int width = rough.width();
-  // A float that is not negative has the order of its bits.
+  // Non-negative floats sort like their bits.
   std::vector<std::uint64_t> edges;
   edges.reserve(2 * rough.pixel_count());
   steps.for_each_edge([&](int at, int to, int) {
@@ -201,7 +201,7 @@ Orders orders_by_quality(const WrappedCycles& wrapped) {
   return groups.orders(wrapped);
 }
 
-/// Regions without a wrap, joined by the longest borders first: Gierloff, SPIE 818 (1987).
+/// Joins regions without a wrap, longest borders first: Gierloff, SPIE 818 (1987).
 Orders orders_by_regions(const WrappedCycles& wrapped) {
   constexpr float largest_step = 0.25F;  // periods, within a region
   const EdgeSteps steps = edge_steps(wrapped.cycles);
@@ -218,7 +218,7 @@ Orders orders_by_regions(const WrappedCycles& wrapped) {
     const auto from = static_cast<std::uint32_t>(groups.find(at).group);
     steps.for_each_neighbour(at, [&](int to, int step) {
       const auto other = static_cast<std::uint32_t>(groups.find(to).group);
-      if (from >= other) return;  // each is met from both sides
+      if (from >= other) return;  // each border is visited from both sides
       borders.push_back({std::uint64_t{from} << 32U | other});
       borders.back().votes[static_cast<std::size_t>(step + 1)] = 1;
     });
@@ -233,7 +233,7 @@ Orders orders_by_regions(const WrappedCycles& wrapped) {
   return groups.orders(wrapped);
 }
 
-/// A flood between cuts: Goldstein, Zebker and Werner, Radio Science 23 (1988).
+/// Floods between branch cuts: Goldstein, Zebker and Werner, Radio Science 23 (1988).
 Orders orders_by_branch_cuts(const WrappedCycles& wrapped) {
   return flood(wrapped, BranchCuts(wrapped).placed());
 }

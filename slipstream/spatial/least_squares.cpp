@@ -1,6 +1,6 @@
-// The surface whose differences are the nearest to the wrapped ones, weighted, by conjugate
-// gradients preconditioned by a cosine transform: Ghiglia and Romero, Journal of the Optical
-// Society of America A 11 (1994). The orders are those nearest to it.
+// Weighted least-squares fit of a surface's differences to the wrapped ones, by conjugate gradients
+// preconditioned by a cosine transform: Ghiglia and Romero, Journal of the Optical Society of
+// America A 11 (1994). Uses the orders nearest to the surface.
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace {
 
 using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// The cosine transform of each row, or back, up to its scale: DCT-II, DCT-III.
+/// Cosine transform of each row, DCT-II, or its inverse, DCT-III, up to scale.
 void transform_rows(Rows& rows, bool back) {
   const auto n = rows.cols();
   if (n == 1) return;
@@ -30,7 +30,7 @@ void transform_rows(Rows& rows, bool back) {
   for_each_row(static_cast<int>(rows.rows()), [&](int row) {
     Eigen::FFT<float> fft;
     Eigen::VectorXcf in(n), out(n);
-    // Even places from the left, odd ones from the right.
+    // Even indices from the left, odd ones from the right.
     const auto place = [&](Eigen::Index i) { return i % 2 == 0 ? i / 2 : n - 1 - i / 2; };
     if (!back) {
       for (Eigen::Index i = 0; i < n; ++i) in[place(i)] = rows(row, i);
@@ -48,7 +48,7 @@ void transform_rows(Rows& rows, bool back) {
   });
 }
 
-/// The next length that is a product of small numbers, which transforms are fast for.
+/// The next length that is a product of small primes, for which transforms are fast.
 int next_fast(int length) {
   for (;; ++length) {
     int rest = length;
@@ -59,7 +59,7 @@ int next_fast(int length) {
   }
 }
 
-/// Solves the same without weights and holes, with nothing to the right and below.
+/// Solves the problem without weights and holes, with zero padding to the right and below.
 class CosinePreconditioner {
  public:
   void set_size(Size size) { size_ = size; }
@@ -125,7 +125,7 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
   solver.setTolerance(1e-4F);
   solver.compute(matrix);
   const Eigen::VectorXf surface = solver.solve(right);
-  // Each region's surface is known up to a constant: that at which most phases agree.
+  // Each region's surface is known up to a constant: choose the one at which most phases agree.
   std::vector<std::complex<float>> phases(static_cast<std::size_t>(pixels));
   for (int at = 0; at < pixels; ++at) {
     if (orders.region.begin()[at] < 0) continue;

@@ -13,7 +13,7 @@
 namespace slipstream {
 namespace {
 
-/// Of the difference of two phases in [-0.5, 0.5].
+/// Wraps the difference of two phases in [-0.5, 0.5].
 float nearest(float difference) {
   return difference - (difference > 0.5F ? 1.F : 0.F) + (difference < -0.5F ? 1.F : 0.F);
 }
@@ -25,13 +25,13 @@ struct Method : SpatialUnwrapping {
 };
 
 constexpr std::array methods{
-    Method{{"rows", "fringes counted along rows"}, orders_by_rows},
-    Method{{"flood", "a flood around rough pixels"}, orders_by_flood},
-    Method{{"branch-cuts", "a flood between cuts that join residues"}, orders_by_branch_cuts},
-    Method{{"regions", "regions without a wrap, joined by their borders"}, orders_by_regions},
-    Method{{"quality", "the surest neighbours first"}, orders_by_quality},
-    Method{{"least-squares", "by the surface of the nearest differences"}, orders_by_least_squares},
-    Method{{"flow", "the least change that makes all ways agree"}, orders_by_flow},
+    Method{{"rows", "counts fringes along rows"}, orders_by_rows},
+    Method{{"flood", "flood fill around rough pixels"}, orders_by_flood},
+    Method{{"branch-cuts", "flood fill between branch cuts"}, orders_by_branch_cuts},
+    Method{{"regions", "joins wrap-free regions along their borders"}, orders_by_regions},
+    Method{{"quality", "most reliable neighbours first"}, orders_by_quality},
+    Method{{"least-squares", "weighted least-squares surface"}, orders_by_least_squares},
+    Method{{"flow", "minimum-cost flow between residues"}, orders_by_flow},
 };
 
 const Method& method_named(std::string_view name) {
@@ -40,13 +40,14 @@ const Method& method_named(std::string_view name) {
   if (found != methods.end()) return *found;
   std::vector<std::string_view> names;
   for (const Method& method : methods) names.push_back(method.name);
-  throw Error(fmt::format("there is no unwrapping '{}'{}; it is one of {}", name,
+  throw Error(fmt::format("unwrapping '{}' is not known{}; expected one of {}", name,
                           did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
 void require_size(Size size, Size other, const char* what) {
   if (size == other) return;
-  throw Error(fmt::format("{} is {}, but the phase {}", what, text_of(other), text_of(size)));
+  throw Error(fmt::format("{} is {}, but the phase {}; both must have one size", what,
+                          text_of(other), text_of(size)));
 }
 
 template <class Number>
@@ -57,16 +58,17 @@ WrappedCycles cycles_of(const Image<Number>& wrapped, const Image<float>& qualit
   for (std::size_t i = 0; i < wrapped.pixel_count(); ++i) {
     const auto phase = static_cast<double>(wrapped.begin()[i]);
     if (!std::isfinite(phase)) continue;
-    throw_if(std::abs(phase) > largest, "{:g} is no phase in rad; at most {:g} is", phase, largest);
+    throw_if(std::abs(phase) > largest, "phase {:g} rad is out of range; limit {:g}", phase,
+             largest);
     cycles.cycles.begin()[i] = static_cast<float>(phase / period - std::rint(phase / period));
   }
-  // Nothing is known of a pixel: it comes last, but it comes.
+  // Pixels of unknown quality come last.
   constexpr float unknown = 1e-9F;
   for (float& each : cycles.quality) each = std::isfinite(each) ? std::max(each, unknown) : unknown;
   return cycles;
 }
 
-/// Numbers the regions by their sizes.
+/// Numbers the regions by size.
 std::vector<PhaseRegion> number_by_size(Image<int>& region) {
   std::vector<std::size_t> sizes(region.pixel_count()), labels;
   for (const int label : region) {
@@ -157,7 +159,7 @@ Image<float> roughness(const WrappedCycles& wrapped) {
   const auto [width, height] = cycles.size();
   Image<float> result(cycles.size());
   for_each_row(height, [&, width = width, height = height](int row) {
-    // Nothing around, so that no pixel is a special one.
+    // NaN around the picture, so that border pixels need no special case.
     const std::vector<float> empty(static_cast<std::size_t>(width) + 2,
                                    std::numeric_limits<float>::quiet_NaN());
     std::array<std::vector<float>, 3> lines{empty, empty, empty};
@@ -234,7 +236,7 @@ void anchor_at(UnwrappedPhase<Number>& unwrapped, int column, int row, double ph
   const auto [width, height] = unwrapped.phase.size();
   const bool inside = column >= 0 && row >= 0 && column < width && row < height;
   const int label = inside ? unwrapped.region(column, row) : 0;
-  throw_if(label == 0, "there is no phase at column {}, row {} to be anchored", column, row);
+  throw_if(label == 0, "anchor pixel (row {}, column {}) has no valid phase", row, column);
   if (!std::isfinite(phase)) throw Error("the phase of an anchor is not finite");
   std::vector<double> periods(unwrapped.regions.size());
   const auto place = static_cast<std::size_t>(label - 1);

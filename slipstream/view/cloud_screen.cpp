@@ -84,7 +84,7 @@ void CloudScreen::set_cloud(const ShownCloud& shown) {
   images.shading = shaded ? &shading_ : nullptr;
   scene_.set_cloud(images, maps != nullptr ? &maps->modulation : nullptr, state_.view.colour);
   if (state_.shown) update_pictures(shown.frames, maps);
-  // The first clouds may be of an empty room.
+  // The first clouds may show an empty room.
   if (!fitted_ && point_count(cloud) > state_.pixels / 50) fit_wanted_ = true;
 }
 
@@ -127,7 +127,7 @@ void CloudScreen::draw_scene(const Pane& pane, const Screen& screen) {
   if (cloud_ && fit_wanted_) {
     scene_.set_extent(extent_of(images_of(*cloud_.cloud)));
     Box box = scene_.extent().box;
-    // With room under it for the beginning of its reflection.
+    // Leaves room below for the start of the reflection.
     if (state_.view.reflection) box.high.y += 0.12F * (box.high.y - box.low.y);
     state_.view.camera = fitted(state_.view.camera, box, pane.size);
     fitted_ = true;
@@ -135,7 +135,7 @@ void CloudScreen::draw_scene(const Pane& pane, const Screen& screen) {
   }
   state_.grid_mm = grid_step(scene_.extent().box);
   ViewSettings settings = state_.view;
-  // Without points there is nothing whose place they could show.
+  // Without points there is nothing to place them by.
   if (state_.counts.front() == 0) settings.axes = settings.grid = false;
   const double ambient = engine_ ? engine_->setup().scanner.photometry.ambient.value_or(0.0) : 0.0;
   scene_.draw(settings, ambient, pane, screen.unit() * screen.pixel_ratio());
@@ -169,7 +169,7 @@ void CloudScreen::draw(const Screen& screen) {
   draw_pictures(state_, pictures_, source_, screen);
   take_mouse(pane, area, screen);
   for (const int key : std::exchange(keys_, {})) {
-    // What is typed into a field is its own.
+    // Keys typed into a text field go to the field.
     if (!ImGui::GetIO().WantTextInput) take_key(key, requests);
   }
   gui_.end_frame();
@@ -220,7 +220,7 @@ void CloudScreen::measure(const CloudOnPicture& shown, const Area& area, float p
   if (!state_.measures) return;
   const bool dragged = glm::distance(place, begin) > reach;
   if (down && dragged) draw_rectangle(io.MouseClickedPos[0], io.MousePos);
-  // What was begun in the panel is not over the cloud when it is let go of there.
+  // A drag that starts in the panel does not act on the cloud.
   if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) || io.MouseDownOwned[0]) return;
   if (dragged) {
     fit_shapes(state_.measured, points_between(shown, begin, place));
@@ -317,7 +317,7 @@ void CloudScreen::hear_of_changes() {
 void CloudScreen::ask_camera() {
   state_.camera.clear();
   if (source_.camera == nullptr) return;
-  for (const CameraControl which : camera_controls) {
+  for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
     if (const auto value = source_.camera->control(which)) state_.camera.push_back({which, *value});
   }
 }

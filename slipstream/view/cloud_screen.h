@@ -9,136 +9,136 @@
 
 namespace slipstream::view {
 
-/// The first frame in grey, red where any frame is saturated and blue where `validity` says too
-/// dark. Large pictures are reduced to about `widest` pixels; a saturated pixel stays visible.
+/// The first frame in grey, red where any frame is saturated and blue where `validity` is too dark.
+/// Large pictures are reduced to about `widest` pixels; single saturated pixels stay visible.
 Image<Colour> camera_picture(const FrameViews& frames, int widest,
                              const Image<Validity>* validity = nullptr);
 
-/// Counts of the frames' grey levels, darkest first: their square roots, the largest 1.
+/// Histogram of the frames' grey levels, darkest first: square roots of the counts, the largest 1.
 using GreyHistogram = std::array<float, 64>;
 GreyHistogram grey_histogram(const FrameViews& frames);
 
-/// Modulation B^c, grey levels, black to white from 0 to its 99th percentile.
+/// Modulation B^c, black at 0 and white at its 99th percentile.
 Image<Colour> modulation_picture(const Image<float>& modulation, int widest);
 
-/// Wrapped phase, [0, 2 pi), once round the hues; dark where the modulation is below `least`.
+/// Wrapped phase, [0, 2 pi), as hue; dark where the modulation is below `least`.
 Image<Colour> phase_picture(const Image<float>& phase, const Image<float>& modulation, float least,
                             int widest);
 
-/// How a cloud lies on the picture that is drawn of it.
+/// Projection of a cloud onto its drawn picture.
 struct CloudOnPicture {
   const Cloud& cloud;
-  const Uncertainty* uncertainty = nullptr;  ///< of that cloud; null where not known
+  const Uncertainty* uncertainty = nullptr;  ///< that cloud's; null if unknown
   glm::mat4 clip{1};                         ///< from the scanner's frame
   Size picture;
 };
 
-/// The point nearest to the eye of those drawn within `reach` pixels of a place on the picture.
+/// The point nearest to the eye within `reach` pixels of a place on the picture.
 std::optional<MeasuredPoint> point_under(const CloudOnPicture& shown, const glm::vec2& place,
                                          float reach);
 
-/// The points drawn in a rectangle of the picture between two opposite corners.
+/// The visible points in a rectangle of the picture, given by two opposite corners.
 std::vector<MeasuredPoint> points_between(const CloudOnPicture& shown, const glm::vec2& corner,
                                           const glm::vec2& opposite);
 
-/// What was measured with the mouse.
+/// Measurements made with the mouse.
 struct Measured {
-  std::vector<MeasuredPoint> ends;  ///< of a distance, two at most
-  std::vector<std::string> lines;   ///< for people
+  std::vector<MeasuredPoint> ends;  ///< ends of a distance, at most two
+  std::vector<std::string> lines;   ///< text shown to the user
 };
 
-/// Another end of a distance: the second one completes it, the third one begins anew.
+/// Adds an end of a distance: the second completes it, the third starts a new one.
 void add_end(Measured& measured, const MeasuredPoint& point);
 
-/// The plane and the sphere of these points, in place of what was measured before.
+/// Replaces the measurement by the plane and the sphere through these points.
 void fit_shapes(Measured& measured, std::span<const MeasuredPoint> points);
 
 /// "X 1.23 Y 4.56 Z 789.01 mm, sigma of Z 0.04 mm".
 std::string text_of(const MeasuredPoint& point);
 
-/// A setting of the camera, as it was last asked for.
+/// A camera setting as last requested.
 struct ShownControl {
   CameraControl which;
   ControlValue value;
 };
 
-/// What can be chosen in the panel, and what it says.
+/// Choices and texts of the panel.
 struct PanelState {
   ViewSettings view;
   EngineSetup setup;
-  std::size_t strategy = 0, gamma = 0;  ///< of the source's
+  std::size_t strategy = 0, gamma = 0;  ///< the source's
   std::vector<ShownControl> camera;
   bool paused = false;
-  bool shown = true;                                   ///< the panel and the pictures
+  bool shown = true;                                   ///< whether panel and pictures are visible
   std::array<bool, 3> picture_open{true, true, true};  ///< camera, modulation, phase
-  std::size_t picture = 0;  ///< of those, the one that is shown large where there are no points
-  std::array<std::size_t, validity_count> counts{};  ///< pixels by Validity
+  std::size_t picture = 0;                           ///< the one shown large if there are no points
+  std::array<std::size_t, validity_count> counts{};  ///< pixel counts by Validity
   std::size_t pixels = 0;
   GreyHistogram histogram{};
-  double modulation = 0;  ///< median, grey levels of 255; where there are no points
-  bool measures = false;  ///< the mouse measures; it turns the cloud where false
+  double modulation = 0;  ///< median modulation without points, grey levels of 255
+  bool measures = false;  ///< the mouse measures; if false, it turns the cloud
   Measured measured;
-  std::array<char, 1024> path{};      ///< of the file to open
-  std::vector<std::string> openable;  ///< what lies beside the one shown
+  std::array<char, 1024> path{};      ///< path of the file to open
+  std::vector<std::string> openable;  ///< files beside the one shown
   double drawn_per_second = 0;
   float grid_mm = 0;
-  std::string message;  ///< of what was asked last: where it was saved, why it failed
+  std::string message;  ///< result of the last request: path saved to, or why it failed
 };
 
-/// What was asked for in this frame, by mouse or key.
+/// Requests of this frame, by mouse or key.
 struct PanelRequests {
   bool fit = false;
   std::optional<Viewpoint> viewpoint{};
   bool save = false;
   bool toggle_recording = false;
-  bool change_setup = false;                  ///< PanelState::setup is another
-  std::optional<ShownControl> set_control{};  ///< of the camera
-  std::string open{};                         ///< path; nothing where empty
+  bool change_setup = false;                  ///< PanelState::setup has changed
+  std::optional<ShownControl> set_control{};  ///< camera setting changed
+  std::string open{};                         ///< path; empty: none
 };
 
-/// Whether the source has pictures alone: frames without a scanner to make points of them.
+/// Whether the source has only pictures: frames without a scanner.
 bool pictures_alone(const ViewSource& source);
 
-/// Widths, in units of the window, that the panel takes at the left and the pictures at the right.
+/// Widths of the panel (left) and the pictures (right), in window units.
 struct PanelWidths {
   float left = 0, right = 0;
 };
 
-/// Little windows have no room for pictures beside the cloud, and none have any for what is hidden.
+/// Hidden parts take no room; small windows have no pictures beside the cloud.
 PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen);
 
-/// The panel at the left: warnings, how the cloud is drawn, settings, actions, rates.
+/// Draws the left panel: warnings, drawing options, settings, actions, rates.
 void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& source,
                 const LiveStatistics& statistics, const Screen& screen);
 
-/// Camera with its histogram, modulation and phase at the right.
+/// Draws camera picture, histogram, modulation and phase at the right.
 void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3>& pictures,
                    const ViewSource& source, const Screen& screen);
 
-/// Why a cloud has next to no points, for people; empty where it has some.
+/// Explains why a cloud has almost no points; empty if it has some.
 std::string why_no_points(const PanelState& state);
 
-/// All that is drawn into a window or off-screen: the cloud between the panel and the pictures. For
-/// the OpenGL context that is current when it is made.
+/// Draws everything, in a window or off-screen: the cloud between panel and pictures. Uses the
+/// OpenGL context current at construction.
 class CloudScreen {
  public:
-  /// Borrows the source. With the mouse and keys of the window where there is one.
+  /// Borrows the source. Takes mouse and keys from the window, if given.
   CloudScreen(const ViewSource& source, const ViewSettings& settings, const opengl::Window* window);
-  /// Takes the newest cloud unless paused; whether it is another than the last.
+  /// Takes the newest cloud unless paused; returns whether it is new.
   bool take_newest();
-  /// Draws into the framebuffer that is bound, and does what was asked of it by mouse and keys.
+  /// Draws into the bound framebuffer and handles mouse and keys.
   void draw(const Screen& screen);
-  /// Queues a key of GLFW's for the next draw(): none is lost, however long that takes.
+  /// Queues a GLFW key for the next draw(), so that slow drawing loses none.
   void press(int key) { keys_.push_back(key); }
-  /// Tells the source that what draw() drew is on the screen now.
+  /// Notifies the source that the drawn cloud is on the screen.
   void tell_shown();
 
-  /// Opens a file in place of the source, see ViewSource::open; says in the panel why not.
+  /// Opens a file instead of the source, see ViewSource::open; shows errors in the panel.
   void open(const std::string& path);
-  /// What was opened since the last call.
+  /// The source opened since the last call, if any.
   std::optional<ViewSource> take_opened() { return std::exchange(opened_, std::nullopt); }
   [[nodiscard]] PanelState& state() { return state_; }
-  /// Whether the window is to be closed: its key was pressed.
+  /// Whether the key to close the window was pressed.
   [[nodiscard]] bool closed() const { return closed_; }
 
  private:
@@ -146,20 +146,20 @@ class CloudScreen {
   void set_pictures(const ShownCloud& shown);
   void update_pictures(const FrameViews& frames, const Maps* maps);
   [[nodiscard]] int width_of(std::size_t picture) const;
-  /// The frames decoded again; null without frames or where they are of another strategy, as those
-  /// just before a change are. Valid until the next call.
+  /// Decodes the frames again; null without frames, or if they belong to another strategy, e.g.
+  /// just before a change. Valid until the next call.
   const Maps* maps_of(const FrameViews& frames);
   void draw_scene(const Pane& pane, const Screen& screen);
   void draw_over(const Area& area, const Screen& screen) const;
-  /// What the mouse does to the cloud: turns it, moves it, measures it.
+  /// Applies the mouse to the cloud: turn, move, measure.
   void take_mouse(const Pane& pane, const Area& area, const Screen& screen);
   void move_camera(const Pane& pane, const Screen& screen);
   void measure(const CloudOnPicture& shown, const Area& area, float pixel_ratio);
-  /// Of the points, computed when first asked for a cloud that stands still; null if not known.
+  /// Uncertainty of the points, computed on first request for a static cloud; null if unknown.
   const Uncertainty* uncertainty();
   void take_key(int key, PanelRequests& requests);
   void answer(const PanelRequests& requests);
-  /// Whether it did not throw; if it did, the panel says why.
+  /// Returns false and shows the reason in the panel if `work` throws.
   template <class Action>
   bool attempt(const Action& action);
   void change_setup();
@@ -173,19 +173,19 @@ class CloudScreen {
   Gui gui_;
   SceneRenderer scene_;
   std::array<opengl::PictureTexture, 3> pictures_;
-  std::optional<Engine> engine_;  ///< of the setup accepted last; none where the source has none
+  std::optional<Engine> engine_;  ///< for the setup accepted last; null if the source has none
   Maps maps_;
-  double maps_full_scale_ = 255;  ///< of the frames that they are of
-  Image<Validity> validity_;      ///< of the pictures, where there are no points
+  double maps_full_scale_ = 255;  ///< of their frames
+  Image<Validity> validity_;      ///< for pictures without points
   Image<float> shading_;
-  std::optional<Uncertainty> uncertainty_;  ///< of the cloud shown
+  std::optional<Uncertainty> uncertainty_;  ///< of the displayed cloud
   std::optional<ViewSource> opened_;
   PanelState state_;
-  std::pair<std::size_t, std::size_t> accepted_;  ///< strategy and gamma of the setup
+  std::pair<std::size_t, std::size_t> accepted_;  ///< the setup's strategy and gamma
   ShownCloud cloud_;
   bool told_shown_ = true;
   bool fitted_ = false, fit_wanted_ = false;
-  /// What the cloud in the graphics memory and the pictures were made for.
+  /// State for which the uploaded cloud and pictures were made.
   using Look = std::tuple<PointColour, bool, bool, std::array<bool, 3>, std::size_t>;
   [[nodiscard]] Look look() const {
     return {state_.view.colour, state_.view.shaded, state_.shown, state_.picture_open,
@@ -194,7 +194,7 @@ class CloudScreen {
   Look drawn_;
   std::vector<int> keys_;
   bool closed_ = false;
-  std::future<std::string> saving_;  ///< waited for in the end
+  std::future<std::string> saving_;  ///< awaited on destruction
   std::chrono::steady_clock::time_point counted_since_;
   int counted_ = 0;
 };

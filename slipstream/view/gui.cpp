@@ -15,7 +15,7 @@
 namespace slipstream::view {
 namespace {
 
-/// Of Debian's fonts-dejavu-core; where it is not there the font within Dear ImGui does.
+/// From Debian's fonts-dejavu-core; otherwise Dear ImGui's built-in font is used.
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float font_size = 14;
 
@@ -45,7 +45,7 @@ float Screen::pixel_ratio() const {
 }
 
 float Screen::unit() const {
-  // Up to about this size text is as large as elsewhere on the desktop.
+  // Up to about this window size text is as large as elsewhere on the desktop.
   constexpr float ordinary_width = 1600, ordinary_height = 960;
   const float share = std::min(static_cast<float>(window.width) / ordinary_width,
                                static_cast<float>(window.height) / ordinary_height);
@@ -65,7 +65,7 @@ Gui::Gui(const opengl::Window* window) : has_window_(window != nullptr) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // nothing is written where the program happens to run
+  io.IniFilename = nullptr;  // writes no settings file into the working directory
   const bool window_ready = !has_window_ || ImGui_ImplGlfw_InitForOpenGL(window->get(), true);
   if (!window_ready || !ImGui_ImplOpenGL3_Init("#version 330 core")) {
     ImGui::DestroyContext();

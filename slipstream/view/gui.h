@@ -7,33 +7,33 @@ struct ImVec2;
 
 namespace slipstream::view {
 
-/// How a framebuffer stands to the window that shows it.
+/// Scales between a framebuffer and its window.
 struct Screen {
-  Size window{};            ///< the desktop's units, those of the mouse
+  Size window{};            ///< desktop units, as for the mouse
   Size framebuffer{};       ///< pixels
-  float content_scale = 1;  ///< how large the desktop wants text
+  float content_scale = 1;  ///< the desktop's text scale
 
-  /// Pixels for a unit of the window: 2 where the desktop hides HiDPI from windows.
+  /// Pixels per window unit: 2 if the desktop hides HiDPI from windows.
   [[nodiscard]] float pixel_ratio() const;
-  /// Window units for what takes one on an ordinary screen: 2 where the desktop leaves HiDPI to
-  /// windows, and more in large ones, so that text keeps its share.
+  /// Window units per unit on an ordinary screen: 2 if the desktop leaves HiDPI to windows; larger
+  /// in large windows, so that text keeps its share.
   [[nodiscard]] float unit() const;
 };
 
 Screen screen_of(const opengl::Window& window);
 
-/// Dear ImGui: one at a time, for the context that is current.
+/// Dear ImGui for the current OpenGL context; at most one at a time.
 class Gui {
  public:
-  /// With the mouse and keys of the window, or without any where it is null: to draw off-screen.
+  /// Takes mouse and keys from the window; null: draws off-screen without input.
   explicit Gui(const opengl::Window* window);
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
   ~Gui();
 
-  /// Widgets may be called from here to end_frame.
+  /// Widgets may be drawn between begin_frame and end_frame.
   void begin_frame(const Screen& screen);
-  /// Draws them over the framebuffer that is bound.
+  /// Draws the widgets over the bound framebuffer.
   void end_frame();
 
  private:
@@ -43,30 +43,31 @@ class Gui {
   float font_pixels_ = 0, unit_ = 0;
 };
 
-/// A part of the window, in its units, from its upper left corner.
+/// A part of the window, in window units from its upper left corner.
 struct Area {
   float left = 0, top = 0, width = 0, height = 0;
 };
 
-// What is drawn over the cloud, under the panel. `unit`: see Screen::unit.
+// Overlays over the cloud, under the panel. `unit`: see Screen::unit.
 
-/// The colours of depth beside their millimetres, in the lower right corner.
+/// Colour scale of depth in mm, in the lower right corner.
 void draw_depth_scale(const Range& depths, const Area& area, float unit);
 
-/// A few words in the middle, on a dark field.
+/// A short text in the middle, on a dark field.
 void draw_note(const std::string& words, const Area& area, float unit);
 
-/// A line at the lower edge.
+/// A line of text at the lower edge.
 void draw_footer(const std::string& words, const Area& area);
 
-/// A frame between two opposite corners, in units of the window.
+/// A rectangle between two opposite corners, in window units.
 void draw_rectangle(const ImVec2& corner, const ImVec2& opposite);
 
-/// Rings round points, and a line between two. `clip`: of the area, from the scanner's frame.
+/// Rings around points, and a line between two. `clip`: from the scanner's frame to clip
+/// coordinates of the area.
 void draw_ends(const std::vector<MeasuredPoint>& ends, const glm::mat4& clip, const Area& area,
                float unit);
 
-/// A picture as large as fits.
+/// A picture scaled to fit.
 void draw_picture(const opengl::PictureTexture& picture, const Area& area);
 
 }  // namespace slipstream::view

@@ -24,8 +24,8 @@ void main() {
 }
 )";
 
-// OpenGL 3.3 promises lines of one pixel only: each becomes a strip as wide as wanted and a pixel
-// more, over which it fades. Ends behind the eye are first drawn to the near plane.
+// OpenGL 3.3 guarantees only lines of one pixel: each line becomes a strip of the requested width
+// plus one pixel over which it fades. Ends behind the eye are first clipped to the near plane.
 constexpr const char* geometry_shader = R"(#version 330 core
 layout(lines) in;
 layout(triangle_strip, max_vertices = 4) out;
@@ -137,7 +137,7 @@ std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
   const glm::vec3 origin(box.low.x, box.high.y, box.low.z);
   const float length = 0.3F * std::max({sides.x, sides.y, sides.z});
   const float letter = 0.009F * camera.distance;
-  // The directions of the picture in the scanner's frame.
+  // Directions of the picture in the scanner's frame.
   const glm::mat3 turn = glm::transpose(glm::mat3(view_matrix(camera)));
   const glm::vec3 right = in_display_frame(turn[0]), up = in_display_frame(turn[1]);
   std::vector<Line> lines;
@@ -175,7 +175,7 @@ std::vector<Line> floor_grid(const Box& box, float height) {
   const float front = first(box.low.z), back = last(box.high.z);
   std::vector<Line> lines;
   const auto add = [&](float from, float to, glm::vec3 begin, glm::vec3 end, int axis) {
-    // Counted: far from the origin a step may be lost in the rounding of what it is added to.
+    // Counted, as far from the origin adding a step may be lost in rounding.
     const float count = std::clamp(std::round((to - from) / step) + 1, 0.0F, 64.0F);
     for (int i = 0; i < static_cast<int>(count); ++i) {
       begin[axis] = end[axis] = from + static_cast<float>(i) * step;

@@ -9,7 +9,7 @@
 namespace slipstream::view {
 namespace {
 
-/// Calls `visit(column, row, place on the picture, distance from the eye)` for each point in sight.
+/// Calls `visit(column, row, place on the picture, distance from the eye)` for each visible point.
 template <class Visit>
 void for_each_drawn(const CloudOnPicture& shown, const Visit& visit) {
   const Cloud& cloud = shown.cloud;
@@ -24,7 +24,7 @@ void for_each_drawn(const CloudOnPicture& shown, const Visit& visit) {
 std::string text_of(const Residuals& residuals) {
   std::string text = fmt::format("rms {:.3f} mm, largest {:.3f} mm, {} points", residuals.rms,
                                  residuals.largest, residuals.points);
-  if (residuals.outliers != 0) text += fmt::format(", {} outliers left out", residuals.outliers);
+  if (residuals.outliers != 0) text += fmt::format(", {} outliers ignored", residuals.outliers);
   if (residuals.noise) text += fmt::format("; noise alone gives {:.3f} mm", *residuals.noise);
   return text;
 }

@@ -17,7 +17,7 @@ Resource held(GLuint number, const Remove& remove) {
           }};
 }
 
-/// By reference: epoxy has OpenGL's functions as variables.
+/// By reference: epoxy declares OpenGL's functions as variables.
 template <auto& generate, auto& remove>
 Resource make() {
   GLuint number = 0;
@@ -25,7 +25,7 @@ Resource make() {
   return held(number, [](GLuint old) { remove(1, &old); });
 }
 
-/// Of a shader or a program, by its own functions of OpenGL.
+/// The info log of a shader or a program, by its query functions.
 template <class Query, class Log>
 void require_good(GLuint number, GLenum status, const Query& query, const Log& log,
                   const char* failure) {
@@ -67,7 +67,7 @@ EGLDisplay display_without_surface() {
   return eglGetDisplay(EGL_DEFAULT_DISPLAY);
 }
 
-/// A display of EGL whose context is current without a surface; null where there is none.
+/// An EGL display with a current surfaceless context; null if unavailable.
 std::shared_ptr<void> egl_context() {
   if (!epoxy_has_egl()) return nullptr;
   const EGLDisplay display = display_without_surface();
@@ -78,7 +78,7 @@ std::shared_ptr<void> egl_context() {
     eglMakeCurrent(old, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglTerminate(old);  // with its context
   });
-  // Without a desktop there are configurations for pixel buffers only; none is made.
+  // Without a desktop EGL only has configurations for pixel buffers; no buffer is created.
   constexpr std::array<EGLint, 5> wanted{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
                                          EGL_OPENGL_BIT, EGL_NONE};
   constexpr EGLint profile = EGL_CONTEXT_OPENGL_PROFILE_MASK;
@@ -164,8 +164,8 @@ RenderTarget::RenderTarget(Size size)
   GLint longest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &longest);
   throw_if(std::max(size.width, size.height) > longest || std::min(size.width, size.height) < 1,
-           "a picture of {}x{} cannot be drawn; 1 to {} pixels on a side", size.width, size.height,
-           longest);
+           "cannot draw a picture of {}x{}; expected 1 to {} pixels per side", size.width,
+           size.height, longest);
   const auto allocate = [&](const Resource& buffer, GLenum format) {
     glBindRenderbuffer(GL_RENDERBUFFER, *buffer);
     glRenderbufferStorage(GL_RENDERBUFFER, format, size.width, size.height);
@@ -235,11 +235,10 @@ Window::Window(const WindowSystem& system, const WindowSettings& settings) {
     const std::vector<GLFWmonitor*> monitors = connected_monitors();
     const auto number = static_cast<std::size_t>(settings.fills_monitor);
     throw_if(number >= monitors.size(),
-             "monitor {} is not there; monitors are numbered from 0, and {} {} "
-             "connected",
-             number, monitors.size(), monitors.size() == 1 ? "is" : "are");
+             "monitor {} does not exist; monitors are numbered from 0, and {} {} connected", number,
+             monitors.size(), monitors.size() == 1 ? "is" : "are");
     monitor = monitors[number];
-    // Its own mode, so that the desktop changes nothing and no pixel is scaled.
+    // The monitor's own mode, so that the desktop does not switch modes or scale pixels.
     const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
     if (mode == nullptr) throw WorldError(fmt::format("monitor {}: {}", number, last_words()));
     size = {mode->width, mode->height};
@@ -267,7 +266,7 @@ OffScreenContext::OffScreenContext() : context_(egl_context()) {
   try {
     context_ = std::make_shared<HiddenWindow>();
   } catch (const WorldError& error) {
-    throw WorldError(fmt::format("cannot draw: EGL gives no OpenGL 3.3 without a surface, and {}",
+    throw WorldError(fmt::format("cannot draw: EGL offers no OpenGL 3.3 without a surface, and {}",
                                  error.what()));
   }
 }

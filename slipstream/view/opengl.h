@@ -11,15 +11,15 @@ struct GLFWwindow;
 
 namespace slipstream::opengl {
 
-/// OpenGL's number of a buffer, texture or the like in the context that is current when it is made;
-/// deleted with its last holder, which must not outlive that context.
+/// Owns an OpenGL object name (buffer, texture, ...) of the context current at construction;
+/// shared, deleted with its last owner, which must not outlive the context.
 using Resource = std::shared_ptr<const unsigned>;
 
 Resource make_buffer();
 Resource make_vertex_array();
 Resource make_texture();
 
-/// Sources in GLSL 3.30; a geometry shader only where there is one.
+/// GLSL 3.30 sources; the geometry shader is optional.
 struct ShaderSources {
   const char* vertex = nullptr;
   const char* geometry = nullptr;
@@ -29,18 +29,18 @@ struct ShaderSources {
 /// Shaders, compiled and linked.
 class ShaderProgram {
  public:
-  /// Throws WorldError with the driver's words where it does not take them.
+  /// Throws WorldError with the driver's message if compiling fails.
   explicit ShaderProgram(const ShaderSources& sources);
 
   void use() const;
-  /// Location for glUniform...; OpenGL ignores that of a name that the shaders do not have.
+  /// Location for glUniform...; OpenGL ignores the location of an unknown name.
   [[nodiscard]] int uniform(const char* name) const;
 
  private:
   Resource program_;
 };
 
-/// A picture in the graphics memory.
+/// A picture in graphics memory.
 class PictureTexture {
  public:
   void upload(const Image<Colour>& picture);
@@ -52,13 +52,13 @@ class PictureTexture {
   Size size_;
 };
 
-/// A picture that is drawn into, with depth.
+/// A render target with depth.
 class RenderTarget {
  public:
-  /// Throws Error for a size out of range, WorldError where the driver has none of that size.
+  /// Throws Error for a size out of range, WorldError if the driver refuses that size.
   explicit RenderTarget(Size size);
 
-  /// Draws into all of it from here on.
+  /// Binds it: draws into all of it from now on.
   void bind() const;
 
  private:
@@ -66,42 +66,42 @@ class RenderTarget {
   Resource colour_, depth_, framebuffer_;
 };
 
-/// The bound framebuffer's picture, its first row at the top.
+/// The bound framebuffer's picture, first row at the top.
 Image<Colour> read_pixels(Size size);
 
-/// The connection to the desktop; one at a time, in the main thread, and outliving every Window.
+/// The connection to the desktop; at most one, in the main thread, outliving every Window.
 class WindowSystem {
  public:
-  /// Throws WorldError where there is no desktop to connect to.
+  /// Throws WorldError without a desktop.
   WindowSystem();
   WindowSystem(const WindowSystem&) = delete;
   WindowSystem& operator=(const WindowSystem&) = delete;
   ~WindowSystem();
 
-  /// A screen, or a projector that is one.
+  /// A screen, or a projector connected as one.
   struct Monitor {
     std::string name;
     Size size;  ///< pixels
     int left = 0, top = 0;
     int refresh_hz = 0;
   };
-  /// The first is the desktop's main one.
+  /// The first is the desktop's primary monitor.
   [[nodiscard]] std::vector<Monitor> monitors() const;
 };
 
-/// How a window opens.
+/// Options of a window.
 struct WindowSettings {
   std::string title = "slipstream";
-  Size size{1280, 800};    ///< of its inside; the monitor's where it fills one
-  bool visible = true;     ///< one that is not serves to draw off-screen
-  int fills_monitor = -1;  ///< number of the monitor that it fills without a frame; none below 0
+  Size size{1280, 800};    ///< inner size; the monitor's if fullscreen
+  bool visible = true;     ///< false: for off-screen drawing
+  int fills_monitor = -1;  ///< monitor to fill without a frame; below 0: an ordinary window
 };
 
-/// A window with an OpenGL 3.3 core context, which is current from its making on.
+/// A window with an OpenGL 3.3 core context, made current at construction.
 class Window {
  public:
-  /// Throws Error for a monitor that is not there, WorldError where the desktop or its OpenGL does
-  /// not give a window.
+  /// Throws Error for a missing monitor, WorldError if the desktop or its OpenGL cannot open a
+  /// window.
   Window(const WindowSystem& system, const WindowSettings& settings);
 
   [[nodiscard]] GLFWwindow* get() const { return window_.get(); }
@@ -114,15 +114,15 @@ class Window {
   std::unique_ptr<GLFWwindow, Close> window_;
 };
 
-/// An OpenGL 3.3 core context without a window, current from its making on: of EGL without any
-/// surface, which needs no desktop, else of a hidden window. One at a time.
+/// An OpenGL 3.3 core context without a window, made current at construction: by surfaceless EGL,
+/// which needs no desktop, or else a hidden window. At most one at a time.
 class OffScreenContext {
  public:
-  /// Throws WorldError where neither is to be had.
+  /// Throws WorldError if neither is available.
   OffScreenContext();
 
  private:
-  std::shared_ptr<void> context_;  ///< of EGL, or the hidden window
+  std::shared_ptr<void> context_;  ///< the EGL context, or the hidden window
 };
 
 }  // namespace slipstream::opengl

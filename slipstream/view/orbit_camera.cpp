@@ -17,7 +17,8 @@ float aspect(Size picture) {
          static_cast<float>(std::max(picture.height, 1));
 }
 
-constexpr float steepest = glm::half_pi<float>() - 0.01F;  // an elevation; straight up has no side
+constexpr float steepest =
+    glm::half_pi<float>() - 0.01F;  // elevation limit; straight up has no azimuth
 
 }  // namespace
 
@@ -26,7 +27,7 @@ float Box::diagonal() const {
 }
 
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag) {
-  constexpr float turn = glm::pi<float>();  // for a drag over the whole height
+  constexpr float turn = glm::pi<float>();  // angle for a drag over the whole height
   camera.azimuth = std::remainder(camera.azimuth - turn * drag.x, glm::two_pi<float>());
   camera.elevation = std::clamp(camera.elevation + turn * drag.y, -steepest, steepest);
   return camera;

@@ -18,15 +18,15 @@ struct Box {
   [[nodiscard]] float diagonal() const;
 };
 
-/// From where the cloud is looked at: a place on a sphere round a target; upright as the scanner's
-/// camera where all angles are 0. The display's frame is the scanner's after half a turn about X: Y
-/// is up and the cloud shows its front.
+/// The viewpoint: a place on a sphere around a target; upright like the scanner's camera if all
+/// angles are 0. The display's frame is the scanner's after half a turn about X: Y is up and the
+/// cloud shows its front.
 struct OrbitCamera {
   glm::vec3 target{0};         ///< display's frame, mm
   float distance = 1000;       ///< mm, > 0
   float azimuth = 0;           ///< rad, to the right
   float elevation = 0;         ///< rad, up; within a right angle
-  float field_of_view = 0.6F;  ///< rad, from the top of the picture to its bottom
+  float field_of_view = 0.6F;  ///< field of view from top to bottom, rad
 };
 
 /// The scanner's frame in the display's, and back: (x, -y, -z).
@@ -34,20 +34,20 @@ inline glm::vec3 in_display_frame(const glm::vec3& point) {
   return {point.x, -point.y, -point.z};
 }
 
-/// Turned by a drag across the picture, in shares of its height: right and down are positive.
+/// Turns by a drag across the picture, in shares of its height: right and down are positive.
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag);
 
-/// Moved so that what is at the target's distance follows a drag, in shares of the height.
+/// Moves so that objects at the target's distance follow a drag, in shares of the height.
 OrbitCamera panned(OrbitCamera camera, const glm::vec2& drag);
 
-/// Nearer by so many steps of a wheel, or farther where negative.
+/// Zooms in by wheel steps, or out if negative.
 OrbitCamera zoomed(OrbitCamera camera, float steps);
 
-/// From where a person looks: as the scanner's camera does, from the right, from above.
+/// Standard views: like the scanner's camera, from the right, from above.
 enum class Viewpoint { front, side, top };
 OrbitCamera looking_from(OrbitCamera camera, Viewpoint viewpoint);
 
-/// Looking at the box's middle from where all of it is seen, at the same angles.
+/// Looks at the box's centre from where all of it is visible, at the same angles.
 OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture);
 
 /// Display's frame to the eye's.
@@ -59,11 +59,10 @@ glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture);
 /// Scanner's frame to clip coordinates of its image in a mirror, the plane Y = `height`.
 glm::mat4 mirrored_clip_matrix(const OrbitCamera& camera, Size picture, float height);
 
-/// The place on the picture, pixels, of a point in clip coordinates; none where it is behind the
-/// eye.
+/// Position on the picture, pixels, of a point in clip coordinates; nullopt if behind the eye.
 std::optional<glm::vec2> pixel_of(const glm::vec4& clip, Size picture);
 
-/// How many pixels one millimetre takes at a distance of one millimetre from the eye.
+/// Pixels per millimetre at a distance of one millimetre from the eye.
 float pixels_per_slope(const OrbitCamera& camera, Size picture);
 
 }  // namespace slipstream::view

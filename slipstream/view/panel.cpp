@@ -25,7 +25,7 @@ bool section(const char* name) {
   return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen);
 }
 
-/// A name at the left, what it is at the right of it.
+/// A table row: name and value.
 void row(const char* name, const std::string& value, const ImVec4& colour = white) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -34,7 +34,7 @@ void row(const char* name, const std::string& value, const ImVec4& colour = whit
   ImGui::TextColored(colour, "%s", value.c_str());
 }
 
-/// Calls `draw_rows` within a table, unless that is out of sight.
+/// Calls `draw_rows` within a table, unless it is scrolled out of view.
 template <class DrawRows>
 void table(const char* name, int columns, ImGuiTableFlags flags, const DrawRows& draw_rows) {
   if (!ImGui::BeginTable(name, columns, flags)) return;
@@ -42,7 +42,7 @@ void table(const char* name, int columns, ImGuiTableFlags flags, const DrawRows&
   ImGui::EndTable();
 }
 
-/// A field to choose one of the names in; whether another was chosen.
+/// A drop-down of names; returns whether the choice changed.
 template <class Number>
 bool choose(const char* label, const std::vector<const char*>& names, Number& chosen) {
   int number = static_cast<int>(chosen);
@@ -52,7 +52,7 @@ bool choose(const char* label, const std::vector<const char*>& names, Number& ch
   return changed;
 }
 
-/// The same of labelled choices, where there are several.
+/// A drop-down of labelled choices, if there are several.
 template <class Choices>
 bool choose_labelled(const char* label, const Choices& choices, std::size_t& chosen) {
   if (choices.size() < 2 || chosen >= choices.size()) return false;
@@ -86,7 +86,7 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   frames.for_each_figure(bad_news);
   statistics.for_each_figure(bad_news);
   if (statistics.motion > 0) {
-    row("frames more, for motion", fmt::format("{}", statistics.motion));
+    row("extra frames for motion", fmt::format("{}", statistics.motion));
   }
 }
 
@@ -118,7 +118,7 @@ void draw_stages(const LiveStatistics& statistics) {
   ImGui::TreePop();
 }
 
-/// What is amiss and why, a short line each; the numbers are told elsewhere.
+/// Problems and their causes, one short line each, without numbers.
 void draw_findings(const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) {
     const ImVec4& colour = finding.gravity == Gravity::wrong ? bad : doubtful;
@@ -132,13 +132,14 @@ std::string percent_of(std::size_t count, std::size_t all) {
   return fmt::format("{:.{}f} %", percent, percent < 1 && count != 0 ? 2 : 1);
 }
 
-/// How many pixels became points, and why the others did not.
+/// Pixel counts: points, and rejected pixels by reason.
 void draw_counts(const PanelState& state, const ViewSource& source) {
   if (state.pixels == 0 || !section("Pixels")) return;
   const bool alone = pictures_alone(source);
   table("pixels", 2, ImGuiTableFlags_SizingFixedFit, [&] {
     ImGui::TableSetupColumn("share");
-    ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // reasons come and go
+    ImGui::TableSetupColumn("reason",
+                            ImGuiTableColumnFlags_WidthStretch);  // the set of reasons changes
     for (std::size_t i = 0; i < state.counts.size(); ++i) {
       if (i != 0 && state.counts[i] == 0) continue;
       const std::string percent = percent_of(state.counts[i], state.pixels);
@@ -197,7 +198,7 @@ void draw_measuring(PanelState& state) {
   for (const std::string& line : state.measured.lines) say(white, "{}", line);
 }
 
-/// Files to choose from, and a field for any other.
+/// A list of files, and a field for any other path.
 void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (!source.open || !section("Open")) return;
   for (const std::string& name : state.openable) {
@@ -212,7 +213,7 @@ void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& sou
   ImGui::PopAllowKeyboardFocus();
 }
 
-/// A filter, and how many points it took.
+/// A filter and the number of points it removed.
 bool draw_filter(const char* name, bool& on, const PanelState& state, Validity kind) {
   const std::size_t count = state.counts[static_cast<std::size_t>(kind)];
   const bool changed = ImGui::Checkbox(name, &on);
@@ -222,7 +223,7 @@ bool draw_filter(const char* name, bool& on, const PanelState& state, Validity k
 }
 
 void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& source) {
-  if (!source.setup || !source.change || !section("Left out")) return;
+  if (!source.setup || !source.change || !section("Cleaning")) return;
   const CleanSettings usual, off = CleanSettings::none(), &given = source.setup->settings.clean;
   CleanSettings& clean = state.setup.settings.clean;
   bool trusted = clean.largest_sigma != off.largest_sigma;
@@ -241,7 +242,7 @@ void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& 
   requests.change_setup = true;
 }
 
-/// Which picture is shown large.
+/// The picture shown large.
 void draw_picture_choice(PanelState& state) {
   if (!section("View")) return;
   choose("picture", {"camera (1)", "modulation (2)", "phase (3)"}, state.picture);
@@ -264,27 +265,24 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
   if (ImGui::SliderFloat("least light", &threshold, 1, 100, "%.0f of 127")) {
     settings.minimum_modulation = static_cast<double>(threshold);
   }
-  // Tables are built for every change, so one that is dragged counts when it is let go.
+  // Every change rebuilds tables, so a dragged slider applies on release.
   requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();
   if (ImGui::IsItemHovered()) {
-    ImGui::SetTooltip(
-        "modulation below which a pixel is too dark, in grey levels of an 8-bit camera");
+    ImGui::SetTooltip("minimum modulation of a valid pixel, grey levels of 255");
   }
-  requests.change_setup |= ImGui::Checkbox("leave out saturated pixels", &settings.drop_saturated);
+  requests.change_setup |= ImGui::Checkbox("reject saturated pixels", &settings.drop_saturated);
 }
 
 void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (state.camera.empty() || !section("Camera")) return;
-  static constexpr std::array<std::pair<const char*, const char*>, 3> words{
-      {{"exposure", "%.3f ms"}, {"gain", "%.1f"}, {"rate", "%.1f per s"}}};
   for (ShownControl& shown : state.camera) {
-    const auto& [name, form] = words.at(static_cast<std::size_t>(shown.which));
+    const CameraControlWords& words = camera_controls.at(static_cast<std::size_t>(shown.which));
     auto value = static_cast<float>(shown.value.value);
-    // Cameras say that they expose up to minutes: where it matters a finger's width would be all.
+    // Cameras report exposures up to minutes; limits the slider to a useful range.
     const auto flags =
         ImGuiSliderFlags_AlwaysClamp | (shown.value.least > 0 ? ImGuiSliderFlags_Logarithmic : 0);
-    if (ImGui::SliderFloat(name, &value, static_cast<float>(shown.value.least),
-                           static_cast<float>(shown.value.most), form, flags)) {
+    if (ImGui::SliderFloat(words.name, &value, static_cast<float>(shown.value.least),
+                           static_cast<float>(shown.value.most), words.shown_as, flags)) {
       shown.value.value = static_cast<double>(value);
     }
     if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
@@ -295,7 +293,7 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
 void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   ImGui::Separator();
   if (source.statistics) {
-    state.paused ^= ImGui::Button(state.paused ? "Go on (Space)" : "Pause (Space)");
+    state.paused ^= ImGui::Button(state.paused ? "Resume (Space)" : "Pause (Space)");
   }
   if (source.save) {
     if (source.statistics) ImGui::SameLine();
@@ -323,7 +321,7 @@ bool pictures_alone(const ViewSource& source) {
 std::string why_no_points(const PanelState& state) {
   const auto points = state.counts.front();
   if (state.pixels == 0 || points > state.pixels / 100) return {};
-  std::string words = points == 0 ? "No points." : fmt::format("Next to no points: {}.", points);
+  std::string words = points == 0 ? "No points." : fmt::format("Almost no points: {}.", points);
   std::size_t most = 1;
   for (std::size_t i = 1; i < state.counts.size(); ++i) {
     if (state.counts[i] == 0) continue;
@@ -332,9 +330,9 @@ std::string why_no_points(const PanelState& state) {
     if (state.counts[i] > state.counts[most]) most = i;
   }
   if (most == static_cast<std::size_t>(Validity::too_dark)) {
-    words += "\nDoes the projector shine on what the camera sees? Else expose longer.";
+    words += "\nCheck that the projector lights the scene, or expose longer.";
   } else if (most == static_cast<std::size_t>(Validity::saturated)) {
-    words += "\nExpose for a shorter time, or dim the projector.";
+    words += "\nShorten the exposure, or dim the projector.";
   }
   return words;
 }
@@ -355,7 +353,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
   place_window(0, widths.left, screen);
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
     ImGui::PushItemWidth(-86 * screen.unit());
-    ImGui::PushAllowKeyboardFocus(false);  // Tab would begin to type into the next slider
+    ImGui::PushAllowKeyboardFocus(false);  // Tab would start typing into the next slider
     draw_status(state, source, statistics);
     if (pictures_alone(source)) {
       draw_picture_choice(state);
@@ -396,7 +394,7 @@ void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3
       if (!state.picture_open[i] || size.width < 1 || size.height < 1) continue;
       const float width = ImGui::GetContentRegionAvail().x;
       const float height = width * static_cast<float>(size.height) / static_cast<float>(size.width);
-      // Dear ImGui hands a texture on as whatever its backend takes it for: here OpenGL's number.
+      // Dear ImGui passes textures to its backend unchanged: here OpenGL's texture name.
       ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
                    {width, height});
       if (i != 0) continue;

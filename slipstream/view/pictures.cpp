@@ -8,12 +8,12 @@ namespace {
 constexpr Colour saturated_colour{235, 40, 40};
 constexpr Colour nothing{26, 28, 33};
 
-/// How many pixels each way become one.
+/// Reduction factor per direction.
 int reduction(Size size, int widest) {
   return std::max(1, (size.width + widest / 2) / std::max(widest, 1));
 }
 
-/// The picture whose pixel is `colour_of(column, row)` of the upper left of those put together.
+/// A reduced picture of `colour_of(column, row)` at the upper left pixel of each block.
 template <class ColourOf>
 Image<Colour> picture_of(Size size, int widest, const ColourOf& colour_of) {
   if (size.width < 1 || size.height < 1) return {};
@@ -57,7 +57,7 @@ Image<Colour> camera_picture(const FrameViews& frames, int widest,
       const bool dark = validity != nullptr && (*validity)(column, row) == Validity::too_dark;
       return dark ? bluish(level) : level;
     });
-    // Unquantised frames are cut off nowhere.
+    // Unquantised frames do not saturate.
     if constexpr (std::is_integral_v<Pixel>) {
       for (const auto& view : views) {
         mark_saturated(picture, view, static_cast<Pixel>(frames.saturation()),
@@ -70,7 +70,7 @@ Image<Colour> camera_picture(const FrameViews& frames, int widest,
 
 GreyHistogram grey_histogram(const FrameViews& frames) {
   GreyHistogram histogram{};
-  constexpr int every = 7;  // of so many pixels one is looked at, in each direction
+  constexpr int every = 7;  // samples every Nth pixel in each direction
   const double bins_per_level = static_cast<double>(histogram.size()) / (frames.full_scale() + 1);
   frames.visit([&](const auto& views) {
     for (const auto& view : views) {

@@ -55,14 +55,14 @@ out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }
 )";
 
-/// Every so manyth pixel is looked at. Odd, so that all columns of a picture of even width are met.
+/// Step between sampled pixels; odd, so that all columns of an even-width picture are sampled.
 std::size_t stride_over(std::size_t count) {
   constexpr std::size_t enough = 8192;
   return (count / enough) | 1U;
 }
 
-/// Organised: the median distance between neighbouring pixels' points. A list of points: as if they
-/// were spread over the largest side of their box.
+/// Organised: the median distance between neighbouring pixels' points. List of points: as if spread
+/// over the largest side of their box.
 float spacing_of(const PointImages& cloud, const Box& box) {
   const std::size_t count = cloud.z.pixel_count(), stride = stride_over(count);
   std::vector<float> distances;
@@ -81,11 +81,11 @@ float spacing_of(const PointImages& cloud, const Box& box) {
 
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
-/// By PointColour.
+/// Indexed by PointColour.
 constexpr std::array<std::string_view, 3> colour_names{"reflectivity", "modulation", "depth"};
 
-/// The intensities that look black and white: reflectivity 0, whose mean is `ambient`, beta, by Liu
-/// 2010, Eq. (3.3), grey levels of 255, and that of `range.high` over the brightness.
+/// Intensities shown black and white, grey levels of 255: black at reflectivity 0, whose mean is
+/// `ambient`, beta, by Liu 2010, Eq. (3.3); white at `range.high` divided by the brightness.
 Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
   const bool of_mean = colour == PointColour::reflectivity;
   const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
@@ -114,7 +114,8 @@ float floor_height(const CloudExtent& extent) {
 PointColour point_colour_named(std::string_view name) {
   const auto found = std::find(colour_names.begin(), colour_names.end(), name);
   if (found != colour_names.end()) return static_cast<PointColour>(found - colour_names.begin());
-  throw Error(fmt::format("'{}' is no colour of points; reflectivity, modulation or depth", name));
+  throw Error(
+      fmt::format("unknown point colour '{}'; expected reflectivity, modulation or depth", name));
 }
 
 std::vector<std::string_view> point_colour_names() {
@@ -149,7 +150,7 @@ void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modu
                                                   cloud.shading};
   for (std::size_t i = 0; i < (shaded_ ? 5U : 4U); ++i) {
     glBindBuffer(GL_ARRAY_BUFFER, *buffers_[i]);
-    // New memory each time, so that what is being drawn from the old is not waited for.
+    // New memory each time, so that drawing from the old does not block.
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count_ * sizeof(float)),
                  images[i]->begin(), GL_STREAM_DRAW);
   }
@@ -164,7 +165,7 @@ void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Si
   const bool coloured = shows_depths(settings.colour), shaded = settings.shaded && shaded_;
   const auto [low, high] =
       coloured ? depths() : grey_range(settings.colour, values_, ambient, settings.brightness);
-  // One point of three at nearly twice the size: a mirror may be dim and coarse, and is cheap so.
+  // Every third point at nearly twice the size: a dim, coarse reflection is cheap.
   const int every = mirrored ? 3 : 1;
   const float size = settings.point_size * extent_.spacing * (mirrored ? 1.7F : 1.0F);
   program_.use();

@@ -9,33 +9,32 @@
 
 namespace slipstream::view {
 
-/// A cloud as it is drawn: images of one size, not copied. A single row is a list of points; more
-/// are a camera's picture, whose neighbours lie on one surface.
+/// A cloud to draw: borrowed images of one size. A single row is a list of points; several rows are
+/// a camera's grid, whose neighbours lie on one surface.
 struct PointImages {
-  const Image<float>&x, &y, &z;           ///< mm, scanner's frame; NaN without a point
-  const Image<float>& intensity;          ///< grey levels of an 8-bit camera
-  const Image<float>* shading = nullptr;  ///< how bright, 0 to 1; null: all as bright
+  const Image<float>&x, &y, &z;           ///< mm, scanner's frame; NaN if invalid
+  const Image<float>& intensity;          ///< grey levels of 255
+  const Image<float>* shading = nullptr;  ///< brightness, 0 to 1; null: 1 everywhere
 };
 
-/// From a low to a high value.
+/// A range of values.
 struct Range {
   float low = 0, high = 1;
 };
 
-/// From the 1st to the 99th percentile of some thousands of the finite values, evenly spread; [0,
-/// 1] where none is finite.
+/// 1st to 99th percentile of a few thousand evenly spaced finite values; [0, 1] if there are none.
 Range robust_range(const Image<float>& values);
 
-/// Where a cloud is and how dense, so that a few outliers do not matter.
+/// Position and density of a cloud, robust against a few outliers.
 struct CloudExtent {
   Box box;            ///< robust_range in each direction
-  float spacing = 1;  ///< mm from a point to the next at the middle depth, the median
+  float spacing = 1;  ///< median distance between neighbouring points, mm
 };
 
-/// Of an empty cloud: the box of a millimetre.
+/// An empty cloud gives a box of one millimetre.
 CloudExtent extent_of(const PointImages& cloud);
 
-/// Y of the floor, mm: a little under the cloud, so that it does not cut what stands on it.
+/// Y of the floor, mm: slightly under the cloud, so that it does not cut the object.
 float floor_height(const CloudExtent& extent);
 
 struct Line {
@@ -44,12 +43,12 @@ struct Line {
   float opacity = 1;
 };
 
-/// Straight lines of any width with smooth edges.
+/// Straight anti-aliased lines of any width.
 class LineRenderer {
  public:
   LineRenderer();
 
-  /// Into the bound framebuffer of that size, behind what is nearer. `width`: pixels.
+  /// Draws into the bound framebuffer of that size, with depth test. `width`: pixels.
   void draw(const std::vector<Line>& lines, const glm::mat4& clip, Size picture, float width) const;
 
  private:
@@ -57,36 +56,36 @@ class LineRenderer {
   opengl::Resource vertex_array_, buffer_;
 };
 
-/// The scanner's axes from the box's lower left front corner, X blue, Y green and Z red as in Liu
-/// 2010, Fig. 2.3, with letters that face the eye.
+/// The scanner's axes at the box's lower left front corner, X blue, Y green and Z red as in Liu
+/// 2010, Fig. 2.3, with letters facing the eye.
 std::vector<Line> axes(const Box& box, const OrbitCamera& camera);
 
-/// Distance between the lines of the floor's grid: a round number of millimetres.
+/// Spacing of the floor's grid: a round number of millimetres.
 float grid_step(const Box& box);
 
-/// The floor: lines along X and Z in the plane Y = `height`, under and round the box.
+/// The floor: lines along X and Z in the plane Y = `height`, under and around the box.
 std::vector<Line> floor_grid(const Box& box, float height);
 
-/// What a point's colour says.
+/// Quantity shown by a point's colour.
 enum class PointColour {
-  reflectivity,  ///< alpha, from the mean freed of ambient light, Liu 2010, Eq. (3.3)
+  reflectivity,  ///< alpha, from the mean without ambient light, Liu 2010, Eq. (3.3)
   modulation,    ///< B^c
   depth,         ///< Z
 };
 
-/// "reflectivity", "modulation", "depth"; throws Error for any other name.
+/// Parses "reflectivity", "modulation" or "depth"; throws Error for any other name.
 PointColour point_colour_named(std::string_view name);
 std::vector<std::string_view> point_colour_names();
 
-/// How a cloud is drawn.
+/// Drawing options of a cloud.
 struct ViewSettings {
   PointColour colour = PointColour::reflectivity;
-  float point_size = 1.5F;  ///< in distances from a point to its neighbour: from 1 on no gaps
-  float brightness = 1;     ///< of the grey levels; 1: the brightest hundredth is white
-  bool shaded = true;       ///< by the surface's slope, where the cloud is a camera's picture
-  bool reflection = true;   ///< in the floor, which is parallel to the XZ plane
+  float point_size = 1.5F;  ///< point size relative to the point spacing: no gaps from 1
+  float brightness = 1;     ///< of grey levels; at 1 the brightest 1 % is white
+  bool shaded = true;       ///< shades by slope, if the cloud is a camera's grid
+  bool reflection = true;   ///< reflection in the floor, parallel to the XZ plane
   bool axes = true;
-  bool grid = true;  ///< of the floor
+  bool grid = true;  ///< the floor's
   OrbitCamera camera{.azimuth = 0.33F, .elevation = 0.22F};
 };
 
@@ -96,27 +95,27 @@ struct Pane {
   Size size;
 };
 
-/// The cloud with its floor, its reflection in it and the axes. Its images go to the graphics
-/// memory as they are: the shader skips pixels without a point.
+/// Draws the cloud with floor, reflection and axes. Its images are uploaded unchanged: the shader
+/// skips invalid pixels.
 class SceneRenderer {
  public:
   SceneRenderer();
 
-  /// `modulation`: B^c of the cloud's pixels; null if not known: its intensity stands in.
+  /// `modulation`: B^c of the cloud's pixels; null if unknown: the intensity is used.
   void set_cloud(const PointImages& cloud, const Image<float>* modulation, PointColour colour);
-  /// The floor, the axes and the colours of depth are placed by this extent.
+  /// Extent that places the floor, the axes and the depth colours.
   void set_extent(const CloudExtent& extent) { extent_ = extent; }
   [[nodiscard]] const CloudExtent& extent() const { return extent_; }
-  /// Span of the colours of depth, mm: a little more than the extent, so that its ends differ.
+  /// Range of the depth colours, mm: slightly more than the extent, so that its ends differ.
   [[nodiscard]] Range depths() const;
 
-  /// Whether points show their depth: if asked for, or nothing else is known, as of a plain mesh.
+  /// Whether points show depth: if requested, or if nothing else is known, as for a plain mesh.
   [[nodiscard]] bool shows_depths(PointColour asked) const {
     return asked == PointColour::depth || values_.high <= 0;
   }
 
-  /// Clears the bound framebuffer and draws into a pane of it. `ambient`: the light in the cloud's
-  /// intensities that is not the projector's. `pixel_ratio`: width of lines on a HiDPI screen.
+  /// Clears the bound framebuffer and draws into a pane of it. `ambient`: ambient light contained
+  /// in the cloud's intensities. `pixel_ratio`: line width factor on a HiDPI screen.
   void draw(const ViewSettings& settings, double ambient, const Pane& pane,
             float pixel_ratio = 1) const;
 
@@ -131,7 +130,7 @@ class SceneRenderer {
   bool organised_ = false, shaded_ = false;
   LineRenderer lines_;
   CloudExtent extent_;
-  Range values_;  ///< that grey points show
+  Range values_;  ///< shown by grey points
 };
 
 }  // namespace slipstream::view

@@ -20,7 +20,7 @@ ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const En
   return {.cloud = {made, &made->first}, .frames = *frames};
 }
 
-/// The one given first; others where the patterns come from a projector that may show them.
+/// The given one first; others if a projector may show their patterns.
 std::vector<std::pair<std::string, Strategy>> strategies_beside(const Strategy& given,
                                                                 bool patterns_can_change) {
   std::vector<std::pair<std::string, Strategy>> choices{{label_of(given), given}};
@@ -34,14 +34,14 @@ std::vector<std::pair<std::string, Strategy>> strategies_beside(const Strategy& 
 std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas_beside(
     const std::optional<MeasuredResponse>& given) {
   std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> choices{
-      {"as at the start", given}, {"none", std::nullopt}};
+      {"initial", given}, {"none", std::nullopt}};
   for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
     choices.emplace_back(fmt::format("{:g}", gamma), MeasuredResponse{PowerLaw{gamma}, gamma});
   }
   return choices;
 }
 
-/// For as long as it is shown neither the cloud nor its frames return to their pools.
+/// Keeps the shown cloud and its frames out of their pools.
 ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
   if (!cloud) return {};
   const auto share = std::make_shared<const Pooled<LiveCloud>>(cloud);
@@ -61,7 +61,7 @@ void draw_text(const Guide& guide) {
   for (const std::string& line : guide.lines) ImGui::TextWrapped("%s", line.c_str());
 }
 
-/// Whole window: the picture, and below it room for two lines of the headline and all others.
+/// The whole window: the picture, and below it two lines of headline and all others.
 void draw_guide(const Guide& guide, const opengl::PictureTexture& texture, const Screen& screen) {
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize(
@@ -80,11 +80,11 @@ void draw_guide(const Guide& guide, const opengl::PictureTexture& texture, const
 
 using Clock = std::chrono::steady_clock;
 
-/// What happened to the window, even between two pictures; without, nothing is drawn again.
+/// Window events since the last picture; without events nothing is redrawn.
 struct WindowEvents {
   Clock::time_point last = Clock::now();
   std::vector<int> keys;
-  std::string dropped;  ///< path of a file that was dropped on the window
+  std::string dropped;  ///< path of a file dropped on the window
 };
 
 WindowEvents& events_of(GLFWwindow* window) {
@@ -95,7 +95,7 @@ void touch(GLFWwindow* window) {
   events_of(window).last = Clock::now();
 }
 
-/// Dear ImGui calls on what is set before it starts.
+/// Dear ImGui chains callbacks that are set before it starts.
 void listen(GLFWwindow* window, WindowEvents& events) {
   glfwSetWindowUserPointer(window, &events);
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { touch(w); });
@@ -114,22 +114,22 @@ void listen(GLFWwindow* window, WindowEvents& events) {
   });
 }
 
-/// Draws what an event or a cloud changed at once, and numbers every quarter of a second, with
-/// rests.
+/// Schedules pictures: immediately after an event or a new cloud, otherwise every quarter of a
+/// second, with pauses.
 class Pace {
  public:
   explicit Pace(double most_per_second) : least_(1 / std::max(most_per_second, 1.0)) {}
 
-  /// Whether the next picture may begin.
+  /// Whether the next picture may start.
   [[nodiscard]] bool rested() const { return Clock::now() >= next_; }
-  /// Whether it is wanted even though there is no new cloud.
+  /// Whether to redraw without a new cloud.
   [[nodiscard]] bool outdated(Clock::time_point last_event) const {
     using std::chrono::milliseconds;
     const auto now = Clock::now();
     return now - last_event < milliseconds(300) || now - drawn_ > milliseconds(250);
   }
-  /// Draws and rests: for what is left of the picture's share, and at least as long as it took, so
-  /// that drawing in software leaves the processor to the pipeline half of the time.
+  /// Draws and pauses: for the rest of the frame time, and at least as long as drawing took, so
+  /// that software rendering leaves half of the processor to the pipeline.
   void draw(const std::function<void()>& picture) {
     const auto start = Clock::now();
     picture();
@@ -186,7 +186,7 @@ GuideWindow::~GuideWindow() {
 void GuideWindow::draw() {
   glfwMakeContextCurrent(window_.get());
   Screen screen = screen_of(window_);
-  constexpr float usual_height = 640;  // text grows from there on
+  constexpr float usual_height = 640;  // text scale grows above this size
   const float grown = static_cast<float>(screen.framebuffer.height) / usual_height;
   screen.content_scale = std::max(screen.content_scale, grown);
   glViewport(0, 0, screen.framebuffer.width, screen.framebuffer.height);
@@ -264,7 +264,7 @@ Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settin
   CloudScreen clouds(source, settings, nullptr);
   clouds.state().shown = surround == Surround::panel;
   clouds.take_newest();
-  // Dear ImGui knows the heights of its own widgets only after it has drawn them.
+  // Dear ImGui knows widget heights only after drawing them.
   for (int pass = 0; pass < 3; ++pass) clouds.draw({.window = size, .framebuffer = size});
   return opengl::read_pixels(size);
 }

@@ -20,81 +20,82 @@ class LivePipeline;
 
 namespace slipstream::view {
 
-/// A cloud to be shown, and its frames where there are any. Copies share both, which neither change
-/// nor leave the memory before the last copy.
+/// A cloud to show, with its frames if there are any. Copies share both, which stay unchanged and
+/// in memory until the last copy is gone.
 struct ShownCloud {
-  std::shared_ptr<const Cloud> cloud{};              ///< keeps the memory of the frames too
-  std::shared_ptr<const Uncertainty> uncertainty{};  ///< where it came with the cloud
-  FrameViews frames{};                               ///< in pattern order; none of a file's cloud
+  std::shared_ptr<const Cloud> cloud{};              ///< also keeps the frames' memory
+  std::shared_ptr<const Uncertainty> uncertainty{};  ///< if it came with the cloud
+  FrameViews frames{};                               ///< in pattern order; empty for a cloud file
   std::chrono::steady_clock::time_point captured{};  ///< the newest frame; 0 without frames
 
-  /// False before there is a first cloud.
+  /// False before the first cloud.
   explicit operator bool() const { return cloud != nullptr; }
-  /// Whether it is the very same cloud, not one like it.
+  /// Whether it is the identical cloud object.
   [[nodiscard]] bool is(const ShownCloud& other) const { return cloud == other.cloud; }
 };
 
-/// What the viewer shows and what can be asked for in it. Only `newest` must be set; without
-/// another function the viewer goes without its part (a button, a key, a section of the panel). The
-/// viewer calls `save` from another thread, all others from its own.
+/// Content and functions of a viewer. Only `newest` is required; without another function the
+/// viewer omits its button, key or panel section. The viewer calls `save` from another thread, all
+/// others from its own.
 struct ViewSource {
-  std::string title{};                                   ///< of the window
-  std::function<ShownCloud()> newest{};                  ///< asked before each picture
-  std::string waits_for = "waiting for the first scan";  ///< said until there is a cloud
-  std::function<void(const ShownCloud&)> shown{};  ///< told that the cloud is on the screen now
-  std::function<LiveStatistics()> statistics{};    ///< of the pipeline that makes the clouds
+  std::string title{};                                   ///< window title
+  std::function<ShownCloud()> newest{};                  ///< called before each picture
+  std::string waits_for = "waiting for the first scan";  ///< shown until the first cloud
+  std::function<void(const ShownCloud&)> shown{};        ///< called when the cloud is on the screen
+  std::function<LiveStatistics()> statistics{};          ///< of the pipeline making the clouds
 
-  /// At first; a scanner without geometry makes empty clouds, and the frames are looked at. None
-  /// for clouds without frames: no pictures beside them, and nothing can be changed or saved.
+  /// Initial setup; a scanner without geometry makes empty clouds, and the frames are shown.
+  /// nullopt for clouds without frames: no pictures beside them, and nothing can be changed or
+  /// saved.
   std::optional<EngineSetup> setup{};
-  std::vector<Finding> findings{};  ///< about frames that come without a pipeline's statistics
+  std::vector<Finding> findings{};  ///< about frames without pipeline statistics
   /// Makes clouds with another setup from now on. May throw: the viewer then shows the reason and
   /// keeps the old setup.
   std::function<void(const EngineSetup&)> change{};
-  /// The setup of now, where anyone changed it or the camera since the last call.
+  /// The current setup, if it or the camera has changed since the last call.
   std::function<std::optional<EngineSetup>()> changed{};
-  std::vector<std::pair<std::string, Strategy>> strategies{};  ///< to choose from, by label
-  /// Responses to choose from, by label, that phases are corrected for; none: not corrected.
+  std::vector<std::pair<std::string, Strategy>> strategies{};  ///< choices, by label
+  /// Choices of response correction, by label; nullopt: not corrected.
   std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas{};
 
-  CameraControls* camera = nullptr;  ///< what can be set of it; null where nothing
-  std::string camera_region{};       ///< the part of its sensor, for people
+  CameraControls* camera = nullptr;  ///< camera controls; null if none
+  std::string camera_region{};       ///< region of its sensor, as text
 
-  /// What to show instead: a file or a folder. Throws where it cannot be opened.
+  /// Opens a file or a folder to show instead. Throws if it cannot be opened.
   std::function<ViewSource(const std::string& path)> open{};
-  std::function<std::vector<std::string>()> openable{};  ///< paths to choose from
+  std::function<std::vector<std::string>()> openable{};  ///< paths offered to open
 
-  /// Writes the cloud's frames and results; returns the folder, for people.
+  /// Writes the cloud's frames and results; returns the folder, as text.
   std::function<std::string(const ShownCloud&, const EngineSetup&)> save{};
-  std::function<void(bool on)> record{};  ///< begins or ends a recording
-  /// How the recording goes, in a few words; empty where none is made.
+  std::function<void(bool on)> record{};  ///< starts or stops a recording
+  /// Status of the recording in a few words; empty if there is none.
   std::function<std::string()> recording{};
 };
 
-/// A cloud that stands still, and how sure its points are where that is known.
+/// A static cloud, with its uncertainty if known.
 ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty = std::nullopt);
 
-/// Frames, reconstructed again for each setup; the caller adds `save`. Throws Error as Engine does.
+/// Frames, reconstructed again for each setup; the caller adds `save`. Throws Error like Engine.
 ViewSource still_source(FrameSet frames, const EngineSetup& setup);
 
-/// The clouds of a running pipeline, which must outlive the source, made by `setup` at first.
-/// Offers other responses and, where patterns can change, strategies; the caller adds files.
+/// The clouds of a running pipeline, which must outlive the source; `setup`: the initial one.
+/// Offers other responses and, if patterns can change, strategies; the caller adds files.
 ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change);
 
-/// How the viewer runs.
+/// Options of the viewer.
 struct ViewerSettings {
   ViewSettings view;
-  Size size{1280, 800};          ///< of the window at first
-  double most_per_second = 60;   ///< pictures; one that takes long is followed by a rest
-  std::function<bool()> ends{};  ///< polled: whether to close; the user alone decides if empty
-  bool keep_last = false;        ///< the last picture is given back
+  Size size{1280, 800};          ///< initial window size
+  double most_per_second = 60;   ///< pictures per second; a slow one is followed by a pause
+  std::function<bool()> ends{};  ///< polled: whether to close; empty: only the user closes it
+  bool keep_last = false;        ///< return the last picture
 };
 
-/// Opens a window and shows the source until it is closed; in the main thread. Returns what it
-/// showed last where that is wanted. Throws WorldError where there is no desktop or no OpenGL 3.3.
+/// Opens a window and shows the source until it is closed. Main thread only. Returns the last
+/// picture if requested. Throws WorldError without a desktop or OpenGL 3.3.
 std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings);
 
-/// What stands beside the cloud.
+/// Parts shown beside the cloud.
 enum class Surround { nothing, panel };
 
 /// The viewer's picture of the source's newest cloud, drawn without a window. Throws Error for a
@@ -102,26 +103,25 @@ enum class Surround { nothing, panel };
 Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settings, Size size,
                             Surround surround);
 
-/// What a guided person is to see.
+/// Content of the guide window.
 struct Guide {
   Image<Colour> picture;
-  std::string headline;            ///< large, below the picture
+  std::string headline;            ///< headline, large, below the picture
   Colour colour{255, 255, 255};    ///< of the headline
   std::vector<std::string> lines;  ///< below it
 };
 
-/// A window that shows a picture and what to do next, its text readable from where the board is. In
-/// the main thread.
+/// A window with a picture and instructions, readable from the board's distance. Main thread only.
 class GuideWindow {
  public:
-  /// Throws WorldError where the desktop or its OpenGL does not give a window.
+  /// Throws WorldError if the desktop or its OpenGL cannot open a window.
   GuideWindow(const opengl::WindowSystem& system, const std::string& title, Size size);
   ~GuideWindow();
 
   void show(Guide guide);
-  /// Whether it was closed, or Esc pressed. Answers the desktop meanwhile.
+  /// Whether it was closed or Esc pressed. Processes window events.
   [[nodiscard]] bool closed() const;
-  /// What it showed last.
+  /// The last picture shown.
   [[nodiscard]] Image<Colour> picture();
 
  private:

@@ -1,4 +1,4 @@
-// Archives and farms: lists, manifests, what is resumed, shards.
+// Batches and farms: lists, manifests, --resume, shards.
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -16,7 +16,7 @@
 namespace slipstream::batch_program_test {
 namespace fs = std::filesystem;
 
-/// A recording of 200 windows of a tiny camera and a list of it and two folders.
+/// A recording with 200 windows of a tiny camera, and a list of it and two scan folders.
 class BatchProgram : public testing::Test {
  protected:
   void SetUp() override {
@@ -37,7 +37,7 @@ class BatchProgram : public testing::Test {
     return last_.exit_code;
   }
 
-  /// What `reconstruct` of the list does, with more arguments.
+  /// Arguments to reconstruct the list.
   [[nodiscard]] std::vector<std::string> listed(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> arguments{"reconstruct", path("list.txt"), "-o",
                                        output("one"), "--manifest",     path("one.jsonl")};
@@ -61,11 +61,11 @@ class BatchProgram : public testing::Test {
     for (std::string line; std::getline(text, line);) all.push_back(line);
     return all;
   }
-  /// By name, what is in the files of a folder.
+  /// Contents of a folder's files, by name.
   [[nodiscard]] std::map<std::string, std::string> files(const std::string& folder) const {
     std::map<std::string, std::string> all;
     for (const auto& file : fs::directory_iterator(path(folder))) {
-      if (file.path().extension() == ".part") continue;  // SIGKILL leaves what is half written
+      if (file.path().extension() == ".part") continue;  // half-written when killed by SIGKILL
       all[file.path().filename()] = contents(file.path());
     }
     return all;
@@ -87,12 +87,12 @@ TEST_F(BatchProgram, AManifestSaysWhatWasDoneAndIsResumed) {
             fs::file_size(entry["outputs"][0]["path"].get<std::string>()));
   EXPECT_GT(entry["counts"]["valid"], 1000);
   EXPECT_EQ(run(listed()), 2);
-  expect_words("--resume goes on");
+  expect_words("use --resume");
   const auto before = files("one");
   EXPECT_EQ(run(listed({"--resume"})), 0);
-  expect_words("202 of 202 scans were done before");
+  expect_words("202 of 202 scans were already done");
 
-  // An output that is gone, one of its size but with other bytes, another input: these again.
+  // Redone: a missing output, one with the right size but wrong bytes, a changed input.
   fs::remove(path("one/a-000007.ply"));
   std::string damaged = contents(path("one/a-000100.ply"));
   damaged.back() = static_cast<char>(damaged.back() + 1);
@@ -119,7 +119,7 @@ TEST_F(BatchProgram, AFailedScanIsToldAndTriedAgain) {
 }
 
 TEST_F(BatchProgram, AFileThatTheDiskDoesNotGiveEndsNoOtherScan) {
-  fs::create_symlink("/proc/self/mem", path("bad.slip"));  // nothing is at its beginning
+  fs::create_symlink("/proc/self/mem", path("bad.slip"));  // offset 0 is unreadable
   std::vector<std::string> scans{"reconstruct", "-o", path("one/{name}.ply"), path("bad.slip")};
   EXPECT_EQ(run(scans), 1) << "the only one";
   scans.insert(scans.end(), {path("x"), path("y")});
@@ -161,7 +161,7 @@ TEST_F(BatchProgram, AKilledRunIsResumedWithOneLineAScan) {
   const std::size_t done = lines("one.jsonl").size();
   write_file(path("one.jsonl"), contents(path("one.jsonl")) + "{\"scan\": \"torn");
   EXPECT_EQ(run(listed({"--resume"})), 0);
-  expect_words(std::to_string(done) + " of 202 scans were done before");
+  expect_words(std::to_string(done) + " of 202 scans were already done");
   EXPECT_EQ(lines("one.jsonl").size(), 202U);
   EXPECT_EQ(contents(path("one.jsonl")).find("torn"), std::string::npos);
   const auto resumed = files("one");
@@ -184,24 +184,24 @@ TEST_F(BatchProgram, ShardsAreOneRunAndMergeSaysWhatLacks) {
   ASSERT_EQ(run(listed()), 0);
   ASSERT_EQ(plan("8"), 0) << last_.err;
   EXPECT_EQ(plan("8"), 2);
-  expect_words("is a batch already");
+  expect_words("already holds a batch");
   for (const char* one : {"1/8", "2", "3/8", "4/8", "5/8", "6/8", "8/8"}) EXPECT_EQ(shard(one), 0);
   EXPECT_EQ(run({"batch", "merge", path("plan"), "--json"}), 2);
   const auto merged = nlohmann::json::parse(last_.out);
   const std::int64_t missing = std::count(last_.err.begin(), last_.err.end(), '\n') - 1;
   EXPECT_EQ(merged["whole"], 202 - missing);
   EXPECT_GT(missing, 20);
-  expect_words("was not done");
+  expect_words("not done yet");
   EXPECT_EQ(shard("7/8"), 0);
   EXPECT_EQ(shard("7/8"), 0);
-  expect_words("scans were done before");
+  expect_words("scans were already done");
   EXPECT_EQ(run({"batch", "merge", path("plan")}), 0) << last_.err;
-  expect_words("202 of 202 scans are whole");
+  expect_words("202 of 202 scans complete");
   EXPECT_EQ(lines("plan/manifest.jsonl").size(), 202U);
   EXPECT_TRUE(files("many") == files("one"));
   fs::resize_file(path("many/a-000031.ply"), 100);
   EXPECT_EQ(run({"batch", "merge", path("plan")}), 2);
-  expect_words("window 31: its outputs are not those that were written");
+  expect_words("window 31: its outputs were changed since");
 }
 
 TEST_F(BatchProgram, PlansWithoutOpeningWhatAListSaysAll) {
@@ -223,13 +223,13 @@ TEST_F(BatchProgram, WhatCannotBePlannedIsOneLine) {
     expect_words(words);
     EXPECT_FALSE(fs::exists(path("plan")));
   };
-  expect_refused("", "no scans are listed");
-  expect_refused("a.slip\t5:5\n", "list.txt: line 1: '5:5' is no range");
-  expect_refused("x\ny\tfirst\n", "line 2: 'first' is no range");
-  expect_refused("x\t\tmuch\n", "line 1: is no line of a list");
-  expect_refused("a.slip\t200:\n", "200 windows; none is in 200:");
-  expect_refused("x\t:\n", "windows are of recordings");
-  expect_refused("x\nx\n", "two scans would be written to it");
+  expect_refused("", "no scans listed");
+  expect_refused("a.slip\t5:5\n", "list.txt: line 1: '5:5': expected a range");
+  expect_refused("x\ny\tfirst\n", "line 2: 'first': expected a range");
+  expect_refused("x\t\tmuch\n", "line 1: expected PATH");
+  expect_refused("a.slip\t200:\n", "200 windows; none in the range 200:");
+  expect_refused("x\t:\n", "only recordings have windows");
+  expect_refused("x\nx\n", "two scans would be written to this file");
   expect_refused("a.slip\t0:9\na.slip\t8:12\n", "window 8");
   write_file(path("list.txt"), "x\n");
   EXPECT_EQ(run({"batch", "plan", path("x"), "--tasks", "2", "--plan", path("plan"), "-o",
@@ -241,17 +241,17 @@ TEST_F(BatchProgram, WhatCannotBePlannedIsOneLine) {
   ASSERT_EQ(plan("2"), 0);
   for (const char* none : {"0/2", "3/2", "1/3", "one", ""}) {
     EXPECT_EQ(shard(none), 2) << none;
-    expect_words("is none of the batch");
+    expect_words("is not in this batch");
   }
   write_file(path("plan/batch.json"), "{\"version\": \"0\", \"tasks\": 2}");
   EXPECT_EQ(shard("1/2"), 2);
   expect_words("plan again");
   write_file(path("plan/batch.json"), "nonsense");
   EXPECT_EQ(run({"batch", "merge", path("plan")}), 2);
-  expect_words("is no plan");
+  expect_words("not a plan");
   write_file(path("one.jsonl"), "my notes");
   EXPECT_EQ(run(listed({"--resume"})), 2);
-  expect_words("is no manifest");
+  expect_words("not a manifest");
   EXPECT_EQ(contents(path("one.jsonl")), "my notes");
 }
 
@@ -261,7 +261,7 @@ TEST_F(BatchProgram, AScanThatIsGoneEndsNoPlan) {
   expect_words("gone: no such folder or file");
   EXPECT_EQ(shard("1"), 2);
   EXPECT_EQ(run({"batch", "merge", path("plan")}), 2);
-  expect_words("2 of 3 scans are whole");
+  expect_words("2 of 3 scans complete");
 }
 
 TEST(Manifest, TornAtAnyByteItIsItsWholeLines) {
@@ -277,11 +277,11 @@ TEST(Manifest, TornAtAnyByteItIsItsWholeLines) {
     EXPECT_EQ(manifest.lines, std::count(torn.begin(), torn.end(), '\n'));
     EXPECT_EQ(manifest.entries.size(), manifest.lines);
     EXPECT_EQ(manifest.whole_bytes, torn.rfind('\n') + 1);
-    // What is torn in the middle of a file, by writers without locks, is left out as well.
+    // Lines torn mid-file, by writers without locks, are skipped too.
     if (size > 1) EXPECT_GE(app::manifest_from(torn + "\n" + text, "torn").entries.size(), 3U);
   }
   expect_error([] { (void)app::manifest_from("ply\nformat\n", "cloud.ply"); },
-               {"cloud.ply", "is no manifest"});
+               {"cloud.ply", "not a manifest"});
 }
 
 }  // namespace slipstream::batch_program_test

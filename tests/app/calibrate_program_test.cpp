@@ -1,4 +1,4 @@
-// Drives `slipstream calibrate` and what it needs of `simulate`.
+// Runs `slipstream calibrate`, on boards from `simulate`.
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -26,7 +26,7 @@ void expect_bad_input(const ProgramRun& run, const std::vector<std::string>& par
   }
 }
 
-/// Poses of a small virtual board, taken once for all tests.
+/// Poses of a small virtual board, simulated once for all tests.
 class CalibrateProgram : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -48,7 +48,7 @@ class CalibrateProgram : public testing::Test {
     return run_program(arguments);
   }
 
-  /// A copy of the poses to spoil.
+  /// Copies the poses, for a test to corrupt.
   static std::string copy_to(const TemporaryFolder& folder) {
     const fs::path copy = folder.path() / "copy";
     fs::copy(poses(), copy, fs::copy_options::recursive);
@@ -107,7 +107,7 @@ TEST_F(CalibrateProgram, TakesRecordingsAsItTakesScanFolders) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    // Where memory lies moves sums by some 1e-11.
+    // Memory alignment changes sums by about 1e-11.
     return std::regex_replace(run.out, std::regex(R"((\.\d{6})\d+)"), "$1");
   };
   for (const char* command : {"geometry", "verify"}) {
@@ -142,7 +142,7 @@ TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board01", "--exclude", "board02"}),
                    {"2 of 4 poses", "at least 3"});
   expect_bad_input(calibrate(poses(), file, {"--camera-distortion", "3"}),
-                   {"--camera-distortion 3", "auto"});
+                   {"--camera-distortion '3'", "auto"});
   expect_bad_input(calibrate(poses(), file, {"--board", "hexagons"}), {"hexagons"});
   expect_bad_input(calibrate(poses(), file, {"--print", "so-so"}), {"--print so-so"});
   expect_bad_input(calibrate(poses() + "/nowhere", file, {}), {"nowhere", "no such folder"});
@@ -232,8 +232,8 @@ TEST_F(CalibrateProgram, FramesInTheWrongOrderAndAPrintOfTheWrongSizeAreToldByTh
   ASSERT_EQ(run.exit_code, 0) << run.err;
   for (const char* part : {"\"findings\"", "\"evidence\"", "board02 along x",
                            "the frames have slipped: the cycle begins at frame 5",
-                           "the order 5,0,1,2,3,4 sets them right", "wrong scale",
-                           "give --spacing 22.35", "\"try\"", "\"depths_mm\""}) {
+                           "the order 5,0,1,2,3,4 corrects this", "wrong scale",
+                           "use --spacing 22.35", "\"try\"", "\"depths_mm\""}) {
     EXPECT_NE(run.out.find(part), std::string::npos) << part << "\n" << run.out;
   }
   EXPECT_NE(run.err.find("likely the frames have slipped"), std::string::npos) << run.err;
@@ -266,8 +266,8 @@ TEST_F(CalibrateProgram, VerifiesAScannerAndCorrectsIt) {
   write_scanner(old, knocked);
   const ProgramRun bad = verify(poses() + "/board01", old);
   ASSERT_EQ(bad.exit_code, 0) << bad.err;
-  EXPECT_NE(bad.out.find("does not hold; corrected, it does"), std::string::npos) << bad.out;
-  EXPECT_NE(bad.err.find("moved against each other"), std::string::npos) << bad.err;
+  EXPECT_NE(bad.out.find("is wrong; the corrected pose is right"), std::string::npos) << bad.out;
+  EXPECT_NE(bad.err.find("moved relative to each other"), std::string::npos) << bad.err;
   const Scanner found = read_scanner(corrected);
   EXPECT_LT(Eigen::AngleAxisd(found.rotation.transpose() * read_scanner(truth).rotation).angle(),
             0.003);
@@ -278,7 +278,7 @@ TEST_F(CalibrateProgram, VerifiesAScannerAndCorrectsIt) {
   knocked.camera.intrinsic(1, 1) *= 1.1;
   write_scanner(old, knocked);
   fs::remove(corrected);
-  expect_bad_input(verify(poses(), old), {"is not written", "focus, zoom", "calibrate geometry"});
+  expect_bad_input(verify(poses(), old), {"was not written", "focus, zoom", "calibrate geometry"});
   EXPECT_FALSE(fs::exists(corrected));
 }
 

@@ -1,4 +1,4 @@
-// Scans whose frames do not fit: told, refused, repaired or marked.
+// Scans with inconsistent frames: warned about, refused, repaired or marked.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -17,7 +17,7 @@ bool says(const std::string& text, const std::string& words) {
   return text.find(words) != std::string::npos;
 }
 
-/// A folder with a virtual scan of six frames, three of each band, in scan/.
+/// A virtual scan in scan/: two bands of three frames each.
 class CheckProgram : public testing::Test {
  protected:
   void SetUp() override { copy_simulated_scan({"--camera", "160x120"}, path("scan")); }
@@ -27,14 +27,14 @@ class CheckProgram : public testing::Test {
     return path("scan/frame_0" + std::to_string(n) + ".png");
   }
 
-  /// Frame n of the scan becomes what was its frame `order[n]`.
+  /// Replaces each frame n with the previous frame `order[n]`.
   void rename_frames(const std::vector<int>& order) const {
     for (int n = 0; n < 6; ++n) fs::rename(frame(n), frame(n) + ".was");
     for (int n = 0; n < 6; ++n) {
       fs::rename(frame(order[static_cast<std::size_t>(n)]) + ".was", frame(n));
     }
   }
-  /// Two frames of the first band change places: its phase runs backwards.
+  /// Swaps two frames of the first band, which reverses its phase.
   void swap_frames() const { rename_frames({0, 2, 1, 3, 4, 5}); }
 
   void expect_one_line(const ProgramRun& run, const std::vector<std::string>& parts) const {
@@ -51,7 +51,7 @@ class CheckProgram : public testing::Test {
 TEST_F(CheckProgram, FindsNothingAmissInAGoodScan) {
   const ProgramRun run = run_program({"check", path("scan"), path("scan")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const std::string line = path("scan") + ": nothing amiss\n";
+  const std::string line = path("scan") + ": OK: no problems found\n";
   EXPECT_EQ(run.out, line + line);
   EXPECT_EQ(run.err, "");
   const ProgramRun told = run_program({"check", path("scan"), "--json"});
@@ -71,14 +71,14 @@ TEST_F(CheckProgram, NeedsNoScanner) {
   reconstruct.insert(reconstruct.end(), patterns.begin(), patterns.end());
   const ProgramRun run = run_program(check);
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(run.out, path("bare") + ": nothing amiss\n");
+  EXPECT_EQ(run.out, path("bare") + ": OK: no problems found\n");
   expect_one_line(run_program(reconstruct), {"no scanner"});
 }
 
 TEST_F(CheckProgram, RefusesScansThatCannotBeRead) {
   expect_one_line(run_program({"check"}), {"folders"});
   expect_one_line(run_program({"check", path("nowhere")}), {"nowhere"});
-  expect_one_line(run_program({"check", path("scan"), "--steps", "4"}), {"takes 8"});
+  expect_one_line(run_program({"check", path("scan"), "--steps", "4"}), {"has 8"});
 }
 
 TEST_F(CheckProgram, TakesPicturesInAnotherOrder) {
@@ -99,7 +99,7 @@ TEST_F(CheckProgram, TakesPicturesWhoseCodeComesFirst) {
   simulate.insert(simulate.end(), patterns.begin(), patterns.end());
   ASSERT_EQ(run_program(simulate).exit_code, 0);
   ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("right.ply")}).exit_code, 0);
-  rename_frames({3, 4, 5, 0, 1, 2});  // three steps, and a code of two bits and one more
+  rename_frames({3, 4, 5, 0, 1, 2});  // three phase steps, then a code of three frames
   const auto reconstructed = [&](const std::string& order) {
     return run_program({"reconstruct", path("scan"), "--order", order, "-o", path("cloud.ply")});
   };
@@ -117,10 +117,10 @@ TEST_F(CheckProgram, RefusesWhatIsNoOrder) {
     expect_one_line(reconstructed(order), {path("scan"), "--order " + order, "0 to 5"});
   }
   for (const std::string order : {"a", "0;1;2;3;4;5", "0,1,2,3,4,5,"}) {
-    expect_one_line(reconstructed(order), {"--order " + order, "numbers with commas between"});
+    expect_one_line(reconstructed(order), {"--order '" + order + "'", "comma-separated numbers"});
   }
-  expect_one_line(reconstructed("code,sinusoids"), {"dual-frequency has one of them alone"});
-  // What shows patterns has no pictures to put in order.
+  expect_one_line(reconstructed("code,sinusoids"), {"dual-frequency has only one of them"});
+  // `patterns` has no frames to reorder.
   expect_one_line(run_program({"patterns", path("new"), "--order", "0,1,2"}), {"--order"});
 }
 

@@ -1,4 +1,4 @@
-// Clouds from one kind of file to another by the program.
+// Runs `slipstream convert` between cloud formats.
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -30,7 +30,7 @@ class Convert : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// Metres and back may change the last bit.
+/// Equal except for the last bit, which conversion to metres and back may change.
 bool is_near(float a, float b) {
   return (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= 2.5e-7F * std::abs(b);
 }
@@ -65,7 +65,7 @@ TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them
     expect_same(path("scan-" + window + ".pcd"), path("expected-" + window + ".pcd"));
   }
   EXPECT_FALSE(fs::exists(path("scan-000003.pcd")));
-  // From files of clouds, one behind another, to the same again.
+  // Several cloud files to one MCAP file and back.
   run({"convert", path("scan-000000.pcd"), path("scan-000002.pcd"), "-o", path("two.mcap")});
   run({"convert", path("two.mcap"), "--topic", "/points", "-o", path("two-{window}.pcd")});
   expect_same(path("two-000001.pcd"), path("expected-000002.pcd"));
@@ -104,10 +104,10 @@ TEST_F(Convert, pictures_in_colour_to_a_recording_and_back_bit_for_bit) {
   };
   const std::string recording = path("colour.slip");
   expect_refused({"reconstruct", recording, "--strategy", "fourier", "-o", path("grey.pcd")},
-                 "three each make a picture");
+                 "a multiple of 3");
   expect_refused({"live", "--source", "replay:" + recording, "--strategy", "pmp", "--steps", "4",
                   "--headless", "-o", path("grey.pcd")},
-                 "three each make a picture");
+                 "a multiple of 3");
   EXPECT_FALSE(fs::exists(path("grey.pcd")));
   expect_refused({"convert", path("colour"), path("colour"), "-o", path("two.slip")},
                  "white picture");
@@ -119,7 +119,7 @@ TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_f
     run({"reconstruct", path(scan), "--windows", ":", "--uncertainty", "-o",
          path(name + "-{window}.pcd")});
   };
-  // Three clouds, for which there is room to wait: none is dropped, however busy the machine.
+  // Three clouds fit in the queue, so none is dropped even on a busy machine.
   run({"live", "--source", "replay:" + path("scan.slip"), "--motion", "0", "--headless",
        "--publish", "mcap:" + path("live.mcap")});
   run({"convert", path("live.mcap"), "-o", path("live.slip")});
@@ -139,8 +139,9 @@ TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_f
   EXPECT_NE(run({"convert", path("folder-000000"), "-o", path("a")}, 2).err.find("folder"),
             std::string::npos);
   run({"convert", path("scan.slip"), "-o", path("clouds.mcap")});
-  EXPECT_NE(run({"convert", path("clouds.mcap"), "-o", path("a.slip")}, 2).err.find("no frames"),
-            std::string::npos);
+  EXPECT_NE(
+      run({"convert", path("clouds.mcap"), "-o", path("a.slip")}, 2).err.find("no scan frames"),
+      std::string::npos);
   EXPECT_FALSE(fs::exists(path("a.slip")));
 }
 
@@ -154,11 +155,11 @@ TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   };
   refused({path("scan.mcap"), path("scan.mcap"), "-o", path("one.ply")}, "two clouds");
   EXPECT_FALSE(fs::exists(path("one.ply")));
-  refused({path("scan.mcap"), "-o", path("scan.mcap")}, "written over");
+  refused({path("scan.mcap"), "-o", path("scan.mcap")}, "overwritten");
   refused({path("scan.mcap"), "-o", path("a.stl")}, "ending");
   refused({path("scan.mcap"), "--topic", "/image", "-o", path("a.ply")}, "/image (no cloud)");
   write_file(path("other.mcap"), std::string_view("no such file"));
-  refused({path("other.mcap"), "-o", path("a.mcap")}, "is no MCAP file");
+  refused({path("other.mcap"), "-o", path("a.mcap")}, "not an MCAP file");
   EXPECT_FALSE(fs::exists(path("a.mcap")));
 
   const auto bytes = read_file(path("scan.mcap"));
@@ -166,7 +167,7 @@ TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   EXPECT_EQ(run({"convert", path("cut.mcap"), "-o", path("cut-{window}.ply")}).err, "")
       << "the footer is cut, not the end of the data";
   write_file(path("cut.mcap"), std::span(bytes).first(bytes.size() / 2));
-  refused({path("cut.mcap"), "-o", path("b-{window}.ply")}, "has no end");
+  refused({path("cut.mcap"), "-o", path("b-{window}.ply")}, "truncated");
   auto damaged = bytes;
   damaged[bytes.size() / 2] ^= 1;
   write_file(path("damaged.mcap"), std::span(damaged));

@@ -1,4 +1,4 @@
-// The program on scans of a projector with gamma.
+// Runs the program on scans from a projector with gamma.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,20 +20,20 @@ class GammaProgram : public testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
-  /// Runs the program and expects it to succeed.
+  /// Runs the program, expects success and returns stdout and stderr.
   [[nodiscard]] static std::string out_of(const std::vector<std::string>& arguments) {
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return run.out + run.err;
   }
-  /// Runs the program and expects it to refuse its input in one line.
+  /// Runs the program, expects exit code 2 and returns the error, one line.
   [[nodiscard]] static std::string refusal_of(const std::vector<std::string>& arguments) {
     const ProgramRun run = run_program(arguments);
     EXPECT_EQ(run.exit_code, 2) << run.out;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     return run.err;
   }
-  /// RMS error against truth of scan/, mm.
+  /// RMS error of scan/ against its ground truth, mm.
   [[nodiscard]] double rms_with(const std::string& gamma) const {
     const std::string json = out_of({"reconstruct", path("scan"), "--gamma", gamma, "--json"});
     const std::string key = "\"rms_mm\":";
@@ -86,12 +86,12 @@ TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
   simulate("4");
   EXPECT_LT(rms_with("blind"), rms_with("none") / 3);
   simulate("3");
-  // The low frequency has six steps and says what gamma is.
+  // Gamma is estimated from the low frequency, which has six steps.
   EXPECT_LT(rms_with("blind"), rms_with("none") / 10);
   (void)out_of({"simulate", path("scan"), "--camera", "128x96", "--world", "ideal",
                 "--virtual-gamma", "2.4", "--strategy", "pmp", "--steps", "3"});
   const std::string said = out_of({"reconstruct", path("scan"), "--gamma", "blind"});
-  EXPECT_TRUE(says(said, "left alone: ambient light")) << said;
+  EXPECT_TRUE(says(said, "not corrected: ambient light")) << said;
 }
 
 TEST_F(GammaProgram, FindsAnSCurveOrSaysWhatIsLeft) {
@@ -105,18 +105,18 @@ TEST_F(GammaProgram, FindsAnSCurveOrSaysWhatIsLeft) {
   const std::string said = out_of({"calibrate", "gamma", simulated("eight", "logistic:9:0.45", "8"),
                                    "-o", path("eight/scanner.yaml")});
   EXPECT_TRUE(says(said, "response: logistic:9")) << said;
-  // A response that a file holds can be simulated, too.
+  // simulate can also read the response from a file.
   const std::string six = simulated("six", path("eight/scanner.yaml"), "6");
   const std::string refusal = refusal_of({"calibrate", "gamma", six, "-o", path("no.yaml")});
   EXPECT_TRUE(says(refusal, "rad of phase") && says(refusal, "8 steps")) << refusal;
   EXPECT_FALSE(std::filesystem::exists(path("no.yaml")));
   const std::string blind = out_of({"reconstruct", six, "--gamma", "blind"});
-  EXPECT_TRUE(says(blind, "left alone: the response follows no gamma")) << blind;
+  EXPECT_TRUE(says(blind, "not corrected: the response matches no gamma")) << blind;
 }
 
 TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
   (void)out_of({"patterns", path("levels"), "--uniform", "18", "--projector", "64x48"});
-  // What a camera sees of them: two thirds of the light, in front of some ambient light.
+  // Simulates camera frames of them: two thirds of the light, plus ambient light.
   for (int i = 0; i < 18; ++i) {
     char name[64];
     std::snprintf(name, sizeof name, "levels/level_%03d.png", 15 * i);
@@ -131,7 +131,7 @@ TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
       read_photometric_calibration(path("curve.yaml")).response.value().response;
   EXPECT_NEAR(light_at(response, 0.5), std::pow(0.5, 1.8), 0.003);
 
-  // Half light takes a brighter picture.
+  // Half intensity requires a grey level above half.
   const std::vector<std::string> patterns{"patterns",    path("patterns"), "--strategy",
                                           "pmp",         "--steps",        "4",
                                           "--projector", "64x48",          "--precompensate"};
@@ -165,14 +165,14 @@ TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
                 "ideal", "--virtual-gamma", "2.4", "--steps", "3", "--low-steps", "6", "--high",
                 "8", "--second-camera"});
   const std::string said = out_of({"reconstruct", path("scan"), "-o", path("cloud.ply")});
-  EXPECT_TRUE(says(said, "two cameras, free of gamma")) << said;
+  EXPECT_TRUE(says(said, "two cameras, independent of gamma")) << said;
   const double two_cameras = rms_with("none");
   (void)out_of({"reconstruct", path("scan"), "--one-camera"});
   EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--match-window", "-1"}), "window"));
 
   std::filesystem::remove(path("scan/second/scan.yaml"));
   EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan")}), "second"));
-  // Without its folder the scan is that of one camera, and wrong.
+  // With one camera only, depth is wrong.
   const std::string json = out_of({"reconstruct", path("scan"), "--one-camera", "--json"});
   double one_camera = NAN;
   std::sscanf(json.c_str() + json.find("\"rms_mm\":") + 9, "%lf", &one_camera);
@@ -188,7 +188,7 @@ TEST_F(GammaProgram, TakesPicturesInColourApartByTheScannerGiven) {
   (void)out_of({"calibrate", "colour", path("white"), "-o", path("mixture.yaml")});
   const std::string calibrate = out_of({"calibrate", "gamma", path("scan"), "--scanner",
                                         path("mixture.yaml"), "-o", path("scanner.yaml")});
-  EXPECT_FALSE(says(calibrate, "nothing is known")) << calibrate;
+  EXPECT_FALSE(says(calibrate, "without a colour mixture")) << calibrate;
   const auto measured = read_photometric_calibration(path("scanner.yaml"));
   ASSERT_TRUE(measured.response.has_value());
   EXPECT_NEAR(measured.response->gamma, 2.2, 0.05);

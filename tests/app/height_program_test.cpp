@@ -1,4 +1,4 @@
-// Drives slipstream calibrate height and slipstream height.
+// Runs `slipstream calibrate height` and `slipstream height`.
 #include <regex>
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ class HeightProgram : public testing::Test {
                                        "--world",  "ideal",    "--high",   "16"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     ASSERT_EQ(run_program(arguments).exit_code, 0);
-    const std::string scan = path(name) + "/scan.yaml";  // of a rig that nobody has calibrated
+    const std::string scan = path(name) + "/scan.yaml";  // of an uncalibrated rig
     write_file(scan, std::regex_replace(contents(scan), std::regex("scanner:[^\n]*"), ""));
   }
   void take_planes() const {
@@ -60,7 +60,7 @@ TEST_F(HeightProgram, CalibratesAndMeasures) {
   simulate("other", {"--scene", "sphere", "--axis", "y"});
   const ProgramRun doubted = run_program(
       {"height", path("other"), "--calibration", path("heights.npy"), "-o", path("other.npy")});
-  EXPECT_NE(doubted.err.find("another axis"), std::string::npos) << doubted.err;
+  EXPECT_NE(doubted.err.find("axis differ"), std::string::npos) << doubted.err;
 }
 
 TEST_F(HeightProgram, TakesPhaseMapsAndRefusesWhatIsWrong) {
@@ -91,7 +91,7 @@ TEST_F(HeightProgram, TakesPhaseMapsAndRefusesWhatIsWrong) {
   const std::string no = path("no.npy"), map = path("map.tiff");
   refused(calibrate({"--heights", "0,10", "-o", no}), "each of 3 planes");
   refused(calibrate({"--heights", "0,10,x", "-o", no}), "each of 3 planes");
-  refused(calibrate({"--heights", "0,10,10", "-o", no}), "another height");
+  refused(calibrate({"--heights", "0,10,10", "-o", no}), "different heights");
   refused(calibrate({"--heights", "0,10,20", "-o", path("no.yaml")}), ".npy");
   refused(run_program({"height", map, "--calibration", planes[0], "-o", no}), "five numbers");
   write_map(map, Image<float>({5, 4}));

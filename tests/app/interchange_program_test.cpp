@@ -1,4 +1,4 @@
-// A recording and a scan folder of the same frames give the same, whatever the command.
+// Every command gives the same result for a recording and a scan folder of the same frames.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -22,7 +22,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// Without what differs from run to run.
+/// Removes fields that differ from run to run.
 void drop_times(nlohmann::json& document) {
   if (document.is_object()) {
     for (const char* key : {"seconds", "latency_ms", "screen_latency_ms", "stages",
@@ -34,7 +34,7 @@ void drop_times(nlohmann::json& document) {
   for (nlohmann::json& part : document) drop_times(part);
 }
 
-/// What a run gave: its document, and the file that it was asked for.
+/// The JSON document and output file of one run.
 struct Given {
   std::string document, file;
 };
@@ -51,14 +51,14 @@ class Interchange : public testing::TestWithParam<std::vector<std::string>> {
                        "200", "--beta-p", "30", "--seed", seed});
       ASSERT_EQ(run.exit_code, 0) << run.err;
     }
-    fs::remove_all(path("scan/truth"));  // which a recording has no place for
+    fs::remove_all(path("scan/truth"));  // recordings do not store it
   }
   static void TearDownTestSuite() { folder_.reset(); }
 
   static std::string path(const std::string& name) { return folder_->path() / name; }
 
-  /// IN, OTHER and OUT in the arguments stand for the scan, another of the same kind and scene, and
-  /// for a file to write.
+  /// In the arguments, IN is the scan, OTHER another scan of the same kind and scene, and OUT the
+  /// output file.
   static Given given(std::vector<std::string> arguments, const std::string& in) {
     const std::string out = path("out"),
                       other = path(in.ends_with(".slip") ? "other.slip" : "other");
@@ -88,7 +88,7 @@ TEST_P(Interchange, GivesTheSame) {
   const Given of_folder = given(GetParam(), path("scan")),
               of_recording = given(GetParam(), path("scan.slip"));
   EXPECT_EQ(of_folder.document, of_recording.document);
-  const bool has_times = of_folder.file.starts_with("SLIPFRMS");  // of the run that recorded it
+  const bool has_times = of_folder.file.starts_with("SLIPFRMS");  // of the recording run
   EXPECT_TRUE(has_times || of_folder.file == of_recording.file);
   const bool writes = std::any_of(GetParam().begin(), GetParam().end(),
                                   [](const auto& word) { return word.starts_with("OUT"); });

@@ -1,4 +1,4 @@
-// `slipstream live` as it is run: flags, the JSON document, signals.
+// Runs `slipstream live`: flags, JSON document, signals.
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -25,7 +25,7 @@ std::vector<std::string> with(std::vector<std::string> arguments,
   return arguments;
 }
 
-/// The number that a key has first in a JSON document.
+/// The number at the first occurrence of a key in a JSON document.
 double number_of(const std::string& json, const std::string& key) {
   std::smatch match;
   const std::regex number("\"" + key + "\":\\s*([-+.0-9e]+)");
@@ -78,11 +78,11 @@ TEST(LiveProgram, does_not_record_onto_what_is_replayed) {
     const ProgramRun live =
         run_program({"live", "--source", "replay:" + recording, "--headless", "--record", onto});
     EXPECT_EQ(live.exit_code, 2);
-    EXPECT_NE(live.err.find("is read"), std::string::npos) << live.err;
+    EXPECT_NE(live.err.find("is an input"), std::string::npos) << live.err;
     const ProgramRun record =
         run_program({"record", "--source", "replay:" + recording, "-o", onto});
     EXPECT_EQ(record.exit_code, 2);
-    EXPECT_NE(record.err.find("is read"), std::string::npos) << record.err;
+    EXPECT_NE(record.err.find("is an input"), std::string::npos) << record.err;
   }
   EXPECT_EQ(contents(recording), before);
 }
@@ -159,7 +159,7 @@ TEST(LiveProgram, without_a_scanner_tells_what_the_pictures_say) {
   const ProgramRun refused =
       run_program(with(live, {"-o", (folder.path() / "cloud.ply").string()}));
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.err.find("there are no points"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("no points can be made"), std::string::npos) << refused.err;
 }
 
 TEST(LiveProgram, follows_a_sphere_and_makes_a_model_of_it) {

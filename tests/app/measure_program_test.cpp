@@ -1,4 +1,4 @@
-// Drives slipstream measure, and reconstruct --mesh.
+// Runs `slipstream measure` and `reconstruct --mesh`.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ TEST_F(MeasureProgram, RefusesWhatItCannotMeasure) {
   expect_refused({"measure", scan}, "nothing to measure");
   expect_refused({"measure", scan, "--point", "1;2"}, "'1;2' is not a pixel");
   expect_refused({"measure", scan, "--point", "12"}, "'12' is not a pixel");
-  expect_refused({"measure", scan, "--point", "320,1"}, "not in the picture, which is 320x240");
+  expect_refused({"measure", scan, "--point", "320,1"}, "outside the picture of 320x240");
   expect_refused({"measure", scan, "--point", "0,0"}, "no point: too dark");
   expect_refused({"measure", scan, "--plane", "12"}, "'12' is not a rectangle");
   expect_refused({"measure", scan, "--sphere", "3x1+0+0"}, "too few");

@@ -1,5 +1,4 @@
-// calibrate ambient, calibrate noise, reconstruct --uncertainty, design and reproduce, as people
-// run them.
+// Runs calibrate ambient, calibrate noise, reconstruct --uncertainty, design and reproduce.
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
@@ -14,7 +13,7 @@ class NoiseProgram : public testing::Test {
   [[nodiscard]] std::string path(const std::string& name) const {
     return (folder_.path() / name).string();
   }
-  /// A board, seen by a camera that takes an offset off, with noise of that seed.
+  /// Simulates a board; the camera subtracts an offset, and `seed` seeds its noise.
   void simulate(const std::string& name, const std::vector<std::string>& strategy,
                 const std::string& seed) const {
     std::vector<std::string> arguments{
@@ -104,7 +103,7 @@ TEST_F(NoiseProgram, RefusesWhatCannotBeMeasured) {
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
   };
-  expect_refused(run_program({"calibrate", "noise", path("three")}), "two alike");
+  expect_refused(run_program({"calibrate", "noise", path("three")}), "two equal scans");
   expect_refused(
       run_program({"calibrate", "noise", path("three"), path("three"), "-o", path("s.yaml")}),
       "copies");

@@ -1,5 +1,5 @@
-// What an earlier version wrote is read as it was: a scan folder with its scanner file, a
-// recording, a rig file and flags with their old forms. The files are in written_before/.
+// Reads files of an earlier version, in written_before/: a scan folder with its scanner file, a
+// recording and a rig file; also flags in their old form.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 const fs::path before = fs::path(SLIPSTREAM_SOURCE_FOLDER) / "tests" / "app" / "written_before";
 
-/// The cloud that was written then comes of these arguments.
+/// Reconstruction gives the cloud that the earlier version wrote.
 void expect_as_before(std::vector<std::string> arguments) {
   const TemporaryFolder folder;
   const fs::path cloud = folder.path() / "cloud.ply";

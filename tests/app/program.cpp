@@ -105,7 +105,7 @@ void copy_simulated_scan(const std::vector<std::string>& flags, const fs::path& 
 }
 
 bool wait_until(const std::function<bool()>& come) {
-  constexpr int most_tries = 30'000;  // five minutes, against hanging
+  constexpr int most_tries = 30'000;  // five minutes, in case of a hang
   for (int tries = 0; tries < most_tries && !come(); ++tries) std::this_thread::sleep_for(10ms);
   return come();
 }

@@ -12,10 +12,10 @@
 
 namespace slipstream {
 
-/// The program while it runs, stdin empty. It is killed if nobody waited for it.
+/// A running program with empty stdin. The destructor kills it unless wait() was called.
 class RunningProgram {
  public:
-  /// `largest_file`: bytes that any file of it may grow to, as on a full disk; none where negative.
+  /// `largest_file`: limit on each file it writes, bytes, to simulate a full disk; negative: none.
   explicit RunningProgram(const std::vector<std::string>& arguments, long largest_file = -1);
   RunningProgram(RunningProgram&& other) noexcept;
   RunningProgram& operator=(RunningProgram&&) = delete;
@@ -23,14 +23,14 @@ class RunningProgram {
 
   [[nodiscard]] pid_t process() const { return process_; }
   void send(int signal) const;
-  /// Its exit code, or what signal ended it, negative.
+  /// Returns its exit code, or minus the signal that ended it.
   int wait();
-  /// The most that it had at once, until it was waited for, bytes.
+  /// Peak memory, bytes; valid after wait().
   [[nodiscard]] long memory() const { return memory_; }
-  /// What it said until now.
+  /// Output so far.
   [[nodiscard]] std::string out() const;
   [[nodiscard]] std::string err() const;
-  /// Both.
+  /// stdout and stderr so far.
   [[nodiscard]] std::string words() const;
   [[nodiscard]] bool wait_for_words(const std::string& wanted) const;
 
@@ -40,21 +40,21 @@ class RunningProgram {
   long memory_ = 0;
 };
 
-/// What a run of the program left.
+/// Result of a finished run.
 struct ProgramRun {
-  int exit_code = -1;  ///< or what signal ended it, negative
+  int exit_code = -1;  ///< or minus the signal that ended it
   std::string out;
   std::string err;
 };
 
 ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file = -1);
 
-/// Fills `folder` with what `simulate` makes with these flags, which it makes once for all tests of
-/// a process.
+/// Copies a scan simulated with these flags to `folder`. Each set of flags is simulated once per
+/// process.
 void copy_simulated_scan(const std::vector<std::string>& flags,
                          const std::filesystem::path& folder);
 
-/// Waits for it, a minute at most. Returns whether it came.
+/// Waits up to a minute until `come` returns true; returns false on timeout.
 bool wait_until(const std::function<bool()>& come);
 
 std::string contents(const std::filesystem::path& path);

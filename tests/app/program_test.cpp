@@ -1,4 +1,4 @@
-// Drives the program itself: the main job, and everything that can be wrong with its input.
+// Runs the program: normal use, and every kind of bad input.
 #include "tests/app/program.h"
 
 #include <algorithm>
@@ -20,21 +20,21 @@
 namespace slipstream::program_test {
 namespace fs = std::filesystem;
 
-/// A folder with a small virtual scan in scan/, another for each test.
+/// A small virtual scan in scan/, one copy per test.
 class Program : public testing::Test {
  protected:
   void SetUp() override { copy_simulated_scan({"--camera", "96x72"}, path("scan")); }
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
-  /// Reconstructs scan/ and asks for a cloud, with more arguments.
+  /// Reconstructs scan/ to cloud.ply.
   [[nodiscard]] ProgramRun reconstruct(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> arguments{"reconstruct", path("scan"), "-o", path("cloud.ply")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_program(arguments);
   }
 
-  /// One line on stderr with all parts in it, that exit code, and no output of any kind.
+  /// Expects this exit code, one line on stderr with all `parts`, and no output.
   void expect_refused(const ProgramRun& run, int exit_code, const std::vector<std::string>& parts) {
     EXPECT_EQ(run.exit_code, exit_code) << run.err;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
@@ -161,7 +161,7 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
       2, {"share", "0.25"});
 }
 
-using BenchProgram = Program;  // not in sanitized builds: other tests do what rows compute
+using BenchProgram = Program;  // not in sanitized builds: other tests cover the same code
 TEST_F(BenchProgram, TimesEveryRow) {
   const ProgramRun run = run_program({"bench", "--quick", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -324,6 +324,8 @@ TEST_F(Program, ShowsWhatItDoes) {
 TEST_F(Program, SaysWhichItIs) {
   const ProgramRun run = run_program({"--version"});
   EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run_program({"version"}).out, run.out);
+  EXPECT_EQ(run_program({"-V"}).out, run.out);
   EXPECT_TRUE(std::regex_match(run.out, std::regex("[0-9.]+(\\+g[0-9a-f]{7,}(-dirty)?)?\\s*")))
       << run.out;
 }
@@ -332,10 +334,25 @@ TEST_F(Program, HasHelpWithExamples) {
   for (const char* command : {"patterns", "simulate", "reconstruct"}) {
     const ProgramRun run = run_program({command, "--help"});
     EXPECT_EQ(run.exit_code, 0);
-    EXPECT_NE(run.out.find("Example"), std::string::npos);
+    EXPECT_LT(run.out.find("Common options:"), run.out.find("Other options:"));
+    EXPECT_LT(run.out.find("Other options:"), run.out.find("Example"));
     EXPECT_NE(run.out.find("--json"), std::string::npos);
     EXPECT_NE(run.out.find("--threads"), std::string::npos);
+    EXPECT_EQ(run_program({"help", command}).out, run.out);
   }
+}
+
+TEST_F(Program, ListsItsCommandsInGroups) {
+  const ProgramRun run = run_program({});
+  EXPECT_EQ(run.exit_code, 0);
+  std::size_t at = 0;
+  for (const char* text : {"Usage: slipstream COMMAND", "Scan:", "  reconstruct",
+                           "Calibrate:", "Live:", "Files:", "Measure:", "Learn:", "  simulate"}) {
+    at = run.out.find(text, at);
+    ASSERT_NE(at, std::string::npos) << text;
+  }
+  EXPECT_EQ(run_program({"--help"}).out, run.out);
+  EXPECT_EQ(run_program({"help"}).out, run.out);
 }
 
 TEST_F(Program, MissingFrame) {
@@ -376,7 +393,7 @@ TEST_F(Program, ScannerThatSeesNoDepthAlongThisAxis) {
   scanner.rotation.setIdentity();
   scanner.translation = {0, 100, 0};
   write_scanner(path("scan/scanner.yaml"), scanner);
-  expect_refused(reconstruct(), 2, {"axis x", "along y"});
+  expect_refused(reconstruct(), 2, {"axis x", "use axis y"});
 }
 
 TEST_F(Program, UnwritableOutput) {
@@ -413,7 +430,7 @@ TEST_F(Program, FullDisk) {
 }
 
 TEST_F(Program, ColourFrameIsConvertedWithAWarning) {
-  // A colour PGM: three channels.
+  // A PPM file with the extension .png.
   const Image<std::uint16_t> grey = read_grey_image(path("scan/frame_00.png"));
   std::string ppm = "P6\n96 72\n255\n";
   for (const std::uint16_t pixel : grey) ppm.append(3, static_cast<char>(pixel));
@@ -457,7 +474,6 @@ TEST_F(Program, BadFlags) {
       {"patterns", path("new"), "--axis", "z"},
       {"patterns", path("new"), "--high", "nan"},
       {"calibrate"},
-      {},
   };
   for (const auto& arguments : bad) {
     SCOPED_TRACE(testing::PrintToString(arguments));

@@ -1,4 +1,4 @@
-// --rig, and what the program says of words that it does not know.
+// Tests --rig, and errors for unknown words.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -44,7 +44,7 @@ TEST_F(Rig, SaysWhatTheCommandLineDoesNot) {
   ASSERT_EQ(run({"simulate", path("six"), "--steps", "6"}).exit_code, 0);
   EXPECT_EQ(frame_count(read_scan_files(path("six/scan.yaml")).sequence.strategy), 6);
 
-  // Required flags may come from the file; those of other commands are passed over.
+  // The file may supply required flags; flags of other commands are ignored.
   const ProgramRun recorded = run({"record", "--frames", "10", "-o", path("scan.slip")});
   ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
   EXPECT_EQ(run({"check", path("scan.slip")}).exit_code, 0);
@@ -94,7 +94,8 @@ TEST_F(Rig, RefusesInOneLine) {
 }
 
 TEST_F(Rig, TheExampleOfTheDocumentationWorks) {
-  const std::string page = contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "how-to" / "rig.md");
+  const std::string page =
+      contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "how-to" / "serve.md");
   const std::size_t begin = page.find("# rig.yaml"), end = page.find("```", begin);
   std::string text = page.substr(begin, end - begin);
   text.replace(text.find("scanner: scanner.yaml"), 21, "");
@@ -159,13 +160,13 @@ TEST(Errors, AreInTheDocumentToo) {
     EXPECT_EQ("slipstream: " + document["error"].get<std::string>() + "\n", run.err);
   }
   ASSERT_EQ(run_program({"simulate", scan, "--camera", "160x120"}).exit_code, 0);
-  // Two frames exchanged, which is refused.
+  // Two swapped frames: refused.
   const ProgramRun refused = run_program({"reconstruct", scan, "--order", "1,0,2,3,4,5", "--json"});
   EXPECT_EQ(refused.exit_code, 2) << refused.err;
   const nlohmann::json document = nlohmann::json::parse(refused.out);
   ASSERT_FALSE(document["findings"].empty()) << refused.out;
   EXPECT_EQ(document["findings"][0]["refused"], true);
-  // What sets right what an order has put wrong is said of the frames as they came.
+  // The suggested --order refers to the frames in file order.
   EXPECT_NE(document["error"].get<std::string>().find("--order 0,1,2,3,4,5"), std::string::npos)
       << document["error"];
 }

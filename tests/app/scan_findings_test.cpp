@@ -1,4 +1,4 @@
-// What the program does about findings, whoever found them.
+// How the program reports diagnostics.
 #include <gtest/gtest.h>
 
 #include "app/output.h"
@@ -74,7 +74,7 @@ TEST(ScanFindings, JsonHasAllOfAFinding) {
 
 TEST(LiveFindings, EachIsToldOnceWhenItBeginsAndWhenItEnds) {
   std::vector<LiveFinding> told;
-  Output output(true);  // all words to stderr
+  Output output(true);  // text goes to stderr
   const auto news = [&](const std::vector<LiveFinding>& findings) {
     testing::internal::CaptureStderr();
     tell_news(findings, told, output);
@@ -83,13 +83,12 @@ TEST(LiveFindings, EachIsToldOnceWhenItBeginsAndWhenItEnds) {
   EXPECT_EQ(news({}), "");
   EXPECT_EQ(news({{dim, 7, {}}}), "warning: frames: the frames are dim\n");
   EXPECT_EQ(news({{dim, 7, {}}}), "");
-  EXPECT_EQ(news({{dim, 7, 19}}),
-            "frames: the frames are dim: this has ended, 12 frames after it began\n");
+  EXPECT_EQ(news({{dim, 7, 19}}), "frames: the frames are dim: ended after 12 frames\n");
   EXPECT_EQ(news({{dim, 7, 19}}), "");
-  // Both between two looks.
+  // Began and ended between two calls.
   EXPECT_EQ(news({{dim, 7, 19}, {dim, 30, 34}}),
             "warning: frames: the frames are dim\n"
-            "frames: the frames are dim: this has ended, 4 frames after it began\n");
+            "frames: the frames are dim: ended after 4 frames\n");
   const nlohmann::json listed = std::vector<LiveFinding>{{dim, 7, 19}, {dim, 30, {}}};
   EXPECT_EQ(listed[0]["begin"], 7);
   EXPECT_EQ(listed[0]["end"], 19);

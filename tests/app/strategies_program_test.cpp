@@ -1,5 +1,5 @@
-// Every strategy through the program: patterns, virtual scan, points, live; and what is said of
-// settings that cannot be.
+// Runs every strategy through patterns, simulate, reconstruct and live; also errors for invalid
+// settings.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -30,10 +30,10 @@ class StrategiesProgram : public testing::TestWithParam<std::string> {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
-  /// One frame is read by windows: nearly right at edges, and sure on a large surface only.
+  /// Decoded from one frame by windows: inexact at edges, reliable only on large surfaces.
   [[nodiscard]] bool of_one_frame() const { return make_strategy(GetParam(), {}).is_spectral(); }
 
-  /// With a little noise: without any, frames of equal patterns are taken for one frame twice.
+  /// Adds a little noise: without it, frames of equal patterns count as duplicates.
   void simulate() const {
     const ProgramRun run = run_program(
         {"simulate", path("scan"), "--strategy", GetParam(), "--world", "ideal", "--scene",
@@ -91,7 +91,7 @@ TEST_P(StrategiesLive, HasTheCloudOfTheScan) {
   const ProgramRun record = run_program(
       {"record", "--source", "replay:" + path("scan"), "--rate", "0", "-o", path("scan.slip")});
   EXPECT_EQ(record.exit_code, 2) << record.err;
-  EXPECT_NE(record.err.find("written as it was taken"), std::string::npos) << record.err;
+  EXPECT_NE(record.err.find("written as captured"), std::string::npos) << record.err;
   EXPECT_FALSE(std::filesystem::exists(path("scan.slip")));
 }
 
@@ -116,7 +116,7 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
     settings.insert(settings.begin(), {"patterns", path("new"), "--strategy", strategy});
     return settings;
   };
-  expect_line(patterns("gray-phase", {"--bits", "3", "--periods", "32"}), "which take 5");
+  expect_line(patterns("gray-phase", {"--bits", "3", "--periods", "32"}), "which require 5");
   expect_line(patterns("multi-frequency", {"--periods", "12,16", "--unwrapping", "number-theory"}),
               "no common multiple");
   expect_line(patterns("multi-frequency", {"--steps", "3,3", "--periods", "1,6,36"}),
@@ -134,7 +134,7 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
 
   simulate();
   expect_line({"reconstruct", path("scan"), "--strategy", "gray-phase"},
-              "9 frames, but gray-phase with these steps and exposures takes 10");
+              "9 frames, but gray-phase with these steps and exposures has 10");
   std::filesystem::remove(path("scan/scan.yaml"));
   expect_line({"reconstruct", path("scan"), "--strategy", "micro", "--period-pixels", "16,15,14"},
               "--projector");

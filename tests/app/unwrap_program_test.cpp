@@ -1,4 +1,4 @@
-// Drives slipstream unwrap.
+// Runs `slipstream unwrap`.
 #include <cmath>
 #include <limits>
 
@@ -78,7 +78,7 @@ TEST_F(UnwrapProgram, RefusesWhatIsWrong) {
   refused({wrapped, "-o", phase, "--quality", path("small.tiff")}, "80x60");
   refused({wrapped, "-o", phase, "--coarse", path("small.tiff")}, "80x60");
   refused({wrapped, "-o", phase, "--anchor", "60", "0", "1"}, "row 60");
-  refused({wrapped, "-o", phase, "--anchor", "1.5", "0", "1"}, "whole numbers");
+  refused({wrapped, "-o", phase, "--anchor", "1.5", "0", "1"}, "integers");
   refused({wrapped, "-o", phase, "--anchor", "1", "1", "1", "--coarse", wrapped}, "excludes");
 }
 

@@ -1,4 +1,4 @@
-// Drives slipstream verify.
+// Runs `slipstream verify`.
 #include <filesystem>
 
 #include <fmt/format.h>

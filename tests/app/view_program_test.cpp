@@ -1,4 +1,4 @@
-// view and project, as people run them. Drawing is skipped where there is no OpenGL.
+// Runs view and project. Drawing is skipped without OpenGL.
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -37,7 +37,7 @@ class ViewProgram : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// How many pixels of the picture are brighter than the background.
+/// Number of pixels brighter than the background.
 int bright_pixels(const std::string& path) {
   const Image<std::uint16_t> grey = read_grey_image(path);
   return static_cast<int>(std::count_if(grey.begin(), grey.end(), [](int v) { return v > 90; }));
@@ -75,7 +75,7 @@ TEST_F(ViewProgram, RefusesBadInputInOneLine) {
   write_file(path("text.ply"), "no cloud");
   expect_refused({"view", path("missing.ply"), "--snapshot", path("a.png")}, "missing.ply");
   expect_refused({"view", path("text.ply"), "--snapshot", path("a.png")}, "text.ply");
-  expect_refused({"view", path("text.ply"), "--steps", "4"}, "--steps is of scans");
+  expect_refused({"view", path("text.ply"), "--steps", "4"}, "--steps applies to scans only");
   expect_refused({"view", path("scan"), "--snapshot", path("a.gif")}, ".gif");
   expect_refused({"view", path("scan"), "--snapshot", path("a.png"), "--size", "0x9"}, "--size");
   expect_refused({"view", path("scan"), "--snapshot", path("a.png"), "--colour", "pink"}, "pink");
@@ -96,7 +96,7 @@ TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
 TEST_F(ViewProgram, ProjectsThreePatternsToAPictureInColour) {
   const Desktop desktop;
   if (run_program({"project", "--list"}).exit_code != 0) GTEST_SKIP() << "no desktop";
-  expect_refused({"project", "--colour", "--strategy", "pmp", "--steps", "4"}, "three each");
+  expect_refused({"project", "--colour", "--strategy", "pmp", "--steps", "4"}, "a multiple of 3");
   expect_refused({"project", "--colour", "--marker"}, "and a marker");
   RunningProgram project({"project", "--colour", "--strategy", "de-bruijn"});
   EXPECT_TRUE(project.wait_for_words("showing 1 patterns")) << project.err();

@@ -12,9 +12,9 @@
 
 namespace slipstream::board_corners_test {
 
-constexpr int side = 20;  // pixels, of a spacing
+constexpr int side = 20;  // spacing, pixels
 
-/// The board turned by `turn`, rad, in the middle of a grey picture, smooth as a lens leaves it.
+/// Picture of a board and its true corners.
 struct Picture {
   FringeFreePictures seen;
   std::vector<Eigen::Vector2d> truth;
@@ -45,7 +45,7 @@ Picture picture_of(const CalibrationBoard& board, double turn, Size size = {480,
     }
   }
   picture.seen.brightest = picture.seen.mean;
-  // Places are counted from the first one, which lies two spacings inside the margin's edge.
+  // The first place, their origin, is two spacings from the edge of the sheet.
   const Eigen::Vector2d first(2.0 * side - drawn.width() / 2.0 / fine,
                               2.0 * side - drawn.height() / 2.0 / fine);
   for (const Eigen::Vector3d& place : printed_places(board)) {
@@ -72,7 +72,7 @@ TEST(BoardCorners, OfAChessboardAreFoundToAFractionOfAPixel) {
   for (const double turn : {0.0, 0.2, -0.6, 1.0}) expect_found(board, picture_of(board, turn), 0.1);
 }
 
-/// The same, of a chessboard, without a sample's grid: each edge is a smooth function.
+/// A chessboard without sampling artefacts: each edge is a smooth function.
 Picture smooth_picture_of(const CalibrationBoard& board, double turn) {
   const Size size{480, 400};
   const Eigen::Vector2d middle(size.width / 2.0 - 0.5, size.height / 2.0 - 0.5);
@@ -127,7 +127,7 @@ TEST(BoardCorners, ABoardOfAnotherSizeIsToldByItsSize) {
   const Picture picture = picture_of({.columns = 9, .rows = 7}, 0.1);
   EXPECT_FALSE(find_board({.columns = 9, .rows = 8}, picture.seen));
   EXPECT_EQ(chessboard_size(picture.seen), (Size{9, 7}));
-  // Where a smaller board is found in it, it is seen to go on.
+  // A smaller board found inside it must be recognised as part of a larger one.
   for (const CalibrationBoard& smaller :
        {CalibrationBoard{.columns = 8, .rows = 7}, CalibrationBoard{.columns = 9, .rows = 6}}) {
     try {

@@ -1,5 +1,5 @@
-// Broken calibrations, each with its cause, which must be named; and good ones, of which nothing
-// may be said.
+// Broken calibrations, whose cause must be named, and good ones, which must give no
+// diagnostics.
 #include <cmath>
 #include <functional>
 #include <ostream>
@@ -19,7 +19,7 @@ namespace slipstream::doctor_test {
 
 struct BrokenCase {
   std::string name;
-  std::string cause;  ///< as it must be named
+  std::string cause;  ///< expected in the diagnostic or error
   std::function<Told()> told;
 };
 
@@ -36,8 +36,8 @@ void rotate_by_one(Pictures& pictures, std::size_t first, std::size_t count) {
   std::rotate(begin, begin + 1, begin + static_cast<std::ptrdiff_t>(count));
 }
 
-/// The contrast of the first `count` pictures, about their mean, as a projector out of focus
-/// leaves it of the fine fringes.
+/// Scales the contrast of the first `count` pictures about their mean, as defocus does to fine
+/// fringes.
 void fade(Pictures& pictures, std::size_t count, double contrast) {
   for (std::size_t i = 0; i < pictures[0].pixel_count(); ++i) {
     double mean = 0;
@@ -89,7 +89,7 @@ std::vector<BrokenCase> broken_frames() {
                 "the frames have slipped: the cycle begins at frame 5",
                 {.spoil = [](Pictures& pictures, int,
                              Axis) { rotate_by_one(pictures, 0, pictures.size()); }}),
-      of_frames("other_periods_than_said", "patterns of 8 periods where 16 are said",
+      of_frames("other_periods_than_said", "patterns of 8 periods, configured as 16",
                 {.said_strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}}),
       of_frames("camera_out_of_focus", "the camera is out of focus",
                 {.spoil = [](Pictures& pictures, int, Axis) { blur(pictures, 2.2); }}),
@@ -123,14 +123,14 @@ std::vector<BrokenCase> broken_frames() {
   };
 }
 
-/// A board whose corners fill most of both pictures, and eight good poses of it.
+/// A board that fills most of both images, and eight good poses.
 struct Corners {
   CalibrationBoard board{.columns = 9, .rows = 6, .spacing = 20};
   Scanner scanner = example_scanner();
   std::vector<Eigen::Vector3d> places = printed_places(board);
   int poses = 8;
   GeometryCalibrationSettings settings{.camera_coefficients = 2, .projector_coefficients = 2};
-  std::vector<BoardView> views{};  ///< empty: those of the above
+  std::vector<BoardView> views{};  ///< empty: good_views()
 };
 
 VirtualViews good_views(const Corners& corners) {
@@ -158,7 +158,7 @@ BrokenCase of_corners(std::string name, std::string cause,
           }};
 }
 
-/// Every projector pixel of some poses changed.
+/// A case in which `change` alters projector pixels.
 BrokenCase of_pixels(std::string name, std::string cause,
                      const std::function<void(std::size_t pose, Eigen::Vector2d& pixel)>& change) {
   return of_corners(std::move(name), std::move(cause), [change](Corners& corners) {
@@ -169,14 +169,14 @@ BrokenCase of_pixels(std::string name, std::string cause,
   });
 }
 
-/// The projector turned against the camera, as a knock does it.
+/// Rotates the projector relative to the camera, as a knock does.
 Scanner knocked(Scanner scanner, double degrees) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 1, 0.3).normalized();
   scanner.rotation = Eigen::AngleAxisd(degrees / 57.29578, axis) * scanner.rotation;
   return scanner;
 }
 
-/// Where a scanner sees the corners of a board in a pose, and noise as `view` has it.
+/// The corners of a board in `pose` seen by another scanner, with the noise of `view`.
 BoardView seen_by(const Scanner& scanner, const Corners& corners, const Eigen::Isometry3d& pose,
                   const BoardView& view, const Eigen::Isometry3d& pose_of_view) {
   BoardView seen = view;
@@ -190,7 +190,7 @@ BoardView seen_by(const Scanner& scanner, const Corners& corners, const Eigen::I
   return seen;
 }
 
-/// Poses `of_other` seen by another scanner.
+/// Good views, with the poses `of_other` seen by another scanner.
 void mix(Corners& corners, const Scanner& other, const std::vector<std::size_t>& of_other) {
   const VirtualViews good = good_views(corners);
   corners.views = good.views;
@@ -206,7 +206,7 @@ void bend(Corners& corners, const std::function<double(double u, double v)>& hei
   }
 }
 
-/// The first pose again and again, hardly turned.
+/// Repeats the first pose with almost no rotation.
 void hold_parallel(Corners& corners) {
   const VirtualViews good = good_views(corners);
   corners.views.clear();
@@ -262,7 +262,7 @@ std::vector<BrokenCase> broken_corners() {
       of_corners("slip_that_only_the_geometry_shows", "a slip",
                  [](Corners& corners) {
                    corners.views = good_views(corners).views;
-                   // Eight steps of one period, of which a pose missed the first.
+                   // Eight steps of one period; one pose starts a frame late.
                    for (BoardView& view : corners.views) {
                      view.signs.x = {.steps = 8, .period = 1280};
                      view.signs.y = {.steps = 8, .period = 800};

@@ -29,7 +29,7 @@ double angle_between(const Scanner& a, const Scanner& b) {
   return Eigen::AngleAxisd(a.rotation.transpose() * b.rotation).angle();
 }
 
-/// The frames of a board under a strategy's patterns along one axis.
+/// Simulates a scan of a board along one axis.
 Scan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy, Axis axis,
              std::uint64_t seed) {
   const Sequence sequence{.strategy = strategy, .axis = axis, .projector = scanner.projector.size};
@@ -39,7 +39,7 @@ Scan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy
           .sequence = sequence};
 }
 
-/// From frames to the scanner by the program's defaults: `count` poses of the board before `truth`.
+/// Calibrates from frames of `count` poses in front of `truth`, with the program's defaults.
 GeometryCalibration calibrated_from_frames(const CalibrationBoard& board, const Scanner& truth,
                                            int count) {
   const Strategy strategy = DualFrequency{.steps = 4, .high = 16, .low = 1};
@@ -80,7 +80,7 @@ void expect_near(const Scanner& scanner, const Scanner& truth, double tolerance)
 
 class CalibrationFromFrames : public testing::TestWithParam<CalibrationBoard> {};
 
-// Under the sanitizers with fewer poses and a coarser camera, where the figures say little.
+// The sanitized build uses fewer poses, a coarser camera and a looser tolerance, for speed.
 TEST_P(CalibrationFromFrames, IsTheTrueScanner) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr int count = 6;
@@ -220,7 +220,7 @@ TEST_F(CalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
   expect_error(
       [&] { (void)calibrated(changed([](Pixel p) { return Pixel(p.y(), p.x()); }), plain); },
       {"pose0", "swapped", "--first-axis"});
-  // A device that is turned is no mistake.
+  // A projector mounted upside down is valid.
   EXPECT_NO_THROW(
       (void)calibrated(changed([](Pixel p) { return Pixel(1279 - p.x(), 799 - p.y()); }), plain));
 }

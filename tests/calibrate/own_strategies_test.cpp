@@ -1,4 +1,4 @@
-// Boards are captured under any strategy whose frames give a coordinate.
+// Boards can be captured with any strategy that gives a coordinate.
 #include "tests/own_strategies.h"
 
 #include <cmath>
@@ -34,7 +34,7 @@ TEST(BoardCapture, TakesStrategiesOfOnesOwn) {
         board_capture("pose", board, scan_along(Axis::x), scan_along(Axis::y));
     ASSERT_TRUE(capture.view) << capture.told;
     EXPECT_EQ(lit_corners(*capture.view), 117) << capture.told;
-    // What one period leaves uncertain, fine fringes do not.
+    // One period alone is less accurate than fine fringes.
     const double tolerance = highest_frequency(strategy) > 1 ? 0.3 : 3;  // projector pixels
     double sum = 0;
     for (std::size_t i = 0; i < capture.view->places.size(); ++i) {

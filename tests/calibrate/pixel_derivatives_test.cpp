@@ -9,7 +9,7 @@
 
 namespace slipstream::pixel_derivatives_test {
 
-/// Central differences of `value`, a function of some numbers, at `numbers`.
+/// Jacobian of `value` at `numbers`, by central differences.
 template <std::size_t Count, class Value>
 Eigen::MatrixXd differences(const std::array<double, Count>& numbers, const Value& value) {
   Eigen::MatrixXd result(value(numbers.data()).size(), static_cast<Eigen::Index>(Count));

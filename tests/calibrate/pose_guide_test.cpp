@@ -1,4 +1,4 @@
-// The guidance by pictures of a virtual board, and a whole guided calibration without any device.
+// Pose guidance on virtual pictures, and a whole guided calibration without devices.
 #include "slipstream/calibrate/pose_guide.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ Body sheet_at(int pose) {
   return sheet;
 }
 
-/// The board in plain light of so many grey levels.
+/// The board under uniform light of `light` grey levels.
 FrameSet lit(int pose, double light, double ambient = 5) {
   const PatternSet plain{.count = 1,
                          .axis = Axis::x,
@@ -108,14 +108,14 @@ TEST(PoseGuide, SaysWhatIsMissing) {
   EXPECT_TRUE(pose_needs(taken, board, truth.camera.size, 0).enough);
 }
 
-/// The edge that is nearer in the truth is the one that is told.
+/// The guide must name the edge that is truly nearer.
 TEST(PoseGuide, KnowsWhichEdgeIsNearer) {
   for (int pose = 0; pose < 6; ++pose) {
     const Eigen::Matrix3d turn = sheet_at(pose).pose.linear();
     const PoseNeeds needs = pose_needs({view_of(pose)}, board, truth.camera.size, 0);
     for (const auto& [edge, farther] : {std::pair(0, turn(2, 0)), std::pair(1, -turn(2, 0)),
                                         std::pair(2, turn(2, 1)), std::pair(3, -turn(2, 1))}) {
-      if (std::abs(std::abs(farther) - 0.2) < 0.1) continue;  // too near to the limit to tell
+      if (std::abs(std::abs(farther) - 0.2) < 0.1) continue;  // too close to the limit
       EXPECT_EQ(needs.tilted[static_cast<std::size_t>(edge)], farther > 0.2)
           << pose << " " << edge << " " << farther;
     }
@@ -136,7 +136,7 @@ TEST(PoseGuide, DrawsAllOfIt) {
   EXPECT_NE(colour_of(PoseState::good), colour_of(PoseState::unseen));
 }
 
-/// Before it a board is held in one pose after another, twice each, the second time still.
+/// A camera that sees a board in successive poses, each twice: moving, then still.
 class HeldBoard : public ScanCamera {
  public:
   explicit HeldBoard(const Sequence& sequence) : sequence_(sequence) {}
@@ -199,7 +199,7 @@ TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
 TEST(GuidedPoses, RefusesAnUnlitBoardOnceUntilItMoves) {
   const TemporaryFolder folder;
   Sequence dim = sequence;
-  dim.light = {.alpha_p = 6, .beta_p = 200};  // seen well, but no fringes on it
+  dim.light = {.alpha_p = 6, .beta_p = 200};  // bright, but fringes too weak
   HeldBoard camera(dim);
   GuidedPosesSettings settings;
   int looks = 0, refusals = 0;

@@ -1,4 +1,4 @@
-// Whether calibrations of rigs at random are off by as much as they say.
+// Calibration errors of random rigs must match their estimated standard deviations.
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -39,7 +39,7 @@ Lens random_lens(Size size, double usual_focal, Chance& chance) {
   return lens;
 }
 
-/// A camera beside, above or below a projector, both looking at a place about 600 mm away.
+/// A camera beside, above or below a projector, both aimed at a point about 600 mm away.
 Scanner random_rig(Size camera, Chance& chance) {
   Scanner rig;
   rig.camera = random_lens(camera, 1.3 * camera.width, chance);
@@ -56,7 +56,7 @@ Scanner random_rig(Size camera, Chance& chance) {
   return rig;
 }
 
-/// From frames to the scanner by the program's defaults.
+/// Calibrates from simulated frames, with the program's defaults.
 GeometryCalibration calibrated(const Scanner& rig, int count, std::uint64_t seed) {
   const CalibrationBoard board{
       .columns = 13, .rows = 9, .spacing = std::floor(working_volume(rig).extent / 19)};
@@ -88,7 +88,7 @@ struct Errors {
   int count = 0, beyond_two = 0;
 
   void add(double error, double deviation) {
-    if (deviation == 0) return;  // held
+    if (deviation == 0) return;  // fixed parameter
     squares += error * error;
     squares_in_deviations += std::pow(error / deviation, 2);
     beyond_two += std::abs(error) > 2 * deviation ? 1 : 0;
@@ -133,7 +133,7 @@ struct AllErrors {
   }
 };
 
-// SLIPSTREAM_RIGS=30 takes as many, with a larger camera and more poses: the figures of
+// SLIPSTREAM_RIGS=30 runs 30 rigs, with a larger camera and more poses, for the figures in
 // docs/how-to/calibrate.md.
 TEST(RandomRigs, AreOffByAsMuchAsTheirStandardDeviationsSay) {
 #ifdef __SANITIZE_ADDRESS__

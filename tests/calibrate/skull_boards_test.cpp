@@ -1,4 +1,4 @@
-// Six real boards taken by others, and what others made of five of them.
+// A published data set of six board poses, and its authors' calibration from five of them.
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -31,8 +31,8 @@ BoardCapture capture(const fs::path& folder, const CalibrationBoard& board, Size
   return board_capture(folder.filename().string(), board, scan(0, Axis::x), scan(6, Axis::y));
 }
 
-/// RMS distance of the points of the skull under two scanners, pixel by pixel, after the second is
-/// moved rigidly onto the first, mm.
+/// RMS distance, pixel by pixel, between clouds of the skull from two calibrations, after rigid
+/// alignment, mm.
 double shape_difference(const fs::path& folder, const Scanner& a, const Scanner& b) {
   const FrameSet frames = read_frames(images_in_folder(folder)).frames;
   const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
@@ -73,7 +73,7 @@ TEST(SkullBoards, AreCalibratedAtLeastAsWellAsPublished) {
   }
   const GeometryCalibration found = calibrate_geometry(views, board, camera, projector);
   for (const Finding& finding : found.findings) {
-    // They cover less than a third of either picture, and five are few.
+    // Five poses are few, and they cover less than a third of each image.
     EXPECT_TRUE(finding.what.find("distortion is not known") != std::string::npos ||
                 finding.what.find("focal length is uncertain") != std::string::npos)
         << text_of(finding);
@@ -93,7 +93,7 @@ TEST(SkullBoards, AreCalibratedAtLeastAsWellAsPublished) {
   const double difference = shape_difference(folder / "dual-frequency", found.state.scanner,
                                              read_scanner(folder / "calibration.xml"));
   RecordProperty("skull_difference_mm", std::to_string(difference));
-  EXPECT_LT(difference, 0.4);  // of about 150 mm; the published scale is off by 0.3 %
+  EXPECT_LT(difference, 0.4);  // object size about 150 mm; the published scale is off by 0.3 %
 }
 
 }  // namespace slipstream::skull_boards_test

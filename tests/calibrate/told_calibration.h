@@ -1,4 +1,4 @@
-// What calibrations from virtual frames, good or spoilt, tell.
+// Diagnostics of calibrations from virtual frames, correct or corrupted.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace slipstream {
 
 using Pictures = std::vector<Image<std::uint8_t>>;
 
-/// The findings of a calibration, and the error that ended it, if one did.
+/// Diagnostics of a calibration, and the error that ended it, if any.
 struct Told {
   std::vector<Finding> findings{};
   std::string error{};
@@ -34,24 +34,24 @@ inline std::string text_of(const Told& told) {
   return text;
 }
 
-/// Whether a cause is named: as the likely one of a finding, or in the error.
+/// Whether a diagnostic's likely cause, or the error, contains `cause`.
 inline bool names(const Told& told, const std::string& cause) {
   const auto has = [&](const std::string& text) { return text.find(cause) != std::string::npos; };
   return has(told.error) || std::any_of(told.findings.begin(), told.findings.end(),
                                         [&](const Finding& found) { return has(found.likely); });
 }
 
-/// What is scanned, and what is said of it.
+/// A simulated board calibration, and the settings passed to it.
 struct BoardScene {
   CalibrationBoard board{.columns = 9, .rows = 6, .spacing = 20};
   Strategy strategy = DualFrequency{.steps = 3, .high = 8, .low = 1};
   Photometry photometry{.ambient = 5, .noise_variance = 1.55, .bits = 8};
   Size camera{320, 240};
   int poses = 6;
-  std::optional<CalibrationBoard> said_board{};  ///< none: as it is
+  std::optional<CalibrationBoard> said_board{};  ///< default: `board`
   std::optional<Strategy> said_strategy{};
-  std::optional<MeasuredResponse> response{};  ///< where it is known
-  /// Does to the pictures of a pose along an axis what went wrong.
+  std::optional<MeasuredResponse> response{};  ///< if known
+  /// Corrupts the pictures of a pose along an axis.
   std::function<void(Pictures& pictures, int pose, Axis axis)> spoil{};
 };
 
@@ -71,7 +71,7 @@ inline Pictures pictures_of(const FrameViews& frames) {
   return pictures;
 }
 
-/// One pose along one axis. What the rays meet is traced once for all scenes of a board.
+/// Simulates one pose along one axis. Rays are traced once per board and pose.
 inline Scan board_scan(const BoardScene& scene, const Scanner& scanner, const Body& sheet, int pose,
                        Axis axis) {
   using Key = std::tuple<BoardKind, int, double, int, int, Axis>;
@@ -90,7 +90,7 @@ inline Scan board_scan(const BoardScene& scene, const Scanner& scanner, const Bo
   return {.frames = FrameSet(std::move(pictures)), .sequence = said};
 }
 
-/// From frames to findings, as the program goes.
+/// Calibrates from frames as the program does, and collects diagnostics.
 inline Told told_of(const BoardScene& scene) {
   const Scanner scanner = example_scanner(scene.camera);
   const CalibrationBoard said = scene.said_board.value_or(scene.board);
@@ -125,7 +125,7 @@ inline Told told_of(const BoardScene& scene) {
   return told;
 }
 
-/// Each picture as a lens out of focus would give it: a Gaussian of `sigma` pixels.
+/// Blurs the pictures by a Gaussian of `sigma` pixels, like a defocused lens.
 inline void blur(Pictures& pictures, double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
   for (Image<std::uint8_t>& picture : pictures) {

@@ -17,7 +17,7 @@ std::vector<BoardView> views_of(const Scanner& scanner, int count) {
   return virtual_views(scanner, board, printed_places(board), count, 0.05).views;
 }
 
-/// Its projector turned and shifted, as a knock does it.
+/// Rotates and shifts the projector, as a knock does.
 Scanner knocked(Scanner scanner, double angle, double shift) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 0.7, 0.2).normalized();
   scanner.rotation = Eigen::AngleAxisd(angle, axis) * scanner.rotation;
@@ -44,7 +44,7 @@ TEST(Verification, AKnockIsToldAndCorrected) {
     EXPECT_FALSE(found.holds) << count;
     ASSERT_TRUE(found.mended) << count << " poses, epipolar " << found.after.epipolar;
     ASSERT_EQ(found.findings.size(), 1U);
-    EXPECT_NE(found.findings[0].likely.find("moved against each other"), std::string::npos);
+    EXPECT_NE(found.findings[0].likely.find("moved relative to each other"), std::string::npos);
     EXPECT_NEAR(found.rotation, 0.5 * degree, (count == 1 ? 0.2 : 0.05) * degree);
     EXPECT_LT(found.after.epipolar, 0.15);
     EXPECT_GT(found.before.epipolar, 2);

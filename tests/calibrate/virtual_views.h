@@ -14,14 +14,14 @@
 
 namespace slipstream {
 
-/// Boards before a scanner, and exactly where camera and projector see their corners but for
+/// Board poses in front of a scanner, and their corners in camera and projector, exact except for
 /// Gaussian noise.
 struct VirtualViews {
   std::vector<BoardView> views;
-  std::vector<Eigen::Isometry3d> poses;  ///< board's frame to the camera's
+  std::vector<Eigen::Isometry3d> poses;  ///< board frame to camera frame
 };
 
-/// `places`: where the corners of the printed board really are.
+/// `places`: true corners of the printed board, mm.
 inline VirtualViews virtual_views(const Scanner& scanner, const CalibrationBoard& board,
                                   const std::vector<Eigen::Vector3d>& places, int count,
                                   double noise_in_pixels, std::uint32_t seed = 1) {

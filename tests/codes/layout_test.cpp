@@ -273,7 +273,7 @@ TEST(Layout, RefusesWhatIsNone) {
          l.unwrapping = Unwrapping::code;
          l.code = Code{.stripes = 12, .frames = {0, 1, 2}, .reference = {0, 0, 0}};
        }},
-      {"no cue", with_cue(), [](Layout& l) { l.cue.reset(); }},
+      {"voting requires", with_cue(), [](Layout& l) { l.cue.reset(); }},
       {"a cue too short", with_cue(), [](Layout& l) { l.cue->weights.pop_back(); }},
       {"a cue of half the light", with_cue(),
        [](Layout& l) {

@@ -1,4 +1,4 @@
-// `slipstream camera serve` and `slipstream record` as they are run, one against the other.
+// Runs `slipstream record` against `slipstream camera serve`.
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -58,7 +58,7 @@ TEST_F(CameraProgram, RecordsWhatTheOtherServes) {
   EXPECT_TRUE(reader.finished());
   ASSERT_EQ(reader.count(), 50U);
   EXPECT_EQ(reader.header().frame_rate, 100);
-  // Three scans over and over: frames twelve apart are the same, neighbours are not.
+  // Three looping scans: frames twelve apart are equal, adjacent ones differ.
   std::vector<Frame> frames(50);
   for (std::uint64_t i = 0; i < 50; ++i) ASSERT_TRUE(reader.read(i, frames[i]));
   for (std::size_t i = 12; i < 50; ++i) {
@@ -80,7 +80,7 @@ TEST_F(CameraProgram, ServerThatIsKilledAndRunAgainIsFoundAndInterruptFinishesTh
     }));
     return recording_client;
   }();
-  EXPECT_TRUE(client.wait_for_words("is gone; looking for it")) << client.words();
+  EXPECT_TRUE(client.wait_for_words("is lost; searching for it")) << client.words();
   RunningProgram server = serve();
   EXPECT_TRUE(client.wait_for_words("the camera is back")) << client.words();
   std::this_thread::sleep_for(500ms);
@@ -118,7 +118,7 @@ TEST_F(CameraProgram, RefusesBadFlags) {
   expect_refused(with_source({"--source", "aravis:", "--region", "640x480+1"}), 2, "640x480+1");
   expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB8"}), 2, "RGB8");
   expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB9"}), 2, "RGB9");
-  // Its patterns are grey, and three frames of each picture would be as many as three of them.
+  // The patterns are grey, but three channels per picture would match three frames.
   expect_refused({"record", "-o", recording(), "--source", "virtual", "--strategy", "pmp",
                   "--steps", "3", "--pixel-format", "RGB8"},
                  2, "RGB8");

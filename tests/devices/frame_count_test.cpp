@@ -9,7 +9,7 @@ TEST(FrameCount, GoesOnWhereNumbersOf16BitsBeginAgain) {
   count.begin(1);
   std::uint64_t number = 1;
   for (std::uint64_t i = 0; i < 200000; ++i) {
-    if (i % 1000 != 500) {  // some are lost
+    if (i % 1000 != 500) {  // drop some frames
       ASSERT_EQ(count(number), i);
     }
     number = number == 65535 ? 1 : number + 1;

@@ -1,4 +1,4 @@
-// Packets of any kind against the registers of the served camera, without a network.
+// Sends packets of every kind to the served camera's registers, without a network.
 #include "slipstream/devices/gige_protocol.h"
 
 #include <gtest/gtest.h>

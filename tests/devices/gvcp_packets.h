@@ -31,7 +31,7 @@ inline sockaddr_in address_of(std::uint32_t host, std::uint16_t port) {
 
 inline constexpr std::uint16_t camera_port = 3956;
 
-/// A client's socket for UDP, at any free port of an address.
+/// A UDP client socket on any free port of an address.
 class ClientSocket {
  public:
   explicit ClientSocket(std::uint32_t host = loopback) {
@@ -48,7 +48,7 @@ class ClientSocket {
     ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
              sizeof(to));
   }
-  /// Empty where none comes within the time.
+  /// Returns the next packet; empty on timeout.
   [[nodiscard]] Bytes receive(std::chrono::milliseconds patience = std::chrono::seconds(2)) const {
     const timeval wait{.tv_sec = patience.count() / 1000,
                        .tv_usec = patience.count() % 1000 * 1000};
@@ -69,7 +69,7 @@ class ClientSocket {
   int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
 };
 
-/// A command of GigE Vision's control protocol that asks for an answer.
+/// A GVCP command that requests an acknowledgement.
 inline Bytes command(std::uint16_t code, std::initializer_list<std::uint32_t> numbers,
                      std::uint16_t id = 7) {
   Bytes bytes{0x42, 1};
@@ -83,8 +83,8 @@ inline Bytes command(std::uint16_t code, std::initializer_list<std::uint32_t> nu
   return bytes;
 }
 
-/// What ended, or might end, a camera: numbers at the edges, lengths of zero and beyond, damaged
-/// commands and noise.
+/// A packet that could crash a camera: extreme numbers, zero or excessive lengths, damaged commands
+/// or noise.
 inline Bytes hostile_packet(std::mt19937& random) {
   static constexpr std::array<std::uint32_t, 12> edges{0,       0x100,      0x200,      0x938,
                                                        0xa00,   0xd00,      0xfffc,     0x10000,

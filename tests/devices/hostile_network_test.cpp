@@ -1,5 +1,5 @@
-// Who sends what no camera and no client would: at the served camera while a client streams, and at
-// the client while a camera serves it.
+// Hostile packets: to the served camera while a client streams, and to the client while the camera
+// streams.
 #include <atomic>
 #include <cstdlib>
 #include <thread>
@@ -16,7 +16,7 @@ namespace slipstream::hostile_network_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-/// What the camera answers within a second, other answers aside; empty where it does not.
+/// Returns the camera's answer to `packet`, skipping others; empty after a second without one.
 Bytes ask(const ClientSocket& socket, const Bytes& packet) {
   socket.send(packet, camera_port);
   for (const auto end = steady_clock::now() + 1s; steady_clock::now() < end;) {
@@ -27,7 +27,7 @@ Bytes ask(const ClientSocket& socket, const Bytes& packet) {
   return {};
 }
 
-/// 10^4, or as many as SLIPSTREAM_HOSTILE_PACKETS says.
+/// SLIPSTREAM_HOSTILE_PACKETS; default 10^4.
 int packets_wanted() {
   const char* asked = std::getenv("SLIPSTREAM_HOSTILE_PACKETS");
   return asked == nullptr ? 10'000 : std::atoi(asked);
@@ -82,21 +82,21 @@ TEST_F(HostileNetwork, NoPacketEndsTheServedCameraOrCostsItsClientAFrame) {
   RecordProperty("frames", std::to_string(frames));
 }
 
-/// A packet of a stream as no camera sends it: parts out of place, of frames to come and gone, of
-/// other payloads, with sizes at the edges, or cut off.
+/// A malformed stream packet: parts out of order, from past or future frames, with other payload
+/// types, with extreme sizes, or truncated.
 Bytes hostile_frame_packet(std::mt19937& random) {
   Bytes packet(random() % 72);
   for (std::uint8_t& byte : packet) byte = static_cast<std::uint8_t>(random());
   if (packet.size() < 8) return packet;
   if (random() % 8 != 0) packet[0] = packet[1] = 0;         // success
-  if (random() % 2 == 0) packet[2] = 0;                     // a frame of the first
+  if (random() % 2 == 0) packet[2] = 0;                     // one of the first frames
   packet[4] = static_cast<std::uint8_t>(1 + random() % 3);  // leader, trailer or pixels
-  if (random() % 16 == 0) packet[4] |= 0x80;                // of long numbers
+  if (random() % 16 == 0) packet[4] |= 0x80;                // extended IDs
   if (random() % 4 != 0) packet[5] = packet[6] = 0;         // among the first packets
   if (packet[4] == 1 && random() % 4 != 0) {
     packet.resize(8 + 36);
     packet[8] = packet[9] = packet[10] = 0;
-    packet[11] = static_cast<std::uint8_t>(1 + random() % 8);  // a picture, or another payload
+    packet[11] = static_cast<std::uint8_t>(1 + random() % 8);  // image or other payload type
   }
   return packet;
 }
@@ -115,7 +115,7 @@ TEST_F(HostileNetwork, NoPictureInItsNameEndsTheClient) {
     sender.send(hostile_frame_packet(random), static_cast<std::uint16_t>(port[10] << 8 | port[11]));
     if (i % 32 == 0) (void)source->next(frame, 1ms);
   }
-  // Who speaks in a camera's name can give wrong frames; after that the right ones come again.
+  // Forged packets can cause wrong frames, but correct ones must follow.
   int right = 0;
   for (const auto end = steady_clock::now() + 20s; right < 20 && steady_clock::now() < end;) {
     const bool came = source->next(frame, 100ms) == Arrival::frame;
@@ -125,7 +125,7 @@ TEST_F(HostileNetwork, NoPictureInItsNameEndsTheClient) {
   EXPECT_EQ(right, 20);
 }
 
-/// A packet of a picture as the camera sends it, or longer than was agreed, with noise behind it.
+/// A valid image packet, or one that noise extends beyond the agreed size.
 Bytes stray_packet(const GigeBlock& block, std::mt19937& random) {
   Bytes packet;
   write_packet(block, random() % packet_count(block), packet);
@@ -153,7 +153,7 @@ TEST_F(HostileNetwork, PacketsAgainEarlyLateAndTooLongGiveNoWrongFrame) {
   std::mt19937 random(18);
   int frames = 0;
   for (int i = 0; i < packets_wanted() || frames < 100; ++i) {
-    const std::uint64_t other = frame.stamp.sequence + random() % 6;  // 3 gone, this, 2 to come
+    const std::uint64_t other = frame.stamp.sequence + random() % 6;  // 3 past, current, 2 future
     const std::uint64_t sequence = other < 3 ? 0 : other - 3;
     const auto& picture = std::get<Image<std::uint8_t>>(rendered_[sequence % 4].pixels);
     const GigeBlock block = block_of(picture, stream, static_cast<std::uint16_t>(sequence + 1));

@@ -1,4 +1,4 @@
-// The whole way from UDP packets to clouds.
+// From UDP packets to clouds.
 #include <atomic>
 #include <chrono>
 #include <memory>

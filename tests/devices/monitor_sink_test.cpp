@@ -1,4 +1,4 @@
-// Patterns on a monitor, that of Xvfb where there is no other; skipped without either.
+// Patterns on a monitor, real or Xvfb; skipped without either.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -38,7 +38,7 @@ class OnAMonitor : public testing::Test {
     if (system_->monitors().empty()) GTEST_SKIP() << "no monitor";
   }
   [[nodiscard]] Size size() const { return system_->monitors().front().size; }
-  /// The patterns on the first monitor, over and over, as the settings say.
+  /// Shows the patterns in a loop on the first monitor.
   [[nodiscard]] ProjectionReport project(const std::vector<Image<std::uint8_t>>& patterns,
                                          const ProjectionSettings& settings) const {
     MonitorSink sink(*system_, 0);
@@ -169,7 +169,7 @@ TEST_F(OnAMonitor, AMonitorThatIsNotThereIsRefused) {
   EXPECT_THROW(MonitorSink(*system_, -1), Error);
 }
 
-/// Remembers what it was asked to show.
+/// Records the patterns that it should show.
 class WitnessSink : public PatternSink {
  public:
   [[nodiscard]] std::optional<Size> size() const override { return std::nullopt; }

@@ -1,5 +1,5 @@
-// Cameras and sources by name. That names of cameras which are there open them is seen in
-// virtual_gige_camera_test.cpp.
+// Names of cameras and sources. virtual_gige_camera_test.cpp tests that names of connected cameras
+// open them.
 #include "slipstream/devices/named_source.h"
 
 #include <chrono>
@@ -104,7 +104,7 @@ TEST(OpenSource, TakesARecordingInColourApartUnlessItIsToBeKept) {
   EXPECT_EQ(kept.white.count(), 3);
   expect_same(frames_from(kept), frames_of(taken.frames, "taken"));
   request.sequence.settings = {{"steps", "4"}};
-  expect_error([&] { (void)open_source(request); }, {path, "4 frames", "three each"});
+  expect_error([&] { (void)open_source(request); }, {path, "4 frames", "a multiple of 3"});
 }
 
 TEST(OpenSource, NamesWhatThereIs) {
@@ -119,7 +119,7 @@ TEST(OpenCamera, RefusesNamesThatNameNone) {
   expect_error([] { open_camera("tape:1", {}); }, {"tape:1", "aravis:NAME, v4l2:NUMBER"});
   expect_error([] { open_camera("v4l2:x", {}); }, {"v4l2:x", "v4l2:0"});
   expect_error([] { open_camera("v4l2:-1", {}); }, {"v4l2:-1"});
-  expect_error([] { open_camera("v4l2", {}); }, {"a number is wanted"});
+  expect_error([] { open_camera("v4l2", {}); }, {"expected a number"});
 }
 
 TEST(OpenCamera, SaysWhichCameraDoesNotAnswer) {

@@ -1,4 +1,4 @@
-// A scan that is served over and over, and the clouds that come of it.
+// A scan served in a loop, and its expected clouds.
 #pragma once
 
 #include <cstring>
@@ -21,14 +21,14 @@ inline bool same_bits(const Image<float>& one, const Image<float>& other) {
          std::memcmp(one.begin(), other.begin(), one.pixel_count() * sizeof(float)) == 0;
 }
 
-/// A moving scene's frames, and the cloud of each window of them, reconstructed beforehand.
+/// Frames of a moving scene, and the cloud of each window of them.
 struct Offline {
   EngineSetup setup{.scanner = example_scanner(offline_size),
                     .sequence = {.strategy = PhaseMeasuring{.steps = 4, .frequency = 1}}};
   std::vector<Frame> loop = frames_of(
       setup.sequence.strategy,
       {.size = offline_size, .motion = Eigen::Vector3d(1, 0, 0.5), .cycles = offline_cycles});
-  std::vector<Cloud> clouds;  ///< of the window that ends with that frame of the loop
+  std::vector<Cloud> clouds;  ///< element n: window that ends with frame n of the loop
 
   Offline() {
     Engine engine(setup);

@@ -8,7 +8,7 @@
 
 namespace slipstream::pixel_format_test {
 
-/// The layout of each format said a second time, pixel by pixel, the slow way.
+/// Independent, slow packing of each format, pixel by pixel.
 std::vector<std::uint8_t> packed(PixelFormat format, const std::vector<std::uint16_t>& pixels) {
   std::vector<std::uint8_t> bytes(bytes_of(format, pixels.size()));
   const auto bits = static_cast<std::size_t>(bits_of(format));

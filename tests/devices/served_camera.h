@@ -13,8 +13,8 @@ namespace slipstream {
 
 inline constexpr const char* served_address = "127.0.0.1";
 
-/// A camera of those frames or reels at served_address; null where its port is taken or there is no
-/// such address: the test is skipped then.
+/// Serves frames or reels at served_address. Returns null if the address or port is unavailable;
+/// REQUIRE_CAMERA then skips the test.
 template <class Frames>
 std::unique_ptr<VirtualGigeCamera> serve(Frames frames, const std::string& serial = "TEST") {
   try {

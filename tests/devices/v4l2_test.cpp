@@ -15,7 +15,7 @@
 namespace slipstream::v4l2_test {
 using namespace std::chrono_literals;
 
-/// A camera with a V4L2 driver, made up: what it can do, and what it was told.
+/// A fake V4L2 camera: its capabilities and the settings it received.
 struct MadeUpCamera {
   std::uint32_t pixel_format = V4L2_PIX_FMT_GREY;
   Size size{6, 4};
@@ -23,7 +23,7 @@ struct MadeUpCamera {
   bool plugged_in = true;
   std::uint32_t sequence = 0;           ///< of the next frame
   std::uint32_t flags = 0;              ///< of the next frame
-  std::optional<std::uint32_t> used{};  ///< bytes of the next frame, where not all
+  std::optional<std::uint32_t> used{};  ///< bytes of the next frame, if incomplete
   int frames_ready = 0;
 
   std::map<std::uint32_t, int> controls{{V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_AUTO},
@@ -35,7 +35,7 @@ struct MadeUpCamera {
   bool streaming = false;
   int mapped = 0;
 
-  /// The byte of a frame at that place.
+  /// Byte `at` of frame `sequence`.
   static std::uint8_t byte(std::uint32_t sequence, std::size_t at) {
     return static_cast<std::uint8_t>(17 * sequence + 3 * at);
   }
@@ -80,7 +80,7 @@ class MadeUpDevice : public VideoDevice {
       }
       case VIDIOC_REQBUFS: {
         auto& asked = *static_cast<v4l2_requestbuffers*>(argument);
-        asked.count = std::min(asked.count, 3U);  // fewer than were asked for
+        asked.count = std::min(asked.count, 3U);  // fewer than requested
         camera_->buffers.assign(asked.count, std::vector<std::uint8_t>(length()));
         return 0;
       }
@@ -273,7 +273,7 @@ TEST(V4l2Source, IsFoundAgainWhenItIsPluggedInAgain) {
   }
   camera->plugged_in = false;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(source->next(frame, 1ms), Arrival::nothing);
-  EXPECT_EQ(source->state(), "camera made up is gone; looking for it");
+  EXPECT_EQ(source->state(), "camera made up is lost; searching for it");
   camera->plugged_in = true;
   camera->frames_ready = 1;
   EXPECT_EQ(source->next(frame, 1ms), Arrival::nothing);
@@ -368,7 +368,7 @@ TEST(V4l2Source, RefusesWhatNoSuchCameraHas) {
   expect_error([&] { open_with({.pixel_format = PixelFormat::mono10p}); },
                {"Mono10p", "Mono8, Mono10, Mono12 or RGB8"});
   expect_error([&] { open_with({.region = Rectangle{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
-  expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "run freely"});
+  expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "have no trigger"});
   expect_error([&] { open_with({.gain = 1e12}); }, {"--gain"});
   expect_error([&] { open_with({.cycle = 0}); }, {"0 patterns"});
 }

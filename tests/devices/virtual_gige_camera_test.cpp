@@ -1,4 +1,4 @@
-// Frames through UDP packets on loopback: what the virtual camera sends is what a client gets.
+// The virtual camera sends frames over UDP on loopback; the client must receive the same frames.
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -60,7 +60,7 @@ CameraSettings settings_at(double rate, int cycle) {
   return {.frame_rate = rate, .packet_size = loopback_packets, .cycle = cycle};
 }
 
-/// The next frame; false where none comes for five seconds.
+/// Gets the next frame; false if none arrives within `longest`.
 bool wait_for_frame(FrameSource& source, Frame& frame, std::chrono::seconds longest = 5s) {
   const auto end = steady_clock::now() + longest;
   while (steady_clock::now() < end) {
@@ -143,7 +143,7 @@ TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
     return frame;
   };
   EXPECT_FALSE(same_pixels(see(2), rendered[2]));
-  const Frame whole = see(7);  // the first client went too early
+  const Frame whole = see(7);  // the first client left too early
   EXPECT_TRUE(same_pixels(whole, rendered[whole.stamp.sequence % 4 == 2 ? 1 : 0]));
   EXPECT_TRUE(same_pixels(see(2), rendered[2]));
 }
@@ -173,7 +173,7 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   EXPECT_EQ(counters.delivered + counters.lost, newest - first + 1);
 }
 
-/// Asks for frames until the source says that its camera is gone, 5 s at most.
+/// Reads frames until the source reports that its camera is gone, at most 5 s.
 void wait_until_gone(FrameSource& source, Frame& frame) {
   for (const auto end = steady_clock::now() + 5s;
        source.state().empty() && steady_clock::now() < end;) {
@@ -196,7 +196,7 @@ TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
 
   camera.reset();
   wait_until_gone(source, frame);
-  EXPECT_NE(source.state().find("127.0.0.1 is gone; looking for it"), std::string::npos);
+  EXPECT_NE(source.state().find("127.0.0.1 is lost; searching for it"), std::string::npos);
   for (const auto end = steady_clock::now() + GetParam(); steady_clock::now() < end;) {
     EXPECT_EQ(source.next(frame, 50ms), Arrival::nothing);
   }
@@ -343,14 +343,15 @@ TEST(VirtualGigeCamera, SecondOneAtAnAddressIsRefused) {
 }
 
 TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
-  expect_error([] { VirtualGigeCamera(std::vector<Frame>{}, served_address, "S"); }, {"no frames"});
+  expect_error([] { VirtualGigeCamera(std::vector<Frame>{}, served_address, "S"); },
+               {"at least one frame"});
   expect_error([] { VirtualGigeCamera(some_frames(1), "here", "S"); }, {"here", "127.0.0.1"});
   expect_error([] { VirtualGigeCamera(some_frames(1), served_address, ""); }, {"serial"});
-  expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, served_address, "S"); }, {"8 bits"});
+  expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, served_address, "S"); }, {"8-bit"});
 }
 
 TEST(GenICamCamera, GivesColoursSideBySide) {
-  arv_enable_interface("Fake");  // the library's own, without a network
+  arv_enable_interface("Fake");  // Aravis's fake camera, without a network
   const auto source = open_genicam_camera(
       "Fake_1", {.region = Rectangle{.size = {64, 48}}, .pixel_format = PixelFormat::rgb8});
   EXPECT_EQ(source->format(), (FrameFormat{{192, 48}, 8}));
@@ -358,7 +359,7 @@ TEST(GenICamCamera, GivesColoursSideBySide) {
   Frame frame(source->format());
   ASSERT_EQ(source->next(frame, 10s), Arrival::frame);
   const auto& values = std::get<Image<std::uint8_t>>(frame.pixels);
-  // A ramp that wanders, its green apart from its red and blue.
+  // A moving ramp whose green differs from its red and blue.
   EXPECT_NE(values(30, 20), values(31, 20));
   EXPECT_EQ(values(33, 20), static_cast<std::uint8_t>(values(30, 20) + 4));
   source->stop();

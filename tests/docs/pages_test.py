@@ -22,7 +22,7 @@ SHELL = ("sh", "bash", "console")
 
 # Lines that ask for more than a program and its files.
 NEEDS = {
-    "a camera": r"aravis:|slipstream camera",
+    "a camera": r"(aravis|v4l2):|slipstream camera",
     "a projector": r"--monitor|slipstream project",
     "a window": r"slipstream live(?!.*--headless)|slipstream view(?!.*shot )",
     "a screen of its own": r"^xvfb-run",
@@ -135,8 +135,8 @@ def test_commands_flags_and_files_are_there(page, commands, tasks):
     assert not wrong
 
 
-def test_the_readme_names_every_command(commands):
-    named = re.findall(r"^\| `([a-z]+)` \|", (SOURCES / "README.md").read_text(), re.M)
+def test_the_index_names_every_command(commands):
+    named = re.findall(r"^\| `([a-z]+)` \|", (SOURCES / "docs" / "index.md").read_text(), re.M)
     assert set(named) == set(commands[()][1])
 
 

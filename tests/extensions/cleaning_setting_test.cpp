@@ -1,5 +1,5 @@
-// A setting of cleaning that no part of the library knows: told on the command line, held to its
-// range, and obeyed.
+// A cleaning step defined outside the library: its setting is read from the command line, checked
+// against its range and applied.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -15,18 +15,14 @@
 
 namespace slipstream::own_cleaning_test {
 
-/// Points that hardly reflect are left out.
+/// Rejects points darker than a limit.
 struct TooDark {
   double least_intensity = 0;
 
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
-    visit({.name = "least_intensity",
-           .unit = "grey levels",
-           .least = 0,
-           .most = 255,
-           .flag = "--least-intensity",
-           .help = "darker points are left out"},
+    visit({"least_intensity", "--least-intensity", "darker points are left out", "grey levels", 0,
+           255},
           self.least_intensity);
   }
   void operator()(Cloud& cloud) const {

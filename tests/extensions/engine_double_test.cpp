@@ -1,5 +1,5 @@
-// An engine that no part of the library knows: it says the same cloud of whatever frames, for tests
-// of what stands behind an engine.
+// An engine defined outside the library: it returns the same cloud for all frames, as a test double
+// for code that uses an engine.
 #include <algorithm>
 #include <memory>
 
@@ -25,7 +25,7 @@ TEST(OwnEngine, IsChosenOnceAndCleanedLikeOthers) {
   seen.setup.settings.clean = CleanSettings::none();
   seen.setup.settings.clean.box = PointBox{{-1000, -1000, 0}, {1000, 1000, 500}};
   for (const float z : {400.0F, 600.0F}) {
-    seen.setup.own_engine = flat_wall(z);
+    seen.setup.settings.own_engine = flat_wall(z);
     Engine engine(seen.setup);
     Cloud cloud;
     engine.cloud(seen.scan.frames, cloud);

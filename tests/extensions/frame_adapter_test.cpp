@@ -1,5 +1,5 @@
-// A kind of frames that no part of the library knows, from a camera that gives them turned upside
-// down: they are turned back where they enter, as a source of frames, and nothing behind it knows.
+// A frame source defined outside the library: it wraps a camera mounted upside down and rotates its
+// frames, so that no later stage needs to know.
 #include <algorithm>
 #include <memory>
 #include <utility>

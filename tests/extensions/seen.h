@@ -1,4 +1,4 @@
-// A scan of the virtual scanner, and what must come of it: what extensions are tried by.
+// A virtual scan and its expected result, for tests of extensions.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@ inline Seen seen_under(const Strategy& strategy, const ReconstructSettings& sett
       .scan = take_scan(scanner, scene_named("boxes", scanner), pattern_set(strategy, Axis::x))};
 }
 
-/// Nearly all pixels that see light have the depth of the surface there.
+/// More than 80 % of lit pixels are within 1 mm of the true depth.
 inline void expect_true_depths(const Seen& seen, Engine& engine) {
   Cloud cloud;
   engine.cloud(seen.scan.frames, cloud);

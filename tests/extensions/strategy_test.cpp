@@ -1,5 +1,5 @@
-// A coding that no part of the library knows: its frames may come in any order, and each of three
-// sinusoids is unwrapped by the next coarser.
+// A strategy defined outside the library: three sinusoids, each unwrapped with the next coarser
+// one.
 #include <array>
 #include <cmath>
 #include <numbers>

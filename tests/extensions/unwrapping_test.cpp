@@ -1,5 +1,5 @@
-// A way of unwrapping that no part of the library knows: of two sinusoids of few periods the pair
-// of fringe orders under which their coordinates agree best.
+// An unwrapping method defined outside the library: picks the pair of fringe orders for which the
+// coordinates of two sinusoids agree best.
 #include "slipstream/codes/unwrapping.h"
 
 #include <cmath>

@@ -44,7 +44,7 @@ class HostileInput : public testing::Test {
 TEST_F(HostileInput, PipesDevicesAndLinksInARingAreRefusedAtOnce) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   fs::create_symlink(path("ring"), path("ring"));
-  const std::string wanted = "a file is wanted", ring = "symbolic links";
+  const std::string wanted = "expected a file", ring = "symbolic links";
   for (const std::string& special : {path("pipe"), std::string("/dev/zero")}) {
     expect_refused({"reconstruct", path("scan"), "--scanner", special}, wanted);
     expect_refused({"reconstruct", path("scan"), "--rig", special}, wanted);
@@ -73,7 +73,7 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
   fs::create_symlink(frame, path("link.png"));
   for (const std::string& preview :
        {frame, path("scan/../scan/./frame_00.png"), path("link.png")}) {
-    expect_refused({"reconstruct", path("scan"), "--preview", preview}, "is read");
+    expect_refused({"reconstruct", path("scan"), "--preview", preview}, "is an input");
   }
   expect_refused({"reconstruct", path("scan"), "--preview", path("scan/{name}_00.png"), "--depth",
                   path("a.tiff"), "--mean", path("./a.tiff")},
@@ -89,14 +89,14 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
                  "two outputs");
   const std::string description = path("scan/scan.yaml");
   for (const std::string& output : {frame, description}) {
-    expect_refused({"calibrate", "gamma", path("scan"), "-o", output}, "is read");
+    expect_refused({"calibrate", "gamma", path("scan"), "-o", output}, "is an input");
     expect_refused(
         {"calibrate", "gamma", path("scan"), "-o", path("a.yaml"), "--histogram", output},
-        "is read");
+        "is an input");
     expect_refused(
         {"calibrate", "ambient", path("scan"), "-o", path("a.yaml"), "--histogram", output},
-        "is read");
-    expect_refused({"unwrap", output, "-o", output}, "is read");
+        "is an input");
+    expect_refused({"unwrap", output, "-o", output}, "is an input");
   }
   EXPECT_EQ(contents(frame), before);
   EXPECT_FALSE(fs::exists(path("a.tiff")));
@@ -201,7 +201,7 @@ TEST_F(HostileInput, NumbersThatAreNone) {
   expect_refused(simulate({"--virtual-noise", "1e308"}), "noise");
   expect_refused(simulate({"--seed=-1"}), "below 0");
   expect_refused({"simulate", path("other"), "--camera", "60000x60000"}, "160000000 pixels");
-  expect_refused({"reconstruct", path("scan"), "--noise-variance", "1e308"}, "noise_variance");
+  expect_refused({"reconstruct", path("scan"), "--noise-variance", "1e308"}, "noise variance");
   expect_refused({"reconstruct", path("scan"), "--nearest", "inf"}, "not finite");
   EXPECT_FALSE(fs::exists(path("other")));
 }

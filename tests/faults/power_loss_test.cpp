@@ -134,8 +134,7 @@ TEST_F(PowerLoss, CostsARecordingNoFrameThatWasSynced) {
 
 TEST_F(PowerLoss, OfADiskThatFailsNoFrameIsClaimed) {
   ASSERT_EQ(program_.run({of_fsync, 1}), 1);
-  EXPECT_NE(program_.err().find("of the 31 frames before, 0 are sure to be on the disk"),
-            std::string::npos)
+  EXPECT_NE(program_.err().find("of the 31 frames before, 0 are safely on disk"), std::string::npos)
       << program_.err();
   EXPECT_EQ(contents(made_), "old");
   EXPECT_NE(program_.err().find(".part"), std::string::npos) << program_.err();

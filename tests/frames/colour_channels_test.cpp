@@ -107,8 +107,8 @@ TEST(Unmixed, SaysWhatIsNoPicture) {
   };
   const FrameSet pictures = frames(6, picture_size);
   EXPECT_EQ(refusal(pictures, frames(3, picture_size)), "");
-  EXPECT_EQ(refusal(frames(4, picture_size)), "4 frames are no pictures of three channels each");
-  const std::string no_white = "the white picture is not one of three channels of the frames' size";
+  EXPECT_EQ(refusal(frames(4, picture_size)), "4 frames given; expected a multiple of 3, one per channel");
+  const std::string no_white = "the white picture must have three channels of the frames' size";
   EXPECT_EQ(refusal(pictures, frames(6, picture_size)), no_white);
   EXPECT_EQ(refusal(pictures, frames(3, {4, 4})), no_white);
   try {
@@ -116,7 +116,7 @@ TEST(Unmixed, SaysWhatIsNoPicture) {
     FAIL() << "six frames are not four pictures";
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()),
-              "6 frames given; black, red, green and blue are 12 of three channels");
+              "6 frames given; expected 12: three channels each of black, red, green and blue");
   }
 }
 

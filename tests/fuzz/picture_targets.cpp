@@ -67,7 +67,7 @@ Bytes repaired_png(std::span<const std::uint8_t> input) {
   return bytes;
 }
 
-/// Likewise; the layout is in docs/reference/files.md.
+/// Likewise; the layout is in docs/reference/clouds-and-recordings.md.
 Bytes repaired_recording(std::span<const std::uint8_t> input) {
   Bytes bytes(input.begin(), input.end());
   constexpr std::size_t head = 64, sum = 60, end_mark = 16;

@@ -20,7 +20,7 @@ TEST(Checksum, IsThatOfZlib) {
   expect_error([&] { (void)checksum_of_file(folder.path() / "none"); }, {"none", "no such file"});
 }
 
-/// 12 frames of four patterns; another frame in place of number `other`.
+/// 12 frames of four patterns; frame `other` is replaced with a different one.
 RecordingReader recording(const fs::path& path, int other) {
   const Sequence shown{.strategy = PhaseMeasuring{.steps = 4}};
   RecordingWriter writer(path, {.format = some_format, .sequence = shown});

@@ -18,7 +18,7 @@
 
 namespace slipstream::cloud_file_test {
 
-/// Three points in a picture of 3x2.
+/// Three points in a 3x2 image.
 Cloud small_cloud() {
   Cloud cloud({3, 2});
   int i = 0;
@@ -35,7 +35,7 @@ Cloud small_cloud() {
 
 struct Parsed {
   std::string header;
-  std::string bytes;  ///< behind it
+  std::string bytes;  ///< after the header
 
   [[nodiscard]] std::vector<float> floats() const {
     std::vector<float> numbers(bytes.size() / sizeof(float));
@@ -56,13 +56,13 @@ TEST(CloudFile, PlyHasTheValidPointsAndNoWordOfTheOthers) {
   write_cloud(folder.path() / "cloud.ply", small_cloud());
   const auto [header, bytes] = parse(folder.path() / "cloud.ply", "end_header\n");
   EXPECT_NE(header.find("element vertex 3\n"), std::string::npos);
-  // By it the Point Cloud Library reads a point for each pixel, most of them at the origin.
+  // With obj_info, the Point Cloud Library reads one point per pixel, most of them at the origin.
   EXPECT_EQ(header.find("obj_info"), std::string::npos);
   ASSERT_EQ(bytes.size(), 3 * (3 * sizeof(float) + sizeof(double) + 3));
   EXPECT_EQ(bytes.substr(23 + 20, 3), "\x0a\x0a\x0a");
 }
 
-/// A cloud with points here and there, and something in all that a file may hold of it.
+/// A cloud with scattered points and a value in every field that a file can store.
 struct FullCloud {
   explicit FullCloud(unsigned seed) : cloud({17, 11}), sigma(cloud.size()) {
     std::mt19937 random(seed);

@@ -8,7 +8,7 @@
 
 namespace slipstream {
 
-/// `action` throws Error with one line that has all of `parts` in it.
+/// Expects `action` to throw Error with a one-line message that contains all `parts`.
 template <class Action>
 void expect_error(const Action& action, std::initializer_list<std::string> parts) {
   try {

@@ -49,9 +49,9 @@ TEST(ReadFile, RefusesWhatIsNoFileAtOnce) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   std::filesystem::create_symlink(loop, loop);
   std::filesystem::create_symlink("/dev/zero", folder.path() / "zero");
-  expect_error([&] { read_file(pipe); }, {"pipe", "a file is wanted"});
-  expect_error([&] { read_file(folder.path() / "zero"); }, {"zero", "a file is wanted"});
-  expect_error([&] { read_file("/dev/null"); }, {"/dev/null", "a file is wanted"});
+  expect_error([&] { read_file(pipe); }, {"pipe", "expected a file"});
+  expect_error([&] { read_file(folder.path() / "zero"); }, {"zero", "expected a file"});
+  expect_error([&] { read_file("/dev/null"); }, {"/dev/null", "expected a file"});
   expect_error([&] { read_file(loop); }, {"loop", "symbolic links"});
   expect_error([&] { read_file(std::string(5000, 'a')); }, {"aaa", "too long"});
 }
@@ -61,8 +61,8 @@ TEST(ReadFile, RefusesWhatIsTooLargeBeforeItIsRead) {
   const auto path = folder.path() / "large";
   write_file(path, "");
   std::filesystem::resize_file(path, std::uintmax_t{1} << 40);
-  expect_error([&] { read_file(path); }, {"large", "1099511627776 bytes", "at most"});
-  expect_error([&] { read_text(path); }, {"large", "at most 1048576"});
+  expect_error([&] { read_file(path); }, {"large", "1099511627776 bytes", "limit"});
+  expect_error([&] { read_text(path); }, {"large", "limit 1048576"});
 }
 
 TEST(WriteFile, FollowsNoLinkAndSharesNoName) {
@@ -100,7 +100,7 @@ TEST(OutputFile, HandlersRemoveWhatIsBeingWritten) {
   write_file(folder.path() / "note", "first");
   OutputFile kept(folder.path() / "note");
   kept.keep();
-  // In a process of its own: a file that was taken away stands still until the program ends.
+  // In a separate process: remove_temporary_files() makes destructors block until the end.
   EXPECT_EXIT(
       {
         OutputFile file(folder.path() / "other");

@@ -8,7 +8,7 @@
 
 namespace slipstream {
 
-/// A grey picture of 8 or 16 bits as it is, without scaling.
+/// Reads an 8- or 16-bit grey picture without scaling.
 inline Image<std::uint16_t> read_grey_image(const std::filesystem::path& path) {
   return read_frames({path}).frames.visit([](const auto& views) {
     Image<std::uint16_t> grey({views[0].width(), views[0].height()});

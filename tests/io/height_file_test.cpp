@@ -38,7 +38,7 @@ TEST(HeightFile, RefusesOtherFiles) {
   std::vector<std::uint8_t> bytes = read_file(path);
   bytes.resize(bytes.size() - 1);
   write_file(path, bytes);
-  refused("its shape says");
+  refused("its shape requires");
   write_map(path, Image<float>({12, 3}));
   refused("five numbers");
   write_map(path, Image<float>({15, 3}));

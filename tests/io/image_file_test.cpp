@@ -56,7 +56,7 @@ TEST(Frames, ComeBackAsTheyWereWritten) {
   }
 }
 
-/// Rows that are best filtered in different ways.
+/// Uses rows that favour different PNG filters.
 template <class Pixel>
 void expect_read_as_written(Size size, int compression) {
   const TemporaryFolder folder;
@@ -137,7 +137,7 @@ TEST(Frames, BadOnesAreNamed) {
   auto damaged = bytes;
   damaged[bytes.size() / 2] ^= 1;
   write_file(path("damaged.png"), damaged);
-  expect_error([&] { read_frames({path("damaged.png")}); }, {"damaged.png", "not a whole PNG"});
+  expect_error([&] { read_frames({path("damaged.png")}); }, {"damaged.png", "incomplete PNG"});
   write_file(path("text.png"), "no picture");
   expect_error([&] { read_frames({path("text.png")}); }, {"text.png"});
   write_file(path("empty.png"), "");
@@ -245,7 +245,7 @@ TEST(Frames, PgmMayBeText) {
   write_file(path, "P2\n# by hand\n3 2\n300\n0 1 2\n3 300 5\n");
   expect_pixels<std::uint16_t>((cv::Mat_<std::uint16_t>(2, 3) << 0, 1, 2, 3, 300, 5), path);
   write_file(path, "P2\n3 2\n300\n0 1 2\n3 301 5\n");
-  expect_error([&] { read_frames({path}); }, {"frame.pgm", "not a whole PGM"});
+  expect_error([&] { read_frames({path}); }, {"frame.pgm", "not a complete PGM"});
   write_file(path, "P4\n3 2\n\x01\x02");
   expect_error([&] { read_frames({path}); }, {"frame.pgm", "one bit"});
 }
@@ -284,10 +284,10 @@ TEST(Frames, TiledTiffIsReadAndOtherKindsAreNamed) {
   std::uint8_t bits = 0x55;
   TIFFWriteScanline(tiff, &bits, 0, 0);
   TIFFClose(tiff);
-  expect_error([&] { read_frames({path}); }, {"frame.tif", "unknown kind"});
+  expect_error([&] { read_frames({path}); }, {"frame.tif", "unsupported pixel type"});
 }
 
-/// A file of those bytes with numbers, little-endian, put in at the end.
+/// Appends numbers, little-endian, to the bytes.
 std::string with_numbers(std::string bytes, std::initializer_list<std::uint32_t> numbers) {
   for (const std::uint32_t number : numbers) {
     for (int byte = 0; byte < 4; ++byte) bytes += static_cast<char>(number >> (8 * byte));
@@ -315,7 +315,7 @@ TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
   const auto expect_refused = [&](const std::string& name, const std::string& bytes) {
     write_file(folder.path() / name, bytes);
     expect_error([&] { read_frames({folder.path() / name}); },
-                 {name, "900000000 pixels", "at most 160000000"});
+                 {name, "900000000 pixels", "limit 160000000"});
   };
   const std::string sides("\0\0\x75\x30\0\0\x75\x30", 8);  // 30000, big-endian, twice
   const std::string one("\0\0\0\1\0\0\0\1", 8), grey("\x08\0\0\0\0", 5);
@@ -325,7 +325,7 @@ TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
   expect_refused("frame.bmp",
                  with_numbers(std::string("BM") + std::string(12, 'x'),
                               {40, 30000, 0U - 30000U, 1 | 8U << 16, 0, 0, 0, 0, 0, 0}));
-  // Whose size does not stand where it usually does.
+  // The size is not at its usual offset.
   expect_refused("late.png",
                  signature + png_chunk("abCd", one) + png_chunk("IHDR", sides + grey) + pixels);
 
@@ -350,7 +350,7 @@ TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
 TEST(Frames, OfMoreBytesThanAScanMayHaveAreRefusedBeforeTheyAreDecoded) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frame.pgm";
-  write_file(path, "P5\n12000 10000\n255\n");  // of which no pixel is there
+  write_file(path, "P5\n12000 10000\n255\n");  // header without pixels
   expect_error([&] { read_frames(std::vector<fs::path>(40, path)); },
                {"frame.pgm", "40 frames of 120000000 bytes"});
 }
@@ -371,7 +371,7 @@ TEST(Maps, KeepNanAndThirtyTwoBits) {
       {"map.jpg", ".png"});
 }
 
-/// The last four bytes of a TIFF file say that no other picture follows.
+/// The last four bytes of a TIFF file only say that no other picture follows.
 TEST(Frames, EveryTruncationOfPixelsIsFound) {
   const TemporaryFolder folder;
   for (const char* name : {"frame.png", "frame.tif", "frame.bmp", "frame.pgm"}) {

@@ -46,12 +46,12 @@ TEST(NpyFile, ReadsWhatNumPyWrites) {
   refused("<f4", "<i4", "little-endian");
   refused("False", "True ", "rows x columns");
   refused("(1, 2)", "(2,)  ", "rows x columns");
-  refused("(1, 2)", "(1, 3)", "its shape says 12");
+  refused("(1, 2)", "(1, 3)", "its shape requires 12");
   refused("(1, 2), }", "(0, 2), }", "0 pixels");
   refused("NUMPY\x01", "NUMPY\x03", "not a NumPy file");
   refused("\x76", "\x77", "rows x columns");
   write_file(path, text.substr(0, 60));
-  expect_error([&] { (void)read_map(path); }, {"not a whole NumPy file"});
+  expect_error([&] { (void)read_map(path); }, {"not a complete NumPy file"});
 }
 
 TEST(Levels, AreThoseOfPicturesAndMaps) {

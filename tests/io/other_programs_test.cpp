@@ -1,5 +1,5 @@
-// What other programs make of the files that are written; skipped where one is not installed.
-// docs/reference/files.md says how to get them.
+// Reads written files with other programs; skipped if they are not installed.
+// docs/reference/clouds-and-recordings.md says how to install them.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -20,7 +20,7 @@ class OtherProgram : public testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
-  /// Whether the command, run in the folder, went well.
+  /// Runs a command in the folder; returns whether it succeeded.
   [[nodiscard]] bool run(const std::string& command) const {
     return std::system(
                fmt::format("cd {} && ({}) >said 2>&1", folder_.path().string(), command).c_str()) ==
@@ -54,7 +54,7 @@ TEST_F(OtherProgram, PclReadsExactlyTheValidPoints) {
   }
 }
 
-// Of OBJ nothing is asked: Debian's MeshLab aborts on every one (Debian bug 1054006).
+// OBJ is not tested: Debian's MeshLab aborts on every OBJ file (Debian bug 1054006).
 TEST_F(OtherProgram, MeshLabKeepsColoursAndTriangles) {
   if (!has("meshlabserver") || !has("xvfb-run")) {
     GTEST_SKIP() << "no meshlabserver or xvfb-run; they are in Debian's meshlab and xvfb";
@@ -92,7 +92,7 @@ TEST_F(OtherProgram, CloudCompareKeepsColours) {
   EXPECT_EQ(points, point_count(cloud_));
 }
 
-// It remarks on every picture whose sides are no powers of two, which no camera has.
+// The validator notes every texture whose sides are not powers of two; camera images never are.
 TEST_F(OtherProgram, ValidatorFindsNoErrorInGltf) {
   if (!run("node -e \"require('gltf-validator')\"")) {
     GTEST_SKIP() << "no gltf-validator of npm where NODE_PATH says";

@@ -42,13 +42,13 @@ TEST(PhotometricFile, RefusesWhatIsOutOfRange) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "bad.yaml";
   write_file(file, "%YAML:1.0\n---\nnoise_variance: 0\n");
-  expect_error([&] { read_photometric_calibration(file); }, {"bad.yaml", "noise_variance"});
+  expect_error([&] { read_photometric_calibration(file); }, {"bad.yaml", "noise variance"});
   write_file(file, "%YAML:1.0\n---\nambient_light: 300\n");
-  expect_error([&] { read_photometric_calibration(file); }, {"bad.yaml", "ambient_light", "300"});
+  expect_error([&] { read_photometric_calibration(file); }, {"bad.yaml", "ambient light", "300"});
   write_file(file, "%YAML:1.0\n---\nambient_light: dark\n");
   expect_error([&] { read_photometric_calibration(file); }, {"ambient_light"});
   write_file(file, "%YAML:1.0\n---\nambient_light: .nan\n");
-  expect_error([&] { read_photometric_calibration(file); }, {"ambient_light"});
+  expect_error([&] { read_photometric_calibration(file); }, {"ambient light"});
   expect_error(
       [&] {
         write_photometric_calibration(file, folder.path() / "x.xml",
@@ -68,7 +68,7 @@ class ResponseInAFile : public testing::TestWithParam<const char*> {
     const auto bytes = read_file(file(name));
     return {bytes.begin(), bytes.end()};
   }
-  /// Writes it beside what the file `from` says, where there is one.
+  /// Writes the response to `to`, merged with the contents of `from`, if given.
   void write(const std::optional<std::string>& from, const std::string& to,
              const MeasuredResponse& response) const {
     write_photometric_calibration(from ? std::optional(file(*from)) : std::nullopt, file(to),
@@ -98,7 +98,7 @@ TEST_P(ResponseInAFile, KeepsEveryOtherEntry) {
             (std::vector<double>{1, 2, 3, 4}));
   EXPECT_EQ(read_scanner(file("scanner")).translation, example_scanner().translation);
 
-  // Written again it stands there once.
+  // Writing it again replaces it.
   write("scanner", "copy", {PowerLaw{1.8}, 1.8, 0.002});
   EXPECT_EQ(read("copy")->gamma, 1.8);
   EXPECT_EQ(text_of("copy").find("2.21"), std::string::npos);
@@ -113,7 +113,7 @@ TEST_P(ResponseInAFile, HoldsACurve) {
   const MeasuredResponse curve{response_curve(values, intensities), 1.9, 0.01};
   write({}, "alone", curve);
   EXPECT_EQ(read("alone"), curve);
-  // A power law that is written later takes the curve's place.
+  // A later power law replaces the curve.
   const MeasuredResponse power_law{PowerLaw{2}, 2, 0.01};
   write("alone", "alone", power_law);
   EXPECT_EQ(read("alone"), power_law);
@@ -129,7 +129,7 @@ TEST_P(ResponseInAFile, IsRefusedWhereItIsNone) {
   };
   refused({{"gamma", {1, 1, {30}}}}, "gamma 30 is out of range");
   refused({{"gamma", {1, 2, {2, 3}}}}, "gamma is not a number");
-  refused({{"response_values", {1, 3, {0, 0.5, 1}}}}, "go together");
+  refused({{"response_values", {1, 3, {0, 0.5, 1}}}}, "must both be present");
   refused({{"response_values", {1, 3, {0, 0.5, 1}}}, {"response_light", {1, 3, {0, 0, 0}}}},
           "does not rise");
 }

@@ -11,7 +11,7 @@ namespace slipstream::plot_file_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Pixels that are neither white paper nor grey ink.
+/// Number of pixels that are not grey.
 int coloured_pixels(const std::filesystem::path& path) {
   const cv::Mat picture = cv::imread(path.string());
   int count = 0;
@@ -63,7 +63,7 @@ TEST(PlotFile, NoLegendHidesACurve) {
   };
   const cv::Mat bare = drawn("", ""), told = drawn("one", "another");
   ASSERT_GT(told.rows, bare.rows);
-  const int axes = bare.rows - 20;  // the first line of the legend stands at the end of a bare page
+  const int axes = bare.rows - 20;  // a legend would start 20 pixels above the bottom
   EXPECT_EQ(cv::norm(told.rowRange(0, axes), bare.rowRange(0, axes), cv::NORM_INF), 0);
 }
 

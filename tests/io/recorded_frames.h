@@ -10,7 +10,7 @@ namespace slipstream {
 
 inline constexpr FrameFormat some_format{{21, 13}, 8};
 
-/// Frame `number` of a format, other pixels in each, a millisecond apart.
+/// Frame `number`, with its own pixels; frames are 1 ms apart.
 inline Frame some_frame(int number, const FrameFormat& format = some_format) {
   Frame frame(format);
   std::mt19937 random(static_cast<unsigned>(number));

@@ -67,14 +67,14 @@ TEST(Recorder, FullDiskEndsTheRecordingAndIsToldOnce) {
   const SmallDisk disk(2000);
   while (recorder.error().empty()) recorder.record(some_frame(0));
   EXPECT_FALSE(recorder.record(some_frame(0)));
-  EXPECT_NE(recorder.error().find("it holds the 5 frames before"), std::string::npos)
+  EXPECT_NE(recorder.error().find("the 5 frames before are recorded"), std::string::npos)
       << recorder.error();
   EXPECT_THROW(recorder.finish(), WorldError);
   EXPECT_EQ(recorder.counts().written, 5U);
   EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
 }
 
-/// A recording of `count` frames as a source that never ends.
+/// An endless source that loops a recording of `count` frames.
 std::unique_ptr<FrameSource> some_source(const fs::path& path, int count) {
   RecordingWriter writer(path, {.format = some_format});
   for (int i = 0; i < count; ++i) writer.append(some_frame(i));

@@ -116,7 +116,7 @@ TEST(Recording, KeepsThatItIsInColourAndTheWhitePicture) {
   EXPECT_EQ(RecordingReader(path).header().white.count(), 0);
 }
 
-/// A program that knows grey ones alone reads no version but 1.
+/// Programs that support only grey recordings accept only version 1.
 TEST(Recording, IsOfVersion2InColourAlone) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frames";
@@ -138,7 +138,7 @@ TEST(Recording, IsOfVersion2InColourAlone) {
   }
   bytes[8] = 3;
   put_bytes(path, bytes);
-  expect_error([&] { RecordingReader reader(path); }, {"of version 3", "1 and 2 can be read"});
+  expect_error([&] { RecordingReader reader(path); }, {"version 3", "supported: 1 and 2"});
 }
 
 TEST(Recording, RefusesColoursThatAreNone) {
@@ -146,7 +146,7 @@ TEST(Recording, RefusesColoursThatAreNone) {
   const fs::path path = folder.path() / "frames";
   RecordingHeader four_steps = in_colour(some_format), marked = four_steps;
   four_steps.sequence->strategy = PhaseMeasuring{.steps = 4};
-  expect_error([&] { RecordingWriter(path, four_steps); }, {"4 frames", "three each"});
+  expect_error([&] { RecordingWriter(path, four_steps); }, {"4 frames", "a multiple of 3"});
   marked.sequence->marker = true;
   expect_error([&] { RecordingWriter(path, marked); }, {"marker"});
   RecordingHeader grey = in_colour(some_format);
@@ -231,7 +231,7 @@ TEST(Recording, PowerLossKeepsAllFramesThatWereSynced) {
   const std::vector<std::uint8_t> whole = read_file(path);
   std::mt19937 random(1);
   for (int tries = 0; tries < 2000; ++tries) {
-    // What came after a sync is there in part, in any order: blocks of it, and any length.
+    // Simulates a crash: bytes after the last sync are partly zero, and the file is cut anywhere.
     const std::size_t synced = random() % (frames + 1);
     std::vector<std::uint8_t> bytes = whole;
     for (std::size_t at = header + synced * record_size; at < bytes.size();) {
@@ -336,9 +336,10 @@ TEST(Recording, ChangedHeaderIsRefused) {
 TEST(Recording, RefusesWhatIsNoRecording) {
   const TemporaryFolder folder;
   expect_error([&] { RecordingReader reader(folder.path() / "none"); }, {"none", "no such file"});
-  expect_error([&] { RecordingReader reader(folder.path()); }, {"a file is wanted"});
+  expect_error([&] { RecordingReader reader(folder.path()); }, {"expected a file"});
   write_file(folder.path() / "text", std::string(100, 'x'));
-  expect_error([&] { RecordingReader reader(folder.path() / "text"); }, {"is no recording"});
+  expect_error([&] { RecordingReader reader(folder.path() / "text"); },
+               {"is not a slipstream recording"});
 }
 
 TEST(Recording, RefusesAFrameOfAnotherFormat) {
@@ -369,7 +370,8 @@ TEST(Recording, FullDiskEndsItWithTheFrameBefore) {
       for (; written < 100; ++written) writer.append(some_frame(written));
       ADD_FAILURE() << "the disk was not full";
     } catch (const WorldError& error) {
-      EXPECT_NE(std::string(error.what()).find("holds the 5 frames before"), std::string::npos)
+      EXPECT_NE(std::string(error.what()).find("the 5 frames before are recorded"),
+                std::string::npos)
           << error.what();
     }
     EXPECT_EQ(written, 5);

@@ -23,7 +23,7 @@ namespace slipstream::replay_source_test {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// Frames of the numbers given, in a recording of PMP with N = 4.
+/// Records frames with these numbers, PMP with N = 4.
 void record(const fs::path& path, const std::vector<int>& numbers) {
   RecordingWriter writer(
       path, {.format = some_format, .sequence = Sequence{.strategy = PhaseMeasuring{.steps = 4}}});
@@ -83,7 +83,7 @@ TEST(ReplaySource, LosesNothingWhereItBeginsAgain) {
       ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
       for (std::uint64_t before = frame.stamp.sequence; before < 40; ++before) {
         ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
-        if (count < 4) break;  // no whole cycle: there is nothing to join
+        if (count < 4) break;  // without a whole cycle it cannot loop seamlessly
         ASSERT_EQ(frame.stamp.sequence, before + 1);
         ASSERT_EQ(*frame.stamp.pattern_index, static_cast<int>((before + 1) % 4));
       }
@@ -93,7 +93,7 @@ TEST(ReplaySource, LosesNothingWhereItBeginsAgain) {
 
 TEST(ReplaySource, KeepsTheTimesOfTheRecording) {
   const TemporaryFolder folder;
-  record(folder.path() / "frames", {0, 40, 79});  // their numbers are milliseconds
+  record(folder.path() / "frames", {0, 40, 79});  // frame numbers are times in ms
   ReplaySource source(folder.path() / "frames", {.loop = true});
   EXPECT_TRUE(source.has_own_pace());
   source.start();
@@ -159,7 +159,7 @@ TEST(ReplaySource, SaysThatARecordingWasInterrupted) {
   record(path, {0, 1, 2});
   fs::resize_file(path, fs::file_size(path) - 100);
   const ReplaySource source(path, {});
-  EXPECT_NE(source.warning().find("2 whole frames are in it, 1 were dropped"), std::string::npos)
+  EXPECT_NE(source.warning().find("2 complete frames, 1 dropped"), std::string::npos)
       << source.warning();
 }
 
@@ -169,12 +169,12 @@ TEST(ReplaySource, RefusesWhatCannotBeReplayed) {
   expect_error([&] { ReplaySource(path, {}); }, {"no such file"});
   record(path, {0});
   fs::resize_file(path, fs::file_size(path) - 100);
-  expect_error([&] { ReplaySource(path, {}); }, {"no whole frame"});
+  expect_error([&] { ReplaySource(path, {}); }, {"no complete frame"});
   expect_error([&] { ReplaySource(path, {.rate = -3}); }, {"-3"});
   expect_error([&] { ReplaySource(folder.path(), {}); }, {"no pictures"});
 }
 
-/// A scan of the statue with its pictures and scanner file.
+/// Writes a scan of the statue with its pictures and scanner file.
 FrameSet write_scan(const fs::path& folder, const Scanner& scanner, const Strategy& strategy,
                     int bits) {
   FrameSet frames = take_scan(scanner, scene_named("statue", scanner),
@@ -193,7 +193,7 @@ TEST(ReplaySource, RefusesPicturesOf16BitsThatAreSaidToHave8) {
   scan.bits = 8;
   write_scan_files(folder.path() / "scan.yaml", scan);
   expect_error([&] { ReplaySource(folder.path(), {}); },
-               {folder.path().string(), "pictures of 16 bits", "bits is 8"});
+               {folder.path().string(), "16-bit pictures", "bits is 8"});
 }
 
 TEST(ReplaySource, GivesTheChannelsOfPicturesInColourFromAFolderAndFromItsRecording) {

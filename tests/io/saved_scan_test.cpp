@@ -56,8 +56,8 @@ TEST(SavedScan, ComesBackWhole) {
   }
 }
 
-/// Five cycles after the last two frames of one, without the frame `lost`; the first pixel of a
-/// frame tells its cycle.
+/// Records the last two frames of a cycle, then five cycles, without the frame `lost`. The first
+/// pixel of each frame is its cycle.
 void record_cycles(const fs::path& path, std::optional<int> lost) {
   const FrameSet cycle = some_scan().frames;
   const std::vector<Frame> frames = frames_of(cycle, "cycle");
@@ -109,7 +109,7 @@ TEST(SavedScan, IsNotWrittenOfFramesThatWereTakenApart) {
   const TemporaryFolder folder;
   const Sequence read{.strategy = make_strategy("fourier", {}).read_as()};
   expect_error([&] { save_scan(folder.path() / "scan", some_scan().frames, read, scanner); },
-               {"fourier", "as it was taken"});
+               {"fourier", "as captured"});
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "scan"));
 }
 
@@ -127,7 +127,7 @@ TEST(SavedScan, HasTheSecondCamerasScanWithIt) {
 
   const Sequence other{.strategy = PhaseMeasuring{.steps = 4, .frequency = 2}};
   save_scan(folder.path() / "second", frames, other, scanner);
-  expect_error([&] { (void)load_scan(folder.path()); }, {"second", "another strategy"});
+  expect_error([&] { (void)load_scan(folder.path()); }, {"second", "sequence differs"});
 }
 
 TEST(SavedScan, InColourIsTheSameFromARecording) {
@@ -154,12 +154,12 @@ TEST(SavedScan, InColourIsTheSameFromARecording) {
       EXPECT_EQ(read[0].sequence, read[1].sequence);
       fs::remove_all(folder.path() / "scan");
     }
-    // Grey patterns were not shown, as the folder says too.
+    // Grey patterns are refused, as for the folder.
     ScanChanges grey;
     grey.sequence.strategy = "pmp";
     grey.sequence.settings = {{"steps", "4"}};
     expect_error([&] { load_scan(folder.path() / "scan.slip", grey); },
-                 {"scan.slip", "4 frames", "three each"});
+                 {"scan.slip", "4 frames", "a multiple of 3"});
   }
 }
 
@@ -169,7 +169,7 @@ TEST(SavedScan, IsRefusedWhereItDoesNotFitTogether) {
   const ScanFiles files = save_scan(folder.path(), frames, sequence, scanner);
   ScanFiles fewer = files;
   fewer.frames.pop_back();
-  expect_error([&] { (void)load_scan(fewer); }, {folder.path().string(), "3 frames", "takes 4"});
+  expect_error([&] { (void)load_scan(fewer); }, {folder.path().string(), "3 frames", "has 4"});
   ScanFiles larger = files;
   larger.sequence.projector = {64, 48};
   expect_error([&] { (void)load_scan(larger); }, {"scanner.yaml", "64x48"});

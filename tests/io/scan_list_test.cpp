@@ -25,7 +25,7 @@ TEST(ScanList, ReadsLinesAsTheyAreWritten) {
                           "a\t\t1\t2\t3", "a\t1:2:3", "a\t18446744073709551616:"}) {
     expect_error([&] { (void)scan_list_from(bad, "list.txt"); }, {"list.txt: line 1: "});
   }
-  expect_error([] { (void)text_of(std::vector<ListedScans>{{.path = "a\nb"}}); }, {"line end"});
+  expect_error([] { (void)text_of(std::vector<ListedScans>{{.path = "a\nb"}}); }, {"line break"});
   expect_error([] { (void)scan_names({{.path = "a", .windows = WindowRange{}}}, 1); }, {"scans"});
 }
 

@@ -106,7 +106,7 @@ TEST(ScannerFile, ReadsProjectionMatrices) {
   const Scanner known = example_scanner();
   Eigen::Matrix<double, 3, 4> pose;
   pose << known.rotation, known.translation;
-  // Of a world that is not the camera's, and up to factors.
+  // In world coordinates other than the camera's, and scaled by arbitrary factors.
   Eigen::Isometry3d world = Eigen::Isometry3d::Identity();
   world.translate(Eigen::Vector3d(30, -20, 500));
   world.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
@@ -138,7 +138,7 @@ TEST(ScannerFile, ReadsProjectionMatrices) {
   const Eigen::Matrix<double, 3, 4> singular = Eigen::Matrix<double, 3, 4>::Ones();
   expect_error(
       [&] { (void)scanner_from(head + first + entry("projector_projection", singular), "c.yaml"); },
-      {"c.yaml", "projector", "not one of a camera"});
+      {"c.yaml", "projector", "singular or not finite"});
 
   const TemporaryFolder folder;
   write_file(folder.path() / "rig.yaml", text);
@@ -166,7 +166,7 @@ TEST(ScannerFile, ReadsTheMatricesOfTwoRealCameras) {
   const Scanner first = scanner("mCamera1Rectified.txt"), second = scanner("mCamera2Rectified.txt");
   EXPECT_NO_THROW(require_valid(first));
   EXPECT_NO_THROW(require_valid(second));
-  // One projector, and cameras that look along one axis.
+  // The same projector, and cameras with the same viewing direction.
   EXPECT_TRUE(first.projector.intrinsic.isApprox(second.projector.intrinsic, 1e-6));
   EXPECT_TRUE(first.rotation.col(2).isApprox(second.rotation.col(2), 1e-6));
   EXPECT_GT((projector_centre(first) - projector_centre(second)).norm(), 30);
@@ -184,11 +184,11 @@ TEST(ScannerFile, IsNotWrittenWhereItCouldNotBeRead) {
   const TemporaryFolder folder;
   Scanner scanner = example_scanner();
   scanner.photometry.ambient = 1e308;
-  expect_error([&] { write_scanner(folder.path() / "scanner.yaml", scanner); }, {"ambient_light"});
+  expect_error([&] { write_scanner(folder.path() / "scanner.yaml", scanner); }, {"ambient light"});
   EXPECT_EQ(entries_in(folder.path()), 0);
 }
 
-/// A file of SLMaster, whose entries hold those numbers.
+/// An SLMaster file with these entries.
 std::string slmaster_file(const char* rotation, const char* size) {
   return head + matrix("M1", 3, 3, K) + matrix("D1", 1, 5, "0.1, 0., 0., 0., 0.") +
          matrix("S", 2, 1, size) + matrix("M4", 3, 3, K) +

@@ -6,7 +6,7 @@
 
 namespace slipstream {
 
-/// A bent sheet of 24x16 pixels with a hole in it and a picture on it.
+/// A bent, textured sheet of 24x16 pixels with a hole.
 inline Cloud sheet_cloud() {
   Cloud cloud({24, 16});
   for (int row = 0; row < 16; ++row) {

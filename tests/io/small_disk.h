@@ -6,7 +6,7 @@
 
 namespace slipstream {
 
-/// While it lives, files may grow to `bytes`: a disk that is full, without one.
+/// Limits files to `bytes` during its lifetime, to simulate a full disk.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

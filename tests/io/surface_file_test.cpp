@@ -18,7 +18,7 @@
 
 namespace slipstream::surface_file_test {
 
-/// X, Y, Z and intensity of each, by X, Y and Z.
+/// X, Y, Z and intensity of each point, sorted.
 using Sorted = std::vector<std::array<float, 4>>;
 
 Sorted sorted(const Surface& surface, bool with_intensity) {

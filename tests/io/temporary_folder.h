@@ -10,7 +10,7 @@
 
 namespace slipstream {
 
-/// An empty folder that goes with everything in it.
+/// An empty folder, deleted with its contents on destruction.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(
@@ -31,14 +31,14 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Writes a file without waiting for the disk, for tests that write thousands.
+/// Writes a file without syncing to disk, for tests that write thousands.
 inline void put_bytes(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
 }
 
-/// How many files and folders are in it.
+/// Number of files and folders in `folder`.
 inline int entries_in(const std::filesystem::path& folder) {
   int count = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++count;

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 const Strategy strategy = DualFrequency{.steps = 4, .high = 4, .low = 1};
 
-/// Cycles of a scan along x and one along y, and a marker; the camera begins at frame `first`.
+/// Four cycles of a scan along x, one along y and, optionally, a marker; starts at frame `first`.
 std::vector<Frame> two_scans(bool marker, std::size_t first = 0) {
   const Sequence sequence{.strategy = strategy, .projector = {1280, 800}, .marker = marker};
   std::vector<Frame> frames;
@@ -41,7 +41,7 @@ const std::uint8_t* pixels_of(const FrameSet& frames, std::size_t n) {
   return pixels;
 }
 
-/// Whether both scans show the patterns in order: alike to those of a cycle from its beginning.
+/// Expects two scans whose frames match a whole cycle, in order.
 void expect_in_order(const std::vector<FrameSet>& scans) {
   const std::vector<Frame> cycle = two_scans(false);
   ASSERT_EQ(scans.size(), 2U);

@@ -1,4 +1,4 @@
-// The frames of a live scan are looked at as they come, whoever looks.
+// Checks of live frames as they arrive, with the library's check or another.
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ constexpr int steps = 4;
 const Strategy strategy = PhaseMeasuring{.steps = steps, .frequency = 1};
 const EngineSetup setup{.scanner = example_scanner(size), .sequence = {.strategy = strategy}};
 
-/// Frames that are as they should be but for the cycles [first, last], whose third is dark.
+/// Correct frames, except that the third frame is dark in cycles [first, last].
 std::unique_ptr<ScriptedSource> disturbed(int cycles, int first, int last) {
   std::vector<Frame> pictures = frames_of(strategy, {.size = size, .cycles = 1});
   pictures.push_back(Frame(pictures.front().format()));
@@ -32,7 +32,7 @@ std::unique_ptr<ScriptedSource> disturbed(int cycles, int first, int last) {
   return std::make_unique<ScriptedSource>(std::move(pictures), std::move(script));
 }
 
-/// Finds a frame dark in its middle.
+/// Reports dark frames.
 std::vector<Finding> look_for_darkness(const FrameViews& window) {
   return window.visit([](const auto& frames) {
     std::vector<Finding> findings;
@@ -50,7 +50,7 @@ std::vector<Finding> look_for_darkness(const FrameViews& window) {
 }
 
 TEST(LiveCheck, ADisturbanceIsToldWithinTwoCyclesAndSoIsItsEnd) {
-  // PatternWindows leaves a single frame out that is like no other; it settles for a row of them.
+  // PatternWindows drops a single odd frame, but accepts several in a row.
   LivePipeline pipeline(disturbed(30, 10, 19), setup, {.check = look_for_darkness});
   run_to_its_end(pipeline);
   const std::vector<LiveFinding> told = pipeline.findings();
@@ -91,7 +91,7 @@ TEST(LiveCheck, WhatItThrowsEndsThePipeline) {
   EXPECT_NE(pipeline.failure(), nullptr);
 }
 
-/// The frame of pattern 2 of a scan, as something makes it in some cycles.
+/// Changes the frame of pattern 2, in some cycles.
 using Disturb = void (*)(Frame& frame);
 
 void expect_told(const Strategy& shown, Disturb disturb, const std::string& cause) {

@@ -1,4 +1,4 @@
-// However long it runs, it takes no more memory.
+// Memory use does not grow with running time.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace slipstream::live_memory_test {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr bool sanitized = true;  // which takes memory of its own, and time
+constexpr bool sanitized = true;  // sanitizers add memory and time
 #else
 constexpr bool sanitized = false;
 #endif
@@ -46,7 +46,7 @@ TEST(LivePipeline, takes_no_more_memory_the_longer_it_runs) {
     run_to_its_end(pipeline);
     EXPECT_EQ(clouds, last);
     EXPECT_EQ(allocations_in_the_end, allocations_after);
-    // A thread's stack may come to be touched a little deeper.
+    // Thread stacks may grow a little.
     if (!sanitized) EXPECT_LE(resident_kilobytes(), resident_after + 1024);
   }
 }

@@ -57,8 +57,7 @@ FrameSet set_of(const std::vector<Frame>& pictures, const std::vector<int>& indi
   return {copies(std::uint16_t()), bits};
 }
 
-/// Counts the clouds that are, byte for byte, what the same pictures give by themselves. `picture`:
-/// which picture of the loop was shown as that sequence.
+/// Counts the clouds that equal, byte for byte, an offline reconstruction of the same pictures.
 class OfflineCheck {
  public:
   OfflineCheck(const EngineSetup& scan, const std::vector<Frame>& pictures,
@@ -93,7 +92,7 @@ class OfflineCheck {
   std::map<std::uint64_t, int> shown_;
 };
 
-/// Runs a script to its end and checks every cloud.
+/// Result of a script run to its end, with every cloud checked.
 struct Ran {
   int equal = 0, other = 0;
   std::vector<std::uint64_t> newest;
@@ -160,7 +159,7 @@ TEST(LivePipeline, lost_damaged_and_wrong_frames_cost_their_windows_alone) {
   auto pictures = frames_of(four_steps);
   pictures.resize(4);
   auto script = in_a_row(60);
-  // Each takes four windows.
+  // Each costs four windows.
   script[10].arrival = Arrival::damaged;
   script.erase(script.begin() + 20);
   pictures.push_back(Frame({{32, 16}, 8}));
@@ -277,7 +276,7 @@ TEST(LivePipeline, capture_goes_on_while_a_consumer_holds_every_cloud) {
       holding = false;
       held.clear();
     }
-    // From the first frame on windows are counted; in the end each becomes a cloud again.
+    // Windows count from the first frame on; at the end each gives a cloud again.
     if (step == 1 || step > last) wait_for_windows();
   };
   LivePipeline pipeline(std::move(source), scan_of(four_steps), settings);
@@ -353,12 +352,12 @@ TEST(LivePipeline, stops_in_every_state_and_starts_again) {
     pipeline.stop();
     EXPECT_FALSE(pipeline.running());
     const LiveStatistics statistics = pipeline.statistics();
-    // What was captured is finished.
+    // All captured frames are processed.
     const std::uint64_t captured = statistics.frames.captured;
     EXPECT_EQ(statistics.clouds, captured < 4 ? 0 : captured - 3);
     if (round % 3 == 2) EXPECT_EQ(captured, 50U);
   }
-  pipeline.start();  // and is left to the destructor
+  pipeline.start();  // the destructor stops it
 }
 
 TEST(LivePipeline, stops_at_once_while_the_source_is_silent) {
@@ -401,7 +400,7 @@ TEST(LivePipeline, what_a_stage_throws_ends_it_and_can_be_asked_for) {
 }
 
 TEST(LivePipeline, scan_is_changed_while_it_runs) {
-  // Dark frames, of which any number is as good as another.
+  // Dark frames, so their number does not matter.
   const auto pictures = frames_of(with_marker({.shape = {}}), {.cycles = 4});
   std::atomic<std::size_t> window = 0;
   std::atomic<std::size_t> dark = 0;
@@ -410,7 +409,7 @@ TEST(LivePipeline, scan_is_changed_while_it_runs) {
       {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
          dark = static_cast<std::size_t>(std::count(
              cloud->cloud.validity.begin(), cloud->cloud.validity.end(), Validity::too_dark));
-         window = cloud->frames.size();  // last: who waits for it finds the other
+         window = cloud->frames.size();  // set last, so `dark` is valid once it changes
        }});
   pipeline.start();
   while (window != 4) std::this_thread::sleep_for(1ms);

@@ -1,5 +1,5 @@
-// Live clouds of sequences of every kind: strategies that are layouts alone, several exposures,
-// frames of motion.
+// Live clouds of every kind of sequence: user-defined strategies, exposure brackets, motion
+// compensation.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -19,8 +19,8 @@
 
 namespace slipstream::live_sequences_test {
 
-/// Every cloud of a loop of the virtual camera, and how many of them are what an engine makes of
-/// the same frames.
+/// Counts of live clouds from a virtual camera: all, equal to an offline reconstruction, with
+/// points.
 struct Made {
   std::size_t clouds = 0, same = 0, with_points = 0;
   std::uint64_t resynchronisations = 0;
@@ -87,7 +87,7 @@ TEST(Exposures, LiveCloudsAreThoseOfAFolder) {
   EXPECT_EQ(other, 0);
 }
 
-/// Largest difference of depth, mm; where only one has a point it is infinite.
+/// Largest difference in depth, mm; infinite if only one cloud has a point there.
 double largest_difference(const Cloud& a, const Cloud& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.z.pixel_count(); ++i) {
@@ -107,7 +107,7 @@ TEST(LiveMotion, gives_a_cloud_for_each_frame_wherever_its_window_begins) {
     EngineSetup setup{example_scanner({64, 48}),
                       {.strategy = cycle, .motion = 2},
                       {.clean = CleanSettings::none()}};
-    // Nothing moves and there is next to no noise: every window sees what a cycle does.
+    // No motion and almost no noise: every window gives the same cloud as a cycle.
     const std::vector<Frame> loop = frames_of(
         cycle, {.cycles = 2, .photometry = {.ambient = 5, .noise_variance = 1e-3, .bits = 12}});
     Cloud still;
@@ -130,7 +130,7 @@ TEST(LiveMotion, gives_a_cloud_for_each_frame_wherever_its_window_begins) {
     EXPECT_EQ(pipeline.failure(), nullptr);
     EXPECT_EQ(pipeline.statistics().clouds, frames - static_cast<std::uint64_t>(steps) - 1);
     for (const int count : begun) EXPECT_GE(count, 8);
-    // A window taken for one that begins elsewhere is off by hundreds.
+    // With the wrong first pattern the error would be hundreds of mm.
     EXPECT_LT(largest, 3) << steps << " steps";
     EXPECT_EQ(pipeline.newest()->first_pattern, 0);
     for (const LiveFinding& told : pipeline.findings()) ADD_FAILURE() << told.finding.what;

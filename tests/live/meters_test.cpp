@@ -35,7 +35,7 @@ TEST(StageMeter, rate_is_that_of_the_second_before) {
   for (int i = 0; i < 30; ++i) meter.done(start);
   EXPECT_EQ(meter.statistics(start + 3s).done, 30U);
   EXPECT_DOUBLE_EQ(meter.statistics(start + 10s).rate, 0);
-  // As soon as the slot that they were counted in is over.
+  // Counted once their time slot has ended.
   EXPECT_DOUBLE_EQ(meter.statistics(start + 950ms).rate * 0.9, 30);
   EXPECT_DOUBLE_EQ(meter.statistics(start).rate, 0);
 }

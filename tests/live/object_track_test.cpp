@@ -1,4 +1,4 @@
-// A sphere and a plane followed from cloud to cloud, and clouds that become a model.
+// Tracks a sphere and a plane from cloud to cloud, and merges clouds into a model.
 #include "slipstream/live/object_track.h"
 
 #include <cmath>
@@ -19,8 +19,8 @@ using Vector = Eigen::Vector3d;
 
 constexpr double frame_rate = 120;
 
-/// Calls with clouds of a moving scene, of a motion window each, and with the frame number of its
-/// middle.
+/// Calls `on_cloud` with the cloud of each motion window of a moving scene and the frame number of
+/// the window's middle.
 template <class OnCloud>
 void each_cloud(const Scanner& scanner, const Scene& scene, int frames, const OnCloud& on_cloud) {
   const Sequence cycle{.strategy = PhaseMeasuring{.steps = 4, .frequency = 1}, .motion = 2};

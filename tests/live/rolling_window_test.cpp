@@ -15,8 +15,8 @@ Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {
   return frame;
 }
 
-/// Whatever is lost and however the rest is shuffled within N - 1 places: windows are those whose
-/// frames are all there, in order, and the others are counted.
+/// With frames lost and the rest shuffled by up to N - 1 places, it gives every complete window in
+/// order and counts the others.
 RC_GTEST_PROP(RollingWindow, gives_every_window_whose_frames_came, ()) {
   const auto N = static_cast<std::uint64_t>(*rc::gen::inRange(2, 8));
   const auto seed = *rc::gen::arbitrary<unsigned>();
@@ -25,14 +25,14 @@ RC_GTEST_PROP(RollingWindow, gives_every_window_whose_frames_came, ()) {
   std::vector<std::uint64_t> order;
   std::set<std::uint64_t> there;
   for (std::uint64_t p = 0; p < count; ++p) {
-    // The first and the last are there, so that all windows are decided.
+    // Keep the first and last frames, so that no window stays undecided.
     if (p >= N && p + 2 * N < count && random() % 10 == 0) continue;
     order.push_back(p);
     there.insert(p);
   }
   for (std::size_t i = N; i + 2 * N < order.size(); i += 2) {
     const std::size_t other = i + random() % 2;
-    // Frames that are neighbours are swapped; a gap between them makes one later still.
+    // Swap adjacent frames; a gap between them increases the delay.
     if (order[other] - order[i] < N) std::swap(order[i], order[other]);
   }
 

@@ -13,16 +13,16 @@
 
 namespace slipstream {
 
-/// What a scripted source does when it is asked for the next frame.
+/// One result of ScriptedSource::next().
 struct ScriptedStep {
   Arrival arrival = Arrival::frame;
-  int frame = 0;  ///< of the source's pictures, all around
+  int frame = 0;  ///< index into the source's pictures, modulo their number
   std::uint64_t sequence = 0;
   std::optional<int> pattern_index = {};
-  std::string state = {};  ///< from here on
+  std::string state = {};  ///< source state from this step on
 };
 
-/// Gives frames as a script says, then no more.
+/// A source that delivers frames from a script, then ends.
 class ScriptedSource : public FrameSource {
  public:
   ScriptedSource(std::vector<Frame> pictures, std::vector<ScriptedStep> script, bool paced = false)

@@ -10,11 +10,11 @@
 
 namespace slipstream {
 
-/// How a loop of the virtual camera's frames is made.
+/// Parameters of a loop of virtual camera frames.
 struct VirtualLoop {
   Size size{64, 48};
   std::string_view scene = "statue";
-  Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< mm from frame to frame
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< mm per frame
   int cycles = 3;
   Photometry photometry{.ambient = 5, .noise_variance = 1.5};
 };

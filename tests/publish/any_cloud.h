@@ -20,7 +20,7 @@ inline Lens camera() {
   return lens;
 }
 
-/// Of each pixel, row by row: made once, as that takes long under a sanitizer.
+/// Ray of each pixel, row by row. Computed once: it is slow under sanitizers.
 inline const std::vector<Eigen::Vector3d>& pixel_rays() {
   static const std::vector<Eigen::Vector3d> all = [] {
     const Lens lens = camera();
@@ -35,7 +35,7 @@ inline const std::vector<Eigen::Vector3d>& pixel_rays() {
   return all;
 }
 
-/// Any points, one in eight missing, of four frames taken now.
+/// Random points, one in eight missing, from four frames captured now.
 inline Pooled<LiveCloud> any_cloud(std::uint64_t sequence) {
   std::mt19937 random(static_cast<unsigned>(sequence));
   Pool<LiveCloud> pool(1, [] { return LiveCloud{.cloud = Cloud(size)}; });

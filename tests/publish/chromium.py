@@ -1,4 +1,4 @@
-"""Debian's Chromium without a window, driven by its DevTools protocol over a pair of pipes."""
+"""Headless Chromium from Debian, controlled by the DevTools protocol over a pair of pipes."""
 
 import base64
 import json
@@ -17,7 +17,7 @@ class Chromium:
         to_read, self.to = os.pipe()
         self.source, to_write = os.pipe()
 
-        def pipes():  # it reads commands from descriptor 3 and writes to 4
+        def pipes():  # Chromium reads commands from descriptor 3 and writes to 4
             read, write = os.dup(to_read), os.dup(to_write)
             os.dup2(read, 3)
             os.dup2(write, 4)

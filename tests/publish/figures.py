@@ -1,4 +1,4 @@
-"""What sinks and the page cost here: the figures of docs/how-to/publish.md. As `figures.py sinks` or `figures.py page`."""
+"""Measures the cost of sinks and page for docs/how-to/publish.md: figures.py sinks or figures.py page."""
 
 import json
 import pathlib
@@ -37,7 +37,7 @@ def page(folder):
         for turn in range(3):
             with Chromium() as browser:
                 browser.look_like(1280, 800)
-                browser.value("new Promise(done => setTimeout(done, 3000))")  # until all of it has begun
+                browser.value("new Promise(done => setTimeout(done, 3000))")  # wait until Chromium has started
                 begin = time.monotonic()
                 browser.ask("Page.navigate", url=live.address)
                 wait_for(lambda: browser.value("typeof cloud !== 'undefined' && !!cloud"))

@@ -1,4 +1,4 @@
-// What sinks write, read back by readers that are written here from the formats' descriptions.
+// Reads back the files that sinks write, with readers written here from the format specifications.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -23,7 +23,7 @@
 
 namespace slipstream::formats_test {
 
-/// Reads little-endian values one after the other.
+/// Reads consecutive little-endian values.
 struct Reader {
   std::span<const std::uint8_t> bytes;
   std::size_t at = 0;
@@ -44,7 +44,7 @@ struct Reader {
     const auto letters = take(length);
     return {letters.begin(), letters.end()};
   }
-  /// As CDR aligns: behind the four bytes before the message.
+  /// CDR alignment, counted from the end of the 4-byte header.
   template <class Number>
   Number aligned() {
     while ((at - 4) % sizeof(Number) != 0) ++at;
@@ -61,7 +61,7 @@ struct Reader {
 using Bytes = std::vector<std::uint8_t>;
 
 struct McapFile {
-  std::map<std::uint16_t, std::string> topics, schemas;  ///< by channel, by schema
+  std::map<std::uint16_t, std::string> topics, schemas;  ///< by channel ID and schema ID
   std::map<std::string, std::vector<Bytes>> messages;    ///< by topic
   std::map<std::string, std::vector<std::uint32_t>> numbers;
   std::map<std::string, std::string> attachments;
@@ -73,7 +73,7 @@ void read_records(Reader reader, McapFile& file) {
   while (reader.at + 9 <= reader.bytes.size()) {
     const auto opcode = reader.get<std::uint8_t>();
     const auto length = reader.get<std::uint64_t>();
-    if (reader.at + length > reader.bytes.size()) return;  // what was being written
+    if (reader.at + length > reader.bytes.size()) return;  // incomplete last record
     Reader record{reader.take(length)};
     if (opcode == 3) {
       const auto number = record.get<std::uint16_t>();
@@ -169,7 +169,7 @@ TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_writt
   const TemporaryFolder folder;
   const auto path = folder.path() / "clouds.mcap";
   const auto sink = open_sink("mcap:" + path.string(), {.camera = camera()});
-  constexpr int count = 150;  // of 46 KB each: some chunks
+  constexpr int count = 150;  // 46 KB each: several chunks
   for (std::uint64_t i = 0; i < count; ++i) sink->put(any_cloud(i), false);
   const McapFile interrupted = read_mcap(path);
   EXPECT_FALSE(interrupted.has_end);
@@ -201,7 +201,7 @@ TEST(Mcap, ends_with_the_chunk_before_where_the_disk_is_full) {
     while (clouds < 1000) sink->put(any_cloud(clouds++), false);
   };
   EXPECT_THROW(fill(), WorldError);
-  sink->finish();  // of what is over
+  sink->finish();  // after a failure: no effect
   EXPECT_EQ(std::filesystem::file_size(path), bytes);
   const McapFile left = read_mcap(path);
   EXPECT_FALSE(left.has_end);
@@ -241,7 +241,7 @@ TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
                  .sequence = [&] { return sequence; },
                  .uncertainty = [&](const LiveCloud&) { return std::optional(sigma); }});
   sink->put(cloud, false);
-  sequence.strategy = make_strategy("pmp", {{"steps", 5}});  // of other frames than these
+  sequence.strategy = make_strategy("pmp", {{"steps", 5}});  // does not match these frames
   sink->put(cloud, false);
   sequence = {.strategy = make_strategy("pmp", {{"steps", 3}}), .motion = 1};
   sink->put(cloud, false);

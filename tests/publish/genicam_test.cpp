@@ -1,4 +1,4 @@
-// The 3-D camera, to a client that is written here from the protocol's packets.
+// The 3-D camera sink, read by a client written here from the protocol specification.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -36,13 +36,13 @@ std::uint32_t bits(float number) {
 struct TakenBlock {
   std::uint64_t number = 0;
   Bytes leader, pixels;
-  std::vector<Bytes> packets;  ///< all
+  std::vector<Bytes> packets;
 };
 
-/// Somebody who asks the camera, and takes blocks where it has control.
+/// A GigE Vision client.
 class Client {
  public:
-  /// As drivers do: again where no answer comes.
+  /// Sends a packet up to five times, until an answer comes.
   Bytes ask(const Bytes& packet) const {
     for (int i = 0; i < 5; ++i) {
       control.send(packet);
@@ -68,7 +68,7 @@ class Client {
     EXPECT_EQ(write(packet_size, packet), success);
     EXPECT_EQ(write(frame_period, 1000), success);
   }
-  /// The next whole block.
+  /// Receives packets up to the end of the next block, or until a timeout.
   TakenBlock take(std::chrono::milliseconds patience = 2s) const {
     TakenBlock block;
     while (true) {
@@ -102,9 +102,9 @@ class GenicamSink : public testing::Test {
       GTEST_SKIP() << error.what();
     }
   }
-  /// The cloud as the client gets it; `sequence`: which.
+  /// Publishes cloud `sequence` and returns the block that the client receives.
   TakenBlock put_and_take(const Client& client, std::uint64_t sequence) {
-    std::this_thread::sleep_for(1ms);  // the camera gives 1000 a second at most
+    std::this_thread::sleep_for(1ms);  // the camera sends at most 1000 per second
     sink_->put(any_cloud(sequence), false);
     return client.take();
   }
@@ -112,7 +112,7 @@ class GenicamSink : public testing::Test {
   std::vector<RunSetting> settings_{
       {.name = "exposure", .help = "", .unit = "ms", .value = "2.5", .least = 0.1, .most = 30},
       {.name = "strategy", .help = "", .value = "b", .choices = {"a", "b"}}};
-  std::mutex mutex_;  ///< of the settings
+  std::mutex mutex_;  ///< guards the settings
   PublishedRun run_{.camera = camera(),
                     .settings =
                         [this] {
@@ -372,7 +372,7 @@ TEST_F(GenicamSink, no_packet_ends_it_or_costs_its_client_a_block) {
   RecordProperty("blocks", std::to_string(blocks));
 }
 
-/// Who has control may send anything, and what was made of it is gone with it.
+/// The client in control may send anything; the next client finds the camera working.
 TEST_F(GenicamSink, its_own_client_may_send_anything) {
   std::mt19937 random(3);
   const Client client;
@@ -385,10 +385,10 @@ TEST_F(GenicamSink, its_own_client_may_send_anything) {
     client.control.send(i % 2 == 0 ? hostile_packet(random)
                                    : command(write_register, {where, any(4)}));
     if (i % 512 == 0) sink_->put(any_cloud(0), false);
-    if (i % 4 == 0) std::this_thread::sleep_for(100us);  // so that all are read
+    if (i % 4 == 0) std::this_thread::sleep_for(100us);  // gives the camera time to read all
   }
   const Client next;
-  while (next.write(control_privilege, 2) != success) {  // what was sent before is read first
+  while (next.write(control_privilege, 2) != success) {  // it reads the earlier packets first
     client.control.send(command(write_register, {0xa00, 0}));
   }
   next.open();

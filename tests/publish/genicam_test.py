@@ -1,4 +1,4 @@
-"""`slipstream live --publish genicam:127.0.0.1` as Aravis, a client of any GenICam camera, sees it."""
+"""`slipstream live --publish genicam:127.0.0.1`, read with Aravis, a generic GenICam client."""
 
 import ctypes
 import re
@@ -38,7 +38,7 @@ def camera(live):
 
 
 def buffers(camera, count):
-    """The next whole ones: on a machine with too much to do some are lost."""
+    """The next complete buffers; skips incomplete ones, which occur on a busy machine."""
     stream = camera.create_stream(None, None)
     for _ in range(8):
         stream.push_buffer(Aravis.Buffer.new_allocate(camera.get_payload()))
@@ -59,7 +59,7 @@ def buffers(camera, count):
 
 
 def points_in_file(path):
-    """Of each cloud of an MCAP file, metres."""
+    """The points of each cloud in an MCAP file, metres."""
     zstd = ctypes.CDLL("libzstd.so.1")
     zstd.ZSTD_decompress.restype = ctypes.c_size_t
     count = SIZE[0] * SIZE[1]
@@ -80,7 +80,7 @@ def points_in_file(path):
                                             ctypes.c_size_t(len(packed))) == unpacked
                 read(into.raw)
             elif opcode == 5 and length > 16 * count:
-                step = length // count  # with the uncertainty or without; little stands before
+                step = length // count  # bytes per point, with or without sigma; the fields before are short
                 points = np.frombuffer(record[-1 - step * count:-1], "<f4").reshape(count, step // 4)
                 clouds.append(points[:, :3])
     read(path.read_bytes()[8:])
@@ -93,7 +93,7 @@ def test_points_are_those_of_the_pipeline(live, camera):
     camera.set_frame_rate(1000)
     taken = set()
 
-    def file_has_some():  # it gets those that share no frame
+    def file_has_some():  # the file gets only clouds that share no frame
         for buffer in buffers(camera, 20):
             points = np.frombuffer(buffer.get_data(), "<f4").reshape(-1, 3)
             assert np.isfinite(points[:, 2]).sum() > 1000
@@ -118,7 +118,7 @@ def test_the_tool_of_aravis_finds_and_sets_it(live):
         return subprocess.run([tool, "-a", ADDRESS, *words], capture_output=True, text=True,
                               timeout=PATIENCE).stdout
 
-    # On a busy machine an answer may come too late for the tool: it says nothing then.
+    # On a busy machine the tool may time out and print nothing.
     wait_for(lambda: "slipstream" in ask("values", "DeviceVendorName"))
     wait_for(lambda: "40" in ask("control", "MinModulation=40") + ask("control", "MinModulation"))
     wait_for(lambda: live.settings()["min-modulation"]["value"] == "40")
@@ -162,12 +162,12 @@ def test_depth_intensity_and_confidence_are_of_the_same_cloud(camera):
 
 def read(device, address, size):
     into = ctypes.create_string_buffer(size)
-    device.read_memory(address, size, ctypes.addressof(into))  # raises where it fails
+    device.read_memory(address, size, ctypes.addressof(into))  # raises on failure
     return into.raw
 
 
 def description(device):
-    """The camera's XML. Device.get_genicam_xml reads on past its end, up to the next zero."""
+    """The camera's XML. Device.get_genicam_xml reads past its end, up to the next zero byte."""
     url = read(device, 0x200, 512).split(b"\0")[0].decode()
     _, address, size = url.split(";")
     return read(device, int(address, 16), int(size, 16)).decode()
@@ -188,7 +188,7 @@ def test_a_trigger_takes_the_next_cloud(camera):
 
 
 def test_packets_are_as_long_as_the_network_takes(camera):
-    wait_for(lambda: camera.gv_auto_packet_size() > 60_000)  # of the loopback, once all are answered
+    wait_for(lambda: camera.gv_auto_packet_size() > 60_000)  # loopback, once all test packets are answered
     assert len(buffers(camera, 3)) == 3
     camera.gv_set_packet_size(1500)
     assert len(buffers(camera, 3)) == 3
@@ -237,7 +237,7 @@ def test_a_client_that_is_gone_makes_room_for_the_next_and_others_only_look(live
     command = [sys.executable, "-c", PROGRAM_OF_A_CLIENT]
     memory = descriptors = None
 
-    def client_in_control():  # as soon as the heartbeat of the one before is missed
+    def client_in_control():  # after the previous client misses its heartbeat
         client = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         if client.stdout.readline().startswith("True"):
             return client
@@ -255,7 +255,7 @@ def test_a_client_that_is_gone_makes_room_for_the_next_and_others_only_look(live
         memory, descriptors = memory or live.memory(), descriptors or live.descriptors()
     assert live.memory() < memory + 20
     wait_for(lambda: live.descriptors() <= descriptors)
-    wait_for(lambda: "fell silent" in live.words.read_text())
+    wait_for(lambda: "silent client" in live.words.read_text())
     code, document = live.finish()
     assert code == 0 and document["frames"]["lost"] == 0
-    assert live.words.read_text().count("fell silent") == 1
+    assert live.words.read_text().count("silent client") == 1

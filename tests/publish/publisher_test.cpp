@@ -12,7 +12,7 @@
 
 namespace slipstream::publisher_test {
 
-/// Remembers what it was given, and takes nothing until it may.
+/// Records the clouds it gets; put() blocks until `may` is ready.
 struct SlowSink : CloudSink {
   explicit SlowSink(std::shared_future<void> when) : may(std::move(when)) {}
   void put(const Pooled<LiveCloud>& cloud, bool alone) override {
@@ -77,7 +77,7 @@ TEST(Publisher, waits_for_no_sink_drops_the_oldest_and_says_so_once) {
   EXPECT_TRUE(sink.finished);
   EXPECT_EQ(said, (std::vector<std::string>{"slow: hello", "slow: hello"}));
   ASSERT_EQ(warned.size(), 2U);
-  EXPECT_NE(warned[0].find("slow: clouds come faster"), std::string::npos) << warned[0];
+  EXPECT_NE(warned[0].find("slow: too slow"), std::string::npos) << warned[0];
   EXPECT_NE(warned[1].find("broken: the disk is full"), std::string::npos) << warned[1];
 }
 

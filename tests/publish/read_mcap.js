@@ -1,4 +1,4 @@
-// Reads an MCAP file by the readers of npm: how many messages each topic has, and the last cloud.
+// Reads an MCAP file with npm packages: counts messages per topic and summarises the last cloud.
 const fs = require('fs');
 const { McapIndexedReader } = require('@mcap/core');
 const { decompress } = require('fzstd');

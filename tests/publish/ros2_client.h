@@ -19,7 +19,7 @@
 
 namespace slipstream {
 
-/// A domain that no other test uses at the same time, on this machine alone and without multicast.
+/// Chooses a DDS domain for this process alone, on loopback without multicast.
 inline void choose_domain() {
   ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 200).c_str(), 1);
   ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
@@ -32,7 +32,7 @@ inline void choose_domain() {
            1);
 }
 
-/// Another process that does something, and is killed if it has not ended.
+/// Runs a function in a child process; the destructor kills it if it is still running.
 class Child {
  public:
   explicit Child(const std::function<void()>& work) : process_(::fork()) {
@@ -59,7 +59,7 @@ class Child {
   pid_t process_;
 };
 
-/// A program of ROS 2.
+/// A ROS 2 participant.
 struct Client {
   Client() {
     choose_domain();
@@ -84,7 +84,7 @@ struct Client {
   dds_entity_t participant;
 };
 
-/// Whether it saw one; `see` is called for each that has come.
+/// Calls `see` for each message received; returns whether there was one.
 template <class Message>
 bool take(dds_entity_t reader, const std::function<void(const Message&)>& see) {
   void* sample = nullptr;
@@ -101,7 +101,7 @@ bool take(dds_entity_t reader, const std::function<void(const Message&)>& see) {
   return saw;
 }
 
-/// Calls a service until it answers, as a client of ROS 2 over Cyclone DDS does.
+/// A ROS 2 service client over Cyclone DDS; repeats each request until it is answered.
 template <class Request, class Response>
 struct ServiceCaller {
   ServiceCaller(const Client& client, const std::string& name,

@@ -1,4 +1,4 @@
-// The settings of a run as parameters of a ROS 2 node, asked for by the public definitions.
+// Settings of a run as parameters of a ROS 2 node, read through the public service definitions.
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -20,7 +20,7 @@
 namespace slipstream::ros2_parameters_test {
 using namespace std::chrono_literals;
 
-// Those of ROS 2's parameters.
+// Caller of a ROS 2 parameter service, e.g. OF_PARAMETERS(Get).
 #define OF_PARAMETERS(What)                                            \
   ServiceCaller<rcl_interfaces_srv_dds__##What##Parameters_Request_,   \
                 rcl_interfaces_srv_dds__##What##Parameters_Response_>( \
@@ -58,7 +58,7 @@ Value value_of(Given given) {
   }
   return value;
 }
-/// "3: 20", as the value's type is.
+/// Type and value, e.g. "3: 20".
 std::string text_of(const Value& value) {
   return fmt::format("{}: {}", value.type,
                      value.type == 1   ? (value.bool_value ? "true" : "false")
@@ -191,9 +191,9 @@ TEST(Ros2, settings_are_a_nodes_parameters) {
                  {text("strategy"), value_of("Grey")},
                  {text("strateg"), value_of("Gray")},
                  {text("strategy"), value_of("Gray")}}),
-            (Texts{"done", "min-modulation '200.5': a number from 0 to 127 grey levels is wanted",
-                   "done", "strategy 'Grey': wanted is one of: PMP; Gray; did you mean Gray?",
-                   "there is no setting 'strateg' now; did you mean strategy?; there are "
+            (Texts{"done", "min-modulation '200.5': expected a number from 0 to 127 grey levels",
+                   "done", "strategy 'Grey': expected one of: PMP; Gray; did you mean Gray?",
+                   "there is no setting 'strateg' now; did you mean strategy?; available: "
                    "min-modulation, record, strategy",
                    "done"}));
   EXPECT_EQ(get(), (Texts{"4: Gray", "0: ", "1: true", "3: 20"}));
@@ -218,7 +218,7 @@ TEST(Ros2, settings_are_a_nodes_parameters) {
     for (const Texts& some : changed) last.insert(last.end(), some.begin(), some.end());
     return last.size() >= 3;
   });
-  // What was there at the start may have been told before anybody could hear it.
+  // The initial parameters may be published before the test subscribes.
   for (const Texts& one : come) {
     EXPECT_EQ(one, (Texts{"min-modulation 3: 15", "record 1: false", "strategy 4: PMP"}));
   }

@@ -1,5 +1,5 @@
-// The sink for ROS 2 as a program sees it that reads by the public definitions of the messages: in
-// a process of its own, over the network of this machine.
+// The ROS 2 sink, read by a separate process over loopback through the public message
+// definitions.
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -28,7 +28,7 @@
 namespace slipstream::ros2_test {
 using namespace std::chrono_literals;
 
-/// What publisher and test both see.
+/// Memory shared by the publisher process and the test.
 struct Shared {
   std::atomic<std::uint64_t> published = 0, saves = 0;
   std::atomic<bool> ill = false;
@@ -39,7 +39,7 @@ struct Shared {
   }
 };
 
-/// A cloud with its number as the first pixel's intensity.
+/// A cloud whose first pixel has the intensity `number`.
 Pooled<LiveCloud> numbered_cloud(std::uint64_t number) {
   Pooled<LiveCloud> cloud = any_cloud(number);
   cloud.fill().cloud.intensity(0, 0) = static_cast<float>(number);
@@ -74,7 +74,7 @@ bool equal_bits(float a, const std::uint8_t* b) {
   return std::memcmp(&a, b, sizeof a) == 0;
 }
 
-/// The cloud's number.
+/// Checks the points and returns the cloud's number.
 std::uint64_t expect_points(const PointCloud& message) {
   EXPECT_STREQ(message.header.frame_id, "camera");
   EXPECT_GT(message.header.stamp.sec, 1'700'000'000);
@@ -134,7 +134,7 @@ TEST(Ros2, a_subscriber_by_the_public_definitions_gets_every_point_bit_for_bit) 
   const auto camera_info =
       client.reader(sensor_msgs_msg_dds__CameraInfo__desc, "rt/cell/scanner/camera_info");
   std::set<std::uint64_t> numbers;
-  std::map<std::int64_t, std::array<int, 2>> stamps;  // of pictures, of depths
+  std::map<std::int64_t, std::array<int, 2>> stamps;  // count of pictures, of depth images
   int cameras = 0;
   const bool all = wait_until([&] {
     take<PointCloud>(points, [&](const PointCloud& one) { numbers.insert(expect_points(one)); });
@@ -230,7 +230,7 @@ TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothi
     ::kill(stops.process(), SIGSTOP);
     ASSERT_TRUE(wait_for_more(40));
     if (round == 0) before = publisher.resident_pages();
-  }  // and are killed
+  }  // kills both
   EXPECT_LT(publisher.resident_pages(), before + 4000) << "pages";
 
   const Client client;
@@ -259,7 +259,7 @@ TEST(Ros2, the_program_saves_the_newest_cloud_when_asked_by_service) {
   const Answer saved = capture.call_until_true();
   ASSERT_TRUE(saved.first) << saved.second;
   EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(saved.second) / "cloud.ply"));
-  EXPECT_EQ(check.call(), Answer(true, "nothing is amiss"));
+  EXPECT_EQ(check.call(), Answer(true, "OK: no problems found"));
   program.send(SIGINT);
   EXPECT_EQ(program.wait(), 0) << program.err();
 }
@@ -274,7 +274,7 @@ TEST(Ros2, names_that_ROS_2_does_not_take_are_refused) {
   EXPECT_THROW(open_sink("ros2:scanner", {}), Error);
   choose_domain();
   const auto sink = open_sink("ros2:scanner", {});
-  EXPECT_THROW(open_sink("ros2:another", {}), Error) << "one namespace";
+  EXPECT_THROW(open_sink("ros2:another", {}), Error) << "one ROS 2 namespace";
 }
 
 TEST(Ros2, says_why_there_is_no_network) {

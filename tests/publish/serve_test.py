@@ -1,4 +1,4 @@
-"""`slipstream serve`: what a rig file may be, how a service starts, goes on and ends."""
+"""`slipstream serve`: valid and invalid rig files; start, reload and stop of the service."""
 
 import http.client
 import json
@@ -18,7 +18,7 @@ VIRTUAL = "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 60\n"
 
 
 class Service(Live):
-    """The service while it runs, and what it tells who started it."""
+    """A running service, and the status messages it sends to systemd."""
 
     def __init__(self, folder, rig, *words):
         (folder / "rig.yaml").write_text(rig)
@@ -42,38 +42,38 @@ class Service(Live):
         self.ear.close()
 
 
-# What is wrong, the line where it stands below the four of VIRTUAL, what is said of it.
+# Text appended to the four lines of VIRTUAL, line of the mistake, expected message.
 MISTAKES = [
     ("stratgy: pmp", 5, "did you mean strategy?"),
     ("strategy: pmpx", 5, "did you mean pmp?"),
     ("strategy: pmp\nhigh: 16", 6, "has no setting 'high'; it has steps"),
     ("strategy: pmp\nsteps: 2", 6, "takes 3 to 4096"),
-    ("steps: many", 5, "'many' is no number"),
+    ("steps: many", 5, "'many' is not a number"),
     ("steps: [3, 4]", 5, "steps"),
-    ("motion: 1.5", 5, "1.5 is no whole number"),
-    ("min-modulation: lots", 5, "'lots' is no number"),
+    ("motion: 1.5", 5, "1.5 is not a whole number"),
+    ("min-modulation: lots", 5, "'lots' is not a number"),
     ("min_modulation: -3", 5, "0 grey levels or more"),
-    ("keep-saturated: perhaps", 5, "true or false is wanted"),
-    ("exposure:", 5, "a value, or a list of values, is wanted"),
-    ("filters: {deep: {nearest: 5}}", 5, "a value, or a list of values, is wanted"),
+    ("keep-saturated: perhaps", 5, "expected true or false"),
+    ("exposure:", 5, "expected a value or a list of values"),
+    ("filters: {deep: {nearest: 5}}", 5, "expected a value or a list of values"),
     ("nearest: 500\nfarthest: 300", 6, "more than the nearest"),
     ("max-sigma: -1", 5, "out of range"),
-    ("rate: 30", 5, "rate is there twice"),
+    ("rate: 30", 5, "rate is set twice"),
     ("frames: 0", 5, "1 or more"),
     ("indexing: tod", 5, "one of told, counted, marker"),
     ("gamma: bright", 5, "scanner, blind, none or a number"),
-    ("box: [1, 2, 3]", 5, "takes 6 numbers, mm, not 3"),
+    ("box: [1, 2, 3]", 5, "expected 6 numbers in mm, got 3"),
     ("track: cube", 5, "sphere:RADIUS"),
     ("model: model.obj", 5, "use .ply, .pcd, .xyz"),
     ("scene: statute", 5, "did you mean statue?"),
     ("mesh: nowhere.ply", 5, "nowhere.ply: no such file"),
     ("record: nowhere/scan.slip", 5, "No such file or directory"),
-    ("publish: [web]", 5, "web:[ADDRESS:]PORT is wanted"),
+    ("publish: [web]", 5, "expected web:[ADDRESS:]PORT"),
     ("publish: [web:0, wbe:1]", 5, "did you mean web?"),
     ("publish: [web:0, web:0]", 5, "given twice"),
     ("publish: web:70000", 5, "a port"),
     ("publish: [web:0, mcap:nowhere/x.mcap]", 5, "No such file or directory"),
-    ("source: aravis:", 5, "in quotes, as source: 'aravis:'"),
+    ("source: aravis:", 5, "quote values that end in a colon, e.g. source: 'aravis:'"),
     ("camera: [", 7, "not YAML"),
     ("threads: -2", 5, "0 (all cores) or more"),
 ]
@@ -93,8 +93,8 @@ def test_a_mistake_is_one_line_that_says_where_and_what_would_be_right(tmp_path,
 
 
 @pytest.mark.parametrize("rig, words", [
-    (None, "rig.yaml: no such file"), ("", "rig.yaml: line 1: a map of settings is wanted"),
-    ("- source", "rig.yaml: line 1: a map"), (VIRTUAL, "publish: [web:8080]"),
+    (None, "rig.yaml: no such file"), ("", "rig.yaml: line 1: expected a map of settings"),
+    ("- source", "rig.yaml: line 1: expected a map"), (VIRTUAL, "publish: [web:8080]"),
     ("source: replay:scan.slip\npublish: web:0", "rig.yaml: line 1: scan.slip: no such file"),
     ("source: aravis:nobody\nstrategy: pmp\npublish: web:0", "nobody"),
     ("source: v4l2:77\nstrategy: pmp\npublish: web:0", "video77")])
@@ -160,7 +160,7 @@ def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
         wait_for(lambda: service.statistics()["clouds"] > 20)
         service.process.send_signal(signal.SIGTERM)
         assert service.process.wait(PATIENCE) == 0
-        assert "clouds.mcap is there already; clouds-2.mcap is written" in service.words.read_text()
+        assert "clouds.mcap already exists; writing clouds-2.mcap" in service.words.read_text()
     (tmp_path / "ear").unlink()
     before = {path: path.read_bytes() for path in tmp_path.glob("*.*") if path.suffix != ".yaml"}
     assert {path.name for path in before} == {
@@ -186,14 +186,14 @@ def test_it_goes_on_with_the_old_file_where_the_new_one_is_no_good(tmp_path, bad
         wait_for(lambda: service.statistics()["clouds"] > 5)
         (tmp_path / "rig.yaml").write_text(bad)
         service.process.send_signal(signal.SIGHUP)
-        wait_for(lambda: "goes on as before" in service.words.read_text())
+        wait_for(lambda: "continuing with the old settings" in service.words.read_text())
         if not shows_at_once:
             service.wait_until_ready()
         before = service.statistics()["clouds"]
         assert not shows_at_once or before > 5, "the run was interrupted"
         wait_for(lambda: service.statistics()["clouds"] > before)
         assert service.settings()["min-modulation"]["value"] == "33"
-        said = [line for line in service.words.read_text().splitlines() if "goes on" in line]
+        said = [line for line in service.words.read_text().splitlines() if "continuing" in line]
         assert len(said) == 1 and words in said[0], said
         (tmp_path / "rig.yaml").write_text(VIRTUAL + "publish: web:0\n")
         service.process.send_signal(signal.SIGHUP)

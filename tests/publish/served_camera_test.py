@@ -1,4 +1,4 @@
-"""`slipstream serve` with a camera of GigE Vision, of which a machine can serve one at a time."""
+"""`slipstream serve` with a GigE Vision camera; one machine can serve only one at a time."""
 
 import signal
 import subprocess
@@ -16,7 +16,7 @@ def test_it_goes_on_when_the_camera_goes_away(tmp_path):
         process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
         if not process.stdout.readline():
-            pytest.skip(process.stderr.read())  # another one is served here, or there is no Aravis
+            pytest.skip(process.stderr.read())  # another camera is being served, or Aravis is missing
         return process
 
     rig = "source: aravis:127.0.0.1\nstrategy: pmp\nsteps: 4\nindexing: counted\n" \
@@ -26,7 +26,7 @@ def test_it_goes_on_when_the_camera_goes_away(tmp_path):
         with Service(tmp_path, rig).wait_until_ready() as service:
             wait_for(lambda: service.statistics()["clouds"] > 5)
 
-            def rate_is_30():  # in steps of the camera's own
+            def rate_is_30():  # the camera rounds the rate
                 return abs(float(service.settings()["rate"]["value"]) - 30) < 0.1
 
             rate = service.settings()["rate"]
@@ -37,7 +37,7 @@ def test_it_goes_on_when_the_camera_goes_away(tmp_path):
             wait_for(rate_is_30)
             served.kill()
             served.wait()
-            wait_for(lambda: "is gone; looking for it" in service.get("/health")[1])
+            wait_for(lambda: "is lost; searching for it" in service.get("/health")[1])
             assert service.get("/health")[0] == 503
             wait_for(lambda: "rate" not in service.settings())
             assert service.change("min-modulation=20")[0] == 200

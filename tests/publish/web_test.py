@@ -1,4 +1,4 @@
-"""What `slipstream live --publish` serves: to those who may ask, to those who may not, to hostile ones."""
+"""`slipstream live --publish web`: authorised, unauthorised and hostile clients."""
 
 import base64
 import http.client
@@ -18,11 +18,11 @@ from chromium import PROGRAM as CHROMIUM, Chromium
 
 SOURCES = pathlib.Path(__file__).parents[2]
 PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
-PATIENCE = 300  # s, against hanging alone
+PATIENCE = 300  # s; only to end a hang
 
 
 class Live:
-    """The program while it runs, in a folder of its own."""
+    """The running program, in its own folder."""
 
     def __init__(self, folder, *flags, web="web:0", size="320x240", rate=30, command=None):
         self.words = folder / "words"
@@ -92,7 +92,7 @@ def wait_for(come):
 
 
 def ask_for_page(port, path="/clouds", host=None, origin=None):
-    """Asks for a WebSocket; the socket, and the first line of the answer."""
+    """Requests a WebSocket; returns the socket and the first line of the answer."""
     host = host or f"127.0.0.1:{port}"
     head = [f"GET {path} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
             f"Sec-WebSocket-Key: {base64.b64encode(bytes(16)).decode()}",
@@ -198,7 +198,7 @@ def test_a_page_gets_a_cloud_for_each_wish(live):
             assert len(message) == 24 + 3 * width * height
         client.settimeout(0.3)
         with pytest.raises(TimeoutError):
-            client.recv(1)  # nothing that was not asked for
+            client.recv(1)  # no unrequested data
 
 
 def test_a_page_that_reads_slowly_gets_whole_clouds_and_delays_nobody(live):
@@ -307,7 +307,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
         origin = f"http://127.0.0.1:{live.port}"
         memory, descriptors = live.memory(), live.descriptors()
         kept = []
-        for _ in range(8):  # stop reading with a wish open
+        for _ in range(8):  # stop reading with requests pending
             client, answer = ask_for_page(live.port, origin=origin)
             assert " 101 " in answer
             for _ in range(50):
@@ -317,7 +317,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
             client, _ = ask_for_page(live.port, origin=origin)
             say(client, text)
             while client.recv(65536):
-                pass  # until it is closed
+                pass  # until the server closes it
             client.close()
         for junk in (b"\x16\x03\x01\x02", b"GET / HTTP/9.9\r\n\r\n", os.urandom(5000), b"A" * 100000,
                      b"POST /save HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n",
@@ -328,7 +328,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
             except OSError:
                 pass
             client.close()
-        for cut in (20, 120):  # go away in the middle of asking, and of a cloud
+        for cut in (20, 120):  # disconnect during the handshake or during a cloud
             client, _ = ask_for_page(live.port, origin=origin)
             say(client, b"next")
             client.recv(cut)
@@ -343,7 +343,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
         assert live.descriptors() < descriptors + 40
         for client in many:
             client.close()
-        wait_for(lambda: "let go" in live.words.read_text())
+        wait_for(lambda: "disconnected" in live.words.read_text())
         assert live.get("/health") == (200, "ok\n")
         assert live.memory() < memory + 80  # MB
         wait_for(lambda: live.descriptors() < descriptors + 4)
@@ -352,7 +352,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
         code, told = live.finish()
         words = live.words.read_text()
         assert code == 0 and told["frames"]["lost"] == 0
-        assert words.count("let go") == 1 and words.count("turned away") == 1
+        assert words.count("disconnected") == 1 and words.count("further ones are refused") == 1
         for client in kept:
             client.close()
 
@@ -389,7 +389,7 @@ def test_npm_reads_the_mcap_file(tmp_path):
     assert len(frames) == 1 and 1 <= frames.pop() <= published
     assert 1 <= seconds <= 10 and summary["attachments"] == {"scanner.yaml": True, "scan.yaml": True}
     assert summary["points"]["width"] == 320 and summary["points"]["height"] == 240
-    # The last cloud of the run is the last of the file: 60 frames are 15 cycles of four.
+    # 60 frames are 15 cycles of four, so the run's last cloud is also the file's last.
     points = [tuple(map(float, line.split()[:3])) for line in open(tmp_path / "last.xyz")
               if not line.startswith(("#", "/"))]
     assert len(points) == summary["points"]["valid"] > 10000
@@ -409,7 +409,7 @@ def test_the_page_shows_the_cloud(live, tmp_path, look):
     pictures = pathlib.Path(os.environ.get("SLIPSTREAM_SCREENSHOTS", tmp_path))
     with Chromium() as browser:
         browser.look_like(*look)
-        if look[1] == 801:  # as where there is a graphics card
+        if look[1] == 801:  # pretend to have a graphics card
             browser.ask("Page.addScriptToEvaluateOnNewDocument", source="""
                 WebGL2RenderingContext.prototype.getParameter = () => 'a card';""")
         browser.ask("Page.navigate", url=live.address)

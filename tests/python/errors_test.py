@@ -63,7 +63,7 @@ def test_what_is_no_array_is_refused(engine):
     for frames in [None, 3]:
         with pytest.raises(TypeError):
             engine.cloud(frames)
-    with pytest.raises(slipstream.Error, match="of 10 bits"):
+    with pytest.raises(slipstream.Error, match="got 10 bits"):
         engine.cloud(numpy.zeros((6, 240, 320), numpy.uint8), bits=10)
 
 

@@ -190,16 +190,13 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
     // Said only where the fused engine is asked for by name.
     const bool asked = kind == EngineKind::fused;
     EXPECT_EQ(reconstruct.fallback_reason(),
-              asked
-                  ? "no fused engine: it takes frames of 8 to 16 bits; the reference engine goes on"
-                  : "");
+              asked ? "no fused engine: it requires 8 to 16 bits; using the reference engine" : "");
     Engine of_narrow(example_scanner({15, 48}), sequence, settings);
     EXPECT_EQ(of_narrow.backend_for(narrow), "lut");
-    EXPECT_EQ(of_narrow.fallback_reason(),
-              asked
-                  ? "no fused engine: the picture is narrower than 16 pixels; the reference engine "
-                    "goes on"
-                  : "");
+    EXPECT_EQ(
+        of_narrow.fallback_reason(),
+        asked ? "no fused engine: the image is narrower than 16 pixels; using the reference engine"
+              : "");
     EXPECT_EQ(Engine(bent, sequence, settings).backend_for(bytes), "lut");
   }
   Engine reference(example_scanner({64, 48}), sequence, {.engine = EngineKind::reference});

@@ -1,4 +1,4 @@
-// The rooms of slipstream/ include only the rooms that CMake lets them link.
+// Rooms of slipstream/ include only rooms that CMake lets them link.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 using Uses = std::map<std::string, std::set<std::string>>;
 
-/// "decode: base codes frames", a line for each room.
+/// Reads one line per room: "decode: base codes frames".
 Uses read_rooms() {
   Uses uses;
   std::ifstream file(SLIPSTREAM_ROOMS_FILE);
@@ -31,12 +31,11 @@ Uses read_rooms() {
   return uses;
 }
 
-/// The folder slipstream/ of the sources.
 fs::path rooms_folder() {
   return fs::path(SLIPSTREAM_SOURCE_FOLDER) / "slipstream";
 }
 
-/// The folder below slipstream/ that a file is in, its own or one further up.
+/// The first folder below slipstream/ on the file's path.
 std::string room_of(const fs::path& file) {
   return *file.lexically_relative(rooms_folder()).begin();
 }
@@ -59,7 +58,7 @@ std::vector<std::string> included(const std::string& source) {
   return headers;
 }
 
-/// What a source of `room` includes and may not; empty where all is well.
+/// Headers that a source of `room` includes but may not; empty if none.
 std::vector<std::string> forbidden_includes(const std::string& room, const std::string& source,
                                             const Uses& uses) {
   static const std::set<std::string> heavy_rooms{"calibrate", "devices", "io", "publish", "view"};
@@ -84,13 +83,13 @@ std::vector<std::string> forbidden_includes(const std::string& room, const std::
   return forbidden;
 }
 
-/// Whether `header`, as in slipstream/decode/fold.h, is there for programs outside the project.
+/// Whether `header`, e.g. slipstream/decode/fold.h, is installed.
 bool is_installed(const std::string& header) {
   static const std::regex of_a_room("slipstream/[a-z_]+/[^/]+\\.h");
   return std::regex_match(header, of_a_room) && !header.ends_with("-inl.h");
 }
 
-/// What an installed header includes and those outside the project do not have.
+/// Headers of slipstream that an installed header includes but that are not installed.
 std::vector<std::string> inner_includes(const std::string& header) {
   std::vector<std::string> inner;
   for (const std::string& used : included(header)) {
@@ -104,7 +103,7 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Rooms of which CMake does not tell in builds without windows.
+/// Rooms that CMake leaves out of some builds.
 bool may_be_off(const std::string& room) {
   static const std::set<std::string> optional{"view"};
   return optional.contains(room);
@@ -163,7 +162,7 @@ TEST(Rooms, AnInnerIncludeIsFound) {
                                       "slipstream/reconstruct/fused/rows.h"}));
 }
 
-/// The rooms in the table of docs/reference/architecture.md and what they use beside `base`.
+/// The rooms in the table of docs/reference/architecture.md and the rooms they use, except `base`.
 Uses uses_in_docs(const std::string& text) {
   static const std::regex row("\\| `([a-z]+)` \\|[^|\n]*\\| ?([a-z, ]*) ?\\|");
   static const std::regex word("[a-z]+");
@@ -179,13 +178,13 @@ Uses uses_in_docs(const std::string& text) {
 }
 
 TEST(Rooms, AreInTheDocsAsTheyAre) {
-  const Uses told =
-      uses_in_docs(contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "reference" / "architecture.md"));
+  const Uses documented = uses_in_docs(
+      contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "reference" / "architecture.md"));
   for (auto [room, used] : read_rooms()) {
     if (room == "base") continue;
     used.erase("base");
-    ASSERT_TRUE(told.contains(room)) << room << " is not in docs/reference/architecture.md";
-    EXPECT_EQ(told.at(room), used) << room;
+    ASSERT_TRUE(documented.contains(room)) << room << " is not in docs/reference/architecture.md";
+    EXPECT_EQ(documented.at(room), used) << room;
   }
 }
 
@@ -199,7 +198,7 @@ TEST(Rooms, DependOnNoRoomThatDependsOnThem) {
   }
 }
 
-/// What docs/reference/architecture.md says of new things is tried, by a test for each.
+/// Each kind of extension in docs/reference/architecture.md has a test.
 TEST(Rooms, NewThingsAreTried) {
   const fs::path root = SLIPSTREAM_SOURCE_FOLDER;
   const std::string page = contents(root / "docs" / "reference" / "architecture.md");
@@ -214,7 +213,7 @@ TEST(Rooms, NewThingsAreTried) {
   EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), named), {}), tests);
 }
 
-/// Borders that a stranger would draw: rooms that must not know another, nor by others.
+/// Pairs of rooms where the first must not depend on the second.
 TEST(Rooms, KeepTheirBorders) {
   const Uses uses = read_rooms();
   for (const auto& [room, other] : {std::pair("io", "simulate"), std::pair("calibrate", "io"),
@@ -225,7 +224,8 @@ TEST(Rooms, KeepTheirBorders) {
   }
 }
 
-/// OpenCV finds boards, and draws the lines and words of figures.
+/// Only `calibrate` and plot.cpp include OpenCV: to find boards and to draw lines and text of
+/// figures.
 TEST(Rooms, UseOpenCvForBoardsAndFigures) {
   for (const fs::path& file : files_of_rooms()) {
     if (room_of(file) == "calibrate" || file.filename() == "plot.cpp") continue;
@@ -235,7 +235,7 @@ TEST(Rooms, UseOpenCvForBoardsAndFigures) {
   }
 }
 
-/// Those that are compiled for every vector target: what they are told stands in plain structs.
+/// Kernels, compiled for every vector target, include only plain structs of slipstream.
 TEST(Rooms, KernelsTakePlainArrays) {
   static const std::regex plain(
       "slipstream/(base|reconstruct/fused|cloud/(cloud|depth_rows)\\.h|decode/"

@@ -1,4 +1,4 @@
-// A coding is known by its name in its own folder alone: all else reads its layout.
+// Only slipstream/codes names individual strategies; all other code reads their layouts.
 #include <filesystem>
 #include <fstream>
 #include <iterator>

@@ -54,7 +54,7 @@ int main(int, char** arguments) {
       expect(node->on_activate(state) == CallbackReturn::SUCCESS, "activate");
       wait_for_clouds(*node, before + 3);
       expect(clouds(*node) >= before + 3, "clouds come");
-      expect(call(*node, "~/check").success, "nothing is amiss");
+      expect(call(*node, "~/check").success, "OK: no problems found");
       const auto saved = call(*node, "~/capture");
       expect(saved.success && std::filesystem::exists(saved.message), saved.message);
       expect(node->on_deactivate(state) == CallbackReturn::SUCCESS, "deactivate");

@@ -231,8 +231,8 @@ TEST(Artefacts, AreRefusedInOneLineWhereTheyAreNone) {
   expect_refused("", {"a.yaml"});
   expect_refused("{}", {"a.yaml", "no scans"});
   expect_refused("plane: [p]", {"line 1", "plane", "did you mean planes?"});
-  expect_refused("planes: [p]\ndiagonal: -1", {"line 2", "-1", "no length"});
-  expect_refused("planes: [p]\ndiagonal: nan", {"line 2", "nan", "no length"});
+  expect_refused("planes: [p]\ndiagonal: -1", {"line 2", "-1", "expected a length"});
+  expect_refused("planes: [p]\ndiagonal: nan", {"line 2", "nan", "expected a length"});
   expect_refused("planes: [p]\ndiagonal: 4x", {"4x"});
   expect_refused("planes: [p]\ndiagonal: [3, 4]", {"line 2", "one length"});
   expect_refused("diameters: 40", {"scans of spheres"});

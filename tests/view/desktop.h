@@ -10,7 +10,7 @@
 
 namespace slipstream {
 
-/// The desktop that is there, or one of Xvfb for as long as this lives, where that is installed.
+/// The existing desktop, or an Xvfb display for the lifetime of this object, if installed.
 class Desktop {
  public:
   Desktop() {

@@ -1,5 +1,5 @@
-// Under the address sanitizer: OpenGL drivers stay loaded until the process ends, so that what they
-// have not freed is told with their names, which driver_leaks.txt passes over.
+// For the address sanitizer: OpenGL drivers stay loaded until the process ends, so that
+// leak reports name the libraries and driver_leaks.txt can suppress them.
 #include <dlfcn.h>
 
 int dlclose(void*) noexcept {

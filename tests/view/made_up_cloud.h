@@ -9,7 +9,7 @@
 
 namespace slipstream::view {
 
-/// Images that PointImages borrows.
+/// Owns the images to which PointImages refers.
 struct MadeUpCloud {
   explicit MadeUpCloud(Size size)
       : x(size, nan), y(size, nan), z(size, nan), intensity(size, 0.0F) {}
@@ -28,8 +28,8 @@ struct MadeUpCloud {
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 };
 
-/// A wall of that depth, as a camera of that size sees it, with a focal length as long as it is
-/// wide; the intensity is 200 in the left half and 40 in the right.
+/// A wall at `depth`, mm, seen by a camera whose focal length in pixels equals its image width;
+/// intensity 200 in the left half, 40 in the right.
 inline MadeUpCloud wall(Size size, float depth) {
   MadeUpCloud cloud(size);
   for (int row = 0; row < size.height; ++row) {
@@ -43,7 +43,7 @@ inline MadeUpCloud wall(Size size, float depth) {
   return cloud;
 }
 
-/// All of its pixels have points.
+/// A cloud with a point at every pixel.
 inline Cloud cloud_of(const MadeUpCloud& made_up) {
   Cloud cloud(made_up.x.size());
   cloud.x = made_up.x;

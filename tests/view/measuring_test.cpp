@@ -1,4 +1,4 @@
-// What the mouse measures, on clouds whose shape is known.
+// Mouse measurements on clouds of known shape.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace slipstream::view::measuring_test {
 
 constexpr Size picture{320, 240};
 
-/// As the scanner's camera sees it.
+/// View from the scanner's camera.
 glm::mat4 clip_from_the_front() {
   return clip_matrix({.target = in_display_frame({0, 0, 600}), .distance = 600}, picture);
 }
@@ -24,7 +24,7 @@ TEST(PointUnder, IsTheNearestToTheEyeOfThoseThere) {
   Cloud cloud = cloud_of(wall({160, 120}, 600));
   cloud.x(5, 5) = 0;
   cloud.y(5, 5) = 0;
-  cloud.z(5, 5) = 500;  // before the wall
+  cloud.z(5, 5) = 500;  // in front of the wall
   const CloudOnPicture shown{cloud, nullptr, clip_from_the_front(), picture};
   const auto before = point_under(shown, place_of({0, 0, 500}), 5);
   ASSERT_TRUE(before);

@@ -14,7 +14,7 @@ glm::vec2 seen(const OrbitCamera& camera, const glm::vec3& point) {
   return pixel_of(clip_matrix(camera, picture) * glm::vec4(point, 1), picture).value();
 }
 
-/// Looks at (0, 0, 600) of the scanner's frame as the scanner's camera would.
+/// Looks at (0, 0, 600) in the scanner's frame from the scanner's camera.
 OrbitCamera straight() {
   return {.target = in_display_frame({0, 0, 600}), .distance = 600};
 }
@@ -51,7 +51,7 @@ TEST(OrbitCamera, KeepsTargetAndDistanceWhenTurned) {
 }
 
 TEST(OrbitCamera, FollowsTheMouseWhenTurned) {
-  // What is nearer than the target goes the way of the drag.
+  // Points nearer than the target follow the drag.
   const glm::vec3 near_point(0, 0, 500);
   const glm::vec2 before = seen(straight(), near_point);
   EXPECT_GT(seen(orbited(straight(), {0.1F, 0}), near_point).x, before.x + 1);
@@ -104,7 +104,7 @@ TEST(OrbitCamera, MirrorsInThePlane) {
   const glm::vec2 pixel = pixel_of(mirrored * glm::vec4(point, 1), picture).value();
   EXPECT_NEAR(pixel.x, expected.x, tolerance);
   EXPECT_NEAR(pixel.y, expected.y, tolerance);
-  // What lies in the plane stays.
+  // Points in the plane do not move.
   const glm::vec3 on_floor(-15, floor, 580);
   EXPECT_NEAR(pixel_of(mirrored * glm::vec4(on_floor, 1), picture)->y, seen(camera, on_floor).y,
               tolerance);

@@ -1,4 +1,4 @@
-// What is drawn off-screen, looked at pixel by pixel. Skipped where there is no OpenGL.
+// Renders off-screen and checks pixels. Skipped without OpenGL.
 #include "slipstream/view/scene_renderer.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace slipstream::view::scene_renderer_test {
 
 constexpr Size picture{320, 240};
 
-/// Nothing but points, seen as the scanner's camera sees them, 600 mm away.
+/// Points only, viewed from the scanner's camera, 600 mm away.
 ViewSettings bare() {
   return {.point_size = 1,
           .shaded = false,
@@ -182,7 +182,7 @@ TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
     const Image<float> light = shading(cloud_of(cloud));
     return brightness(drawn(cloud, settings, extent_of(cloud.images()), picture, &light)(160, 120));
   };
-  // Light comes over the viewer's left shoulder: a wall whose left end is nearer is turned away.
+  // The light is behind the viewer on the left: a wall with its left end nearer faces away from it.
   EXPECT_LT(brightness_of_slope(0.5F), brightness_of_slope(0) - 60);
   EXPECT_GT(brightness_of_slope(-0.4F), brightness_of_slope(0) + 20);
 }

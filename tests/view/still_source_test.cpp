@@ -1,4 +1,4 @@
-// What stands still in the viewer: a cloud from a file, and frames that are reconstructed anew.
+// Static viewer sources: a cloud file, and frames reconstructed again when settings change.
 #include <algorithm>
 #include <fstream>
 #include <optional>
@@ -43,7 +43,7 @@ TEST(StillSource, ShowsACloudFromAFileThatHasNoFrames) {
   EXPECT_EQ(source.newest().frames.count(), 0);
   EXPECT_TRUE(source.newest().is(source.newest()));
   EXPECT_FALSE(source.change) << "there is nothing to make another cloud of";
-  const ViewSettings settings{.colour = PointColour::modulation};  // which is not known of it
+  const ViewSettings settings{.colour = PointColour::modulation};  // not stored in the file
   try {
     const Image<Colour> bare = render_screen(source, settings, {900, 500}, Surround::nothing);
     const Image<Colour> whole = render_screen(source, settings, {900, 500}, Surround::panel);
@@ -91,7 +91,7 @@ TEST(CloudScreen, TakesOverWhatOthersChanged) {
     clouds.draw({.window = {320, 240}, .framebuffer = {320, 240}});
     EXPECT_EQ(clouds.state().setup, other);
     EXPECT_EQ(clouds.state().strategy, 1U);
-    clouds.state().setup.settings.minimum_modulation = 20;  // is being chosen
+    clouds.state().setup.settings.minimum_modulation = 20;  // the user edits it
     clouds.draw({.window = {320, 240}, .framebuffer = {320, 240}});
     EXPECT_EQ(clouds.state().setup.settings.minimum_modulation, 20);
   } catch (const WorldError& error) {

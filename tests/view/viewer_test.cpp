@@ -1,5 +1,5 @@
-// The viewer on made-up clouds, off-screen and in a window. Skipped where there is no OpenGL or no
-// desktop and no Xvfb to open one.
+// The viewer on synthetic clouds, off-screen and in a window. Skipped without OpenGL, or without a
+// desktop and Xvfb.
 #include "slipstream/view/viewer.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 
 namespace slipstream::view::viewer_test {
 
-/// A plate that comes nearer and nearer, a new cloud whenever it is asked for.
+/// A plate that approaches with each call of newest().
 class MovingPlate {
  public:
   ShownCloud newest() {
@@ -105,7 +105,7 @@ TEST_F(CloudScreenTest, IsDrawnInWindowsOfAnySize) {
 TEST_F(CloudScreenTest, IsAsLargeOnHiDpi) {
   CloudScreen clouds(source_, {}, nullptr);
   clouds.take_newest();
-  // Where windows are told to be larger themselves, and where the desktop does it behind them.
+  // Scaled by the window itself, or by the desktop.
   const Screen by_window{.window = {1280, 960}, .framebuffer = {1280, 960}, .content_scale = 2};
   const Screen by_desktop{.window = {640, 480}, .framebuffer = {1280, 960}, .content_scale = 2};
   EXPECT_FLOAT_EQ(by_window.unit(), 2);

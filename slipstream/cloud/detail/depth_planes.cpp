@@ -6,16 +6,16 @@
 namespace slipstream {
 namespace {
 
-// A surface is given up where it is steeper than about 83 degrees, as by surface_normals. Second
-// differences of independent noise are sqrt(6) of its standard deviation; eight in ten are smaller
-// than 1.28 of theirs.
-constexpr float largest_slope = 8;      ///< distances between pixels in depth, from one to the next
-constexpr float largest_curvature = 1;  ///< likewise, how much that may change
-constexpr float common_share = 0.8F;    ///< of second differences, taken for the noise's
+// A surface ends where it is steeper than about 83 degrees, as in surface_normals. Second
+// differences of independent noise have sqrt(6) times its standard deviation; 80 % are smaller than
+// 1.28 of theirs.
+constexpr float largest_slope = 8;       ///< step in depth, in distances between pixels
+constexpr float largest_curvature = 1;   ///< change of this step, same unit
+constexpr float common_share = 0.8F;     ///< of second differences, attributed to noise
 constexpr float step_over_noise = 2.5F;  ///< 5.5 standard deviations of a difference of two
-constexpr float bend_over_noise = 4;     ///< 5.1 of a second difference
+constexpr float bend_over_noise = 4;     ///< 5.1 standard deviations of a second difference
 
-/// Calls `visit(column, row)` for places spread over the picture, none at its left or right end.
+/// Calls `visit(column, row)` for pixels spread over the picture, except its left and right ends.
 template <class Visit>
 void for_each_sample(Size size, const Visit& visit) {
   constexpr int across = 24;
@@ -33,7 +33,7 @@ float sampled_quantile(std::vector<float>& samples, double share) {
                                  : quantile(samples, share);
 }
 
-/// How far the next point is in one direction, at most `widest`; 0 for none.
+/// Distance to the next point in one direction, at most `widest`; 0 if there is none.
 int distance_to_point(const Cloud& cloud, int column, int row, int right, int down, int widest) {
   const auto [width, height] = cloud.size();
   for (int i = 1; i <= widest; ++i) {
@@ -44,7 +44,7 @@ int distance_to_point(const Cloud& cloud, int column, int row, int right, int do
   return 0;
 }
 
-/// Adds what a gap in one direction says of the pixel; `weight`: of all that is added so far.
+/// Adds the interpolation across a gap in one direction; `weight`: sum of the weights so far.
 void add_across(const Cloud& cloud, int right, int down, int widest, const DepthLimits& limits,
                 SurfaceMemory::Point& sum, float& weight) {
   const int before = distance_to_point(cloud, sum.column, sum.row, -right, -down, widest);
@@ -84,7 +84,7 @@ void Components::find(Size picture, const BitPlane& kept, const BitPlane& to_rig
 
 void Components::find_runs(int row, int words, const Word* kept, const Word* to_right) {
   std::size_t begun = runs_.size();
-  Word linked_before = 0;  // whether the last pixel of the word before is linked with this one's
+  Word linked_before = 0;  // whether the last pixel of the previous word is linked to this word
   for (int w = 0; w < words; ++w) {
     const Word linked = to_right[w] & kept[w] & after(kept + w);
     for_each_bit(kept[w] & ~(linked << 1 | linked_before), w, [&](int column) {
@@ -102,7 +102,7 @@ void Components::find_runs(int row, int words, const Word* kept, const Word* to_
 void Components::link_rows(int words, const Word* kept_above, const Word* kept,
                            const Word* to_right_above, const Word* to_right, const Word* to_below) {
   std::uint32_t above = first_above_, here = first_here_;
-  Word same_before = 0;  // as below, of the last pixel of the word before
+  Word same_before = 0;  // `same` for the last pixel of the previous word
   for (int w = 0; w < words; ++w) {
     const Word linked = to_below[w] & kept_above[w] & kept[w];
     // The next column links the same two runs.
@@ -185,7 +185,7 @@ void smooth(Cloud& cloud, int reach, const DepthLimits& limits, SurfaceMemory& m
     const float here = 1 / z(column, row);
     if (!(here > 0)) return;
     float sum = here, count = 1;
-    // Half of the window: each pixel of it stands for the pair with the one opposite.
+    // Half of the window: each pixel represents the pair with the opposite one.
     for (int down = 0; down <= reach; ++down) {
       for (int right = down == 0 ? 1 : -reach; right <= reach; ++right) {
         const float a = inverse_at(column - right, row - down);

@@ -10,8 +10,8 @@ namespace slipstream {
 using Word = std::uint64_t;
 inline constexpr int word_pixels = 64;
 
-/// A bit for each pixel of a picture. Beyond the picture all are zero: one word before and after
-/// each row, and two rows above and below.
+/// A bit for each pixel of a picture, with a border of zeros: one word before and after each row,
+/// and two rows above and below.
 class BitPlane {
  public:
   void prepare(Size picture) {
@@ -32,22 +32,23 @@ class BitPlane {
 
 // Bits of other pixels of the row; `row` points to the word of the pixels.
 
-/// Of the pixel `distance` before it, below 64.
+/// The bit of the pixel `distance` before, below 64.
 inline Word before(const Word* row, int distance = 1) {
   return row[0] << distance | row[-1] >> (word_pixels - distance);
 }
-/// Of the pixel `distance` after it.
+/// The bit of the pixel `distance` after.
 inline Word after(const Word* row, int distance = 1) {
   return row[0] >> distance | row[1] << (word_pixels - distance);
 }
 
-/// Calls `visit(column)` for each bit set, from left to right; `word`: the bits' place in the row.
+/// Calls `visit(column)` for each bit set, from left to right; `word`: index of the word in the
+/// row.
 template <class Visit>
 void for_each_bit(Word bits, int word, const Visit& visit) {
   for (; bits != 0; bits &= bits - 1) visit(word * word_pixels + std::countr_zero(bits));
 }
 
-/// What neighbours have to do with each other, see DepthRow.
+/// Relations between neighbours, see DepthRow.
 struct DepthPlanes {
   BitPlane point, trusted, to_right, to_below, bent_along, bent_across;
 
@@ -63,13 +64,13 @@ struct PixelRun {
   int row = 0, first = 0, last = 0;
 };
 
-/// Components of linked pixels, found over runs instead of pixels. Memory is kept.
+/// Components of linked pixels, found over runs instead of pixels. Reuses its memory.
 class Components {
  public:
-  /// Of the pixels that `kept` has. Links to and from others do not count.
+  /// Finds the components of the pixels in `kept`; ignores links to and from others.
   void find(Size picture, const BitPlane& kept, const BitPlane& to_right, const BitPlane& to_below);
 
-  /// Calls `visit` with each run of the components of fewer pixels than that.
+  /// Calls `visit` with each run of the components with fewer than `pixels` pixels.
   template <class Visit>
   void for_each_run_below(int pixels, const Visit& visit) {
     for (std::uint32_t i = 0; i < runs_.size(); ++i) {
@@ -90,11 +91,11 @@ class Components {
 };
 
 /// Steps and bends beyond which a cloud has an edge, from samples of its distance between pixels
-/// and its noise of depth, both over the depth. `samples`: memory that is kept. Infinite, so that
-/// nothing is an edge, where the cloud has hardly a point.
+/// and its noise of depth, both relative to the depth. `samples`: reused memory. Infinite, without
+/// any edge, if the cloud has too few points.
 DepthLimits depth_limits(const Cloud& cloud, std::vector<float>& samples);
 
-/// What is kept from cloud to cloud.
+/// Memory reused from cloud to cloud.
 struct SurfaceMemory {
   struct Point {
     int column = 0, row = 0;
@@ -104,13 +105,13 @@ struct SurfaceMemory {
   Image<float> z;
 };
 
-/// Gives points to pixels without one in gaps of a row or a column of at most `widest` pixels
-/// between points of one surface: straight between them, the mean of both. Pixels outside the
-/// region or the range asked for stay empty. Returns how many got one.
+/// Fills gaps in rows and columns of at most `widest` pixels between points of one surface, by
+/// linear interpolation, averaged over both directions. Does not fill pixels outside the requested
+/// region or range. Returns the number of points added.
 std::size_t fill_gaps(Cloud& cloud, int widest, const DepthLimits& limits, SurfaceMemory& memory);
 
-/// Moves each point along its ray to the mean of the pairs of points on either side of it, up to
-/// `reach` pixels away, that bend no more than one surface does. A plane stays one.
+/// Moves each point along its ray to the mean of the pairs of points on opposite sides, up to
+/// `reach` pixels away, that bend no more than one surface does. Preserves planes.
 void smooth(Cloud& cloud, int reach, const DepthLimits& limits, SurfaceMemory& memory);
 
 }  // namespace slipstream

@@ -1,5 +1,5 @@
-// Pictures that are compressed without loss: PNG by libpng, TIFF by libtiff. Nothing is thrown
-// through either library.
+// Losslessly compressed pictures: PNG by libpng, TIFF by libtiff. No exception passes through
+// either library.
 #include <array>
 #include <bit>
 #include <csetjmp>
@@ -18,7 +18,7 @@
 namespace slipstream {
 namespace {
 
-/// A file in memory, and what the library first said against it.
+/// A file in memory, and the library's first error message.
 struct FileInMemory {
   std::span<const std::uint8_t> read{};
   std::vector<std::uint8_t> written{};
@@ -53,7 +53,7 @@ void put_png(png_structp png, png_bytep from, std::size_t count) {
 
 void ignore_warning(png_structp, png_const_charp) {}
 
-/// libpng's own memory for one file that is read.
+/// libpng's state for reading one file.
 struct PngReader {
   explicit PngReader(FileInMemory& memory)
       : png(png_create_read_struct(PNG_LIBPNG_VER_STRING, &memory, refuse_png, ignore_warning)),
@@ -68,7 +68,7 @@ struct PngReader {
   png_infop info;
 };
 
-/// False where libpng refuses: it jumps back to here, past nothing that has a destructor.
+/// False if libpng fails: it jumps back here, skipping no destructors.
 bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
                    std::optional<Picture>& picture) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -92,7 +92,7 @@ bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
   return true;
 }
 
-/// Ends where libpng refuses. Of samples of less than 8 bits each has a byte in the picture.
+/// Stops if libpng fails. Samples below 8 bits take one byte each.
 void write_png_rows(png_structp png, png_infop info, const PictureView& picture, int bits) {
   if (setjmp(png_jmpbuf(png)) != 0) return;
   const auto& [size, channels, bits_in_memory] = picture.kind;
@@ -100,7 +100,7 @@ void write_png_rows(png_structp png, png_infop info, const PictureView& picture,
                static_cast<png_uint_32>(size.height), bits,
                channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
-  // Half as large as none, at a fifth of the time of the smallest.
+  // Half the size of no compression, in a fifth of the time of the best.
   png_set_compression_level(png, 2);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, bits < 8 ? PNG_FILTER_NONE : PNG_FILTER_SUB);
   png_write_info(png, info);
@@ -120,7 +120,7 @@ std::vector<std::uint8_t> png_of_depth(const PictureView& picture, int bits) {
   if (!memory.is_full) write_png_rows(png, info, picture, bits);
   png_destroy_write_struct(&png, &info);
   if (memory.is_full) throw std::bad_alloc();
-  if (memory.fault.front() != 0) throw Error(std::string("no PNG file: ") + memory.fault.data());
+  if (memory.fault.front() != 0) throw Error(std::string("not a PNG file: ") + memory.fault.data());
   return std::move(memory.written);
 }
 
@@ -130,7 +130,7 @@ FileInMemory& memory_of(thandle_t handle) {
 
 tmsize_t take(thandle_t handle, void* to, tmsize_t count) {
   FileInMemory& file = memory_of(handle);
-  // What is being written is read again only by libtiff's own directory.
+  // While writing, libtiff reads back only its own directory.
   const std::span<const std::uint8_t> from = file.written.empty() ? file.read : file.written;
   const std::uint64_t left = file.at < from.size() ? from.size() - file.at : 0;
   const std::uint64_t taken = std::min(left, static_cast<std::uint64_t>(count));
@@ -185,7 +185,7 @@ Number field(TIFF* tiff, std::uint32_t tag) {
   return value;
 }
 
-/// Of a picture of that size. Throws Error for samples of another kind.
+/// The layout of a picture of that size. Throws Error for other sample types.
 PictureKind kind_of(TIFF* tiff, Size size) {
   const auto samples = field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL);
   const auto format = field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT);
@@ -198,10 +198,10 @@ PictureKind kind_of(TIFF* tiff, Size size) {
   const bool whole = format == SAMPLEFORMAT_UINT && (kind.bits == 8 || kind.bits == 16);
   const bool real = format == SAMPLEFORMAT_IEEEFP && (kind.bits == 32 || kind.bits == 64);
   if ((whole && (grey || coloured)) || (real && grey)) return kind;
-  throw Error("pixels of an unknown kind; grey of 8 or 16 bits or float is wanted");
+  throw Error("unsupported pixel type; expected grey of 8 or 16 bits, or float");
 }
 
-/// Of a picture, or a tile, before memory is taken.
+/// Checks the size of a picture or tile before allocating memory.
 Size size_of(TIFF* tiff, std::uint32_t width_tag, std::uint32_t height_tag, std::size_t frames) {
   const auto width = field<std::uint32_t>(tiff, width_tag);
   const auto height = field<std::uint32_t>(tiff, height_tag);
@@ -243,7 +243,7 @@ bool read_lines(TIFF* tiff, Picture& picture) {
   return true;
 }
 
-/// Where there is no more memory: closing must not write on without what was not had.
+/// Out of memory: closing must not continue to write.
 [[noreturn]] void give_up(TIFF* tiff) {
   TIFFSetMode(tiff, O_RDONLY);
   throw std::bad_alloc();
@@ -257,7 +257,7 @@ Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames) {
   if (reader.info == nullptr) throw std::bad_alloc();
   std::optional<Picture> picture;
   if (!read_png_rows(reader.png, reader.info, frames, picture)) {
-    throw Error(std::string("not a whole PNG file: ") + memory.fault.data());
+    throw Error(std::string("incomplete PNG file: ") + memory.fault.data());
   }
   return *std::move(picture);
 }
@@ -275,7 +275,7 @@ Picture read_tiff(std::span<const std::uint8_t> bytes, std::size_t frames) {
   FileInMemory memory{.read = bytes};
   const auto require = [&](bool whole) {
     const std::string fault = memory.fault.data();
-    if (!whole) throw Error("not a whole TIFF file" + (fault.empty() ? "" : ": " + fault));
+    if (!whole) throw Error("incomplete TIFF file" + (fault.empty() ? "" : ": " + fault));
   };
   const Tiff tiff = open_tiff(memory, "rm");
   require(tiff != nullptr);
@@ -305,10 +305,10 @@ std::vector<std::uint8_t> tiff_file_of(const PictureView& picture) {
   set(TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff.get(), 0));
   if (memory.fault.front() != 0) give_up(tiff.get());
   for (int row = 0; row < size.height; ++row) {
-    // A predictor changes the line that it is given.
+    // A predictor modifies the row passed to it.
     std::vector<std::uint8_t> line(picture.row(row), picture.row(row) + picture.kind.row_bytes());
     if (TIFFWriteScanline(tiff.get(), line.data(), static_cast<std::uint32_t>(row), 0) < 0) {
-      give_up(tiff.get());  // nothing else can fail in memory
+      give_up(tiff.get());  // nothing else can fail for a file in memory
     }
   }
   tiff.reset();  // writes the directory

@@ -7,15 +7,15 @@
 
 #include "slipstream/base/image.h"
 
-// The formats of pictures, from and to the bytes of a file. Readers throw Error, which does not
-// name the file, before they take memory for more pixels than are read of one of `frames` pictures;
-// writers give no bytes for samples that their format does not hold.
+// Picture formats, from and to the bytes of a file. Readers throw Error without a file name, and
+// before allocating memory for more pixels than allowed for one of `frames` pictures. Writers
+// return no bytes for samples that their format does not support.
 namespace slipstream {
 
 struct PictureKind {
   Size size;         ///< in pixels
-  int channels = 1;  ///< grey, or red, green and blue, or these and alpha
-  int bits = 8;      ///< of a sample: 8 or 16, or of float 32 or 64
+  int channels = 1;  ///< grey, RGB or RGBA
+  int bits = 8;      ///< of a sample: 8 or 16, or float of 32 or 64
 
   [[nodiscard]] bool real() const { return bits > 16; }
   [[nodiscard]] std::size_t row_bytes() const {
@@ -25,7 +25,7 @@ struct PictureKind {
 
 /// Rows of samples.
 struct Picture {
-  /// The samples are not written yet.
+  /// Leaves the samples uninitialised.
   explicit Picture(const PictureKind& of);
   [[nodiscard]] std::uint8_t* row(int row);
 
@@ -33,7 +33,7 @@ struct Picture {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>, Image<float>, Image<double>> samples;
 };
 
-/// The same, borrowed.
+/// A non-owning view of a Picture.
 struct PictureView {
   template <class Sample>
   explicit PictureView(ImageView<const Sample> samples, int channels = 1)
@@ -47,32 +47,32 @@ struct PictureView {
   std::ptrdiff_t stride;  ///< bytes
 };
 
-/// Throws Error where that many pixels are more than are read, of one picture or in as many frames.
+/// Throws Error if `pixels` exceeds the limit of one picture, or of `frames` frames.
 void require_readable(std::uint64_t pixels, std::size_t frames);
 
-/// A PNG file, of 8 or 16 bits, without alpha. Each of its check sums must fit.
+/// A PNG file of 8 or 16 bits, without alpha. All its checksums must be right.
 Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames);
 std::vector<std::uint8_t> png_file_of(const PictureView& picture);
-/// The file, of one bit a pixel, of grey levels: 0 is dark, any other level bright.
+/// A PNG file with one bit per pixel: 0 is dark, any other level bright.
 std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture);
 
-/// The first picture of a TIFF file: grey of 8 or 16 bits or of 32- or 64-bit float, or colours of
-/// 8 or 16 bits.
+/// The first picture of a TIFF file: grey of 8 or 16 bits or 32- or 64-bit float, or colour of 8 or
+/// 16 bits.
 Picture read_tiff(std::span<const std::uint8_t> bytes, std::size_t frames);
-/// Without loss.
+/// A lossless TIFF file.
 std::vector<std::uint8_t> tiff_file_of(const PictureView& picture);
 
-/// A BMP file of 8 bits without compression: grey where its palette is, else in colour.
+/// An uncompressed BMP file of 8 bits: grey if its palette is, otherwise colour.
 Picture read_bmp(std::span<const std::uint8_t> bytes, std::size_t frames);
 std::vector<std::uint8_t> bmp_file_of(const PictureView& picture);
 
-/// A PGM or PPM file, in letters or binary: of 8 bits, or 16 where it says more than 255 levels, as
-/// they stand there.
+/// A PGM or PPM file, ASCII or binary: 8 bits, or 16 if it declares more than 255 levels; levels
+/// are not rescaled.
 Picture read_pgm(std::span<const std::uint8_t> bytes, std::size_t frames);
-/// The binary file of grey samples of 8 or 16 bits.
+/// A binary PGM file of grey samples, 8 or 16 bits.
 std::vector<std::uint8_t> pgm_file_of(const PictureView& picture);
 
-/// A NumPy file, rows x columns of 32- or 64-bit float as numpy.save writes them.
+/// A NumPy file by numpy.save: rows x columns of 32- or 64-bit float.
 Picture read_npy(std::span<const std::uint8_t> bytes);
 std::vector<std::uint8_t> npy_file_of(const PictureView& picture);
 

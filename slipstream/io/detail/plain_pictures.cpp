@@ -1,4 +1,4 @@
-// Pictures without compression: BMP, PGM and NumPy's.
+// Uncompressed picture formats: BMP, PGM and NumPy.
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
@@ -21,19 +21,19 @@ std::string_view text_in(Bytes bytes) {
 
 constexpr std::size_t bmp_header = 54;
 
-/// Lines of a BMP file fill whole words of four bytes.
+/// Lines of a BMP file are padded to four bytes.
 std::size_t bmp_line(std::uint64_t columns, std::uint64_t bits) {
   return (columns * bits + 31) / 32 * 4;
 }
 
-/// Four bytes for each level: blue, green, red and one that says nothing.
+/// Four bytes for each level: blue, green, red and an unused one.
 bool is_grey(Bytes palette) {
   bool grey = palette.size() == 4 * std::size_t{256};
   for (std::size_t i = 0; i < palette.size(); ++i) grey &= i % 4 == 3 || palette[i] == i / 4;
   return grey;
 }
 
-/// Takes the next number off a PGM file's text, past blanks and comments.
+/// Removes and returns the next number of a PGM file's text, skipping blanks and comments.
 std::optional<std::uint32_t> next_number(std::string_view& text) {
   while (!text.empty() && !std::isdigit(static_cast<unsigned char>(text[0]))) {
     text.remove_prefix(text[0] == '#' ? std::min(text.find('\n'), text.size()) : 1);
@@ -44,14 +44,14 @@ std::optional<std::uint32_t> next_number(std::string_view& text) {
   return number;
 }
 
-constexpr auto npy_magic = "\x93NUMPY\x01\x00"sv;  // and the version, 1.0
+constexpr auto npy_magic = "\x93NUMPY\x01\x00"sv;  // with version 1.0
 constexpr std::size_t npy_preamble = npy_magic.size() + 2;
 
 }  // namespace
 
 Picture read_bmp(Bytes bytes, std::size_t frames) {
   const auto require = [](bool good, const char* why) {
-    throw_if(!good, "not a whole BMP file{}", why);
+    throw_if(!good, "not a complete BMP file{}", why);
   };
   require(bytes.size() >= bmp_header, "");
   const auto number = [&](std::size_t at) { return number_at<std::uint32_t>(bytes, at); };
@@ -60,10 +60,10 @@ Picture read_bmp(Bytes bytes, std::size_t frames) {
   const std::uint32_t columns = number(18), bits = number_at<std::uint16_t>(bytes, 28);
   const auto rows = static_cast<std::uint64_t>(std::abs(std::int64_t{height}));
   require_readable(columns * rows, frames);
-  require(header >= 40, ": a header of another kind");
+  require(header >= 40, ": unsupported header");
   constexpr std::uint32_t none = 0, by_masks = 3;  // of 32 bits, as a rule of blue, green and red
   require((bits == 8 || bits == 24 || bits == 32) && (number(30) == none || number(30) == by_masks),
-          ": only pixels of 8, 24 or 32 bits without compression are read");
+          ": expected uncompressed pixels of 8, 24 or 32 bits");
   const std::size_t line = bmp_line(columns, bits);
   require(
       columns >= 1 && rows >= 1 && pixels <= bytes.size() && (bytes.size() - pixels) / line >= rows,
@@ -120,22 +120,22 @@ std::vector<std::uint8_t> bmp_file_of(const PictureView& picture) {
 Picture read_pgm(Bytes bytes, std::size_t frames) {
   std::string_view text = text_in(bytes);
   const char kind = text.size() > 1 ? text[1] : '\0';
-  throw_if(kind == '1' || kind == '4', "a picture of one bit a pixel; grey levels are wanted");
+  throw_if(kind == '1' || kind == '4', "a picture of one bit per pixel; expected grey levels");
   text.remove_prefix(std::min<std::size_t>(2, text.size()));
   const std::uint64_t columns = next_number(text).value_or(0), rows = next_number(text).value_or(0);
   const std::uint32_t levels = next_number(text).value_or(0);
   require_readable(columns * rows, frames);
   const bool binary = kind == '5' || kind == '6', coloured = kind == '3' || kind == '6';
   throw_if(columns * rows < 1 || levels < 1 || levels > 65535 || text.empty(),
-           "not a whole PGM file");
+           "not a complete PGM file");
   text.remove_prefix(1);
   const int bytes_each = levels > 255 ? 2 : 1;
   const PictureKind of{
       {static_cast<int>(columns), static_cast<int>(rows)}, coloured ? 3 : 1, 8 * bytes_each};
   const std::size_t numbers = columns * rows * (coloured ? 3 : 1);
-  // In letters a number takes two at least, but for the last.
+  // In ASCII, each number takes at least two characters, except the last.
   throw_if(text.size() < (binary ? rows * of.row_bytes() : 2 * numbers - 1),
-           "not a whole PGM file: truncated");
+           "not a complete PGM file: truncated");
   Picture picture(of);
   std::uint8_t* to = picture.row(0);
   for (std::size_t n = 0; n < numbers; ++n, to += bytes_each) {
@@ -145,7 +145,7 @@ Picture read_pgm(Bytes bytes, std::size_t frames) {
       continue;
     }
     const auto number = next_number(text);
-    if (!number || *number > levels) throw Error("not a whole PGM file: truncated");
+    if (!number || *number > levels) throw Error("not a complete PGM file: truncated");
     for (int i = 0; i < bytes_each; ++i) to[i] = static_cast<std::uint8_t>(*number >> (8 * i));
   }
   return picture;
@@ -173,7 +173,7 @@ Picture read_npy(Bytes bytes) {
            "not a NumPy file of version 1.0");
   const auto length = number_at<std::uint16_t>(bytes, npy_magic.size());
   throw_if(length > longest_header || text.size() < npy_preamble + length,
-           "not a whole NumPy file");
+           "not a complete NumPy file");
   const std::string header(text.substr(npy_preamble, length));
   char size = '\0';
   int rows = 0, columns = 0, end = 0;
@@ -183,16 +183,16 @@ Picture read_npy(Bytes bytes) {
   const bool ends = end > 0 && header.ends_with('\n') &&
                     header.find_first_not_of(' ', static_cast<std::size_t>(end)) == length - 1U;
   throw_if((size != '4' && size != '8') || !ends,
-           "not rows x columns of little-endian float32 or float64; numpy.ascontiguousarray(map, "
-           "dtype='<f4') is");
+           "not rows x columns of little-endian float32 or float64; convert it with "
+           "numpy.ascontiguousarray(map, dtype='<f4')");
   const std::int64_t pixels = rows < 0 || columns < 0 ? 0 : std::int64_t{rows} * columns;
   throw_if(pixels == 0 || pixels > static_cast<std::int64_t>(largest_picture),
-           "says that it has {} pixels; 1 to {} are read", pixels, largest_picture);
+           "declares {} pixels; expected 1 to {}", pixels, largest_picture);
   const Bytes numbers = bytes.subspan(npy_preamble + length);
   const PictureKind kind{{columns, rows}, 1, size == '4' ? 32 : 64};
   const std::size_t wanted = kind.row_bytes() * static_cast<std::size_t>(rows);
-  throw_if(numbers.size() != wanted, "has {} bytes of numbers; its shape says {}", numbers.size(),
-           wanted);
+  throw_if(numbers.size() != wanted, "has {} bytes of numbers; its shape requires {}",
+           numbers.size(), wanted);
   Picture picture(kind);
   std::memcpy(picture.row(0), numbers.data(), wanted);
   return picture;
@@ -202,7 +202,7 @@ std::vector<std::uint8_t> npy_file_of(const PictureView& picture) {
   std::string header =
       fmt::format("{{'descr': '<f{}', 'fortran_order': False, 'shape': ({}, {}), }}",
                   picture.kind.bits / 8, picture.kind.size.height, picture.kind.size.width);
-  constexpr std::size_t block = 64;  // what is before the numbers fills so many bytes, or twice
+  constexpr std::size_t block = 64;  // the preamble is padded to a multiple of this
   header.append(block - 1 - (npy_preamble + header.size()) % block, ' ').push_back('\n');
   std::vector<std::uint8_t> bytes(npy_magic.begin(), npy_magic.end());
   append_numbers(bytes, static_cast<std::uint16_t>(header.size()));

@@ -6,17 +6,16 @@
 
 namespace slipstream {
 
-/// How the intensity is declared in PLY. MeshLab takes an intensity of 32-bit float for a grey of 0
-/// to 1 and paints the points white with it, over their red, green and blue; of a double it knows
-/// nothing.
+/// PLY declaration of the intensity. MeshLab interprets a 32-bit float intensity as grey of 0 to 1
+/// and paints the points white, ignoring their colours; it ignores a double.
 inline constexpr const char* ply_intensity = "property double intensity\n";
 
-// The points of mesh files, mm. They throw Error, which does not name the file, for what is no such
-// file or ends too soon.
+// Readers of mesh files, mm. They throw Error, without a file name, if the data are malformed or
+// truncated.
 
-/// The corners of the triangles of a binary STL file, each once, in no order.
+/// The corners of the triangles of a binary STL file, each once, in unspecified order.
 StoredPoints stl_points(std::span<const std::uint8_t> bytes);
-/// The vertices of an OBJ file and its faces; intensity is that of the colours.
+/// The vertices and faces of an OBJ file; the intensity is the colours' luminance.
 StoredPoints obj_points(std::span<const std::uint8_t> bytes);
 /// The vertices of a binary glTF 2.0 file, in the camera's frame.
 StoredPoints glb_points(std::span<const std::uint8_t> bytes);

@@ -10,8 +10,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-/// Of a window of five lines of five pixels, numbered as if each line had eight: a vector or two,
-/// whose last lanes mean nothing.
+/// Bit mask of a window of five lines of five pixels, with eight bits per line. A line is one or
+/// two vectors, whose last lanes are unused.
 using Cells = std::uint64_t;
 using LineTag = hn::CappedTag<float, 8>;
 using WholeTag = hn::RebindToSigned<LineTag>;
@@ -38,7 +38,7 @@ constexpr auto line_cells = [] {
   return sets;
 }();
 
-/// The cells for which `test(k)` holds, a mask of each vector.
+/// Cells for which `test(k)`, a mask for vector k, is true.
 template <class Test>
 HWY_INLINE Cells cells_where(const Test& test) {
   Cells found = 0;
@@ -50,7 +50,7 @@ HWY_INLINE Cells cells_where(const Test& test) {
   return found;
 }
 
-/// Those of vector k as a mask.
+/// The cells of vector k, as a mask.
 HWY_INLINE LineMask mask_of(Cells cells, std::size_t k) {
   const WholeTag d;
   const auto bit = hn::Shl(hn::Set(d, 1), hn::Iota(d, 0));
@@ -58,14 +58,14 @@ HWY_INLINE LineMask mask_of(Cells cells, std::size_t k) {
   return hn::RebindMask(LineTag(), hn::TestBit(set, bit));
 }
 
-/// The surface of the middle, and those of the four beside it that are linked with it. Where it is
-/// `winding` the shift's steps depend on the way.
+/// The surface of the middle pixel, and its neighbours (of four) on that surface. If `winding`, a
+/// shift's steps depend on the path.
 struct Surface {
   Cells pixels, beside;
   bool winding = false;
 };
 
-/// A pixel and its neighbours.
+/// A pixel with its window.
 class Ballot {
  public:
   HWY_INLINE Ballot(const BallotRows& rows, PixelPlace at)
@@ -111,7 +111,7 @@ class Ballot {
   }
 
  private:
-  /// A shift that some imply, and what it costs the middle.
+  /// A shift implied by some pixels of the window, and its cost for the middle pixel.
   struct Choice {
     int shift = 0;
     float against = 0;
@@ -123,14 +123,14 @@ class Ballot {
            static_cast<std::ptrdiff_t>(k % per_line * lanes) + dx;
   }
 
-  /// As PhaseWindow has them: differences of coordinates are exact. This file is compiled without
-  /// contraction, so that what is computed of them is the same as there.
+  /// The same as in PhaseWindow: differences of coordinates are exact, and this file is compiled
+  /// without contraction.
   [[nodiscard]] HWY_INLINE LineFloats periods(std::size_t k, int dx, int dy) const {
     const LineFloats y = hn::LoadU(LineTag(), rows_.coordinate + place(k, dx, dy));
     return hn::Mul(f_h_, hn::Sub(y, own_));
   }
 
-  /// Shifts of the middle.
+  /// Shifts of the middle pixel that each pixel of the window implies.
   [[nodiscard]] HWY_INLINE Window implied_shifts() const {
     const hn::Rebind<std::int16_t, LineTag> halves;
     Window implied;
@@ -141,8 +141,8 @@ class Ballot {
     return implied;
   }
 
-  /// Where no step differs much from the one that whole periods say: two such are closer than
-  /// `roughest`, every one in the window has one beside it in its direction, and so all are links.
+  /// Cells whose step to the next, without whole periods, is small. If all are, any two steps
+  /// differ by less than `roughest`, so that all cells are linked.
   template <int dx, int dy>
   [[nodiscard]] HWY_INLINE Cells flat_links() const {
     const LineTag d;
@@ -158,7 +158,7 @@ class Ballot {
     });
   }
 
-  /// SurfaceWindow::Steps, and whether the shift's step is that of whole periods.
+  /// SurfaceWindow::Steps; `plain`: the shift's step is the one of whole periods.
   struct Links {
     Cells linked, plain;
   };
@@ -218,7 +218,7 @@ class Ballot {
     return hn::Set(LineTag(), static_cast<float>(choice.shift));
   }
 
-  /// What a choice costs a vector of pixels, where their orders are known to be the next at most.
+  /// Cost of a choice for a vector of pixels; orders must differ by at most one.
   [[nodiscard]] HWY_INLINE LineFloats costs(const Choice& choice, std::size_t k) const {
     const LineTag d;
     const LineFloats order = hn::Sub(shift(choice), whole_[k]), zero = hn::Zero(d);
@@ -262,7 +262,7 @@ class Ballot {
       best = &choice;
     }
     if (best == nullptr) return 0;
-    constexpr float rounding = 1e-3F;  // of sums of 25 numbers up to 4: ten times as much
+    constexpr float rounding = 1e-3F;  // ten times the rounding of sums of 25 numbers up to 4
     if (!(next - least >= rounding)) return undecided;
     for (const Choice& choice : choices) {
       if (&choice != best && may_speak(surface, *best, choice)) return undecided;
@@ -270,8 +270,8 @@ class Ballot {
     return best->shift;
   }
 
-  /// False only where no line says enough for a choice against the best one. What all cells save
-  /// bounds what those of a line do.
+  /// False only if no line can have enough evidence for a choice against the best one: all cells
+  /// together save at least as much as the cells of a line.
   [[nodiscard]] HWY_INLINE bool may_speak(Cells surface, const Choice& best,
                                           const Choice& choice) const {
     const Cells others = choice.voters & ~middle;

@@ -1,4 +1,4 @@
-// How the sums of a band's frames become its turns, corrected for the projector's response.
+// Turns of a band from the sums of its frames, corrected for the projector's response.
 #include <complex>
 
 #include "slipstream/base/numbers.h"
@@ -13,7 +13,7 @@ constexpr int nodes = 48;
 
 using Values = Eigen::Matrix<double, nodes, 1>;
 
-/// Wrapped to (-pi, pi].
+/// Correction at a phase, wrapped to (-pi, pi].
 double added(const PhaseCorrection& correction, double phi) {
   const double measured = phi - two_pi * std::floor(phi / two_pi);
   return std::remainder(corrected_phase(correction, measured) - measured, two_pi);
@@ -22,7 +22,7 @@ double added(const PhaseCorrection& correction, double phi) {
 /// The folded circle of N frames.
 struct Fold {
   double end;      ///< T, rad
-  double tangent;  ///< its tangent
+  double tangent;  ///< of T
 
   static std::optional<Fold> of(int steps) {
     if (steps == 3 || steps == 6) return Fold{std::numbers::pi / 3, std::numbers::sqrt3};
@@ -30,7 +30,7 @@ struct Fold {
     return std::nullopt;
   }
 
-  /// The phase at x.
+  /// Phase at x, rad.
   [[nodiscard]] double phase(double b, double x) const {
     return std::atan2(tangent * (1 - x), 2 + b + b * x);
   }
@@ -45,7 +45,7 @@ bool is_odd(const PhaseCorrection& correction) {
   return true;
 }
 
-/// The Chebyshev polynomials' coefficients of the corrected phase, rad.
+/// Chebyshev coefficients of the corrected phase, rad.
 Values spectrum(const PhaseCorrection& correction, const Fold& fold, double b) {
   static const Eigen::Matrix<double, nodes, nodes> transform = [] {
     Eigen::Matrix<double, nodes, nodes> T;
@@ -64,7 +64,7 @@ Values spectrum(const PhaseCorrection& correction, const Fold& fold, double b) {
   return transform * values;
 }
 
-/// The least that leaves out less than the error allowed.
+/// Least degree with a truncation error within the limit.
 int degree_of(const Values& spectrum) {
   double left_out = 0;
   for (int k = nodes - 1; k > 0; --k) {
@@ -86,7 +86,7 @@ std::vector<float> in_turns(const Values& spectrum, int degree) {
   return coefficients;
 }
 
-/// Whether the polynomial keeps to the correction, and that to [0, T].
+/// Whether the polynomial matches the correction, and the correction stays within [0, T].
 bool holds(const FoldedPhase& folded, const PhaseCorrection& correction, const Fold& fold) {
   constexpr int samples = 1000;
   for (int i = 0; i <= samples; ++i) {
@@ -101,7 +101,7 @@ bool holds(const FoldedPhase& folded, const PhaseCorrection& correction, const F
   return true;
 }
 
-/// In turns, at the part r of a period, linear between the entries.
+/// Correction in turns at the part r of a period, linear between the entries.
 double added_turns(const PhaseCorrection& correction, double r) {
   const auto count = static_cast<double>(correction.added.size());
   const double place = (r - std::floor(r)) * count;
@@ -112,12 +112,12 @@ double added_turns(const PhaseCorrection& correction, double r) {
   return std::lerp(entry(floor), entry(floor + 1), place - floor) / two_pi;
 }
 
-/// The odd polynomial that a correction is; empty where one misses it by more than 8e-7 rad.
+/// The correction as an odd polynomial; empty if its error would exceed 8e-7 rad.
 std::vector<float> wave_of(const PhaseCorrection& correction) {
   constexpr double most_turns = largest_error / two_pi;
   constexpr int places = 128;
   constexpr int degree = 2 * SinusoidStage::wave_terms - 1;
-  // Of x = 2 r.
+  // In x = 2 r.
   const auto T = chebyshev_coefficients<degree + 1>();
   Eigen::Matrix<double, 1, degree + 1> sum = Eigen::Matrix<double, 1, degree + 1>::Zero();
   for (int k = 1; k <= degree; k += 2) {
@@ -143,7 +143,7 @@ std::vector<float> wave_of(const PhaseCorrection& correction) {
   return wave;
 }
 
-/// The table's N periods one after another, and the first entry once more for a turn of 1.
+/// Appends the table's N periods, and the first entry again for a turn of 1.
 void add_correction(SinusoidStage& stage, const PhaseCorrections& corrections) {
   const auto found = corrections.find(stage.steps);
   if (found == corrections.end()) return;
@@ -161,7 +161,7 @@ void add_correction(SinusoidStage& stage, const PhaseCorrections& corrections) {
   }
 }
 
-/// Of N phase-shifted frames.
+/// Stage of N phase-shifted frames.
 SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
   SinusoidStage stage{SinusoidNumbers{.steps = steps}};
   add_correction(stage, corrections);
@@ -181,8 +181,8 @@ SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
   return stage;
 }
 
-/// The number of which all of them are whole multiples, so small that sums over frames of 16
-/// bits are exact in float; 0 where there is none.
+/// The unit that all weights are whole multiples of, if sums over 16-bit frames are then exact in
+/// float; else 0.
 double common_unit(const std::vector<double>& weights) {
   constexpr double rounding = 1e-9, largest_sum = 256;
   double largest = 0;
@@ -199,7 +199,7 @@ double common_unit(const std::vector<double>& weights) {
   return 0;
 }
 
-/// Weights of whole numbers up to a factor for each sum, as those of the closed forms are.
+/// Converts weights to whole numbers, with a factor per sum, as in the closed forms.
 void make_whole(SinusoidStage& stage) {
   const double cosine_unit = common_unit(stage.cosines), sine_unit = common_unit(stage.sines);
   if (!(cosine_unit > 0 && sine_unit > 0)) return;
@@ -215,7 +215,7 @@ void make_whole(SinusoidStage& stage) {
   stage.modulation_scale = static_cast<float>(cosine_unit);
 }
 
-/// Of any weights: the frames from the first to the last that has one.
+/// Stage with any weights, of the frames from the first to the last with a weight.
 FusedStages::BandStage weighted_stage(const Band& band) {
   const auto counts = [&](std::ptrdiff_t n) {
     const auto i = static_cast<std::size_t>(n);
@@ -239,7 +239,8 @@ FusedStages::BandStage weighted_stage(const Band& band) {
   return stage;
 }
 
-/// Of a window over a cycle of steps: weights for the phase that the steps have without shifts.
+/// Stage of a window longer than a cycle of steps: weights for the phase that the steps have
+/// without shifts.
 FusedStages::BandStage window_stage(Band band, const PhaseCorrections& corrections) {
   const Shifts shifts = band.cycle->shifts;
   for (std::size_t n = 0; n < band.cosine.size(); ++n) {
@@ -261,7 +262,7 @@ FoldedPhase folded_phase(const PhaseCorrection& correction) {
   int least = FoldedPhase::largest_degree + 1;
   constexpr double octaves = 0.25;
   for (int i = -12; i <= 24; ++i) {
-    // In float, as it will be used.
+    // In float, as in the kernels.
     const auto b = static_cast<float>(std::exp2(octaves * i) - 1);
     const Values terms = spectrum(correction, *fold, b);
     const int needed = degree_of(terms);

@@ -1,4 +1,4 @@
-// Frames with a cue to coordinates of a row.
+// Coordinates of a row from frames with a cue.
 
 #include "slipstream/reconstruct/fused/rows.h"
 
@@ -12,18 +12,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-/// The cue of N >= 5 is a sinusoid.
+/// For N >= 5 the cue is a sinusoid.
 template <int steps>
 constexpr bool is_circle = steps != 3 && steps != 4;
 
-/// What one vector of pixels says: the measuring band, and the channel of the cue times N, or its
-/// cosine and sine up to a factor.
+/// Sums of a vector of pixels: of the measuring band, and of the cue's channel times N, or the
+/// cue's cosine and sine up to a factor.
 struct CueSums {
   FrameSums high;
   Floats cue, cue_sine;
 };
 
-/// N = 6: the second channel in integers; U is 6 C, V 6 S / sqrt(3).
+/// N = 6: the second channel in integers; U is 6 C, V is 6 S / sqrt(3).
 template <class Pixel>
 HWY_INLINE CueSums sixth_sums(const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
@@ -34,7 +34,7 @@ HWY_INLINE CueSums sixth_sums(const Pixel* const* frames, std::size_t i) {
           hn::ConvertTo(d, hn::Sub(rising, falling))};
 }
 
-/// N above 6. Frames n and N - n have the same cosine and opposite sines: their sum and their
+/// N above 6. Frames n and N - n have the same cosine and opposite sines, so their sum and their
 /// difference serve both channels.
 template <class Pixel>
 HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& cue,
@@ -65,7 +65,7 @@ HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& 
   return {{hn::ConvertTo(FloatTag(), sum), greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
 }
 
-/// `steps`: N where its sums are compiled, else 0.
+/// `steps`: N if its sums are compiled, else 0.
 template <int steps, class Pixel>
 HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
                             const Pixel* const* frames, std::size_t i) {
@@ -87,7 +87,7 @@ HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
   }
 }
 
-/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, and B_1^c.
+/// Cue of a vector of pixels: its channel, the sine for N >= 5, and B_1^c.
 template <std::size_t count>
 struct CueChannels {
   Several<count> channel, sine, modulation;
@@ -105,8 +105,7 @@ HWY_INLINE Several<count> angles_times(float factor, const Several<count>& S,
   return angles;
 }
 
-/// CueEvidence::coordinate of each, in periods of the high frequency; for N = 3 and 4 it is 0
-/// without light.
+/// CueEvidence::coordinate, in periods of the high frequency; without light 0 for N = 3 and 4.
 template <int steps, std::size_t count>
 HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
                                       const CueChannels<count>& of) {
@@ -140,7 +139,7 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
   return periods;
 }
 
-/// Of a turn in [0, 1], where 1 stands for 0.
+/// Replaces a turn of 1 by 0.
 HWY_INLINE Floats within_a_turn(Floats turn) {
   return hn::IfThenElseZero(hn::Lt(turn, hn::Set(FloatTag(), 1.0F)), turn);
 }
@@ -154,7 +153,7 @@ HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
   return hn::Clamp(k, hn::Zero(d), hn::Set(d, cue.periods - 1));
 }
 
-/// One row. Members are copies, which no store can change.
+/// Decodes one row. Members are copies, so that no store can alias them.
 template <int steps, class Pixel>
 class CueVectors {
  public:
@@ -173,11 +172,11 @@ class CueVectors {
   CueVectors& operator=(const CueVectors&) = delete;
   ~CueVectors() = default;
 
-  /// The vectors from pixel `i` on.
+  /// Decodes vectors from pixel `i` on.
   template <std::size_t count>
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
-    const bool decoding = row_.turn != nullptr, told = row_.modulation != nullptr;
+    const bool decoding = row_.turn != nullptr, wants_modulation = row_.modulation != nullptr;
     Several<count> U, V, square, sum;
     CueChannels<count> cue;
     FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
@@ -189,12 +188,13 @@ class CueVectors {
       cue.sine[k] = sums.cue_sine;
       sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
-      cue.modulation[k] = square[k];  // of no use where it is not asked for
-      if (!is_circle<steps> || told) {
+      cue.modulation[k] = square[k];  // not used unless computed below
+      if (!is_circle<steps> || wants_modulation) {
         cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
       }
-      if (told) hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
-      all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
+      if (wants_modulation)
+        hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
+      all_hidden = hn::And(all_hidden, hn::And(cannot_vote(square[k]), is_dark_at(square[k])));
     });
     if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
       return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -202,7 +202,7 @@ class CueVectors {
       });
     }
 
-    // On the circle a whole turn more or less leads to the same place.
+    // On the circle, whole turns make no difference.
     Several<count> turn = corrected_turns<count>(stage_, V, U);
     if constexpr (!is_circle<steps>) {
       each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });
@@ -224,12 +224,12 @@ class CueVectors {
         hn::StoreU(doubt, d, row_.doubt + pixel);
         hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
       }
-      hn::StoreU(hn::IfThenElse(is_nobody(square[k]), nan(), y), d, row_.coordinate + pixel);
+      hn::StoreU(hn::IfThenElse(cannot_vote(square[k]), nan(), y), d, row_.coordinate + pixel);
     });
   }
 
  private:
-  /// The cue on the mean, which is told without it.
+  /// Whether the cue changes the mean, which is reported without it.
   static constexpr bool casts_shade = steps == 3;
 
   static HWY_INLINE Floats nan() {
@@ -238,14 +238,14 @@ class CueVectors {
   HWY_INLINE CueSums at(std::size_t i) const {
     return cue_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
   }
-  HWY_INLINE FloatMask is_nobody(Floats square) const {
+  HWY_INLINE FloatMask cannot_vote(Floats square) const {
     return hn::Lt(square, hn::Set(FloatTag(), row_.cue_limits.voting_square));
   }
   HWY_INLINE FloatMask is_dark_at(Floats square) const {
     return hn::Lt(square, hn::Set(FloatTag(), row_.limits.least_square));
   }
 
-  /// Pixels of which no point comes and whom nobody asks.
+  /// Stores pixels that give no point and do not vote.
   HWY_INLINE void store_hidden(std::size_t i, Floats sum, Floats square) const {
     const FloatTag d;
     store_flags(i, square, hn::Zero(d), false);
@@ -273,7 +273,7 @@ class CueVectors {
     return hn::Mul(turns, hn::Set(FloatTag(), cue_.coordinate.scale));
   }
 
-  /// Of the sum, less the shade that the cue of 3 steps casts on it.
+  /// Mean without the contribution of the 3-step cue.
   HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
     const FloatTag d;
     if constexpr (casts_shade) {

@@ -23,7 +23,7 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
 }
 
-/// Puts NaN where a pixel has one of those flags.
+/// Sets values to NaN where a pixel has any of the flags `hidden`.
 void hide(int width, const std::int32_t* flags, std::int32_t hidden, float* values) {
   for (int i = 0; i < width; ++i) {
     if ((flags[i] & hidden) != 0) values[i] = std::numeric_limits<float>::quiet_NaN();
@@ -52,7 +52,7 @@ void one_band(const FusedBand& band) {
   }
 }
 
-/// The turns of a sum of bands: of one band its own row, else in `to`.
+/// Turns of a sum of bands: its own row for a single band, else `to`.
 const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratch, float* to) {
   const auto alone = std::find(of.begin(), of.end(), 1);
   if (std::count(of.begin(), of.end(), 0) + 1 == static_cast<std::ptrdiff_t>(of.size()) &&
@@ -70,7 +70,7 @@ const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratc
   return to;
 }
 
-/// The middle of each pixel's stripe. `mean`: a row of the first band's, in the output's levels.
+/// Middle of each pixel's stripe. `mean`: row of the first band, in levels of the output.
 const float* code_coordinates(const FusedBand& band, int row, const float* mean) {
   const FusedStages::CodeBits& code = *band.stages.code;
   const int width = band.width();
@@ -95,7 +95,7 @@ const float* code_coordinates(const FusedBand& band, int row, const float* mean)
   return coarse;
 }
 
-/// What the chain begins with: turns, or coordinates.
+/// Start of the chain: turns or coordinates.
 const float* coarse_row(const FusedBand& band, int row, const float* mean) {
   const auto& [stages, scratch] = std::tie(band.stages, band.scratch);
   if (band.coarse != nullptr) return band.coarse->row(row);
@@ -107,7 +107,7 @@ const float* coarse_row(const FusedBand& band, int row, const float* mean) {
   return coarse;
 }
 
-/// The coordinates of all bands weighed, at the fringe orders next to `y`, in place.
+/// Replaces `y` by the weighted mean over all bands, at the fringe orders nearest to it.
 void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, float* y) {
   float *const other = scratch.sum.begin(), *const sum = scratch.coarse.begin();
   std::copy_n(y, width, sum);
@@ -125,8 +125,8 @@ void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, fl
   }
 }
 
-/// Turns of all bands to coordinates, along the chain. Where `maps` are wanted of the row they get
-/// the coordinates of dark pixels too.
+/// Converts turns of all bands to coordinates, along the chain. `maps`, unless null, also get the
+/// coordinates of dark pixels.
 void unwrap_bands(const FusedBand& band, int row, const float* mean, Maps* maps) {
   FusedScratch& scratch = band.scratch;
   const auto& chain = band.stages.chain;
@@ -150,8 +150,7 @@ void unwrap_bands(const FusedBand& band, int row, const float* mean, Maps* maps)
   hide(width, flags, PixelFlag::dark, kept);
 }
 
-/// The coordinates of each row are kept until those below it are known, for its neighbours confirm
-/// them.
+/// Keeps the coordinates of each row until the next row is known, since neighbours confirm them.
 void several_bands(const FusedBand& band) {
   KeptRows& kept = band.scratch.kept;
   const auto decode = [&](int row) {
@@ -185,8 +184,8 @@ void run_band(const FusedBand& band) {
   band.stages.chain.empty() ? one_band(band) : several_bands(band);
 }
 
-/// Bands so high that the rows decoded twice at their borders do not matter, and several for each
-/// thread so that none waits long.
+/// Number of bands: high enough that rows decoded twice at their borders cost little, and several
+/// per thread so that none waits long.
 int band_count(int height, bool votes) {
   constexpr int bands_per_thread = 4;
   const int fewest_rows = votes ? 4 * 2 * VoteBlock::seen : 32;
@@ -194,7 +193,7 @@ int band_count(int height, bool votes) {
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
 
-/// All bands of a scan, on as many threads as there are.
+/// Runs all bands of a scan, in parallel.
 void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
   const int bands = band_count(pass.height(), pass.stages.cue.has_value());
   if (scratch.size() < index(bands)) scratch.resize(index(bands));
@@ -208,7 +207,7 @@ void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
   };
   if (bands == 1) {
     work(0);
-  } else {  // one captured reference: std::function then allocates nothing
+  } else {  // a single captured reference, so that std::function does not allocate
     for_each_row(bands, [&work](int band) { work(band); });
   }
   if (PackedPoints* const points = pass.output.points) {
@@ -252,7 +251,7 @@ FrameRows FusedBand::frame_rows(int row, int column) const {
 float* FusedBand::mean_row(int row) const {
   if (output.maps != nullptr) return output.maps->mean.row(row);
   if (output.cloud != nullptr) return output.cloud->intensity.row(row);
-  // Rows ahead of the points' own are kept where they will be packed.
+  // Rows decoded ahead of the points are kept where they will be packed.
   const bool runs_ahead = !stages.chain.empty() || stages.cue;
   if (output.points != nullptr && runs_ahead) return output.points->intensity.row(row);
   return scratch.mean.begin();
@@ -371,8 +370,9 @@ void FusedEngine::find_limits(const FrameViews& frames, const Outputs& output,
 
 void FusedEngine::operator()(const FrameViews& frames, const Outputs& output, FusedMemory& memory,
                              const Image<float>* coarse) const {
-  throw_if((coarse != nullptr) != stages->coarse_given,
-           "a coordinate is given where, and only where, the picture gives the fringe order");
+  throw_if(
+      (coarse != nullptr) != stages->coarse_given,
+      "coarse coordinates are required if, and only if, the whole image gives the fringe order");
   const Size size = stages->rays.E_x.size();
   require_frames(frames, stages->frames, size);
   throw_if(!frames.quantised(), "frames are not quantised; the fused pass takes 8 to 16 bits");

@@ -6,16 +6,16 @@
 
 namespace slipstream {
 
-/// The last rows of coordinates and flags that were written.
+/// Ring buffer of the last rows of coordinates and flags.
 class KeptRows {
  public:
-  /// Columns before the first pixel and after the last, which are NaN and confirm no neighbour: so
-  /// many that rows start at whole vectors.
+  /// Padding columns before and after each row: NaN, so that they confirm no neighbour, and one
+  /// full vector wide, so that rows start at whole vectors.
   static constexpr int side = least_row_width;
 
-  /// Room for `count` rows, a power of two, of that width, the same as before or another.
+  /// Allocates `count` rows, a power of two, of `width` pixels, unless they are there already.
   void prepare(int width, int count);
-  /// Makes rows NaN: those outside the picture, or not yet known.
+  /// Sets coordinates to NaN in rows outside the image or not yet decoded.
   void clear(int first, int last);
 
   [[nodiscard]] int width() const { return flags_.width(); }
@@ -29,38 +29,39 @@ class KeptRows {
   Image<std::int32_t> flags_;
 };
 
-/// Rows of coordinates around those that become points next: so many that the neighbourhood's vote
-/// on them is the same as in the whole picture. A pixel's shift depends on its like within 9 rows
-/// (three passes over windows of 5 x 5, three over 3 x 3), and those on phases 4 rows further.
+/// Coordinates of the next rows to become points and of enough rows around them that the
+/// neighbours' vote is the same as in the whole image. The shift of a pixel depends on the shifts
+/// within 9 rows (three passes over windows of 5 x 5, three over 3 x 3), and those depend on phases
+/// 4 rows further.
 class VoteBlock : public KeptRows {
  public:
-  static constexpr int most_rows = 88;  ///< that become points at once
-  static constexpr int voters = 10;     ///< rows around them in which pixels choose
-  static constexpr int seen = 14;       ///< rows around them of which phases are seen
-  static constexpr int looks_past = 4;  ///< rows that a vote looks past the last phase
+  static constexpr int most_rows = 88;  ///< rows that become points at once
+  static constexpr int voters = 10;     ///< rows around them in which pixels get shifts
+  static constexpr int seen = 14;       ///< rows around them that are decoded
+  static constexpr int looks_past = 4;  ///< rows that a vote reads past the last decoded one
 
-  /// Room for rows of that width, the same as before or another.
+  /// Allocates rows of `width` pixels, unless they are there already.
   void prepare(int width);
 
   [[nodiscard]] OrderCosts costs(int row) {
     return {below_.row(place(row)) + side, above_.row(place(row)) + side};
   }
-  /// Whether those of a pixel, and of its `costed_together`, belong to the row's coordinates.
+  /// Whether the costs of a pixel, and of the others of its `costed_together`, are up to date.
   [[nodiscard]] std::uint8_t& costs_known(int column, int row) {
     return costs_known_(column / costed_together, place(row));
   }
-  /// For coordinates that are new.
+  /// Call after a row gets new coordinates.
   void forget_costs(int row) {
     std::fill_n(costs_known_.row(place(row)), costs_known_.width(), std::uint8_t{0});
   }
-  /// Of NeighbourhoodVote; 0 between votes, before the first pixel of a row and after the last.
+  /// Shifts of NeighbourhoodVote; 0 between votes and in the padding.
   [[nodiscard]] std::int16_t* shifts(int row) { return shift_.row(place(row)) + side; }
   [[nodiscard]] BallotRows ballots(float periods);
 
-  /// Takes back what a vote has changed, so that the next begins with what each pixel said alone.
+  /// Undoes the last vote, so that the next one starts from each pixel's own coordinate.
   void forget_vote();
 
-  /// What a vote has changed, as it was.
+  /// A pixel changed by a vote, with its values before.
   struct Moved {
     PixelPlace at;
     float coordinate = 0;
@@ -74,64 +75,58 @@ class VoteBlock : public KeptRows {
  private:
   Image<std::int16_t> shift_;
   Image<float> below_, above_;       ///< OrderCosts
-  Image<std::uint8_t> costs_known_;  ///< of `costed_together` pixels
+  Image<std::uint8_t> costs_known_;  ///< one per `costed_together` pixels
 };
 
-/// What the fused pass keeps of a few rows between its stages, for each band of rows. Kept from
-/// scan to scan it spares allocations.
+/// Buffers between the stages, one set per band of rows; reused to avoid allocation.
 struct FusedScratch {
   KeptRows kept;                            ///< a row and its neighbours
-  Image<float> turns;                       ///< a row for each band
+  Image<float> turns;                       ///< one row per band of the layout
   Image<float> unwrapped;                   ///< two rows, in turns
   Image<float> sum, coarse, mean, x, y, z;  ///< one row each
   Image<Validity> validity;
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
   VoteBlock block;
-  std::size_t packed = 0;  ///< points of the band's rows so far
+  std::size_t packed = 0;  ///< points written so far for the band's rows
 };
 
-/// All that the fused pass keeps from scan to scan.
+/// Memory of the fused pass, reused from scan to scan.
 struct FusedMemory {
-  std::vector<FusedScratch> scratch;   ///< of each band of rows
-  std::vector<SinusoidLimits> limits;  ///< of each band of the layout
+  std::vector<FusedScratch> scratch;   ///< one per band of rows
+  std::vector<SinusoidLimits> limits;  ///< one per band of the layout
 };
 
-/// Gives what is wanted the size of the picture; `doubtful`: the maps have doubts.
+/// Resizes the requested outputs; `doubtful`: the maps include fringe_order_doubt.
 void prepare(const Outputs& outputs, Size size, bool doubtful);
 
-/// Of `size` and with any content; an image of that size is left alone.
+/// Resizes an image unless it has that size already; its content is unspecified.
 template <class Pixel>
 void prepare(Image<Pixel>& image, Size size) {
   if (image.size() != size) image = Image<Pixel>(size, uninitialised);
 }
 
-/// Throws Error where the frames are not `count` or not of the camera's size.
+/// Throws Error unless there are `count` frames of the camera's size.
 void require_frames(const FrameViews& frames, int count, Size camera);
 
-/// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, rows
-/// shared among threads in bands, no allocation once outputs and memory have been used. Thread-safe
-/// with an output and memory for each thread.
-///
-/// Against the equations in double the wrapped phase is within 2e-6 rad for every input (where it
-/// is corrected, within that times one and the correction's steepest slope), and the depth within
-/// 1e-5 of itself where the stripe is at least a tenth of the field from the ray's coordinate at
-/// infinity. The same pixels are valid but where a limit is met to rounding.
+/// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, bands of
+/// rows shared among threads, no allocation once outputs and memory have been used. Thread-safe if
+/// each thread has its own output and memory.
 struct FusedEngine {
-  /// None where fused_stages has none, and `why_not`. `corrections` are added to the phases.
+  /// Returns nullopt, with `why_not`, if fused_stages does. `corrections` are added to the phases.
   static std::optional<FusedEngine> make(const EngineSetup& setup,
                                          const PhaseCorrections& corrections,
                                          std::string* why_not = nullptr);
 
-  /// `coarse`: the coordinate of each pixel, right to half a period, where unwraps_by_picture; NaN
-  /// where there is none. Throws Error where it is missing then or given else, and where the frames
-  /// are not quantised, not as many as the strategy's or not of the camera's size.
+  /// `coarse`: coordinate of each pixel, right to half a period, NaN where unknown; required if
+  /// unwraps_by_picture, else not allowed. Throws Error otherwise, and if the frames are not
+  /// quantised or their number or size is wrong.
   void operator()(const FrameViews& frames, const Outputs& output, FusedMemory& memory,
                   const Image<float>* coarse = nullptr) const;
 
-  /// Whether that coordinate must be given.
+  /// Whether `coarse` is required.
   [[nodiscard]] bool wants_coarse() const { return stages->coarse_given; }
 
-  /// The limits of each band, for such frames and outputs.
+  /// Limits of each band for these frames and outputs.
   void find_limits(const FrameViews& frames, const Outputs& output,
                    std::vector<SinusoidLimits>& limits) const;
 
@@ -139,48 +134,47 @@ struct FusedEngine {
   ReconstructSettings settings;
 };
 
-/// Where what is written would push out of the cache what is read, and rows start at whole vectors
-/// or at halves of the widest.
+/// Whether to write past the cache: the output would evict the input, and rows start at whole or
+/// half vectors.
 inline bool written_past_cache(Size size) {
   constexpr int cached_pixels = 2'000'000;
   return size.width % (least_row_width / 2) == 0 &&
          std::int64_t{size.width} * size.height > cached_pixels;
 }
 
-/// One scan on its way through the stages.
+/// One scan, with everything that its stages need.
 struct FusedPass {
   const FusedStages& stages;
   const FrameViews& frames;
   const Outputs& output;
-  const std::vector<SinusoidLimits>& limits;  ///< of each band of the layout
+  const std::vector<SinusoidLimits>& limits;  ///< one per band of the layout
   CueLimits cue_limits;
   bool past_cache;
-  const Image<float>* coarse;  ///< where it is given
+  const Image<float>* coarse;  ///< null if not given
 
   [[nodiscard]] int width() const { return stages.rays.E_x.width(); }
   [[nodiscard]] int height() const { return stages.rays.E_x.height(); }
 };
 
-/// Its rows from `first` to `last`.
+/// Rows [first, last) of a scan.
 struct FusedBand : FusedPass {
   int first, last;
   FusedScratch& scratch;
 
-  /// From a column on.
+  /// Row of all frames, from `column` on.
   [[nodiscard]] FrameRows frame_rows(int row, int column = 0) const;
-  /// Where the mean goes: grey levels of the frames in a map, of 8 bits in a cloud.
+  /// Where the row's mean is written: grey levels of the frames in maps, of 8 bits in clouds.
   [[nodiscard]] float* mean_row(int row) const;
   [[nodiscard]] float* modulation_row(int row) const;
-  /// Frames of one row to the turns of every band, and to flags and levels.
+  /// Decodes a row of the frames to the turns of every band, flags and levels.
   void decode(int row, SinusoidRow to) const;
-  /// What a row of the maps gets besides mean, modulation and coordinate, and the cloud from them.
+  /// Writes the wrapped phase of the maps' row, and the cloud's intensity from the mean.
   void finish_maps(int row, const float* turn) const;
-  /// Points of a row: of turns or, without, of kept coordinates that its neighbours confirm.
+  /// Points of a row, from turns or, if null, from kept coordinates that the neighbours confirm.
   void finish_points(int row, KeptRows& kept, const float* turn = nullptr) const;
 };
 
-/// Block by block, of frames with a cue: what the vote needs to see is decoded, then it is held,
-/// then come the points.
+/// Frames with a cue, block by block: decodes the rows that the vote needs, votes, computes points.
 void voted_band(const FusedBand& band);
 
 }  // namespace slipstream

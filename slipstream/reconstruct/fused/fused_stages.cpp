@@ -14,7 +14,7 @@ float narrow(double value) {
   return static_cast<float>(value);
 }
 
-/// `frequency` measures, `widest` says within which period.
+/// Stage of a band of `frequency` periods whose coordinate is known up to 1 / `widest`.
 CoordinateStage coordinate_stage(double frequency, double widest, int projector_length) {
   const double period = 1 / widest;
   return placing(narrow(1 / frequency), narrow(period),
@@ -27,7 +27,7 @@ ConsensusStage consensus_stage(double frequency, const FringeOrderConsensus& set
           .fewest_if_doubtful = settings.fewest_if_doubtful};
 }
 
-/// A coordinate wherever it lies, of so many periods in a unit.
+/// Stage that does not move coordinates into the field.
 CoordinateStage unplaced(double periods) {
   return placing(narrow(1 / periods), 1e9F, -5e8F);
 }
@@ -49,7 +49,7 @@ FusedStages::CodeBits code_bits(const Layout& layout) {
   return bits;
 }
 
-/// The bands, the measuring one first, and how they are unwrapped.
+/// Adds the bands, the measuring one first, and their unwrapping.
 void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& setup,
                const PhaseCorrections& corrections) {
   const std::vector<double> weights = band_weights(layout);
@@ -98,7 +98,7 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   last.coordinate = places ? stages.coordinate : unplaced(chain.back().periods);
 }
 
-/// The measuring band, whose coordinate is known but for rounding.
+/// Adds the measuring band, whose fringe order is known from the coarse coordinate.
 void add_known_band(FusedStages& stages, const EngineSetup& setup,
                     const PhaseCorrections& corrections) {
   const Band& band = measuring_band(setup.sequence.strategy.layout());
@@ -112,7 +112,7 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
   if (unwraps_by_depth(setup)) stages.consensus.fewest_neighbours = 0;
 }
 
-/// N of the frames in whose channels the kernels find a cue; none for others.
+/// N if the kernels can find a cue in the frames' channels, else nullopt.
 std::optional<int> cue_steps(const Layout& layout) {
   const auto run = step_run(layout.bands.front());
   if (!run || run->first != 0 || run->steps != layout.frames || run->shifts != Shifts{}) {
@@ -133,28 +133,28 @@ std::optional<int> cue_steps(const Layout& layout) {
 }
 
 bool has_fused_cue(const EngineSetup& setup) {
-  constexpr double most_periods = 16384;  // shifts of whole periods are kept in 16 bits
+  constexpr double most_periods = 16384;  // shifts in periods are stored in 16 bits
   const Layout& layout = setup.sequence.strategy.layout();
   return setup.settings.cue_rule == CueRule::consensus &&
          layout.bands.front().periods <= most_periods && cue_steps(layout);
 }
 
-/// Empty where the row kernels can.
+/// Why the row kernels cannot be used; an empty string if they can.
 std::string why_not_in_rows(const EngineSetup& setup) {
   constexpr double widest_margin = 0.25;
   const Strategy& strategy = setup.sequence.strategy;
   const Layout& layout = strategy.layout();
   if (!layout.unwrapping->in_kernels || carrier_periods(layout) > 0) {
-    return fmt::format("it does not decode {}", strategy.name());
+    return fmt::format("it does not support {}", strategy.name());
   }
   if (order_source(layout) == OrderSource::neighbours && !has_fused_cue(setup)) {
-    return fmt::format("it does not read the cue of {} as set", strategy.name());
+    return fmt::format("it does not support these cue settings of {}", strategy.name());
   }
   if (setup.settings.field_margin > widest_margin) {
     return fmt::format("the field margin is above {}", widest_margin);
   }
   if (setup.scanner.camera.size.width >= least_row_width) return {};
-  return fmt::format("the picture is narrower than {} pixels", least_row_width);
+  return fmt::format("the image is narrower than {} pixels", least_row_width);
 }
 
 CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
@@ -213,7 +213,7 @@ FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
           .costs = order_cost_stage(layout, exact, exact.margin(projector_length(setup)))};
 }
 
-/// A degree that the kernel is compiled for, that one or the next above.
+/// The least compiled degree that is large enough.
 int compiled_degree(int degree) {
   if (degree == 0) return 0;
   return std::max(3, degree + (degree % 2 == 0 ? 1 : 0));
@@ -267,7 +267,7 @@ PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths)
           kernel_order(geometry.lens, degree), depths.nearest > 0 || depths.farthest < largest};
 }
 
-/// Where the row kernel takes a turn for a coordinate as it is, without asking for the cut.
+/// Limits blocks to turns before the cut, where the row kernel needs no cut.
 void keep_before_cut(FusedStages& stages) {
   if (!stages.blocks) return;
   const CoordinateStage& circle = stages.coordinate;
@@ -283,7 +283,7 @@ void keep_before_cut(FusedStages& stages) {
 
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections, std::string* why_not) {
-  const auto& [scanner, sequence, settings, own_engine] = setup;
+  const auto& [scanner, sequence, settings] = setup;
   const Layout& layout = sequence.strategy.layout();
   const bool votes = order_source(layout) == OrderSource::neighbours;
   std::optional<StripeGeometry> geometry;
@@ -292,8 +292,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   if (why.empty()) {
     geometry = stripe_geometry(scanner, sequence.axis, settings.field_margin);
     rays = ray_table(scanner.camera);
-    if (!geometry) why = "the projector's lens is too bent";
-    if (!rays) why = "the camera's lens is too bent";
+    if (!geometry) why = "the projector's lens distortion is too strong";
+    if (!rays) why = "the camera's lens distortion is too strong";
   }
   if (!why.empty()) {
     if (why_not != nullptr) *why_not = why;
@@ -322,19 +322,19 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
     add_bands(stages, layout, setup, corrections);
     if (stages.chain.empty()) keep_before_cut(stages);
   }
-  // Codes may be more than the stripes that are shown.
+  // A code can name more stripes than are projected.
   stages.point.may_leave_field = widest < 1 || stages.code ? 1 : 0;
   return stages;
 }
 
 SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
                                double full_scale, double saturation, double mean_of) {
-  // No pixel's modulation reaches twice the full scale, whatever a user asks for.
+  // No modulation reaches twice the full scale, whatever the setting.
   const double least = std::min(least_modulation(settings, full_scale), 2 * full_scale);
   SinusoidLimits limits{.mean_scale = narrow(mean_of / stage.steps)};
   const ClosedForm* form = stage.cosines.empty() ? closed_form(stage.steps) : nullptr;
   if (form != nullptr) {
-    // The least integer whose root passes in double, so that the same pixels do.
+    // The least integer whose root passes in double, so that the same pixels pass.
     double square = std::max(std::floor(least * form->divisor * least * form->divisor) - 2, 0.0);
     while (std::sqrt(square) / form->divisor < least) ++square;
     limits.least_square = narrow(square);

@@ -10,84 +10,83 @@
 
 namespace slipstream {
 
-/// The stages of the fused pass for one scanner, layout and axis, in the order in which a row meets
-/// them.
+/// Stages of the fused pass for one scanner, layout and axis, in the order of execution.
 struct FusedStages {
   struct BandStage {
     SinusoidStage sinusoid;
-    int first_frame = 0;  ///< of those that it takes
+    int first_frame = 0;  ///< first frame of the band
     double periods = 1;
     float weight = 0;  ///< of its coordinate, see band_weights
   };
 
-  /// A sum of the bands' turns, unwrapped by what is before it.
+  /// A sum of the bands' turns, unwrapped by the result of the link before.
   struct Link {
     std::vector<int> of;  ///< a factor for each of `bands`
     UnwrapStage unwrap{};
   };
 
-  /// What the chain begins with where it is no band.
+  /// A binary code that starts the chain.
   struct CodeBits {
     CodeStage stage;
-    bool against_mean = false;     ///< of the first band
-    std::vector<float> reference;  ///< else a weight for each frame, or inverses
+    bool against_mean = false;     ///< compare with the mean of the first band
+    std::vector<float> reference;  ///< otherwise a weight per frame, or inverse frames
   };
 
-  /// A cue in the frames of the first band says which period it is, and the neighbourhood votes.
+  /// A cue in the frames of the first band identifies the period, with the neighbours' vote.
   struct Cue {
     CueStage stage;
-    CueEvidence exact;  ///< for pixels one by one
+    CueEvidence exact;  ///< for single pixels
     double f_h = 12;
-    int projector_length = 0;  ///< of the projector along the axis, pixels
+    int projector_length = 0;  ///< pixels along the axis
     double dimmest_lit = 0;    ///< grey levels of 255: see CueEvidence::lit
-    double ambient = 0;        ///< beta, grey levels of 255; 0 where the cue does not need it
+    double ambient = 0;        ///< beta, grey levels of 255; 0 if the cue does not need it
     OrderCostStage costs;
   };
 
   int frames = 0;
-  /// The measuring one first; with a cue it alone.
+  /// The measuring band first; with a cue it is the only one.
   std::vector<BandStage> bands;
-  std::vector<int> coarse;  ///< what the chain begins with, a factor for each band; or empty:
+  std::vector<int> coarse;  ///< start of the chain: a factor for each band; else empty
   std::optional<CodeBits> code;
-  bool coarse_given = false;       ///< the coordinate itself, see unwraps_by_picture
-  bool coarse_in_field = false;    ///< it is brought into the field, for the chain is no circle,
-  CoordinateStage coarse_stage{};  ///< by this
+  bool coarse_given = false;       ///< the coordinate is an input, see unwraps_by_picture
+  bool coarse_in_field = false;    ///< apply `coarse_stage`: the chain is not circular
+  CoordinateStage coarse_stage{};  ///< brings the coordinate into the field
   std::vector<Link> chain;         ///< empty: one band of at most one period, or a cue
-  bool weighs_bands = false;       ///< the coordinate is that of several bands
+  bool weighs_bands = false;       ///< the coordinate is a weighted mean over several bands
   std::optional<Cue> cue;
-  ConsensusStage consensus;  ///< where there are several bands or a cue
-  /// From turns of a single band to coordinates, or from those of several in fields.
+  ConsensusStage consensus;  ///< with several bands or a cue
+  /// Places coordinates in the field: from turns of a single band, or from fields with several.
   CoordinateStage coordinate;
   PointStage point;
   RayTable rays;
-  /// None for small pictures. With one band they describe only what lies before the cut of
+  /// Empty for small images. With one band the blocks cover only turns before the cut of
   /// `coordinate`.
   std::optional<RayBlocks> blocks;
 };
 
-/// None, with `why_not` unless that is null, where the fused pass cannot stand in for the reference
-/// engine: for Unwrapping::likelihood, code_alone and single_frames, a cue of other weights or
-/// another reference than those of Eqs. (3.53), (3.68), (3.83), another rule than
-/// CueRule::consensus, a lens too bent for StripeGeometry or RayTable, a picture narrower than
-/// `least_row_width`, a frequency above 16384 under a cue or a field margin above a quarter.
+/// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the
+/// reference engine: Unwrapping::likelihood, code_alone and single_frames, a cue with other weights
+/// or another reference than in Eqs. (3.53), (3.68), (3.83), a rule other than CueRule::consensus,
+/// a lens too distorted for StripeGeometry or RayTable, an image narrower than `least_row_width`, a
+/// frequency above 16384 with a cue, or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections,
                                         std::string* why_not = nullptr);
 
-/// The limits of one sinusoid for frames of such full scale and saturation: see FrameViews.
-/// `mean_of`: what one grey level of the frames counts for in the mean.
+/// Limits of one sinusoid for frames with this full scale and saturation, see FrameViews.
+/// `mean_of`: levels of the mean per grey level of the frames.
 SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
                                double full_scale, double saturation, double mean_of);
 
-/// The limits of a cue likewise.
+/// Limits of the cue for frames with this full scale.
 CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
                      double full_scale);
 
-/// Frames to the turns of a band, corrected for the response where that is known.
+/// Frames to turns of a band, corrected for the response if known.
 FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections);
 
-/// To 8e-7 rad. Empty for other N, where the correction is no odd function of the phase or leads
-/// out of [0, T], and where it bends too much.
+/// Accurate to 8e-7 rad. Empty for N other than 3, 4 and 6, if the correction is not an odd
+/// function of the phase or leaves [0, T], and if it bends too much.
 FoldedPhase folded_phase(const PhaseCorrection& correction);
 
 }  // namespace slipstream

@@ -22,13 +22,13 @@ HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const
   });
 }
 
-/// The coefficients of some neighbouring blocks in one row. They stand ready before any is used:
-/// to read single numbers out of a vector just written takes long.
+/// Coefficients of several neighbouring blocks in one row. All are computed before any is used:
+/// reading single numbers from a vector just written is slow.
 struct MixedBlocks {
   static constexpr std::size_t most = 40;
   static constexpr std::size_t terms = std::tuple_size_v<decltype(RayBlocks::Block::coefficients)>;
 
-  /// Quadratic between the knots.
+  /// Interpolates quadratically between the knots.
   HWY_INLINE void mix(const RayBlocks::Row& blocks, std::size_t first, std::size_t count) {
     const FloatTag d;
     const Floats w0 = hn::Set(d, blocks.weights[0]), w1 = hn::Set(d, blocks.weights[1]),
@@ -49,8 +49,8 @@ struct MixedBlocks {
   alignas(64) std::array<float, most * terms> coefficients;  ///< block after block
 };
 
-/// Neighbouring vectors of a row, the first of which begins at `pixel`. `coefficients` and
-/// `described` are of its block, those of the next blocks follow; `t` as in RayBlocks.
+/// Neighbouring vectors of a row, starting at `pixel`. `coefficients` and `described` point to
+/// their first block; the next blocks follow. `t` as in RayBlocks.
 template <std::size_t count>
 class BlockParts {
  public:
@@ -88,8 +88,7 @@ class BlockParts {
   const RayBlocks::Range* described_;
 };
 
-/// A polynomial in p of each vector, one step at a time: its coefficients are those from `first`
-/// on.
+/// Polynomial in p of each vector; its coefficients start at `first`.
 template <std::size_t first, std::size_t terms, std::size_t count>
 HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Several<count>& p) {
   Several<count> sum;
@@ -103,7 +102,7 @@ HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Seve
   return sum;
 }
 
-/// Z of the pixels at p.
+/// Z of the pixels, at p.
 template <std::size_t count>
 HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<count>& p) {
   using Blocks = RayBlocks;
@@ -125,7 +124,7 @@ HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<c
   return z;
 }
 
-/// E_x or E_y, whose coefficients begin at `first`.
+/// E_x or E_y; coefficients start at `first`.
 template <std::size_t count>
 HWY_INLINE Floats ray_direction(const BlockParts<count>& parts, std::size_t k, std::size_t first) {
   static_assert(RayBlocks::ray_terms == 4);
@@ -156,7 +155,7 @@ HWY_INLINE void store_depths(const PointRow& row, bool past_cache, const BlockPa
   });
 }
 
-/// Vectors of which every pixel has its point.
+/// Stores vectors in which every pixel has a point.
 template <std::size_t count>
 HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts<count>& parts,
                           const Several<count>& z) {
@@ -166,7 +165,7 @@ HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts
   });
 }
 
-/// Vectors of which every pixel that is not dark has its point, as at the edges of shadows.
+/// Stores vectors in which every pixel has a point or is dark, as at the edges of shadows.
 template <std::size_t count>
 HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
                                      const Several<count, FloatMask>& dark, Several<count> z) {
@@ -181,7 +180,7 @@ HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count
   store_depths(row, row.past_cache, parts, z);
 }
 
-/// A vector of whose pixels some have no point.
+/// Stores a vector in which some pixels have no point.
 template <std::size_t count, class Source>
 HWY_NOINLINE void vector_with_reasons(const PointStage& stage, const Source& source,
                                       const PointRow& row, const BlockParts<count>& parts,
@@ -204,7 +203,7 @@ HWY_NOINLINE void vector_with_reasons(const PointStage& stage, const Source& sou
   store_vector(row, i, points, confirmed, flags);
 }
 
-/// Some vectors together: those without a fault by their blocks, the others one by one.
+/// Several vectors together: by their blocks if every pixel has a point, else one by one.
 template <std::size_t count, class Source>
 HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row,
                               const BlockParts<count>& parts) {
@@ -243,14 +242,14 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
   }
   if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark)))
     return store_where_not_dark(row, parts, dark, z);
-  const PointRow seen = row;  // the originals stay in registers if nobody else sees them
-  const BlockParts<count> seen_parts = parts;
+  const PointRow row_copy = row;  // copies, so that the originals stay in registers
+  const BlockParts<count> parts_copy = parts;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    vector_with_reasons(stage, source, seen, seen_parts, k, p[k], z[k]);
+    vector_with_reasons(stage, source, row_copy, parts_copy, k, p[k], z[k]);
   });
 }
 
-/// So many pixels of blocks that follow one another from `pixel` on.
+/// Computes `pixels` pixels of consecutive blocks, from `pixel` on.
 template <std::size_t most, class Source>
 HWY_INLINE void point_blocks(const PointStage& stage, const Source& source, const PointRow& row,
                              std::size_t pixel, std::size_t pixels, const float* coefficients,
@@ -264,8 +263,8 @@ HWY_INLINE void point_blocks(const PointStage& stage, const Source& source, cons
   });
 }
 
-/// Of `count` blocks from `first` on, whose coefficients are mixed. The row's last one may overlap
-/// the one before it.
+/// Computes `count` blocks from `first` on, with mixed coefficients. The last block of a row may
+/// overlap the one before it.
 template <class Source>
 HWY_INLINE void point_part(const PointStage& stage, const Source& source, const PointRow& row,
                            const float* coefficients, std::size_t first, std::size_t count) {
@@ -314,15 +313,15 @@ void NumberRow(const DepthScale& scale, int width, const float* z, std::uint16_t
   for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Floats number =
         hn::MulAdd(hn::Sub(hn::LoadU(d, z + i), offset), per_mm, hn::Set(d, 0.5F));
-    const auto told =
+    const auto in_range =
         hn::And(hn::Ge(number, hn::Set(d, 1.0F)), hn::Lt(number, hn::Set(d, 65536.0F)));
-    const Ints whole = hn::ConvertTo(IntTag(), hn::IfThenElseZero(told, number));
+    const Ints whole = hn::ConvertTo(IntTag(), hn::IfThenElseZero(in_range, number));
     hn::StoreU(hn::DemoteTo(words, whole), words, numbers + i);
   });
 }
 
-/// A vector at a time where there is room for one. Compressed in a register: into memory it takes
-/// some processors a hundred cycles.
+/// Stores a whole vector if there is room. Compresses in a register: compressing into memory takes
+/// a hundred cycles on some processors.
 HWY_INLINE void pack(const float* from, FloatMask points, std::size_t count, float* to,
                      bool has_room) {
   const FloatTag d;
@@ -340,8 +339,8 @@ std::size_t PackRow(int width, const PointValues<const float>& from, const Point
   std::size_t packed = 0;
   for (std::size_t next = 0; next < pixels; next += lanes) {
     const std::size_t i = std::min(next, pixels - lanes);  // the last overlaps the one before it
-    const FloatMask anew = hn::Ge(hn::Iota(d, 0), hn::Set(d, static_cast<float>(next - i)));
-    const FloatMask points = hn::AndNot(hn::IsNaN(hn::LoadU(d, from.z + i)), anew);
+    const FloatMask is_new = hn::Ge(hn::Iota(d, 0), hn::Set(d, static_cast<float>(next - i)));
+    const FloatMask points = hn::AndNot(hn::IsNaN(hn::LoadU(d, from.z + i)), is_new);
     const std::size_t count = hn::CountTrue(d, points);
     const bool has_room = packed + lanes <= room;
     pack(from.x + i, points, count, to.x + packed, has_room);

@@ -1,5 +1,4 @@
-// Coordinate to point by the tables of rays and the lens polynomial. Included once for each vector
-// target.
+// Coordinates to points, by ray tables and lens polynomial. Included once per vector target.
 #if defined(SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
 #undef SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
@@ -20,7 +19,7 @@ HWY_INLINE Floats linear(const RayTerms& c, Floats E_x, Floats E_y) {
   return hn::MulAdd(hn::Set(d, c[0]), E_x, hn::MulAdd(hn::Set(d, c[1]), E_y, hn::Set(d, c[2])));
 }
 
-/// PlanePolynomial, its coefficients from the last to the first.
+/// PlanePolynomial, coefficients from the last to the first.
 template <int degree>
 HWY_INLINE Floats plane_polynomial(const float* coefficients, Floats p, Floats q) {
   const FloatTag d;
@@ -43,7 +42,7 @@ HWY_INLINE Floats edge_polynomial(const EdgeTerms& edge, Floats p) {
   return sum;
 }
 
-/// Where the points of a vector of pixels are, and the three conditions that a point must meet.
+/// Points of a vector of pixels, and the three conditions that a point must meet.
 struct RayPoints {
   Floats E_x, E_y, z;
   FloatMask exists, in_field, in_range;
@@ -108,7 +107,7 @@ HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
   hn::StoreU(hn::DemoteTo(bytes, reasons), bytes, reinterpret_cast<std::uint8_t*>(validity));
 }
 
-/// With `past_cache` in place of that of the row, so that it need not be asked for each vector.
+/// `past_cache` replaces the row's own, which would be read for each vector.
 HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i, Floats E_x,
                              Floats E_y, Floats z) {
   store(z, row.z + i, past_cache);
@@ -134,7 +133,7 @@ HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags
   return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
 }
 
-/// A vector of pixels that are all dark.
+/// Stores a vector of dark pixels.
 HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
   store_points(row, row.past_cache, i, nan, nan, nan);
@@ -142,7 +141,7 @@ HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
                  row.validity + i);
 }
 
-/// The points of a vector of pixels, some of which may have none.
+/// Stores a vector in which some pixels may have no point.
 HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints& points,
                              FloatMask confirmed, Ints flags) {
   const FloatTag d;
@@ -155,7 +154,7 @@ HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints
   store_validity(reasons(points, confirmed, flags), row.validity + i);
 }
 
-/// One vector without its block.
+/// Computes one vector without its block.
 template <int lens_degree>
 HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
                                  Floats y, FloatMask confirmed, Ints flags) {
@@ -165,7 +164,7 @@ HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, s
 using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
                               Ints);
 
-/// For the degree of PointStage::lens.
+/// The function for this degree of PointStage::lens.
 HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
   switch (lens_degree) {
     case 0:
@@ -181,8 +180,7 @@ HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
   }
 }
 
-/// Finds the lanes with at least as many agreeing neighbours as they need, see
-/// FringeOrderConsensus.
+/// Finds the lanes with enough agreeing neighbours, see FringeOrderConsensus.
 class Neighbourhood {
  public:
   HWY_INLINE Neighbourhood(const PointStage& point, const ConsensusStage& stage,
@@ -207,7 +205,7 @@ class Neighbourhood {
         i, [flags](std::size_t) SLIPSTREAM_STEP { return flags; }, confirmed);
     return confirmed[0];
   }
-  /// Leaves those of `lanes`, some vectors from pixel i on, whose coordinate is believed.
+  /// Clears the lanes whose coordinate is not trusted; `lanes`: vectors from pixel i on.
   template <std::size_t count>
   HWY_INLINE void keep_trusted(const PointRow& row, std::size_t i,
                                Several<count, FloatMask>& lanes) const {
@@ -219,7 +217,7 @@ class Neighbourhood {
     Ints any = hn::Zero(di);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { any = hn::Or(any, flags(k)); });
     Several<count, FloatMask> confirmed;
-    // By default a neighbour in the row suffices a pixel that is not in doubt.
+    // By default one neighbour in the row is enough for a pixel without these flags.
     const Ints troubled = hn::Set(di, PixelFlag::saturated | PixelFlag::doubtful_order);
     if (needed_ == 1 && hn::AllTrue(di, hn::Eq(hn::And(any, troubled), hn::Zero(di)))) {
       FloatMask all = hn::FirstN(d, hn::Lanes(d));
@@ -243,8 +241,7 @@ class Neighbourhood {
   }
 
  private:
-  /// Which of some vectors from pixel i on have as many agreeing neighbours as they need; of dark
-  /// ones it says nothing.
+  /// Finds the lanes, from pixel i on, with enough agreeing neighbours; undefined for dark pixels.
   template <std::size_t count, class Flags>
   HWY_INLINE void confirm(std::size_t i, const Flags& flags,
                           Several<count, FloatMask>& confirmed) const {
@@ -272,7 +269,7 @@ class Neighbourhood {
       missing[k] = hn::IfThenElse(doubtful, hn::Set(di, needed_if_doubtful_), hn::Set(di, needed_));
       y[k] = coordinate(i + k * hn::Lanes(d));
     });
-    // In a surface the row's own neighbours suffice, or those that are nearest.
+    // On a surface, the neighbours in the row are enough, or the four nearest.
     count_agreeing(here_, i - 1);
     count_agreeing(here_, i + 1);
     if (settled()) return;
@@ -298,8 +295,7 @@ class Neighbourhood {
   const float* below_;
 };
 
-/// For a single frequency: there is nothing to confirm, and the coordinate is computed from the
-/// turn.
+/// A single frequency: neighbours confirm nothing, and coordinates are computed from turns.
 class Alone {
  public:
   HWY_INLINE Alone(const PointStage& point, const CoordinateStage& stage, const PointRow& row)
@@ -311,15 +307,15 @@ class Alone {
   HWY_INLINE Floats coordinate(std::size_t i) const {
     return in_field_(hn::LoadU(FloatTag(), turn_ + i));
   }
-  /// The same, mapped to [-1, 1], for a turn that is not past the cut. Past it the value is wrong,
-  /// and outside the range that any block describes.
+  /// The same, mapped to [-1, 1], for a turn before the cut. Past the cut the value is wrong, but
+  /// outside the range of every block.
   HWY_INLINE Floats unit_coordinate(std::size_t i) const {
     return hn::MulAdd(hn::LoadU(FloatTag(), turn_ + i), scale_, offset_);
   }
   HWY_INLINE FloatMask confirms(std::size_t, Ints) const {
     return hn::FirstN(FloatTag(), hn::Lanes(FloatTag()));
   }
-  /// The turns of dark and saturated pixels are NaN, which no block describes.
+  /// Turns of dark and saturated pixels are NaN, which is outside the range of every block.
   template <std::size_t count>
   HWY_INLINE void keep_trusted(const PointRow&, std::size_t, Several<count, FloatMask>&) const {}
 

@@ -1,4 +1,4 @@
-// Frames to turns, flags and levels of a row.
+// Turns, flags and levels of a row from frames.
 
 #include "slipstream/reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE
@@ -11,7 +11,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-/// How N = 4 folds the circle to FoldedPhase's part of it: over the axes and their bisectors.
+/// Folds the circle for N = 4 to the range of FoldedPhase: over the axes and their bisectors.
 struct FoldOfFour {
   Floats U, V;
 
@@ -22,8 +22,8 @@ struct FoldOfFour {
   }
 };
 
-/// How N = 3 and 6 do: over the axis of V = 0, then a phase past 60 degrees goes to 120 degrees
-/// less itself, which past 120 degrees is turned back over 0.
+/// Folds the circle for N = 3 and 6: over the axis V = 0; then a phase above 60 degrees becomes 120
+/// degrees minus itself, mirrored at 0 if negative.
 struct FoldOfThree {
   Floats U, V;
 
@@ -44,7 +44,7 @@ struct FoldOfThree {
   }
 };
 
-/// FoldedPhase of each, in turns.
+/// Evaluates FoldedPhase, in turns.
 template <class Fold, std::size_t count>
 HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<count>& V,
                                        const Several<count>& U) {
@@ -66,7 +66,7 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
   return turn;
 }
 
-/// What the row keeps of a vector besides its turns and flags.
+/// Stores a vector's mean and modulation.
 HWY_INLINE void store_levels(const SinusoidStage& stage, Floats sum, Floats square,
                              const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
@@ -81,7 +81,7 @@ HWY_INLINE void store_levels(const SinusoidStage& stage, Floats sum, Floats squa
   }
 }
 
-/// Turns of sums. `N`: 3, 4 or 6, where the phase is folded; else 0.
+/// Turns from sums. `N`: 3, 4 or 6 if the phase is folded, else 0.
 template <int N, std::size_t count>
 HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>& U,
                                 const Several<count>& V) {
@@ -102,7 +102,7 @@ HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>
   return turn;
 }
 
-/// Vectors from pixel `i` on; `N` as in `turns`.
+/// Decodes vectors from pixel `i` on; `N` as in `turns`.
 template <int N, std::size_t count, class Sums, class Saturated>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
                                const Saturated& saturation, const SinusoidRow& row, std::size_t i) {

@@ -1,5 +1,5 @@
-// Frames to the sums of their sinusoids, these to turns, and turns to coordinates. Included once
-// for each vector target.
+// Frames to the sums of their sinusoids, sums to turns, turns to coordinates. Included once per
+// vector target.
 #if defined(SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_
 #undef SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_
@@ -19,15 +19,15 @@ HWY_INLINE Ints load_pixels(const Pixel* pixels) {
   return hn::PromoteTo(IntTag(), hn::LoadU(hn::Rebind<Pixel, IntTag>(), pixels));
 }
 
-/// What one vector of pixels says: the sum of the frames, the greatest of them, and U and V.
+/// Sums over a vector of pixels: of all frames, their maximum, and U and V.
 struct FrameSums {
   Floats sum;
   Ints greatest;
   Floats U, V;
 };
 
-/// The sums of Eqs. (1.5), (1.6) in double: in float their rounding would be more than the phase
-/// allows where the modulation is small. A vector of doubles has half the lanes of one of floats.
+/// Sums of Eqs. (1.5), (1.6) in double: in float, rounding would exceed the allowed phase error at
+/// low modulation. A vector of doubles has half the lanes of a vector of floats.
 class DoubleSums {
  public:
   HWY_INLINE DoubleSums() : low_(hn::Zero(Tag())), high_(hn::Zero(Tag())) {}
@@ -44,7 +44,7 @@ class DoubleSums {
 #endif
   }
 
-  /// 0 where the sums of Eq. (1.7) count as 0, see wrapped_angle.
+  /// Sums that count as 0 in Eq. (1.7) become 0, see wrapped_angle.
   HWY_INLINE Floats sum() const {
 #if HWY_TARGET != HWY_SCALAR
     const hn::Half<FloatTag> half;
@@ -70,13 +70,12 @@ class DoubleSums {
   Doubles low_, high_;
 };
 
-/// a + b sqrt(5) of whole numbers below 2^19, right to one or two units in the last place even
-/// where the two terms nearly cancel. For N = 5 the sums of Eqs. (1.5), (1.6) are such numbers, up
-/// to a factor.
+/// a + b sqrt(5) for whole numbers below 2^19, accurate to one or two units in the last place even
+/// if the terms nearly cancel. The sums of Eqs. (1.5), (1.6) have this form for N = 5, up to scale.
 HWY_INLINE Floats with_root_of_five(Floats a, Floats b) {
 #if HWY_NATIVE_FMA
   const FloatTag d;
-  // 2.25 and what is missing, in two parts: the first sum is exact, the next two are rounded once.
+  // sqrt(5) as 2.25 plus two parts: the first sum is exact, the next two are rounded once.
   const Floats exact = hn::MulAdd(b, hn::Set(d, 2.25F), a);
   const Floats most = hn::MulAdd(b, hn::Set(d, -0.01393202227F), exact);
   return hn::MulAdd(b, hn::Set(d, -2.341203874e-10F), most);
@@ -89,15 +88,14 @@ HWY_INLINE Floats with_root_of_five(Floats a, Floats b) {
 #endif
 }
 
-/// N = 5, in both full phase channels: U is 10 C, and V 5 S / sin(2 pi / 5). Frames n and N - n
+/// N = 5, in both full phase channels: U is 10 C, and V is 5 S / sin(2 pi / 5). Frames n and N - n
 /// have the same cosine and opposite sines.
 struct FifthSums {
   FrameSums first;
-  Floats U, V;  ///< of the second channel, to a millionth: enough to choose among periods
+  Floats U, V;  ///< of the second channel, to a millionth: enough to choose a period
 };
 
-/// In float whole numbers of the size of frames are exact, and a multiple is added in one
-/// instruction.
+/// Whole numbers of this size are exact in float, and adding a multiple takes one instruction.
 template <class Pixel>
 HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
@@ -116,8 +114,8 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
           hn::MulSub(root, rise, hn::MulAdd(two, inner_rise, rise))};
 }
 
-/// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), exact in integers and in float, for any pixel
-/// of 16 bits; and those of N = 5.
+/// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), exact in integers and in float for 16-bit
+/// pixels; also the sums of N = 5.
 template <int N, class Pixel>
 HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i) {
   const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
@@ -164,7 +162,7 @@ HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const
   return {sum, greatest, C.sum(), S.sum()};
 }
 
-/// The same where the weights are whole, exact in float.
+/// The same for whole-number weights, exact in float.
 template <class Pixel>
 HWY_INLINE FrameSums whole_sums(std::span<const SinusoidStage::WholeWeights> weights,
                                 const Pixel* const* frames, std::size_t i) {
@@ -182,7 +180,7 @@ HWY_INLINE FrameSums whole_sums(std::span<const SinusoidStage::WholeWeights> wei
   return {sum, greatest, U, V};
 }
 
-/// Whether any frame is at full scale, asked of many pixels at once: most often the answer is no.
+/// Whether any frame is at full scale, tested for many pixels at once because it is rare.
 template <class Pixel>
 class Saturation {
  public:
@@ -192,7 +190,7 @@ class Saturation {
         full_scale_(static_cast<Pixel>(full_scale)),
         occurs_(full_scale <= std::numeric_limits<Pixel>::max()) {}
 
-  /// Among the pixels of `vectors` vectors of floats from pixel `i` on.
+  /// Among `vectors` vectors of floats from pixel `i` on.
   template <std::size_t vectors>
   HWY_INLINE bool among(std::size_t i) const {
     if (!occurs_) return false;
@@ -217,7 +215,7 @@ class Saturation {
   bool occurs_;
 };
 
-/// From the first half quadrant.
+/// Extends an angle of the first half quadrant to the full circle.
 HWY_INLINE Floats unfolded(Floats eighth, Floats S, Floats C) {
   const FloatTag d;
   const Floats zero = hn::Zero(d);
@@ -227,13 +225,12 @@ HWY_INLINE Floats unfolded(Floats eighth, Floats S, Floats C) {
   return hn::IfThenElse(hn::Lt(S, zero), hn::Sub(hn::Set(d, 1.0F), half), half);
 }
 
-/// atan2(S, C) / (2 pi) of each in [0, 1], where 1 stands for 0; 0 where both are 0. To 4e-7 rad.
+/// atan2(S, C) / (2 pi) in [0, 1], where 1 means 0; 0 if both are 0. Accurate to 4e-7 rad.
 template <std::size_t count>
 HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several<count>& C) {
   const FloatTag d;
-  // The angle of the smaller to the greater is an eighth of the circle at most; it is taken from
-  // its middle, pi/8, where |q| <= tan(pi/8), so that four terms of the odd polynomial suffice
-  // (minimax, 1.1e-7 rad).
+  // The angle of the smaller to the larger is at most pi/4. Measured from pi/8, |q| <= tan(pi/8),
+  // so four terms of the odd polynomial suffice (minimax, 1.1e-7 rad).
   const Floats tangent = hn::Set(d, 0.41421356237F);
   Several<count> numerator, denominator;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -259,7 +256,7 @@ HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several
   return turn;
 }
 
-/// corrected_phase, in turns; past either end of [0, 1] by what was added.
+/// corrected_phase, in turns; exceeds [0, 1] by the correction at most.
 HWY_INLINE Floats corrected_by_wave(const SinusoidStage& stage, Floats turn) {
   const FloatTag d;
   const Floats N = hn::Set(d, static_cast<float>(stage.steps));
@@ -287,17 +284,17 @@ HWY_INLINE Floats corrected_by_table(const SinusoidStage& stage, Floats turn) {
   return hn::Add(turn, hn::MulAdd(part, rise, added));
 }
 
-/// corrected_phase, where it is not folded: a wave costs a few multiplications; looking two entries
-/// up for each lane costs as much as all else that is done to a row of frames.
+/// corrected_phase, if not folded. A wave costs a few multiplications; looking up two entries per
+/// lane costs as much as the rest of the row's decoding.
 HWY_INLINE Floats corrected_after(const SinusoidStage& stage, Floats turn) {
   if (stage.correction_wave.empty() && stage.correction.empty()) return turn;
   if (!stage.correction_wave.empty()) turn = corrected_by_wave(stage, turn);
   if (!stage.correction.empty()) turn = corrected_by_table(stage, turn);
-  // It may have led past either end.
+  // The correction may exceed either end.
   return hn::Sub(turn, hn::Floor(turn));
 }
 
-/// Wrapped phase in turns, of sums.
+/// Wrapped phase in turns, from sums.
 template <std::size_t count>
 HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<count> V,
                                           const Several<count>& U) {
@@ -308,7 +305,7 @@ HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<co
   return turn;
 }
 
-/// U^2 + sine_square V^2: V^2 of integers is exact, the square of its rounded multiple is not.
+/// U^2 + sine_square V^2; V^2 of an integer is exact, the square of its rounded multiple is not.
 HWY_INLINE Floats modulation_square(const SinusoidStage& stage, const FrameSums& sums) {
   const Floats weight = hn::Set(FloatTag(), stage.sine_square);
   return hn::MulAdd(hn::Mul(weight, sums.V), sums.V, hn::Mul(sums.U, sums.U));

@@ -1,4 +1,4 @@
-// Numbers of the stages as the row kernels and the shaders read them: C++ and GLSL.
+// Numbers of the stages, shared by the row kernels and the shaders: C++ and GLSL.
 #ifdef __cplusplus
 #pragma once
 
@@ -21,11 +21,11 @@ enum class CueForm : int { none, linear, cosine, circle };
 const int linear = 1, cosine = 2, circle = 3;
 #endif
 
-/// From turns to projector coordinates in the field, see coordinate_in_field. A device's own
-/// quotients are not exact: see `placing`.
+/// Turns to projector coordinates in the field, see coordinate_in_field. Quotients are computed by
+/// `placing`, because division on a device is not exact.
 struct CoordinateStage {
   float scale;           ///< 1 / f
-  float period;          ///< the coordinate is known up to multiples of it
+  float period;          ///< the coordinate is known up to multiples of this
   float cut;             ///< coordinates are brought into [cut, cut + period)
   float fields_of_turn;  ///< scale / period
   float cut_fields;      ///< cut / period
@@ -34,50 +34,49 @@ struct CoordinateStage {
 struct SinusoidNumbers {
   int steps SLIPSTREAM_DEFAULT(3);
   float sine_weight SLIPSTREAM_DEFAULT(1);  ///< tan of the wrapped phase is this times V / U
-  float sine_square SLIPSTREAM_DEFAULT(1);  ///< its square
-  /// From the root of U^2 + sine_square V^2 to grey levels.
+  float sine_square SLIPSTREAM_DEFAULT(1);  ///< square of `sine_weight`
+  /// From sqrt(U^2 + sine_square V^2) to grey levels.
   float modulation_scale SLIPSTREAM_DEFAULT(1);
-  /// From the turn so found to that of the band: direction 1 or -1, then offset; as found where
-  /// neither is set.
+  /// From the measured turn to the band's: times direction (1 or -1), then plus offset.
   float direction SLIPSTREAM_DEFAULT(1), offset SLIPSTREAM_DEFAULT(0);
 };
 
-/// What depends on the camera's bits and on the settings.
+/// Limits that depend on the camera's bits and the settings.
 struct SinusoidLimits {
-  float least_square SLIPSTREAM_DEFAULT(0);  ///< of U^2 + sine_square V^2: the modulation threshold
-  float mean_scale SLIPSTREAM_DEFAULT(1);    ///< from the sum of the frames or `means` to the mean
-  int full_scale SLIPSTREAM_DEFAULT(std::numeric_limits<int>::max());  ///< saturated from here on
+  float least_square SLIPSTREAM_DEFAULT(0);  ///< modulation threshold, as U^2 + sine_square V^2
+  float mean_scale SLIPSTREAM_DEFAULT(1);    ///< from the (weighted) sum of frames to the mean
+  int full_scale SLIPSTREAM_DEFAULT(std::numeric_limits<int>::max());  ///< least saturated level
 };
 
-/// Fringe orders by a lower frequency, Eq. (1.17).
+/// Fringe orders from a lower frequency, Eq. (1.17).
 struct UnwrapStage {
   float ratio SLIPSTREAM_DEFAULT(16);  ///< f_h / f_l
   float largest_doubt SLIPSTREAM_DEFAULT(0.25F);
-  float open SLIPSTREAM_DEFAULT(0);         ///< of the doubt: so much means none
-  float doubt_scale SLIPSTREAM_DEFAULT(1);  ///< of what is left of it
+  float open SLIPSTREAM_DEFAULT(0);         ///< a doubt up to this counts as 0
+  float doubt_scale SLIPSTREAM_DEFAULT(1);  ///< of the rest of the doubt
   CoordinateStage coordinate;               ///< of f_h
 };
 
 struct CodeNumbers {
   int gray SLIPSTREAM_DEFAULT(1);
-  int base SLIPSTREAM_DEFAULT(0);      ///< the bit that the others are exclusive-or with; 0: none
-  int others SLIPSTREAM_DEFAULT(0);    ///< those
-  float stripe SLIPSTREAM_DEFAULT(1);  ///< its width, fields
+  int base SLIPSTREAM_DEFAULT(0);      ///< bit that the others are XORed with; 0: none
+  int others SLIPSTREAM_DEFAULT(0);    ///< bits that are XORed
+  float stripe SLIPSTREAM_DEFAULT(1);  ///< stripe width, fields
 };
 
 struct CueNumbers {
   /// R = gain (channel - ambient) / B_1 - offset, (3.58), (3.74).
   float gain, offset;
-  float shade;    ///< c_2 / c_1: what R adds to the mean, over B_1
+  float shade;    ///< c_2 / c_1: what R adds to the mean, relative to B_1
   float periods;  ///< f_h
   float largest_doubt;
 };
 
-/// What depends on the camera's bits, beside SinusoidLimits.
+/// Limits of a cue that depend on the camera's bits.
 struct CueLimits {
   float ambient;        ///< beta, grey levels of the frames
-  float lit_square;     ///< of U^2 + sine_square V^2: up to it a pixel is `dim`
-  float voting_square;  ///< likewise: below it a pixel has no say in its neighbours' orders
+  float lit_square;     ///< U^2 + sine_square V^2 up to which a pixel is `dim`
+  float voting_square;  ///< the same, below which a pixel does not vote on its neighbours' orders
 };
 
 struct OrderCostNumbers {
@@ -85,10 +84,10 @@ struct OrderCostNumbers {
   float share, cue_share;  ///< c_1, c_2
   float constant_light, steady, component_variance, cue_variance;
   float periods;  ///< f_h
-  float margin;   ///< how far past the field a coordinate may lie: CueEvidence::near_field
+  float margin;   ///< how far outside the field a coordinate may lie: CueEvidence::near_field
 };
 
-/// Which pixels' fringe orders are believed, see FringeOrderConsensus. By default all are.
+/// Which pixels' fringe orders are trusted, see FringeOrderConsensus. Default: all.
 struct ConsensusStage {
   float half_fringe;
   int fewest_neighbours, fewest_if_doubtful;
@@ -100,11 +99,11 @@ struct PointNumbers {
   float coordinate_offset, depth_offset;  ///< m_14^p, m_34^p
   float unit_scale, unit_offset;          ///< from y to p
   float least_coordinate, largest_coordinate;
-  int lens_degree;  ///< of PointStage::lens; 0 where there is no distortion
+  int lens_degree;  ///< of PointStage::lens; 0 without distortion
   EdgeTerms low_edge, high_edge;
-  float inner_low, inner_high;  ///< a q between them is in the field at every p
+  float inner_low, inner_high;  ///< every q between them is in the field at every p
   float nearest, farthest;
-  int may_leave_field SLIPSTREAM_DEFAULT(0);  ///< whether a y beyond its two limits can occur
+  int may_leave_field SLIPSTREAM_DEFAULT(0);  ///< whether y can exceed its two limits
 };
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// From the phase to the coordinate: a row by its code, by what was before it, or alone.
+// Coordinates of a row from phases: by a code, a coarser coordinate, or the phase alone.
 #include <limits>
 
 #include "slipstream/reconstruct/fused/rows.h"
@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-/// stripe_of.
+/// See stripe_of.
 HWY_INLINE Ints stripes(const CodeStage& stage, Ints shown) {
   const IntTag di;
   if (stage.base != 0) {
@@ -39,7 +39,7 @@ HWY_NOINLINE void read_row(const CodeStage& stage, int width, const Pixel* const
   const int* const inverse = stage.inverses.empty() ? nullptr : stage.inverses.data();
   const Floats width_of_one = hn::Set(d, stage.stripe), half = hn::Set(d, stage.stripe / 2);
   for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    // A whole level is above a number where it is above what is left of it without its part.
+    // A whole level is above a number if it is above the number rounded down.
     Ints limit = hn::Zero(di);
     if (inverse == nullptr) limit = hn::ConvertTo(di, hn::LoadU(d, reference + i));
     Ints shown = hn::Zero(di);
@@ -113,7 +113,7 @@ void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, cons
 
 void PhaseRow(int width, const float* turn, float* phase) {
   const FloatTag d;
-  // The float below 2 pi; a whole turn is none.
+  // The largest float below 2 pi; a whole turn becomes 0.
   const Floats two_pi = hn::Set(d, 6.2831850F);
   for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Floats t = hn::LoadU(d, turn + i);

@@ -1,4 +1,4 @@
-// Which pixels disagree with their neighbours, and what other fringe orders cost them.
+// Finds pixels that disagree with their neighbours, and the costs of their other fringe orders.
 #include <numbers>
 
 #include "slipstream/reconstruct/fused/rows.h"
@@ -34,8 +34,8 @@ HWY_INLINE CueVector cue_vector(const OrderCostStage& stage, float to_8_bits,
   return {hn::Sqrt(hn::MulAdd(C, C, hn::Mul(S, S))), cue, cue_sine};
 }
 
-/// Of a cue that is a sinusoid of one period: the projection on the direction that y gives it. What
-/// it loses by a turn of that direction is computed by itself, for it is small.
+/// Cost for a cue that is a sinusoid of one period: its projection on the direction of y. The loss
+/// from turning that direction is computed directly, because it is small.
 class CircleCost {
  public:
   HWY_INLINE CircleCost(const OrderCostStage& stage, const CueVector& pixel, Floats y)
@@ -70,7 +70,7 @@ class CircleCost {
   Floats along_, across_, own_;
 };
 
-/// Of a real cue, whose reference is a cosine or linear.
+/// Cost for a cue in one channel, whose reference is a cosine or linear.
 template <bool cosine>
 class ReferenceCost {
  public:
@@ -103,7 +103,7 @@ class ReferenceCost {
     return {quotient(hn::Mul(difference, difference), hn::Mul(of(stage_.cue_variance), spread)),
             spread};
   }
-  /// cos(pi y) of 2 y - 1 in [-1, 1], an odd polynomial (minimax, 3.4e-9).
+  /// cos(pi y) from 2 y - 1 in [-1, 1], as an odd polynomial (minimax, 3.4e-9).
   static HWY_INLINE Floats cosine_of_half_turns(Floats u) {
     const FloatTag d;
     const Floats square = hn::Mul(u, u);
@@ -162,22 +162,22 @@ void CostsOfOrders(const OrderCostStage& stage, float to_8_bits, const FrameRows
   costs_by_form(stage, to_8_bits, frames.of_16_bits, coordinate, costs);
 }
 
-/// Read byte by byte: what was just written by fewer bytes at once is waited for.
+/// Reads byte by byte: a wider load would wait for the narrower store before it.
 HWY_INLINE std::uint32_t bits_of(FloatMask mask) {
   std::array<std::uint8_t, 8> bytes{};
   hn::StoreMaskBits(FloatTag(), mask, bytes.data());
   return bytes[0] | std::uint32_t{bytes[1]} << 8;
 }
 
-/// Of one vector, from pixel i on.
+/// Searches one vector, from pixel i on.
 HWY_INLINE void append_disagreeing(const CueStage& cue, const CoordinateRows& rows, int i,
                                    std::vector<PixelPlace>& found) {
   const FloatTag d;
-  // A little less and more than the vote's own limits, whose numbers are not rounded to float.
+  // Slightly wider than the vote's own limits, which are not rounded to float.
   const Floats half_period = hn::Set(d, 0.499F / cue.periods);
   const Floats steepest = hn::Set(d, 0.251F);
   const Floats f_h = hn::Set(d, cue.periods), y = hn::LoadU(d, rows.here + i);
-  // A step of whole periods, but for one that may be the surface's own.
+  // True for a step of about one or more whole periods.
   const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
     const Floats step = hn::Sub(hn::LoadU(d, other + i), y), periods = hn::Mul(step, f_h);
     const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
@@ -190,14 +190,14 @@ HWY_INLINE void append_disagreeing(const CueStage& cue, const CoordinateRows& ro
   }
 }
 
-/// Most vectors are looked at only to the left and down: what is far on their right is so on the
-/// left of the next, and what is above was below. Past the row's end nothing is far.
+/// Compares most vectors only with pixels to the left and below: a large step on the right is one
+/// on the left of the next vector, and a large step above was one below.
 void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
                      std::vector<PixelPlace>& found) {
   const FloatTag d;
   const Floats half_period = hn::Set(d, 0.499F / cue.periods);
   const auto lanes = static_cast<int>(hn::Lanes(d));
-  const CoordinateRows local = rows;  // no store can change them
+  const CoordinateRows local = rows;  // a copy, so that no store can alias it
   std::uint8_t* far_above = local.far_above;
   bool far_before = false;
   for (int i = 0; i < local.width; i += lanes) {

@@ -1,4 +1,4 @@
-// The fused pass on frames with a cue: the neighbours vote on the fringe orders.
+// The fused pass for frames with a cue: the neighbours vote on the fringe orders.
 #include "slipstream/reconstruct/fused/fused_engine.h"
 
 namespace slipstream {
@@ -6,7 +6,7 @@ namespace {
 
 constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
 
-/// One scan as NeighbourhoodVote looks at it.
+/// Access to a scan for NeighbourhoodVote.
 class VoteField {
  public:
   explicit VoteField(const FusedBand& band)
@@ -39,14 +39,14 @@ class VoteField {
       }
     }
   }
-  /// Costs of the pixels that will vote on these, as far as they are not known.
+  /// Computes the missing costs of the pixels that vote on `open`.
   void foresee(const std::vector<PixelPlace>& open) {
     constexpr int reach = 2, last = costed_together - 1;
     PixelPlace known{-1, 0};  // row, and end of the columns
     for (const PixelPlace at : open) {
       const int first = std::max(at.column - reach, 0) & ~last;
       const int end = std::min((at.column + reach + 1 + last) & ~last, block_.width());
-      // Most have the columns of the one before: they come by rows, from left to right.
+      // Most have the same columns as the one before, as they come by rows, from left to right.
       if (at.row == known.row && end == known.column && end - first <= costed_together) continue;
       known = {at.row, end};
       for (int row = std::max(at.row - reach, 0);
@@ -57,7 +57,8 @@ class VoteField {
       }
     }
   }
-  /// Dim pixels have coordinates and no say, of which the vectors do not know.
+  /// Skipped if there are dim pixels: these have coordinates but no vote, and the vectors cannot
+  /// tell.
   void hold_ballots(std::span<ShiftedPixel> pixels, bool restores) const {
     const BallotRows rows = block_.ballots(static_cast<float>(cue_.f_h));
     if (!some_dim_) slipstream::hold_ballots(rows, pixels, restores);
@@ -73,14 +74,14 @@ class VoteField {
     const CuePixel said = pixel(at.column, at.row);
     return cue_.exact.cost(said, y) - cue_.exact.cost(said, own);
   }
-  /// On the circle the nearest order is the likeliest.
+  /// On the circle the nearest order is the most likely.
   [[nodiscard]] bool own_order_costs_least() const { return cue_.exact.is_circle(); }
   [[nodiscard]] int shift(PixelPlace at) const { return block_.shifts(at.row)[at.column]; }
   void set_shift(PixelPlace at, int shift) {
     block_.shifts(at.row)[at.column] = static_cast<std::int16_t>(shift);
   }
 
-  /// Without its wrapped phase.
+  /// All but the wrapped phase.
   [[nodiscard]] CuePixel pixel(int column, int row) const {
     double C = 0, S = 0;
     CuePixel pixel;
@@ -98,7 +99,7 @@ class VoteField {
   }
 
  private:
-  /// The last vector of a row overlaps the one before it.
+  /// The last group of a row overlaps the one before it.
   void find_costs(int column, int row) {
     const int first = std::min(column, block_.width() - costed_together);
     order_costs(cue_.costs, static_cast<float>(to_8_bits_), band_.frame_rows(row, first),
@@ -111,11 +112,10 @@ class VoteField {
   const FusedStages::Cue& cue_;
   VoteBlock& block_;
   double to_8_bits_;
-  bool some_dim_;  ///< pixels that have no say may have coordinates
+  bool some_dim_;  ///< some pixels with coordinates may not vote
 };
 
-/// Frames to coordinates by each pixel alone. A row past the band is another's, and decoded for the
-/// vote only.
+/// Decodes a row, each pixel by itself. Rows outside the band are decoded only for the vote.
 void decode_with_cue(const FusedBand& band, int row) {
   FusedScratch& scratch = band.scratch;
   const bool ours = row >= band.first && row < band.last;
@@ -137,11 +137,11 @@ void decode_with_cue(const FusedBand& band, int row) {
   if (to.turn != nullptr) band.finish_maps(row, to.turn);
 }
 
-/// What a pixel has instead when the vote has moved it by whole periods.
+/// New values of a pixel that the vote moved by whole periods.
 struct MovedPixel {
   double coordinate = 0;
   double doubt = 0;
-  double brighter = 0;  ///< what its mean gains, grey levels of 255
+  double brighter = 0;  ///< change of its mean, grey levels of 255
 };
 
 void set(const Outputs& output, PixelPlace at, const MovedPixel& pixel, double grey_level) {
@@ -156,8 +156,7 @@ void set(const Outputs& output, PixelPlace at, const MovedPixel& pixel, double g
   output.maps->mean(at.column, at.row) += static_cast<float>(grey_level * pixel.brighter);
 }
 
-/// The neighbourhood's vote on the rows from `first` to `last`, and what follows from it for the
-/// pixels that it moves.
+/// Votes on the rows from `first` to `last` and updates the pixels that it moves.
 void vote(const FusedBand& band, int first, int last) {
   VoteBlock& block = band.scratch.block;
   const FusedStages::Cue& cue = *band.stages.cue;

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Frames to the projector coordinates of four pixels, as the row kernels compute them: sums of the
+// Frames to the projector coordinates of four pixels, computed as by the row kernels: sums of the
 // frames, wrapped phases, fringe orders along the chain.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const int pixel_bits = 8;
@@ -8,12 +8,12 @@ layout(constant_id = 1) const int band_count = 1;
 
 #include "stages.glsl"
 
-// Frame after frame, then the coarse coordinates where they are given.
+// Frame after frame, then the coarse coordinates, if given.
 layout(std430, binding = 0) readonly buffer Frames { uint frame_bits[]; };
 layout(std430, binding = 3) writeonly buffer Between { uvec4 between[]; };
 layout(std430, binding = 4) writeonly buffer Output { uvec4 planes[]; };
 
-// Of the pixels at work, of each band: wrapped phase / (2 pi).
+// Wrapped phase / (2 pi) of this invocation's pixels, for each band.
 vec4 turns[band_count];
 
 struct Pixels {
@@ -33,14 +33,14 @@ ivec4 levels(int frame, int fours) {
 
 ivec4 flagged(int flag, bvec4 which) { return flag * ivec4(which); }
 
-// To half a unit in the last place: a driver's own may be wrong by five times that.
+// To half a unit in the last place: a driver's own division may be five times worse.
 vec4 quotients(vec4 a, vec4 b) {
   const vec4 q = a / b;
   precise const vec4 rest = fma(-q, b, a);
   return q + rest / b;
 }
 
-// atan2(S, C) / (2 pi) in [0, 1] to 4e-7 rad: that of sinusoid_sums-inl.h.
+// atan2(S, C) / (2 pi) in [0, 1] to 4e-7 rad, as in sinusoid_sums-inl.h.
 vec4 angles_in_turns(vec4 S, vec4 C) {
   vec4 sine = abs(S), cosine = abs(C);
   vec4 smaller = min(sine, cosine), greater = max(max(sine, cosine), vec4(1e-30));
@@ -81,7 +81,7 @@ vec4 corrected(int index, vec4 turn) {
   return turn - floor(turn);
 }
 
-// Sums of whole parts of the weights, exact until they are rounded once.
+// Joins the sums over the parts of the weights; exact until they are rounded once.
 vec4 joined(ivec4 most, ivec4 middle, ivec4 least, float unit) {
   return (vec4(most) * 4194304.0 + (vec4(middle) * 2048.0 + vec4(least))) * unit;
 }
@@ -142,7 +142,7 @@ vec4 sum_of_bands(int factors, int alone) {
   return sum - floor(sum);
 }
 
-// The middles of the stripes that the bits show.
+// Middles of the stripes given by the bits.
 vec4 code_coordinates(int fours, vec4 mean) {
   precise vec4 limit = mean * code.mean_to_frames;
   if (code.against_mean == 0 && code.inverses < 0) {
@@ -195,7 +195,7 @@ void unwrap(int fours, inout Pixels pixels) {
   pixels.y = mix(vec4(no_coordinate), y, known);
 }
 
-// The coordinates of all bands weighed, at the orders next to that of the chain.
+// Weighted mean of all bands' coordinates, at the orders nearest to the chain's.
 void weigh(inout Pixels pixels) {
   vec4 sum = pixels.y;
   for (int i = 1; i < band_count; ++i) {
@@ -217,25 +217,25 @@ vec4 cue_periods(Sums channel, vec4 modulation) {
   return mix(vec4(0.0), cue.periods * y, greaterThan(modulation, vec4(1e-9)));
 }
 
-// By each pixel alone; the neighbours vote later.
-void decode_cue(int fours, Sums channel, vec4 said, inout Pixels pixels) {
+// From each pixel alone; the neighbours vote later.
+void decode_cue(int fours, Sums channel, vec4 expected, inout Pixels pixels) {
   const bool turns_round = cost.form == circle;
   vec4 turn = turns[0];
   if (!turns_round) turn = mix(vec4(0.0), turn, lessThan(turn, vec4(1.0)));
-  const vec4 periods = said - turn;
+  const vec4 periods = expected - turn;
   vec4 k = roundEven(periods);
   if (!turns_round) k = clamp(k, 0.0, cue.periods - 1.0);
   pixels.y = turns_round ? in_field(coordinate, turn + k) : (turn + k) * coordinate.scale;
   pixels.doubt = abs(periods - k);
   if (!turns_round) pixels.doubt = min(pixels.doubt, vec4(0.5));
   pixels.flags |= flagged(dim, lessThanEqual(pixels.square, vec4(cue_limits.lit_square))) |
-                  flagged(nobody, lessThan(pixels.square, vec4(cue_limits.voting_square))) |
+                  flagged(no_vote, lessThan(pixels.square, vec4(cue_limits.voting_square))) |
                   flagged(doubtful_order, greaterThan(pixels.doubt, vec4(cue.largest_doubt)));
   const int at = (scan() * plane_fours + fours) * kept;
   between[at + 2] = floatBitsToUint(vote.to_8_bits * pixels.modulation);
   between[at + 3] = floatBitsToUint(vote.to_8_bits * channel.U);
   between[at + 4] = floatBitsToUint(vote.to_8_bits * channel.V);
-  between[at + 5] = floatBitsToUint(said);
+  between[at + 5] = floatBitsToUint(expected);
   between[at + 6] = uvec4(0u);
 }
 

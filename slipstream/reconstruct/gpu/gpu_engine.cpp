@@ -18,7 +18,7 @@ constexpr std::uint32_t vote_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 /// Passes of the vote, by the tasks of vote.comp: choose, restore, settle and finish.
 constexpr std::array<std::size_t, 13> vote_passes{0, 2, 0, 2, 0, 2, 1, 2, 1, 2, 1, 2, 3};
 
-constexpr std::size_t whole_words = 4;  // an invocation has four pixels
+constexpr std::size_t whole_words = 4;  // pixels per invocation
 
 std::size_t pixels_of(Size size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
@@ -28,7 +28,7 @@ std::size_t padded(Size size) {
   return (pixels_of(size) + whole_words - 1) / whole_words * whole_words;
 }
 
-/// Four E_x, then their E_y, and so on.
+/// Interleaved: four E_x, then their E_y, and so on.
 GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays, int first,
                   int last) {
   const Size size{rays.E_x.width(), last - first};
@@ -48,7 +48,7 @@ std::size_t bytes_of_pixels(const FrameViews& frames) {
   return frames.visit([]<class Pixel>(const Frames<Pixel>&) { return sizeof(Pixel); });
 }
 
-/// Rows from `first` to `last`, frame after frame without gaps.
+/// Copies the rows from `first` to `last`, frame after frame without gaps.
 void copy_frames(const FrameViews& frames, int first, int last, std::size_t frame_bytes,
                  std::byte* to) {
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
@@ -63,14 +63,14 @@ void copy_frames(const FrameViews& frames, int first, int last, std::size_t fram
   });
 }
 
-/// NaN, which a shader need not know, becomes a coordinate that is none.
+/// Replaces NaN, which shaders need not support, by the value for no coordinate.
 void copy_coarse(const Image<float>& coarse, int first, int last, std::byte* to) {
   constexpr float none = 1e30F;
   std::transform(coarse.row(first), coarse.row(last - 1) + coarse.width(),
                  reinterpret_cast<float*>(to), [](float y) { return std::isnan(y) ? none : y; });
 }
 
-/// The planes of an output, one after another, and where each goes.
+/// Planes of an output, one after another, and their positions.
 struct PlaneList {
   std::size_t plane_pixels;
   GpuPlanes planes{};
@@ -105,20 +105,20 @@ PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   return list;
 }
 
-/// Scans on their way through the device.
+/// Scans in progress, and the sizes of their buffers.
 struct Job {
   GpuStages stages;
-  std::vector<PlaneList> planes;  ///< of each scan
+  std::vector<PlaneList> planes;  ///< one per scan
   std::span<const FrameViews> scans;
   std::span<const Outputs> outputs;
   const Image<float>* coarse;
-  std::size_t together;  ///< scans that are computed at once
+  std::size_t together;  ///< scans computed at once
   std::size_t pixels;    ///< of a plane
   std::size_t frame_bytes = 0, between_bytes = 0;
   std::size_t all_frames_bytes = 0, upload_bytes = 0, output_bytes = 0;  ///< of each scan
 };
 
-/// What one submission computes: rows of one scan, or several scans.
+/// Work of one submission: rows of one scan, or several scans.
 struct Step {
   const GpuEngine::Part& part;
   std::size_t first, scans;
@@ -250,7 +250,7 @@ GpuEngine::GpuEngine(const FusedEngine& of, GpuProgramText program,
     vote.emplace_back(gpu, vote_spirv, std::array{task});
   }
   const auto [width, height] = stages.rays.E_x.size();
-  // So few at once that the largest buffer is small enough: results, or frames of 16 bits.
+  // Few enough at once for the largest buffer: results, or 16-bit frames.
   constexpr std::size_t results = 8 * sizeof(float);
   const std::size_t frames = static_cast<std::size_t>(stages.frames) * 2 + sizeof(float);
   const std::size_t at_once = std::min(pixels, gpu->most_bytes() / std::max(results, frames));
@@ -294,13 +294,13 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
         frames.full_scale() == like.full_scale() && frames.merged() == like.merged()) {
       continue;
     }
-    throw Error("frames are not quantised or not alike; the GPU takes 8 to 16 bits");
+    throw Error("frames are not quantised or differ in format; the GPU takes 8 to 16 bits");
   }
   Job job = job_for(*this, scans, outputs, coarse);
   const std::size_t at_a_time = (scans.size() + job.together - 1) / job.together;
   const std::size_t steps = at_a_time * parts.size();
   auto& slots = memory.slots;
-  // What was made later is no larger.
+  // The last slot is never larger than the others.
   const bool keeps = !slots.empty() &&
                      slots.back().frames.size() >= job.together * job.upload_bytes &&
                      slots.back().between.size() >= job.between_bytes &&
@@ -319,7 +319,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
   };
   for (std::size_t i = 0; i < steps; ++i) {
     GpuScanMemory::Slot& slot = slots[i % slots.size()];
-    slot.run.wait();  // of a call that was given up by an exception
+    slot.run.wait();  // left by a call that ended with an exception
     if (!keeps || !memory.resident) upload(step_of(i), job, slot.frames);
     start(*this, step_of(i), job, slot);
     if (i > 0) collect_from(i - 1);

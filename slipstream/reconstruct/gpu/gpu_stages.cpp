@@ -7,7 +7,7 @@ namespace {
 
 static_assert(std::is_trivially_copyable_v<GpuStages> && alignof(GpuStages) == sizeof(int));
 
-/// What stages point into, as it grows.
+/// Words that the stages index.
 struct Words {
   [[nodiscard]] int place() const { return static_cast<int>(all.size()); }
   void add(int value) { all.push_back(value); }
@@ -22,11 +22,10 @@ struct Words {
   std::vector<int> all{};
 };
 
-/// Weights in wholes of a unit: themselves where they are whole numbers, else to 2^-30 of the
-/// largest.
+/// Weights as whole multiples of a unit: 1 if they are whole numbers, else 2^-30 of the largest.
 struct WholeWeights {
   explicit WholeWeights(const std::vector<double>& weights) {
-    constexpr double rounding = 1e-6;  // of factors that are floats
+    constexpr double rounding = 1e-6;  // of factors stored as floats
     double largest = 0;
     bool whole = true;
     for (const double weight : weights) {
@@ -53,8 +52,7 @@ void add_parts(int value, Words& words) {
   words.add(c);
 }
 
-/// The weights that Eqs. (2.1) to (2.3) and those of N = 5 stand for, which SinusoidStage leaves
-/// out.
+/// Weights of Eqs. (2.1) to (2.3) and of N = 5, which SinusoidStage does not store.
 std::vector<double> closed_form_weights(const SinusoidStage& stage, bool sine) {
   std::vector<double> weights;
   const double N = stage.steps, scale = 2 / (N * stage.modulation_scale);
@@ -78,7 +76,7 @@ GpuBand gpu_band(const FusedStages::BandStage& band, Words& words) {
   }
   const int wave = words.add_all(stage.correction_wave);
   const int table = words.add_all(stage.correction);
-  // A turn of 1 has the last entry, and reads one past it by nothing.
+  // A turn of 1 uses the last entry, and reads one past it with weight 0.
   if (!stage.correction.empty()) words.add(stage.correction.back());
   return {.first_frame = band.first_frame,
           .frames = static_cast<int>(cosine.values.size()),

@@ -1,17 +1,17 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Coordinates of four pixels to points, confirmed by their neighbours: StripeGeometry and
-// FringeOrderConsensus, as the row kernels compute them.
+// FringeOrderConsensus, computed as by the row kernels.
 layout(local_size_x = 64) in;
 
 #include "stages.glsl"
 
-layout(std430, binding = 2) readonly buffer Rays { vec4 rays[]; };  // E_x and E_y in turns
+layout(std430, binding = 2) readonly buffer Rays { vec4 rays[]; };  // E_x and E_y alternate
 layout(std430, binding = 3) readonly buffer Between { uint between[]; };
 layout(std430, binding = 4) writeonly buffer Output { uvec4 planes[]; };
 layout(std430, binding = 5) writeonly buffer Packed { uint packed[]; };
 
-// Of Validity, the first reason in its order.
+// Values of Validity; the first reason in this order wins.
 const int valid = 0, too_dark = 1, is_saturated = 2, doubtful = 3, no_point = 4, outside_field = 5,
           out_of_range = 6;
 
@@ -26,7 +26,7 @@ bool is_confirmed(int at, float y, int flags) {
   const int needed =
       (flags & doubtful_order) != 0 ? consensus.fewest_if_doubtful : consensus.fewest_neighbours;
   const int column = at % width, row = at / width;
-  // In a surface the row's own neighbours suffice.
+  // On a surface, the neighbours in the row are enough.
   int found = agreeing(y, row, column - 1) + agreeing(y, row, column + 1);
   if (found >= needed) return true;
   for (int side = -1; side <= 1; side += 2) {
@@ -39,7 +39,7 @@ vec4 of_rays(float c[3], vec4 E_x, vec4 E_y) {
   return fma(vec4(c[0]), E_x, fma(vec4(c[1]), E_y, vec4(c[2])));
 }
 
-// PlanePolynomial, its coefficients from the last to the first.
+// PlanePolynomial, coefficients from the last to the first.
 vec4 lens_adds(vec4 p, vec4 q) {
   if (points.lens_degree == 0) return vec4(0.0);
   int at = lens;
@@ -58,7 +58,7 @@ vec4 edge(float c[6], vec4 p) {
   return sum;
 }
 
-// Depths of the pixels' points, and why there is none: StripeGeometry::operator().
+// Depth and validity of the pixels' points: StripeGeometry::operator().
 ivec4 find_points(vec4 E_x, vec4 E_y, vec4 y, out vec4 z) {
   vec4 p = fma(y, vec4(points.unit_scale), vec4(points.unit_offset));
   vec4 g = of_rays(points.facing, E_x, E_y);

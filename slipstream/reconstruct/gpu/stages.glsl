@@ -1,25 +1,25 @@
-// What the shaders share: the stages of a scan, and how places and numbers are read of them.
+// Shared by the shaders: the stages of a scan, and access to places and numbers.
 #include "gpu_stages.h"
 
 float word(int at) { return intBitsToFloat(words[at]); }
 
-const int dark = 1, saturated = 2, doubtful_order = 4, dim = 8, nobody = 16;
+const int dark = 1, saturated = 2, doubtful_order = 4, dim = 8, no_vote = 16;
 
-// Instead of NaN, which a driver need not keep: a coordinate that nothing is near to.
+// Replaces NaN, which drivers need not support: a coordinate far from all others.
 const float no_coordinate = 1e30;
 const uint nan = 0x7fc00000u;
 
 int pixel_count() { return width * height; }
 
-// Of those that are computed at once.
+// Index among the scans computed at once.
 int scan() { return int(gl_WorkGroupID.z); }
 
-// What is kept of four pixels between the shaders: y, flags, and with a cue modulation, the cue and
-// its sine, the periods that it gives, and shifts twice. In words:
+// Words kept of four pixels between the shaders, by slot: y, flags, and with a cue modulation, the
+// cue and its sine, the periods from the cue, and two shifts.
 int place(int slot, int at) { return 4 * ((scan() * plane_fours + at / 4) * kept + slot) + at % 4; }
 
-// sin(2 pi turns) to 2e-7, of at most a quarter turn. A driver's own sin and cos may be wrong by
-// 2^-11, and by anything past half a turn.
+// sin(2 pi turns) to 2e-7, for up to a quarter turn. A driver's own sin and cos may be wrong by
+// 2^-11, and by any amount beyond half a turn.
 float sine_of_quarter(float turns) {
   const float square = turns * turns;
   float slope = fma(square, 39.53670607844828, -76.54978229534504);
@@ -41,13 +41,13 @@ float reference(float y) {
   return cost.form == linear ? 2.0 * held - 1.0 : cosine_of(0.5 * held);
 }
 
-// The first of the four pixels of this invocation.
+// The first of this invocation's four pixels.
 int first_pixel() {
   return 4 * int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x +
                  gl_LocalInvocationID.x);
 }
 
-// coordinate_in_field of turns.
+// coordinate_in_field, from turns.
 vec4 in_field(CoordinateStage stage, vec4 turns) {
   vec4 fields = floor(fma(turns, vec4(stage.fields_of_turn), vec4(-stage.cut_fields)));
   return fma(vec4(-stage.period), fields, turns * stage.scale);

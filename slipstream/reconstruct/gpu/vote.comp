@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// NeighbourhoodVote, one pass over all pixels at a time, and at last what follows from it. Some
-// drivers compile it anew for each call of a function: what is long is called in one place.
+// NeighbourhoodVote, one pass over all pixels at a time, and at last its results. Some drivers
+// compile a function again for each call: long code is called in one place.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const int task = 0;
 
@@ -10,7 +10,7 @@ layout(constant_id = 0) const int task = 0;
 layout(std430, binding = 3) buffer Between { uint between[]; };
 layout(std430, binding = 4) buffer Output { float planes[]; };
 
-// A pass begins with what all pixels chose before it, in `chosen`, and puts its choices beside it.
+// A pass reads all pixels' earlier choices from `chosen` and writes its own to `next`.
 const int choose = 0, restore = 1, settle = 2;
 const int chosen = 6, next = 7;  // slots
 const int side = 5, cells = 25, middle = 12, line_count = 20;
@@ -18,11 +18,11 @@ const uint whole_window = 0x1ffffffu, inner_window = 0x739c0u;
 const float steepest = 0.25, roughest = 0.05, most_evidence = 4.0, disagreement = 0.25, sure = 25.0,
             enough_along_a_line = 16.0, infinite = 1e30;
 
-// Of the pixel at work and those around it.
+// The current pixel and its window.
 ivec2 here;  // column, row
 float window[81];
 uint right, down, surface;
-int link_step[2 * cells];  // to the right of each, then down
+int link_step[2 * cells];  // to the right of each cell, then down
 int shift[cells], shift_step[cells];
 int candidates, candidate[cells];
 uint voters[cells];
@@ -37,15 +37,15 @@ int shift_at(ivec2 at) {
   return is_outside(at) ? 0 : int(between[place(chosen, at.y * width + at.x)]);
 }
 
-// In periods, less those of a coordinate.
+// Coordinate in periods, relative to `own`.
 float periods_at(ivec2 at, float own) {
   if (is_outside(at)) return no_coordinate;
   const int pixel = at.y * width + at.x;
-  if ((between[place(1, pixel)] & uint(dim | nobody)) != 0u) return no_coordinate;
+  if ((between[place(1, pixel)] & uint(dim | no_vote)) != 0u) return no_coordinate;
   return cue.periods * (kept_at(0, pixel) - own);
 }
 
-// A step through the window, less whole periods.
+// A step through the window, without whole periods.
 float part(int i, int further, out float whole) {
   const float a = window[i], b = window[i + further];
   whole = 0.0;
@@ -109,7 +109,7 @@ void find_surface(uint among) {
 
 float slope(float y) { return vote.relative_share * reference(y) + cost.steady; }
 
-// OrderCosts, of any shift.
+// OrderCosts, for any shift.
 float against(int cell, int by) {
   if (by == 0) return 0.0;
   const ivec2 at = here + ivec2(cell % side, cell / side) - 2;
@@ -119,7 +119,7 @@ float against(int cell, int by) {
   const float B = kept_at(2, pixel), C = kept_at(3, pixel), S = kept_at(4, pixel);
   if (cost.form == circle) {
     const float turns = float(by) * vote.period, turn = turns - roundEven(turns);
-    if (abs(turn) < 1e-5) return 1e-3;  // the same cue: of both the own order
+    if (abs(turn) < 1e-5) return 1e-3;  // the cue is the same: prefer the own order
     const float cosine = cosine_of(y), sine = sine_of(y), half_sine = sine_of(0.5 * turn);
     const float along = C * cosine + S * sine, across = S * cosine - C * sine;
     const float versine = 2.0 * half_sine * half_sine;
@@ -135,7 +135,7 @@ float against(int cell, int by) {
   return square.x - square.y + log(spread.x / spread.y);
 }
 
-// Shifts of the middle that those on its surface imply; first those that most of them do.
+// Shifts of the middle pixel implied by its surface, most frequent first.
 void name_candidates() {
   candidates = 0;
   for (uint rest = surface; rest != 0u;) {
@@ -159,7 +159,7 @@ void name_candidates() {
   }
 }
 
-// Costs of a candidate to the cells of the surface.
+// Costs of a candidate for the cells of the surface.
 float costs[cells], best_costs[cells];
 
 float total(int c) {
@@ -173,8 +173,7 @@ float total(int c) {
   return sum;
 }
 
-// By how much the best, and the candidate, is the cheaper of the two along the line that says so
-// most.
+// Largest cost advantages along a line: of the best over the candidate (x), and the reverse (y).
 vec2 line_evidence(int c) {
   vec2 found = vec2(0.0);
   bool suited = false;
@@ -254,7 +253,7 @@ int next_shift(float y) {
   if (task == choose) return least_cost_shift();
   for (uint rest = surface & ~(1u << middle); rest != 0u; rest &= rest - 1u) {
     const int cell = findLSB(rest);
-    if (shift[cell] == shift_step[cell]) return 0;  // it shows an edge of whole periods
+    if (shift[cell] == shift_step[cell]) return 0;  // an edge of whole periods
   }
   return own;
 }
@@ -276,7 +275,7 @@ void finish(int at) {
     planes[4 * (plane_at.mean + fours) + at % 4] -= vote.shade * kept_at(2, at) * reference(y);
   }
   between[place(0, at)] =
-      floatBitsToUint((flags & uint(nobody)) != 0u ? no_coordinate : y);
+      floatBitsToUint((flags & uint(no_vote)) != 0u ? no_coordinate : y);
   between[place(1, at)] = flags;
 }
 

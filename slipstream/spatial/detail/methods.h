@@ -10,10 +10,10 @@
 
 namespace slipstream {
 
-/// A wrapped phase map as the methods take it.
+/// A wrapped phase map, the input of the methods.
 struct WrappedCycles {
-  Image<float> cycles;  ///< phase in periods, [-0.5, 0.5]; NaN where there is none
-  /// Above 0, more is better; empty where nothing is known.
+  Image<float> cycles;  ///< phase in periods, [-0.5, 0.5]; NaN if missing
+  /// Above 0, higher is better; an empty image means unknown.
   Image<float> quality;
 
   [[nodiscard]] bool has(std::size_t pixel) const {
@@ -21,10 +21,10 @@ struct WrappedCycles {
   }
 };
 
-/// What they give.
+/// Result of the methods.
 struct Orders {
   Image<int> order;   ///< whole periods to add
-  Image<int> region;  ///< the same number where they are connected; -1 where there is no phase
+  Image<int> region;  ///< equal for connected pixels; -1 without a phase
 };
 
 // The first five are in growing.cpp, the others in the files of their names.
@@ -36,24 +36,24 @@ Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
 Orders orders_by_least_squares(const WrappedCycles& wrapped);
 Orders orders_by_flow(const WrappedCycles& wrapped);
 
-/// The periods by which the order changes between neighbours of phases in [-0.5, 0.5], taken to lie
-/// less than half a period apart.
+/// Change of the order between neighbours with phases in [-0.5, 0.5], assuming that the true phases
+/// differ by less than half a period.
 inline int step_between(float from, float to) {
   return (from - to > 0.5F ? 1 : 0) - (from - to < -0.5F ? 1 : 0);
 }
 
-/// By how many periods the order changes from each pixel to its right and to its lower neighbour.
+/// Change of the order, in periods, from each pixel to its right and lower neighbours.
 struct EdgeSteps {
-  static constexpr std::int16_t closed = -32768;  ///< there is no way, or no neighbour
+  static constexpr std::int16_t closed = -32768;  ///< no connection, or no neighbour
 
   Image<std::int16_t> right, down;
 
   [[nodiscard]] Size size() const { return right.size(); }
 
-  /// Calls `visit(to, step)` for each neighbour that an edge leads to.
+  /// Calls `visit(to, step)` for each connected neighbour.
   template <class Visit>
   void for_each_neighbour(int at, const Visit& visit) const {
-    // An edge to the left or above that is not there is closed: the pixel before is a row's last.
+    // At the left end the edge is closed: the pixel before is the last of its row.
     const int width = size().width;
     const std::int16_t* const to_right = right.begin();
     const std::int16_t* const to_below = down.begin();
@@ -62,7 +62,7 @@ struct EdgeSteps {
     if (at >= 1 && to_right[at - 1] != closed) visit(at - 1, -to_right[at - 1]);
     if (at >= width && to_below[at - width] != closed) visit(at - width, -to_below[at - width]);
   }
-  /// Calls `visit(at, to, step)` for each edge, first those to the right.
+  /// Calls `visit(at, to, step)` for each edge, edges to the right first.
   template <class Visit>
   void for_each_edge(const Visit& visit) const {
     for (const auto& [edges, apart] : {std::pair(&right, 1), std::pair(&down, size().width)}) {
@@ -71,31 +71,31 @@ struct EdgeSteps {
       }
     }
   }
-  /// The edge between two neighbours, of which `at` is the left or the upper one.
+  /// The edge between two neighbours; `at` is the left or upper one.
   std::int16_t& edge(int at, int to) {
     return to - at == size().width ? down.begin()[at] : right.begin()[at];
   }
 };
 EdgeSteps edge_steps(const Image<float>& cycles);
 
-/// What a whole turn around each corner of pixels changes, closed edges nothing; pixel (x, y) lies
-/// to the lower right of corner (x, y), so that there is one more row and column of corners.
+/// Residue at each corner: sum of the steps around it, closed edges counting 0. Pixel (x, y) lies
+/// to the lower right of corner (x, y), so there is one more row and column of corners.
 Image<int> charges_of(const EdgeSteps& steps);
 
-/// From pixel to pixel along the steps; what they connect is a region.
+/// Integrates the steps from pixel to pixel; connected pixels form a region.
 Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps);
 
-/// How little to trust each pixel's phase: the square in periods of its distance from the mean of
-/// two neighbours, averaged over those of row, column and diagonals that are there, over the square
-/// of the quality, where that is known.
+/// Unreliability of each pixel's phase: its squared distance, in periods, from the mean of two
+/// opposite neighbours, averaged over row, column and diagonals, divided by the squared quality, if
+/// known.
 Image<float> roughness(const WrappedCycles& wrapped);
 
-/// The weight of each pixel, 0 to 1: less the rougher it is than most.
+/// The weight of each pixel, 0 to 1: decreases with its roughness relative to most.
 Image<float> smoothness(const WrappedCycles& wrapped);
 
-/// What `flow` pays to change the step between two pixels by `change`, 1 or -1, the first time: the
-/// growth of the difference's square, so that nearly half a period gives way first, times the
-/// smoothness.
+/// Cost in `flow` of the first change of the step between two pixels by `change`, 1 or -1: the
+/// growth of the squared difference times the smoothness, so that steps of nearly half a period
+/// change first.
 inline int cost_of_change(const WrappedCycles& wrapped, const Image<float>& smoothness, int from,
                           int to, int change) {
   const float first = wrapped.cycles.begin()[from], second = wrapped.cycles.begin()[to];
@@ -104,15 +104,15 @@ inline int cost_of_change(const WrappedCycles& wrapped, const Image<float>& smoo
   return 1 + static_cast<int>(weight * (1 + 2 * static_cast<float>(change) * rest));
 }
 
-/// Groups of pixels that know the orders of each other, each at first alone: a union-find whose
-/// members remember by how many periods they lie above the one before.
+/// Groups of pixels with known relative orders, initially one pixel each: a union-find whose
+/// members store their order relative to their parent.
 class PhaseGroups {
  public:
   explicit PhaseGroups(std::size_t pixels) : members_(pixels) {}
 
   struct Place {
     int group = 0;
-    int order = 0;  ///< above the group's
+    int order = 0;  ///< relative to the group's root
   };
   Place find(int pixel) {
     int order = 0;
@@ -121,13 +121,13 @@ class PhaseGroups {
       if (member.before < 0) return {pixel, order};
       const Member before = at(member.before);
       if (before.before < 0) return {member.before, order + member.order};
-      member = {before.before, member.order + before.order};  // half of the way, the next time
+      member = {before.before, member.order + before.order};  // path halving
       order += member.order;
       pixel = member.before;
     }
   }
 
-  /// Makes one of two groups, with `step` periods from one pixel to the other.
+  /// Joins two groups, with `step` periods from one pixel to the other.
   void join(int from, int to, int step) {
     Place first = find(from), second = find(to);
     if (first.group == second.group) return;
@@ -153,8 +153,8 @@ class PhaseGroups {
 
  private:
   struct Member {
-    int before = -1;  ///< of a group's first: how many there are, negative
-    int order = 0;    ///< above that before
+    int before = -1;  ///< parent; for a root, the negative size of its group
+    int order = 0;    ///< relative to the parent
   };
   Member& at(int pixel) { return members_[static_cast<std::size_t>(pixel)]; }
 

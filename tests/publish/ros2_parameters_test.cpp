@@ -208,7 +208,7 @@ TEST(Ros2, settings_are_a_nodes_parameters) {
       rcl_interfaces_srv_dds__SetParametersAtomically_Response__desc)
       .call(both, [](const auto& answer) {
         EXPECT_FALSE(answer.result.successful);
-        EXPECT_STREQ(answer.result.reason, "record 'perhaps': wanted is one of: off; on");
+        EXPECT_STREQ(answer.result.reason, "record 'perhaps': expected one of: off; on");
       });
   EXPECT_EQ(get(), (Texts{"4: Gray", "0: ", "1: true", "3: 20"}));
   wait_until([&] {

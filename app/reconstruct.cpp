@@ -1,5 +1,6 @@
 #include <deque>
 #include <future>
+#include <numeric>
 
 #include "app/manifest.h"
 #include "app/process.h"
@@ -179,12 +180,25 @@ Finding contradiction(const EpipolarCheck& check) {
           "this"};
 }
 
-/// Problems the pixel check misses or leaves to --nearest and --farthest.
-Finding no_points(const ValidityCounts& counts) {
+/// No point, or under half of the pixels that are lit and within the user's limits.
+std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSettings& settings) {
+  const std::size_t points = counts.front();
+  const auto ignore = [&](Validity kind, bool if_true = true) {
+    if (if_true && points > 0) counts[static_cast<std::size_t>(kind)] = 0;
+  };
+  ignore(Validity::too_dark);
+  ignore(Validity::outside_region);
+  ignore(Validity::out_of_range, settings.nearest || settings.farthest);
+  ignore(Validity::low_trust, settings.clean.largest_sigma.has_value());
+  const std::size_t lit = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  if (2 * points >= lit) return std::nullopt;
   const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
-  return {.what = "not one pixel became a point",
-          .likely = fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most))),
-          .advice = "look at the frames with slipstream view"};
+  return Finding{
+      .what = points == 0 ? "not one pixel became a point"
+                          : "under 50 % of the lit pixels became points",
+      .evidence = {{"share", static_cast<double>(points) / static_cast<double>(lit)}},
+      .likely = fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most))),
+      .advice = "look at the frames with slipstream view"};
 }
 
 /// Writes the cloud with normals and uncertainty on the requested grid; maps and preview on the
@@ -302,7 +316,9 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   if (result.epipolar && result.epipolar->contradicts())
     add_finding(contradiction(*result.epipolar), result);
   result.counts = count_by_validity(result.cloud);
-  if (result.counts[0] == 0) add_finding(no_points(result.counts), result);
+  if (auto missing = missing_points(result.counts, flags.cloud.settings)) {
+    add_finding(std::move(*missing), result);
+  }
   result.computed = watch.lap();
   if (flags.uncertainty) {
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);

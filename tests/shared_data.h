@@ -12,4 +12,9 @@ inline std::filesystem::path shared_data() {
   return std::filesystem::path(SLIPSTREAM_SOURCE_FOLDER).parent_path() / "shared" / "data";
 }
 
+/// Small inputs with what is right for each: ../shared/cases, beside the captures.
+inline std::filesystem::path shared_cases() {
+  return shared_data().parent_path() / "cases";
+}
+
 }  // namespace slipstream

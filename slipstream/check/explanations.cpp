@@ -67,7 +67,7 @@ void name_broadly(const Fit& fit, Finding& finding) {
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.2;
   constexpr double hopeless_outside = 0.6;
   finding.gravity = Gravity::doubtful;
-  if (!fit.patterns_made() || !fit.bands_agree() || !fit.no_seam()) {
+  if (!fit.frames_fit()) {
     const auto hopeless = [](const BandRelation& relation) {
       return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
     };
@@ -94,8 +94,15 @@ void name_broadly(const Fit& fit, Finding& finding) {
 
 /// Relative gain of each frame, estimated from the unexplained components; the mean is 0.
 struct FrameGains {
+  /// Share of the residual that `others`, gains from other pixels, explain.
+  [[nodiscard]] double explained_by(const Eigen::VectorXd& others) const {
+    return all > 0 ? others.dot(2 * right - normal * others) / all : 0;
+  }
+
   Eigen::VectorXd gains;
-  double explained = 0;  ///< share of the residual explained by the gains
+  Eigen::MatrixXd normal;  ///< normal * gains = right, with residual `all`
+  Eigen::VectorXd right;
+  double all = 0;
   struct OddFrame {
     int frame = 0;
     double gain = 0;
@@ -120,7 +127,8 @@ std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
   return most >= least_share && most >= second + least_lead ? best : std::nullopt;
 }
 
-FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
+/// The gains from every other group, from `first` (0 or 1) on.
+FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
   const int count = model.layout().frames;
   // P I is 0 for true frames, so gains leave P diag(I) gain. Both factors of each product come from
   // different neighbours, which share no noise.
@@ -137,7 +145,7 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
   };
   Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
   Eigen::VectorXd left_a(rows), left_b(rows);
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
+  for (std::size_t g = first; g < samples.groups(); g += 2) {
     if (!samples.lit(g, ScanSamples::right)) continue;
     by_gains(samples.levels(g, ScanSamples::middle), changes_a, left_a);
     by_gains(samples.levels(g, ScanSamples::right), changes_b, left_b);
@@ -149,7 +157,7 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
   const double held = normal.trace() / count;
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
-  return {gains, all > 0 ? gains.dot(right) / all : 0, odd_frame(normal, right, all)};
+  return {gains, normal, right, all, odd_frame(normal, right, all)};
 }
 
 /// Detects light that changed between frames.
@@ -159,9 +167,15 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
   constexpr double most_gain = 0.3;
   if (fit.frames.residual < least_residual) return std::nullopt;
-  const FrameGains gains = frame_gains(scan.model, scan.samples);
-  const double size = gains.gains.cwiseAbs().maxCoeff();
-  if (!(gains.explained >= least_explained && size >= least_gain && size <= most_gain)) {
+  // Noise may look like gains: those of one half of the pixels must explain the other half.
+  const FrameGains gains = frame_gains(scan.model, scan.samples, 0);
+  const FrameGains others = frame_gains(scan.model, scan.samples, 1);
+  const double size = (gains.gains + others.gains).cwiseAbs().maxCoeff() / 2;
+  const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
+  const double explained =
+      (gains.explained_by(others.gains) + others.explained_by(gains.gains)) / 2;
+  if (!(explained >= least_explained && size >= least_gain && size <= most_gain &&
+        size >= 4 * error)) {
     return std::nullopt;
   }
   // Motion may resemble flicker, but rarely of a single frame.
@@ -192,10 +206,8 @@ std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
 
 }  // namespace
 
-ScanFindings explain(const JudgedScan& scan) {
-  if (scan.samples.groups() < ScanSamples::fewest_groups) return {};
+ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   ScanFindings result;
-  const Fit fit = fit_as_given(scan);
   auto flickering = flicker(scan, fit);
   if (fit.all()) {
     // With redundancy, a dark frame would not have fitted.
@@ -204,8 +216,7 @@ ScanFindings explain(const JudgedScan& scan) {
     return result;
   }
   Finding finding = seen(fit);
-  const bool only_depths =
-      fit.bands_agree() && fit.patterns_made() && fit.no_seam() && fit.geometry_fits();
+  const bool only_depths = fit.frames_fit() && fit.geometry_fits();
   if (auto explanation = likeliest_mistake(scan, fit)) {
     if (only_depths) {
       explanation->gravity = Gravity::doubtful;

@@ -16,11 +16,14 @@ struct JudgedScan {
   const CheckSettings& settings;
 };
 
+/// The fit of the scan with the given settings.
+Fit fit_as_given(const JudgedScan& scan);
+
 /// Checks that frames, sequence and scanner fit together. If they do not, names the common mistake
 /// that explains it best: wrong frame order, number of periods or axis, an uncorrected response,
 /// flicker, flipped pictures, or a scanner file that is inverted, for another picture size or of
-/// another rig.
-ScanFindings explain(const JudgedScan& scan);
+/// another rig. `fit`: the result of fit_as_given.
+ScanFindings explain(const JudgedScan& scan, const Fit& fit);
 
 /// A mistake that, once undone, makes everything fit.
 struct Explanation {
@@ -30,9 +33,6 @@ struct Explanation {
   FrameOrder order{};  ///< set if the cycle has slipped
   bool far_fetched = false;
 };
-
-/// The fit of the scan with the given settings.
-Fit fit_as_given(const JudgedScan& scan);
 
 /// The likeliest of the common mistakes. Its text also names others that explain the scan about as
 /// well. Returns nullopt if none explains it. `as_given`: the result of fit_as_given.

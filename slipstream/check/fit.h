@@ -123,9 +123,8 @@ struct Fit {
   [[nodiscard]] bool no_seam() const;
   [[nodiscard]] bool geometry_fits() const;  ///< true without geometry
   [[nodiscard]] bool depths_fit() const;     ///< in the calibrated range; true without geometry
-  [[nodiscard]] bool all() const {
-    return bands_agree() && patterns_made() && no_seam() && geometry_fits() && depths_fit();
-  }
+  [[nodiscard]] bool frames_fit() const { return bands_agree() && patterns_made() && no_seam(); }
+  [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
   /// 0 for a perfect fit; of two explanations, the smaller misfit is likelier.
   [[nodiscard]] double misfit() const;
 };

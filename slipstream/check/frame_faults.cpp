@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -195,6 +196,32 @@ double flat_topped(const ScanSamples& samples) {
   return static_cast<double>(flat) / static_cast<double>(samples.groups());
 }
 
+/// Finds pixels whose gain alternates like the green ones of a Bayer filter.
+std::optional<Finding> mosaic(const ScanSamples& samples) {
+  // A sensor without a filter has the same gain everywhere, within 2 %.
+  constexpr double least_ratio = 1.05, sure = 5;  // standard errors
+  std::array<std::vector<double>, 2> ratios;      // to the right neighbour, logarithms
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const double next = samples.range(samples.levels(g, ScanSamples::right));
+    if (next <= 0) continue;
+    ratios[static_cast<std::size_t>((samples.column(g) + samples.row(g)) % 2)].push_back(
+        std::log(samples.range(samples.levels(g, ScanSamples::middle)) / next));
+  }
+  if (std::min(ratios[0].size(), ratios[1].size()) < 32) return std::nullopt;
+  const double difference = std::abs(median(ratios[0]) - median(ratios[1]));
+  const double ratio = std::exp(difference / 2);
+  double variance = 0;
+  for (const std::vector<double>& of : ratios) {
+    const double error = 1.25 * robust_deviation(of, median(of));
+    variance += error * error / static_cast<double>(of.size());
+  }
+  if (ratio < least_ratio || difference < sure * std::sqrt(variance)) return std::nullopt;
+  return Finding{.what = "every other pixel is brighter than its neighbours",
+                 .evidence = {{"ratio", ratio}},
+                 .likely = "raw pictures of a colour camera, whose Bayer filter was not removed",
+                 .advice = "convert the camera's raw pictures to grey before saving"};
+}
+
 Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
   Finding finding{.gravity = samples.groups() == 0 ? Gravity::wrong : Gravity::doubtful,
                   .what = samples.groups() == 0
@@ -250,7 +277,7 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
                                   double least_modulation) {
   const LightEvidence light = light_of(model, samples, bits, least_modulation);
   // Shares of the lit pixels.
-  constexpr double most_saturated = 0.2, most_flat = 0.015;
+  constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
   // Stronger ambient light leaves few grey levels for the patterns.
   constexpr double most_ambient = 5;
   // Share of all pixels: the area of a needle.
@@ -272,31 +299,43 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
   }
   const int used = bits_used(samples.brightest(), light.bits);
   const double flat = flat_topped(samples);
+  // The light is to blame once: for its ambient part if an exposure that suffices would saturate.
+  const bool dark = light.modulation < light.least_modulation;
+  const bool ambient = light.mean > most_ambient * light.modulation &&
+                       (!dark || light.mean * light.least_modulation > 255 * light.modulation);
   const auto add = [&](bool seen, Finding finding) {
     if (seen) findings.push_back(std::move(finding));
   };
-  add(light.bits == 16 && used <= 12,
+  if (auto filtered = mosaic(samples)) findings.push_back(std::move(*filtered));
+  add(light.bits == 16 && used < 16,
       {.what = fmt::format("only {} of {} bits are used", used, light.bits),
        .evidence = {{"brightest grey level of 255", samples.brightest()}},
-       .likely = fmt::format("pictures of {} bits in {}-bit files", used, light.bits),
+       .likely = fmt::format("pictures of {} bits in {}-bit files{}", used, light.bits,
+                             used == 14 ? ", or far too little light" : ""),
        .advice = fmt::format("try --camera-bits {}", used)});
   add(samples.saturated_share() > most_saturated,
       {.what = fmt::format("saturated: over {:g} % of the lit pixels", 100 * most_saturated),
        .evidence = {{"share of the lit pixels", samples.saturated_share()}},
        .likely = "too much light: the camera clips",
        .advice = "shorten the exposure, close the iris or capture with --exposures 1,4"});
-  add(light.modulation < light.least_modulation,
+  add(dark && !ambient,
       {.what = "too dark: the lit pixels' median modulation is below the minimum",
        .evidence = {{"modulation", light.modulation}, {"least modulation", light.least_modulation}},
        .likely = "far too little light for this surface",
        .advice = "lengthen the exposure, open the iris or darken the room"});
+  add(findings.empty() && samples.dim_share() > most_dim,
+      {.what = fmt::format("over {:g} % of the pixels that the patterns reach are too dark",
+                           100 * most_dim),
+       .evidence = {{"share", samples.dim_share()}, {"least modulation", light.least_modulation}},
+       .likely = "far too little light for most of the scene",
+       .advice = "lengthen the exposure, capture with --exposures 1,4 or lower --min-modulation"});
   add(flat > most_flat,
       {.what =
            fmt::format("clipped below saturation: over {:g} % of the lit pixels", 100 * most_flat),
        .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
        .likely = "intensities clipped before they were saved",
        .advice = "shorten the exposure; save the camera's frames unchanged"});
-  add(light.mean > most_ambient * light.modulation,
+  add(ambient,
       {.what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
        .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
        .likely = "ambient light stronger than the projector's, or a wrong black level",

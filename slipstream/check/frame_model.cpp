@@ -25,11 +25,12 @@ double dot(const std::vector<double>& weights, const float* levels, const FrameO
   return sum;
 }
 
-/// Rows: an orthonormal basis of the space perpendicular to the patterns' shapes and to
-/// constant light.
-Eigen::MatrixXd complement_of(const Strategy& strategy) {
+/// Rows: a basis of the space perpendicular to the patterns' shapes and to constant light. In a
+/// window of declared motion, frames of one pattern differ: there, of each cycle on its own.
+Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
   constexpr int places = 509;  // prime, to avoid aliasing with any period
-  const int count = frame_count(strategy);
+  const std::optional<StepRun>& cycle = measuring_band(layout).cycle;
+  const int count = cycle ? cycle->steps : layout.frames, cycles = layout.frames - count + 1;
   Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
   for (int i = 0; i < places; ++i) {
     Eigen::VectorXd pattern(count);
@@ -40,7 +41,12 @@ Eigen::MatrixXd complement_of(const Strategy& strategy) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
   const double least = 1e-9 * solver.eigenvalues().maxCoeff();
   const auto unused = (solver.eigenvalues().array() < least).count();
-  return solver.eigenvectors().leftCols(unused).transpose();
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(cycles * unused, layout.frames);
+  for (int k = 0; k < cycles; ++k) {
+    all.block(k * unused, k, unused, count) =
+        solver.eigenvectors().leftCols(unused).transpose() / std::sqrt(cycles);
+  }
+  return all;
 }
 
 }  // namespace
@@ -51,7 +57,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       photometry_(photometry),
       corrected_steps_(layout_.bands.size()),
       chain_(coarse_to_fine(layout_)),
-      complement_(complement_of(sequence.strategy)) {
+      complement_(complement_of(sequence.strategy, layout_)) {
   for (std::size_t b = 0; photometry.response && b < layout_.bands.size(); ++b) {
     constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
     const auto run = bent_run(layout_.bands[b]);
@@ -115,11 +121,14 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
   explain(levels, order, reading);
 }
 
-double FrameModel::coordinate_of(const SampleReading& reading, const float* levels,
+double FrameModel::coordinate_of(SampleReading& reading, const float* levels,
                                  const FrameOrder& order) const {
   std::vector<double> I;
   for (const int frame : order) I.push_back(levels[frame]);
-  return (*alone_)({reading.phase, reading.modulation, I}).y;
+  const PixelCoordinate pixel = (*alone_)({reading.phase, reading.modulation, I});
+  // The narrowest stripes may be blurred in good light.
+  if (layout_.unwrapping->whole_stripes) reading.modulation.front() = pixel.contrast;
+  return pixel.y;
 }
 
 double FrameModel::shown_range(int n, const ScanSamples& samples) const {

@@ -72,7 +72,7 @@ class FrameModel {
 
  private:
   void unwrap(SampleReading& reading, double cue) const;
-  [[nodiscard]] double coordinate_of(const SampleReading& reading, const float* levels,
+  [[nodiscard]] double coordinate_of(SampleReading& reading, const float* levels,
                                      const FrameOrder& order) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   /// Modulation and phase, corrected for the response with that many steps; 0: uncorrected.
@@ -89,7 +89,7 @@ class FrameModel {
   std::vector<std::size_t> chain_;
   std::optional<CueEvidence> cue_;
   std::optional<BandUnwrapper> alone_;  ///< gives the coordinate if the chain does not
-  Eigen::MatrixXd complement_;          ///< rows: basis orthogonal to all pattern shapes
+  Eigen::MatrixXd complement_;          ///< rows: orthogonal to all pattern shapes
 };
 
 }  // namespace slipstream

@@ -140,8 +140,7 @@ class Search {
 
   /// The likeliest mistake; its text names others that fit about as well.
   [[nodiscard]] std::optional<Explanation> best() {
-    const bool frames_fit =
-        as_given_.bands_agree() && as_given_.patterns_made() && as_given_.no_seam();
+    const bool frames_fit = as_given_.frames_fit();
     if (!frames_fit) try_gamma();
     try_periods();
     try_orders();

@@ -133,11 +133,16 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
     append(result.findings, std::move(of_scanner));
     return result;
   }
-  ScanFindings explained =
-      explain({model, samples, sequence, scanner ? &*scanner : nullptr, photometry, settings});
-  // A cropped picture that fits may have its optical axis anywhere.
-  if (scanner && !explained.findings.empty()) of_scanner = check_scanner(*scanner, true);
+  CheckSettings with_motion = settings;
+  with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
+  if (samples.groups() < ScanSamples::fewest_groups) return result;
+  const Scanner* const known = scanner ? &*scanner : nullptr;
+  const JudgedScan judged{model, samples, sequence, known, photometry, with_motion};
+  const Fit fit = fit_as_given(judged);
+  // The axis of cropped and rectified pictures may lie anywhere, unless right frames do not fit.
+  if (scanner && fit.frames_fit() && !fit.all()) of_scanner = check_scanner(*scanner);
   append(result.findings, std::move(of_scanner));
+  ScanFindings explained = explain(judged, fit);
   append(result.findings, std::move(explained.findings));
   result.order = std::move(explained.order);
   return result;

@@ -15,7 +15,7 @@ inline constexpr std::string_view darkness_is_to_blame = "far too little light";
 
 struct CheckSettings {
   double minimum_modulation = 15;  ///< of a pixel that becomes a point, grey levels of 255
-  /// Whether the scene may move during capture: effects of motion are then not reported.
+  /// Whether the scene may move, as with Sequence::motion: its effects are then not reported.
   bool moving = false;
   std::vector<int> order{};  ///< Scan::order; advice about the order is relative to it
   /// Photometric calibration, used without a scanner.
@@ -44,8 +44,8 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
 
 /// Checks that a scanner is plausible: finds files in metres, swapped devices, another picture
-/// size. `whole_pictures`: false if the camera's pictures are cropped from the sensor's, so that
-/// the optical axis may lie anywhere.
+/// size. `whole_pictures`: false if the camera's pictures are cropped or rectified, so that the
+/// optical axis may lie anywhere.
 std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures = true);
 
 /// Diagnostics of a scan, and the repairs made.

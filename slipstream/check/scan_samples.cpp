@@ -7,7 +7,6 @@
 #include "slipstream/base/statistics.h"
 
 namespace slipstream {
-
 ScanSamples::ScanSamples(Size size, int frames)
     : size_(size),
       frames_(frames),
@@ -45,33 +44,51 @@ double ScanSamples::saturated_share() const {
   return saturated_ / lit;
 }
 
+double ScanSamples::dim_share() const {
+  const double dim = dim_;
+  return dim == 0 ? 0 : dim / (dim + static_cast<double>(groups()) + saturated_);
+}
+
 void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
   least_range_ = effort.least_range;
   lit_.clear();
   levels_.clear();
-  looked_ = saturated_ = 0;
+  looked_ = saturated_ = dim_ = 0;
   brightest_ = largest_range_ = 0;
   std::fill(sums_.begin(), sums_.end(), 0.0);
   const double grey_level = frames.full_scale() / 255;
   const bool saturates = frames.quantised();
   frames.visit([&](const auto& views) {
+    // Reads a pixel; true if a frame is saturated. In merged frames, such a level is only a mark.
     const auto read = [&](int column, int row) {
       column = std::min(column, size_.width - 1);
       row = std::min(row, size_.height - 1);
+      double greatest = 0;
       for (std::size_t n = 0; n < one_.size(); ++n) {
-        one_[n] = static_cast<float>(static_cast<double>(views[n](column, row)) / grey_level);
+        const auto level = static_cast<double>(views[n](column, row));
+        greatest = std::max(greatest, level);
+        one_[n] = static_cast<float>(level / grey_level);
       }
+      return saturates && greatest >= frames.saturation();
     };
     while (looked_ < effort.most_looked &&
            (looked_ < effort.fewest_looked || static_cast<int>(lit_.size()) < effort.lit_wanted)) {
       const Pixel at = pixel(looked_++);
-      read(at.column, at.row);
+      const bool saturated = read(at.column, at.row);
       for (std::size_t n = 0; n < one_.size(); ++n) sums_[n] += one_[n];
       const double greatest = *std::max_element(one_.begin(), one_.end());
       brightest_ = std::max(brightest_, frames.merged() ? std::min(greatest, 255.0) : greatest);
       largest_range_ = std::max(largest_range_, range(one_.data()));
-      if (range(one_.data()) < least_range_) continue;
-      if (saturates && greatest * grey_level >= frames.saturation()) {
+      if (range(one_.data()) < least_range_) {
+        // Above the range of noise with a variance up to 1.6. Stronger noise rarely changes the
+        // neighbour in the same frames.
+        constexpr double above_noise = 8;
+        const auto [least, most] = std::ranges::minmax_element(one_);
+        if (!effort.all_places || *most - *least < above_noise) continue;
+        if (!read(at.column + 1, at.row) && *most - *least > above_noise / 2) ++dim_;
+        continue;
+      }
+      if (saturated) {
         ++saturated_;
         continue;
       }
@@ -80,7 +97,10 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
           {{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
       const std::size_t wanted = effort.all_places ? places : 2;
       for (const auto& [dx, dy] : std::span(steps).first(wanted)) {
-        read(at.column + (dx < 0 ? far_ : dx), at.row + (dy < 0 ? far_ : dy));
+        // Clipped neighbours do not match the patterns either: zeros count as unlit.
+        if (read(at.column + (dx < 0 ? far_ : dx), at.row + (dy < 0 ? far_ : dy))) {
+          std::ranges::fill(one_, 0.0F);
+        }
         levels_.insert(levels_.end(), one_.begin(), one_.end());
       }
       levels_.resize(lit_.size() * places * one_.size());

@@ -44,6 +44,8 @@ class ScanSamples {
   }
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
+  /// Difference of the brightest and the darkest frame.
+  [[nodiscard]] double range(const float* levels) const;
   /// Whether the pixel there is lit.
   [[nodiscard]] bool lit(std::size_t group, Place place) const;
 
@@ -53,6 +55,8 @@ class ScanSamples {
   [[nodiscard]] double lit_share() const;
   /// Share of the lit pixels.
   [[nodiscard]] double saturated_share() const;
+  /// Of dim and lit pixels, the share that change like their neighbours but too little to be lit.
+  [[nodiscard]] double dim_share() const;
   /// The brightest intensity, and the largest difference between the frames of a pixel.
   [[nodiscard]] double brightest() const { return brightest_; }
   [[nodiscard]] double largest_range() const { return largest_range_; }
@@ -65,7 +69,6 @@ class ScanSamples {
   };
 
   [[nodiscard]] Pixel pixel(int i) const;
-  [[nodiscard]] double range(const float* levels) const;
 
   Size size_;
   int frames_;
@@ -74,7 +77,7 @@ class ScanSamples {
   std::vector<Pixel> lit_;
   std::vector<float> levels_;
   std::vector<float> one_;  ///< the intensities of one pixel
-  int looked_ = 0, saturated_ = 0;
+  int looked_ = 0, saturated_ = 0, dim_ = 0;
   double brightest_ = 0, largest_range_ = 0;
   std::vector<double> sums_;
 };

@@ -39,14 +39,16 @@ double code_intensity(const Code& code, int n, double y);
 
 /// The code decoded at one pixel.
 struct CodeReading {
-  int stripe = 0;  ///< from 0 at y = 0; past the last if no stripe has that code word
-  /// Second smallest distance of a bit from the threshold, grey levels: at a stripe's edge one bit
-  /// may be in between. With a single bit, its own distance.
-  double contrast = 0;
+  /// From 0 at y = 0, past the last if no stripe has that code word. If bits are doubtful: halfway
+  /// between the first and the last stripe that they allow, as at an edge, where one bit is.
+  double stripe = 0;
+  double spread = 0;    ///< stripes from the first possible one to the last; all with many doubtful
+  double contrast = 0;  ///< half the range of the frames, like a modulation; of a code alone
 };
 
-/// `intensities`: one pixel in all frames of the scan.
-CodeReading read_code(const Code& code, std::span<const double> intensities);
+/// `intensities`: one pixel in all frames of the scan. `noise`: their standard deviation; bits
+/// nearer to the threshold than three of it are doubtful.
+CodeReading read_code(const Code& code, std::span<const double> intensities, double noise = 0);
 
 /// The stripe from the bits shown in the frames, most significant first.
 int stripe_of(const Code& code, unsigned shown);

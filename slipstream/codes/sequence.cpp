@@ -9,26 +9,43 @@ namespace {
 
 constexpr std::string_view both = "both";
 
-/// Converts lengths in projector pixels to periods and stripes across the field.
-void add_settings_in_pixels(const SequenceChanges& changes, int length,
+/// Converts lengths in projector pixels to periods and stripes across the field, `length` pixels:
+/// at least one, as a coarse period longer than the field is shown as one.
+void add_settings_in_pixels(const StrategySettings& lengths, int length,
                             StrategySettings& settings) {
-  if (!changes.period_pixels && !changes.stripe_pixels) return;
-  throw_if(length == 0,
-           "lengths in projector pixels require the projector size, e.g. --projector 1920x1080");
-  const auto across_field = [length](double pixels) {
-    throw_if(!(pixels > 0), "a length of {} projector pixels is out of range; above 0", pixels);
-    return length / pixels;
-  };
-  if (changes.stripe_pixels) settings["stripes"] = across_field(*changes.stripe_pixels);
-  if (!changes.period_pixels) return;
-  std::vector<double> periods;
-  for (const double pixels : *changes.period_pixels) periods.push_back(across_field(pixels));
-  settings["periods"] = periods;
+  for (const auto& [name, value] : lengths) {
+    throw_if(length == 0,
+             "lengths in projector pixels require the projector size, e.g. --projector 1920x1080");
+    std::vector<double> numbers;
+    value.read(numbers);
+    for (double& number : numbers) {
+      throw_if(!(number > 0), "a length of {} projector pixels is out of range; above 0", number);
+      number = std::max(1.0, length / number);
+    }
+    settings[name] = numbers;
+  }
+}
+
+/// The strategy with other settings. If the known one reads demodulated frames, so does this.
+Strategy with_settings(const Strategy& known, std::string_view name,
+                       const StrategySettings& settings) {
+  const Strategy strategy = make_strategy(name, settings);
+  const bool read = known.is_spectral() && !known.demodulation() && name == known.name();
+  return read ? strategy.read_as() : strategy;
 }
 
 }  // namespace
 
 Sequence along(Sequence sequence, Axis axis) {
+  if (axis != sequence.axis && !sequence.lengths.empty()) {
+    StrategySettings settings = sequence.strategy.settings();
+    add_settings_in_pixels(sequence.lengths, length_along(axis, sequence.projector), settings);
+    Strategy other = with_settings(sequence.strategy, sequence.strategy.name(), settings);
+    throw_if(frame_count(other) != frame_count(sequence.strategy),
+             "{}: lengths in projector pixels make {} frames along {}, not {}; set --bits",
+             other.name(), frame_count(other), name_of(axis), frame_count(sequence.strategy));
+    sequence.strategy = std::move(other);
+  }
   sequence.axis = axis;
   sequence.both_axes = false;
   return sequence;
@@ -58,10 +75,15 @@ Sequence cycle_of(Sequence sequence) {
 
 PatternSet pattern_set(const Sequence& sequence) {
   PatternSet patterns = pattern_set(sequence.strategy, sequence.axis, sequence.light);
-  patterns.shape = [shape = patterns.shape, N = patterns.count](int n, double y, double across) {
-    return shape(n % N, y, across);
+  PatternShape turned = patterns.shape;
+  if (sequence.both_axes) {
+    patterns.turn = patterns.count;
+    turned = pattern_set(along(sequence, across(sequence.axis)).strategy, Axis::y, {}).shape;
+  }
+  patterns.shape = [shape = patterns.shape, turned, N = patterns.count](int n, double y,
+                                                                        double across) {
+    return (n / N % 2 == 0 ? shape : turned)(n % N, y, across);
   };
-  if (sequence.both_axes) patterns.turn = patterns.count;
   const int each = frame_count(sequence) / static_cast<int>(sequence.exposures.size());
   for (const double exposure : sequence.exposures) {
     patterns.exposures.insert(patterns.exposures.end(), static_cast<std::size_t>(each), exposure);
@@ -121,7 +143,7 @@ void require_shown(const Sequence& sequence) {
   if (sequence.projector == Size{}) return;
   for (const Axis axis : {Axis::x, Axis::y}) {
     if (!sequence.both_axes && axis != sequence.axis) continue;
-    require_resolved(sequence.strategy, axis, sequence.projector);
+    require_resolved(along(sequence, axis).strategy, axis, sequence.projector);
   }
 }
 
@@ -129,18 +151,22 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   const Sequence& known = changes.known ? *changes.known : first;
   const bool replaced = changes.strategy && *changes.strategy != known.strategy.name();
   StrategySettings settings = replaced ? StrategySettings{} : known.strategy.settings();
-  for (const auto& [name, value] : changes.settings) {
-    if (value) settings[name] = *value;
-  }
   Sequence sequence = known;
+  if (replaced) sequence.lengths.clear();
+  for (const auto& [name, value] : changes.settings) {
+    if (!value) continue;
+    settings[name] = *value;
+    sequence.lengths.erase(name);
+  }
+  if (changes.stripe_pixels) sequence.lengths["stripes"] = *changes.stripe_pixels;
+  if (changes.period_pixels) sequence.lengths["periods"] = *changes.period_pixels;
   if (changes.axes) set_axes(sequence, *changes.axes);
   if (sequence.projector == Size{}) sequence.projector = first.projector;
   sequence.projector = changes.projector.value_or(sequence.projector);
-  add_settings_in_pixels(changes, length_along(sequence.axis, sequence.projector), settings);
-  sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);
-  // Frames already demodulated stay so.
-  const bool read = known.strategy.is_spectral() && !known.strategy.demodulation();
-  if (read && !replaced) sequence.strategy = sequence.strategy.read_as();
+  add_settings_in_pixels(sequence.lengths, length_along(sequence.axis, sequence.projector),
+                         settings);
+  sequence.strategy =
+      with_settings(known.strategy, changes.strategy.value_or(known.strategy.name()), settings);
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);
   sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
   require_valid(sequence.light);

@@ -21,11 +21,13 @@ struct Sequence {
   bool both_axes = false;
   /// Frames of a scan beyond one cycle of repeated patterns: see motion_window.
   int motion = 0;
+  /// `periods` and `stripes` as lengths in projector pixels, if given so: for the other axis.
+  StrategySettings lengths{};
 
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };
 
-/// The patterns along that axis alone.
+/// The patterns along that axis alone. Throws Error if lengths make another frame count there.
 Sequence along(Sequence sequence, Axis axis);
 
 /// "x", "y", or "both" (along x, then along y).

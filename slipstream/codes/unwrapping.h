@@ -41,8 +41,9 @@ struct PixelReading {
 struct PixelCoordinate {
   double y = 0;         ///< see BasicMaps
   double doubt = 0;     ///< largest residual of all steps, see fringe_order_residual; for a code
-                        ///< beyond its stripe width; for single frames half of the least misfit
-                        ///< over the next order's
+                        ///< beyond its stripe width; for a code alone half the stripes that its
+                        ///< doubtful bits allow, of 4 to a period; for single frames half of the
+                        ///< least misfit over the next order's
   double contrast = 0;  ///< with Unwrapping::code_alone: see CodeReading
 };
 

@@ -39,9 +39,10 @@ double coordinate_in_field(double coordinate, double period, int projector_lengt
   return coordinate - period * std::floor((coordinate - cut) / period);
 }
 
-BandUnwrapper::BandUnwrapper(Layout layout, int projector_length)
+BandUnwrapper::BandUnwrapper(Layout layout, int projector_length, double noise)
     : layout_(std::move(layout)),
       projector_length_(projector_length),
+      noise_(layout_.unwrapping->whole_stripes ? noise : 0),
       measuring_(measuring_band_index(layout_)),
       chain_(unwrapping_chain(layout_)),
       circle_(is_circle(layout_)),
@@ -121,11 +122,11 @@ PixelCoordinate BandUnwrapper::likeliest(std::span<const double> phases,
 }
 
 PixelCoordinate BandUnwrapper::by_code(const PixelReading& reading) const {
-  const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities);
+  const auto [stripe, spread, contrast] = read_code(*layout_.code, reading.intensities, noise_);
   const double y = (stripe + 0.5) / layout_.code->stripes;
   // Stripes start half way between pixel centres, which are at integers.
   if (layout_.unwrapping->whole_stripes) {
-    return {y - 0.5 / projector_length_, 0, contrast};
+    return {y - 0.5 / projector_length_, std::min(0.5, spread / 8), contrast};
   }
   const double f = layout_.bands[measuring_].periods, phi = reading.phases[measuring_];
   const int k = fringe_order(phi, f, y);
@@ -217,13 +218,13 @@ double BandUnwrapper::weighed(std::span<const double> phases, double y) const {
 }
 
 UnwrappedPhases unwrap_pixels(const Layout& layout, const LayoutPhases& phases,
-                              int projector_length) {
-  const BandUnwrapper unwrapped(layout, projector_length);
+                              int projector_length, double noise) {
+  const BandUnwrapper unwrapped(layout, projector_length, noise);
   const Size size = phases.bands.front().wrapped_phase.size();
   UnwrappedPhases result{.coordinate = Image<double>(size)};
   const UnwrappingWay& way = *layout.unwrapping;
   const bool contradicted = way.pixel != nullptr || unwrapping_chain(layout).size() > 1 ||
-                            way.tries_orders || (way.reads_code && !way.whole_stripes);
+                            way.tries_orders || way.reads_code;
   if (contradicted) result.doubt = Image<double>(size);
   const std::size_t bands = phases.bands.size();
   if (way.whole_stripes) result.contrast = Image<double>(size);

@@ -26,8 +26,9 @@ double coordinate_in_field(double coordinate, double period, int projector_lengt
 /// The projector coordinate of one pixel, for all unwrapping methods that use no other pixel.
 class BandUnwrapper {
  public:
-  /// `projector_length`: projector pixels along the axis.
-  BandUnwrapper(Layout layout, int projector_length);
+  /// `projector_length`: projector pixels along the axis. `noise`: standard deviation of the
+  /// intensities, for the bits of a code alone.
+  BandUnwrapper(Layout layout, int projector_length, double noise = 0);
 
   [[nodiscard]] PixelCoordinate operator()(const PixelReading& reading) const;
 
@@ -51,6 +52,7 @@ class BandUnwrapper {
 
   Layout layout_;
   int projector_length_;
+  double noise_;
   std::size_t measuring_;
   std::vector<PhaseSum> chain_;
   bool circle_;

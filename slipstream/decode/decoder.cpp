@@ -17,7 +17,8 @@ UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const C
     case OrderSource::surface:
       return unwrap_by_surfaces(layout, phases, grey_level * cue.least_modulation);
     default:
-      return unwrap_pixels(layout, phases, projector_length);
+      return unwrap_pixels(layout, phases, projector_length,
+                           grey_level * std::sqrt(cue.noise_variance));
   }
 }
 

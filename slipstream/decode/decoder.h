@@ -26,9 +26,9 @@ struct UnwrappedPhases {
   Image<double> shade{};     ///< contribution of a DC cue to the mean, grey levels; otherwise empty
 };
 
-/// Each pixel on its own: see BandUnwrapper. `projector_length`: projector pixels along the axis.
+/// Each pixel on its own: see BandUnwrapper.
 UnwrappedPhases unwrap_pixels(const Layout& layout, const LayoutPhases& phases,
-                              int projector_length);
+                              int projector_length, double noise);
 
 /// One order per connected surface, the one that fits its single frames best: 1 + cos(2 pi periods
 /// y + origin), scaled by the band's modulation and one factor per surface and frame, as a lens

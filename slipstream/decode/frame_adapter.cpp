@@ -72,12 +72,12 @@ bool needs_adapting(const Sequence& sequence) {
 std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken) {
   if (sequence.exposures.size() > 1) taken = merged_exposures(taken, sequence.exposures);
   std::vector<FrameSet> scans = parts_of(std::move(taken), sequence.both_axes ? 2 : 1);
-  if (const auto how = sequence.strategy.demodulation()) {
-    Axis axis = sequence.both_axes ? Axis::x : sequence.axis;
-    for (FrameSet& frames : scans) {
+  Axis axis = sequence.axis;
+  for (FrameSet& frames : scans) {
+    if (const auto how = along(sequence, axis).strategy.demodulation()) {
       frames = demodulated(*how, axis, frames);
-      axis = across(axis);
     }
+    axis = across(axis);
   }
   return scans;
 }

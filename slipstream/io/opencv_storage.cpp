@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "slipstream/base/numbers.h"
+#include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 
@@ -62,7 +63,7 @@ StoredMatrix entry_from(const YAML::Node& node) {
 std::optional<Entries> entries_from_yaml(std::string text) {
   // OpenCV's first line, "%YAML:1.0", is not YAML.
   if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
-  const YAML::Node root = YAML::Load(text);
+  const YAML::Node root = yaml_document(text);
   if (!root.IsMap()) return std::nullopt;
   Entries entries;
   for (const auto& entry : root) entries[text_of(entry.first)] = entry_from(entry.second);
@@ -79,13 +80,29 @@ StoredMatrix entry_from(const pugi::xml_node& node) {
                      {std::istream_iterator<std::string>(words), {}});
 }
 
+/// Refuses two elements of one name, other than the items of a list. `text`: of the file.
+void require_unique_elements(const pugi::xml_node& parent, const std::string& text) {
+  std::set<std::string> keys;
+  for (const pugi::xml_node& node : parent.children()) {
+    const bool is_item = node.type() != pugi::node_element || node.name() == std::string_view("_");
+    if (is_item || keys.insert(node.name()).second) continue;
+    const std::ptrdiff_t end = std::clamp(node.offset_debug(), std::ptrdiff_t{0}, std::ssize(text));
+    add_key(keys, node.name(), std::count(text.begin(), text.begin() + end, '\n') + 1);
+  }
+}
+
 std::optional<Entries> entries_from_xml(const std::string& text) {
   pugi::xml_document document;
   const bool whole = document.load_buffer(text.data(), text.size());
   const pugi::xml_node root = document.child("opencv_storage");
   if (!whole || !root) return std::nullopt;
   Entries entries;
-  for (const pugi::xml_node& node : root.children()) entries[node.name()] = entry_from(node);
+  require_unique_elements(document, text);
+  require_unique_elements(root, text);
+  for (const pugi::xml_node& node : root.children()) {
+    require_unique_elements(node, text);
+    entries[node.name()] = entry_from(node);
+  }
   return entries;
 }
 
@@ -171,6 +188,8 @@ Entries opencv_entries(const std::string& text, const std::string& name) {
   try {
     auto entries = is_xml(text) ? entries_from_xml(text) : entries_from_yaml(text);
     if (entries) return *std::move(entries);
+  } catch (const RepeatedKey& repeated) {
+    throw RepeatedKey(fmt::format("{}: {}", name, repeated.what()));
   } catch (const YAML::Exception&) {
     // Rejected below, like any other file.
   }

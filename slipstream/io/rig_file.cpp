@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
@@ -31,13 +32,11 @@ RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Ma
 std::vector<RigSetting> settings_in(const YAML::Node& root) {
   if (!root.IsMap()) refuse(root.Mark(), "expected a map of settings, e.g. source: virtual");
   std::vector<RigSetting> settings;
+  std::set<std::string> names;
   const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
     settings.push_back(
         setting_from(text_of(key, "the name of a setting", key.Mark()), value, key.Mark()));
-    const bool twice =
-        std::any_of(settings.begin(), settings.end() - 1,
-                    [&](const RigSetting& other) { return other.name == settings.back().name; });
-    if (twice) refuse(key.Mark(), fmt::format("{} is set twice", settings.back().name));
+    add_key(names, settings.back().name, settings.back().line);
   };
   for (const auto& entry : root) {
     if (!entry.second.IsMap()) {
@@ -58,7 +57,7 @@ std::vector<RigSetting> read_rig(const std::filesystem::path& file) {
 std::vector<RigSetting> rig_from(const std::string& text, const std::string& name) {
   return naming(name, [&] {
     try {
-      return settings_in(YAML::Load(text));
+      return settings_in(yaml_document(text));
     } catch (const YAML::Exception& exception) {
       const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
       refuse(exception.mark,

@@ -9,6 +9,7 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/registry.h"
+#include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
 
@@ -110,9 +111,13 @@ constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path
                  {"white", "a picture", &ScanFiles::white},
                  {"second_camera", "a folder", &ScanFiles::second_camera}}};
 
+/// Keys of Sequence::lengths, and the settings that they replace.
+constexpr std::array<std::pair<const char*, const char*>, 2> lengths{
+    {{"period_pixels", "periods"}, {"stripe_pixels", "stripes"}}};
+
 Strategy read_strategy(const YamlMap& map) {
-  const std::set<std::string> others{"name",   "axis",   "alpha_p", "beta_p",
-                                     "marker", "binary", "motion"};
+  const std::set<std::string> others{"name",   "axis",   "alpha_p",       "beta_p",       "marker",
+                                     "binary", "motion", "period_pixels", "stripe_pixels"};
   StrategySettings settings;
   for (const std::string& key : map.keys()) {
     if (others.contains(key)) continue;
@@ -130,6 +135,10 @@ Sequence read_sequence(const YamlMap& map) {
   require_valid(sequence.light);
   strategy.read("marker", "true or false", sequence.marker);
   strategy.read("binary", "true or false", sequence.binary);
+  for (const auto& [key, setting] : lengths) {
+    if (!strategy.has(key)) continue;
+    sequence.lengths[setting] = strategy.value<std::string>(key, "numbers with commas");
+  }
   if (strategy.has("motion")) sequence.motion = strategy.whole_number("motion", 0, 16);
   std::string axes = "x";
   strategy.read("axis", "x, y or both", axes);
@@ -164,7 +173,7 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
 
 YAML::Node parsed(const std::string& text) {
   try {
-    return YAML::Load(text);
+    return yaml_document(text);
   } catch (const YAML::Exception& exception) {
     throw Error(fmt::format("line {}: not YAML: {}", exception.mark.line + 1, exception.msg));
   }
@@ -283,10 +292,13 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   yaml << YAML::BeginMap;
   put("slipstream", 1);
   put("strategy", YAML::Flow, YAML::BeginMap);
-  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion] =
+  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion, in] =
       scan.sequence;
   put("name", strategy.name());
   for (const auto& [name, value] : strategy.settings()) put(name, value.text());
+  for (const auto& [key, setting] : lengths) {
+    if (both_axes && in.contains(setting)) put(key, in.at(setting).text());
+  }
   put("axis", std::string(axes_of(scan.sequence)));
   put("alpha_p", light.alpha_p);
   put("beta_p", light.beta_p);

@@ -6,6 +6,7 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/geometry/triangulator.h"
+#include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/file.h"
 #include "slipstream/response/response_fit.h"
 
@@ -244,6 +245,8 @@ Entries other_entries(const fs::path& path) {
   if (!fs::exists(path)) return entries;
   try {
     entries = read_opencv_storage(path);
+  } catch (const RepeatedKey&) {
+    throw;  // rather than lose calibrations in a scanner file
   } catch (const Error&) {
     return {};  // another kind of file; overwritten, as by write_scanner
   }

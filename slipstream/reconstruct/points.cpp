@@ -58,6 +58,13 @@ double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) 
   return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
 }
 
+/// Of a code only pixels with doubtful bits need neighbours: these may be stripes apart.
+FringeOrderConsensus consensus_for(const Layout& layout, const ReconstructSettings& settings) {
+  FringeOrderConsensus consensus = settings.fringe_order;
+  if (layout.unwrapping->whole_stripes) consensus.fewest_neighbours = 0;
+  return consensus;
+}
+
 }  // namespace
 
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
@@ -77,8 +84,9 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
     const Image<std::uint8_t> asked =
         voted ? modulation_mask(maps.modulation, least_neighbour_modulation(settings, full_scale))
               : lit;
-    unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
-                                            highest_frequency(layout), settings.fringe_order);
+    unconfirmed =
+        unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
+                                  highest_frequency(layout), consensus_for(layout, settings));
   }
   Image<Validity> validity = order.empty() ? Image<Validity>(frames.size()) : order;
   for (std::size_t i = 0; i < validity.pixel_count(); ++i) {
@@ -135,8 +143,11 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
         run && corrected && band.carrier == 0
             ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
             : 1;
-    const double sigma_y = by_noise ? gain * std::sqrt(unit_variance * noise_variance) / modulation
-                                    : std::sqrt(unit_variance);
+    // Of a code, 1 + 8 doubt stripes are equally likely.
+    const Image<float>& doubt = maps.fringe_order_doubt;
+    const double stripes = doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
+    const double sigma_y = std::sqrt(unit_variance) *
+                           (by_noise ? gain * std::sqrt(noise_variance) / modulation : stripes);
     const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
     const Eigen::Vector3d sigma_point =
         point.cwiseAbs() * (sigma_y / change_along_ray(point, setup));
@@ -184,9 +195,10 @@ Image<double> measured_coordinates(Engine& engine, const FrameViews& given) {
   std::transform(report.validity.begin(), report.validity.end(), lit.begin(),
                  [](Validity pixel) { return pixel == Validity::valid ? 1 : 0; });
   if (!maps.fringe_order_doubt.empty()) {
+    const Layout layout = setup.sequence.strategy.layout();
     left_out = unconfirmed_fringe_orders(coordinate, converted<double>(maps.fringe_order_doubt),
                                          lit, highest_frequency(setup.sequence.strategy),
-                                         setup.settings.fringe_order);
+                                         consensus_for(layout, setup.settings));
   }
   for (std::size_t i = 0; i < coordinate.pixel_count(); ++i) {
     if (lit.begin()[i] == 0 || left_out.begin()[i] != 0) {

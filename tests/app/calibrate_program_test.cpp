@@ -15,6 +15,7 @@
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/shared_data.h"
 
 namespace slipstream::calibrate_program_test {
 namespace fs = std::filesystem;
@@ -280,6 +281,24 @@ TEST_F(CalibrateProgram, VerifiesAScannerAndCorrectsIt) {
   fs::remove(corrected);
   expect_bad_input(verify(poses(), old), {"was not written", "focus, zoom", "calibrate geometry"});
   EXPECT_FALSE(fs::exists(corrected));
+}
+
+// Square fringes: 16 periods across the columns, 10 down the rows.
+TEST(CalibrateLengths, InProjectorPixelsGiveTheFocalLengthsOfBothAxes) {
+  const fs::path folder = shared_cases() / "01-period-pixels-along-y";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const TemporaryFolder out;
+  const fs::path file = out.path() / "out.yaml";
+  const ProgramRun run =
+      run_program({"calibrate", "geometry", folder / "poses", "--corners", "9x6", "--spacing", "20",
+                   "--strategy", "multi-frequency", "--period-pixels", "1280,80", "--steps", "4",
+                   "--projector", "1280x800", "-o", file});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Scanner read = read_scanner(file), truth = read_scanner(folder / "truth-scanner.yaml");
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(read.projector.intrinsic(i, i) / truth.projector.intrinsic(i, i), 1, 0.005);
+    EXPECT_NEAR(read.camera.intrinsic(i, i) / truth.camera.intrinsic(i, i), 1, 0.005);
+  }
 }
 
 TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {

@@ -8,7 +8,9 @@
 
 #include "slipstream/io/file.h"
 #include "tests/app/program.h"
+#include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/shared_data.h"
 
 namespace slipstream::check_program_test {
 namespace fs = std::filesystem;
@@ -210,6 +212,41 @@ TEST_F(CheckProgram, ARecordingOfOtherPatternsIsKeptWithAWarning) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(says(run.err, "warning: ")) << run.err;
   EXPECT_TRUE(fs::exists(claimed));
+}
+
+TEST_F(CheckProgram, RawPicturesOfAColourCameraAreToldAndThatMostPixelsAreLost) {
+  for (int n = 0; n < 6; ++n) {
+    const Image<std::uint16_t> seen = read_grey_image(frame(n));
+    Image<std::uint8_t> raw(seen.size());
+    for (int row = 0; row < raw.height(); ++row) {
+      for (int column = 0; column < raw.width(); ++column) {
+        const double share = (column + row) % 2 == 1 ? 1 : 0.35;
+        raw(column, row) = static_cast<std::uint8_t>(share * seen(column, row));
+      }
+    }
+    write_image(frame(n), raw);
+  }
+  const ProgramRun run = run_program({"reconstruct", path("scan")});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(says(run.err, "colour camera")) << run.err;
+  EXPECT_TRUE(says(run.err, "under 50 % of the lit pixels")) << run.err;
+}
+
+TEST(CheckCases, PixelsOf14BitsIn16AreTold) {
+  const fs::path folder = shared_cases() / "04-14-bits-in-16";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  std::vector<std::string> command{"reconstruct", folder / "scan",
+                                   "--strategy",  "dual-frequency",
+                                   "--steps",     "4",
+                                   "--high",      "16",
+                                   "--projector", "1280x800",
+                                   "--scanner",   folder / "scanner.yaml"};
+  const ProgramRun run = run_program(command);
+  EXPECT_TRUE(says(run.err, "--camera-bits 14")) << run.err;
+  command.insert(command.end(), {"--camera-bits", "14"});
+  const ProgramRun right = run_program(command);
+  EXPECT_EQ(right.exit_code, 0);
+  EXPECT_EQ(right.err, "");
 }
 
 }  // namespace slipstream::check_program_test

@@ -11,6 +11,7 @@
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/image_file.h"
 #include "tests/app/program.h"
+#include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::strategies_program_test {
@@ -142,5 +143,24 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
 
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesRefused, testing::Values("multi-frequency"),
                          [](const auto& info) { return without_hyphens(info.param); });
+
+TEST(StripesInPixels, AreOfThatWidthAlongBothAxes) {
+  const TemporaryFolder folder;
+  const ProgramRun run = run_program({"patterns", folder.path() / "out", "--strategy", "gray",
+                                      "--bits", "10", "--stripe", "2", "--reference", "none",
+                                      "--axis", "both", "--projector", "640x480"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const bool along_y : {false, true}) {
+    const Image<std::uint16_t> finest =
+        read_grey_image(folder.path() / "out" / (along_y ? "pattern_19.png" : "pattern_09.png"));
+    const int length = along_y ? finest.height() : finest.width();
+    for (int n = 0; n < length; n += 2) {
+      const auto level = [&](int i) { return along_y ? finest(5, i) : finest(i, 5); };
+      EXPECT_EQ(level(n), level(n + 1)) << n;
+      if (n % 4 == 2 && n + 2 < length) EXPECT_EQ(level(n), level(n + 2)) << n;
+      if (n % 4 == 0) EXPECT_NE(level(n), level(n + 2)) << n;
+    }
+  }
+}
 
 }  // namespace slipstream::strategies_program_test

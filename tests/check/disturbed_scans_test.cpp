@@ -63,7 +63,8 @@ Shown shown_points(const Scan& scan, const Image<double>& truth) {
 }
 
 /// Whether the frames of a scan say nothing of each other: three unknowns in three frames, so that
-/// a frame brighter by 5 percent makes the frames of another place. docs/reference/scan-validation.md says so.
+/// a frame brighter by 5 percent makes the frames of another place.
+/// docs/reference/scan-validation.md says so.
 bool is_without_redundancy(const Scan& scan) {
   return scan.frames.count() == 3 && scan.sequence.strategy.layout().bands.size() == 1 &&
          order_source(scan.sequence.strategy.layout()) == OrderSource::bands;

@@ -138,6 +138,16 @@ std::vector<Mistake> any_mistakes(int count) {
   list.push_back({"room light", [](Scan& scan) { light(0.4, 150, scan); }, {"ambient light"}});
   list.push_back({"10 bits in 16", [](Scan& scan) { in_16_bits(10, scan); }, {"10 bits"}});
   list.push_back({"12 bits in 16", [](Scan& scan) { in_16_bits(12, scan); }, {"12 bits"}});
+  list.push_back({"14 bits in 16", [](Scan& scan) { in_16_bits(14, scan); }, {"14 bits"}});
+  for (const double share : {0.8, 0.5}) {
+    list.push_back({fmt::format("raw pictures of a colour camera, {}", share),
+                    pixels(all_frames(count),
+                           [share](double level, int column, int row) {
+                             const bool green = (column + row) % 2 == 1;
+                             return green ? level : (row % 2 == 0 ? 1 : 0.9) * share * level;
+                           }),
+                    {"colour camera"}});
+  }
   list.push_back(
       {"other axis",
        [](Scan& scan) { scan.sequence.axis = scan.sequence.axis == Axis::x ? Axis::y : Axis::x; },

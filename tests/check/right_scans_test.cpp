@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check/scan_check.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scanner_file.h"
+#include "tests/check/mistakes.h"
 #include "tests/check/random_scans.h"
 #include "tests/every_strategy.h"
 #include "tests/shared_data.h"
@@ -106,6 +108,155 @@ TEST(SmallThings, AreLeftInPeace) {
   for (const int steps : {3, 4, 6}) {
     EXPECT_EQ(told(findings_of(world, make_strategy("pmp", {{"steps", steps}}))), "") << steps;
     EXPECT_EQ(told(findings_of(world, make_strategy("pcmp", {{"steps", steps}}))), "") << steps;
+  }
+}
+
+/// Frames of several exposures, merged.
+Scan merged_scan(const WorldSettings& settings, const Strategy& strategy,
+                 const std::vector<double>& exposures, const std::vector<int>& order = {}) {
+  const VirtualWorld world = virtual_world(settings);
+  const Sequence sequence{
+      .strategy = strategy, .projector = world.scanner.projector.size, .exposures = exposures};
+  VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+  if (!order.empty()) taken.frames = reordered(std::move(taken.frames), order);
+  return merged(
+      {.frames = std::move(taken.frames), .sequence = sequence, .scanner = as_calibrated(world)});
+}
+
+// Beside pixels that are saturated at every exposure, others are right.
+TEST(MergedExposures, AreNotRefused) {
+  int warned = 0;
+  for (const char* const world : {"ideal", "bench"}) {
+    for (const Strategy& strategy :
+         {make_strategy("dual-frequency", {{"steps", 4}, {"high", 16}}),
+          make_strategy("dual-frequency", {{"steps", 3}, {"high", 24}}),
+          make_strategy("multi-frequency", {}), make_strategy("gray-phase", {})}) {
+      for (const std::vector<double>& exposures :
+           {std::vector<double>{1, 4, 16}, {1, 4}, {0.25, 1, 4}}) {
+        const WorldSettings settings{
+            .scene = "contrast",
+            .camera = {320, 240},
+            .world = world,
+            .seed = static_cast<std::uint64_t>(10 * exposures.size() + strategy.name().size())};
+        const ScanFindings found = check_scan(merged_scan(settings, strategy, exposures));
+        EXPECT_FALSE(any_wrong(found.findings)) << label_of(strategy) << ": " << told(found);
+        EXPECT_TRUE(found.order.empty());
+        for (const Finding& finding : without_cause(found.findings, clipping_is_to_blame)) {
+          ++warned;
+          ADD_FAILURE() << world << ", " << label_of(strategy) << ": " << text_of(finding);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(warned, 0);
+}
+
+TEST(MergedExposures, OfSwappedFramesAreRefused) {
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 4}, {"high", 16}});
+  const WorldSettings settings{.scene = "contrast", .camera = {320, 240}};
+  std::vector<int> order;
+  for (int e = 0; e < 3; ++e) {
+    for (const int n : {0, 2, 1, 3, 4, 5, 6, 7}) order.push_back(8 * e + n);
+  }
+  const ScanFindings found = check_scan(merged_scan(settings, strategy, {1, 4, 16}, order));
+  EXPECT_TRUE(any_wrong(found.findings));
+  EXPECT_NE(told(found).find("swapped"), std::string::npos) << told(found);
+}
+
+// The projector's and the camera's blur leave little of stripes of one pixel.
+TEST(FinestStripes, AreLeftInPeace) {
+  for (const char* const world : {"bench"}) {
+    const VirtualWorld virtually = virtual_world({.world = world});
+    for (const char* const reference : {"white-black", "inverse"}) {
+      const Strategy strategy = make_strategy("gray", {{"bits", 10}, {"reference", reference}});
+      EXPECT_EQ(told(findings_of(virtually, strategy)), "") << world << ", " << reference;
+    }
+  }
+}
+
+TEST(DimStripes, AreBlamedOnTheLightOnce) {
+  const VirtualWorld dim = virtual_world({.reflectivity = 0.06, .ambient = 20});
+  const ScanFindings found = findings_of(dim, make_strategy("gray", {{"bits", 10}}));
+  EXPECT_EQ(found.findings.size(), 1U) << told(found);
+}
+
+// The optical axis of rectified pictures may lie anywhere.
+TEST(RectifiedPictures, AreNotCalledCropped) {
+  VirtualWorld world = virtual_world({.camera = {640, 480}, .world = "ideal"});
+  world.scanner.camera.intrinsic(0, 2) -= 0.28 * 640;
+  world.scanner.camera.distortion = {};
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 4}, {"high", 16}});
+  EXPECT_EQ(told(findings_of(world, strategy)), "");
+  world.photometry.response = PowerLaw{2.2};
+  VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
+  std::vector<int> order{1, 0, 2, 3, 4, 5, 6, 7};
+  const ScanFindings found = check_scan({.frames = reordered(std::move(taken.frames), order),
+                                         .sequence = {strategy, Axis::x, {}, {1280, 800}},
+                                         .scanner = world.scanner});
+  EXPECT_EQ(told(found).find("optical axis"), std::string::npos) << told(found);
+}
+
+TEST(DeclaredMotion, IsNotCalledGammaOrMixedFrames) {
+  for (const int steps : {3, 4, 5}) {
+    WorldSettings settings{.scene = "sphere", .camera = {320, 240}, .world = "ideal"};
+    settings.motion.step = {3, 0, 0};
+    const VirtualWorld world = virtual_world(settings);
+    Sequence sequence{.strategy = make_strategy("pmp", {{"steps", steps}, {"frequency", 1}}),
+                      .projector = world.scanner.projector.size,
+                      .motion = 2};
+    const VirtualScan taken =
+        take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+    const Scan scan =
+        merged({.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)});
+    EXPECT_EQ(told(check_scan(scan)), "") << steps;
+  }
+}
+
+// A hand that moves through 28.5 periods, taken by rectified cameras of others.
+TEST(DeclaredMotion, OfARealHandIsLeftInPeace) {
+  const fs::path folder = shared_data() / "bsc-hand";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  int warned = 0;  // of 20
+  for (const char* const camera : {"cam1", "cam2"}) {
+    for (const int extra : {2, 4}) {
+      const Sequence sequence{.strategy = make_strategy("pmp", {{"steps", 4}, {"frequency", 28.5}}),
+                              .projector = {1280, 800},
+                              .motion = extra};
+      for (int first = 0; first + 4 + extra <= 40; first += 8) {
+        std::vector<fs::path> frames;
+        for (int n = first; n < first + 4 + extra; ++n) {
+          frames.push_back(folder / camera / fmt::format("{:04}.png", n));
+        }
+        const Scan scan = merged({.frames = read_frames(frames).frames, .sequence = sequence});
+        if (told(check_scan(scan)).empty()) continue;
+        ++warned;
+      }
+    }
+  }
+  EXPECT_LE(warned, 1);
+}
+
+TEST(RealScans, WithNoiseAreLeftInPeace) {
+  const fs::path folder = shared_data() / "skull";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  std::vector<fs::path> files;
+  for (int n = 0; n < 6; ++n) {
+    files.push_back(folder / fmt::format("dual-frequency/frameSeq_{:02}.png", n));
+  }
+  const Scan right{
+      .frames = read_frames(files).frames,
+      .sequence = {make_strategy("dual-frequency", {{"steps", 3}, {"high", 16}, {"low", 1}}),
+                   Axis::x,
+                   {},
+                   {1824, 1140}}};
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, 1);  // grey levels
+    Scan scan = right;
+    pixels(all_frames(6), [&](double level, int, int) { return level + noise(random); })(scan);
+    EXPECT_EQ(told(check_scan(scan)), "") << "seed " << seed;
   }
 }
 

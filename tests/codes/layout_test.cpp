@@ -181,9 +181,44 @@ TEST(Code, NumbersItsStripes) {
         const CodeReading reading = read_code(code, I);
         const bool all_alike = std::equal(I.begin() + 1, I.end(), I.begin());
         if (!all_alike) EXPECT_EQ(reading.stripe, stripe);
-        EXPECT_LE(reading.contrast, 72.5 + 1e-9);
+        EXPECT_EQ(reading.spread, 0);
+        EXPECT_NEAR(reading.contrast, all_alike ? 0 : 72.5, 1e-9);
       }
     }
+  }
+}
+
+/// The bits, then white and black, with the last `blurred` bits half way between.
+std::vector<double> frames_of(const Code& code, int stripe, int blurred, double above) {
+  std::vector<double> I;
+  const int bits = static_cast<int>(code.frames.size());
+  for (int bit = 0; bit < bits; ++bit) {
+    const bool bright = is_bright(code, bit, (stripe + 0.5) / code.stripes);
+    I.push_back(bit >= bits - blurred ? 100 + above : bright ? 140 : 60);
+  }
+  I.insert(I.end(), {140, 60});
+  return I;
+}
+
+TEST(Code, IsMeasuredByItsReferenceWithBitsThatAreDoubtfulAlone) {
+  Code code{.stripes = 64, .frames = {0, 1, 2, 3, 4, 5}};
+  code.reference = {0, 0, 0, 0, 0, 0, 0.5, 0.5};
+  for (int stripe = 0; stripe < 64; ++stripe) {
+    for (const double above : {-1.0, 1.0, 4.0}) {
+      for (const int blurred : {0, 1, 2}) {
+        const CodeReading reading = read_code(code, frames_of(code, stripe, blurred, above), 1);
+        EXPECT_EQ(reading.contrast, 40);
+        if (blurred == 0) EXPECT_EQ(reading.stripe, stripe);
+        if (above > 3) {
+          EXPECT_EQ(reading.spread, 0);
+        } else {
+          // All stripes that the other bits leave, and their middle.
+          EXPECT_EQ(reading.spread, (1 << blurred) - 1);
+          EXPECT_LE(std::abs(reading.stripe - stripe), reading.spread / 2);
+        }
+      }
+    }
+    EXPECT_EQ(read_code(code, frames_of(code, stripe, 5, 1), 1).spread, code.stripes);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/phase_shifting.h"
+#include "slipstream/codes/sequence.h"
 
 namespace slipstream::axis_test {
 
@@ -178,6 +179,44 @@ TEST(OneBit, KeepsWhatIsDarkOrBrightAlready) {
     for (int column = 0; column < 50; ++column) {
       EXPECT_EQ(picture(column, row), column < 15 || column > 40 ? 255 : 0);
     }
+  }
+}
+
+TEST(Lengths, InProjectorPixelsHoldAlongBothAxes) {
+  const Size projector{1280, 800};
+  const Sequence both = default_sequence(
+      projector,
+      {.strategy = "multi-frequency", .period_pixels = std::vector{1280.0, 80.0}, .axes = "both"});
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    const double length = length_along(axis, projector);
+    const Layout layout = along(both, axis).strategy.layout();
+    EXPECT_EQ(layout.bands[0].periods, 1);
+    EXPECT_NEAR(layout.bands[1].periods, length / 80, 1e-12);
+    EXPECT_EQ(along(along(both, axis), Axis::x), along(both, Axis::x));
+  }
+  const PatternSet patterns = pattern_set(both);
+  const int each = patterns.count / 2;
+  for (int n = 0; n < each; ++n) {
+    EXPECT_EQ(patterns.axis_of(n + each), Axis::y);
+    const PatternSet y = pattern_set(along(both, Axis::y));
+    for (const double place : {0.1, 0.37, 0.9}) {
+      EXPECT_EQ(patterns.intensity(n + each, place), y.intensity(n, place));
+    }
+  }
+  // Other flags change what was known.
+  EXPECT_EQ(changed(both, {.axes = "y"}), along(both, Axis::y));
+  EXPECT_TRUE(changed(both, {.settings = {{"periods", "1,16"}}}).lengths.empty());
+}
+
+TEST(Lengths, RefuseAnotherNumberOfFramesAlongTheOtherAxis) {
+  const Sequence sequence = default_sequence(
+      {1280, 600}, {.strategy = "gray-phase", .period_pixels = std::vector{20.0}, .axes = "x"});
+  EXPECT_NO_THROW(pattern_set(sequence));
+  try {
+    (void)along(sequence, Axis::y);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("--bits"), std::string::npos) << error.what();
   }
 }
 

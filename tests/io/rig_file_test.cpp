@@ -43,6 +43,8 @@ TEST(RigFile, RefusesWhatIsNoRigFileInOneLine) {
   expect_refused("a: {b: {c: 1}}", {"line 1", "b", "a value"});
   expect_refused("steps: 3\nsequence:\n  steps: 4", {"line 3", "steps", "twice"});
   expect_refused("low_steps: 3\nlow-steps: 3", {"line 2", "twice"});
+  expect_refused("camera: {steps: 3}\ncamera: {}", {"line 2", "camera is set twice"});
+  expect_refused("steps: 3\n---\nlow: 4", {"line 3", "second YAML document"});
   expect_refused("? [1, 2]\n: 3", {"name of a setting"});
   expect_refused("a: &x {b: *x}", {"rig.yaml"});
   const TemporaryFolder folder;

@@ -46,6 +46,11 @@ TEST(ScanFiles, HaveOneAxisOrBoth) {
   }
   Sequence sequence;
   EXPECT_THROW(set_axes(sequence, "z"), Error);
+  const SequenceChanges changes{.strategy = "gray", .stripe_pixels = 2, .axes = "both"};
+  const ScanFiles scan{.sequence = default_sequence({640, 480}, changes),
+                       .frames = {folder.path() / "a.png"}};
+  const std::string text = scan_yaml_of(scan, folder.path());
+  EXPECT_EQ(scan_files_from(text, "scan.yaml", folder.path()).sequence, scan.sequence) << text;
 }
 
 TEST(ScanFiles, IsAsTheDocumentationHasIt) {
@@ -90,6 +95,14 @@ TEST(ScanFiles, BadOnesAreNamed) {
   expect_refused(
       "slipstream: 1\n" + good_strategy + "frames: [a.png]\nprojector: {width: 0, height: 3}\n",
       {"width 0"});
+  const std::string good = "slipstream: 1\n" + good_strategy + "frames: [a.png]\n";
+  expect_refused(good + "frames: [b.png]\n", {"scan.yaml", "line 4", "frames is set twice"});
+  expect_refused("slipstream: 1\nstrategy:\n  name: pmp\n  steps: 3\n  'steps': 4\n",
+                 {"scan.yaml", "line 5", "steps is set twice"});
+  expect_refused(good + "---\n" + good, {"scan.yaml", "line 5", "second YAML document"});
+  expect_refused(good + "a: &a [1]\nb: {c: *a, d: [{e: 1, f: 2, e: 3}]}\n", {"line 5", "e is"});
+  write_file(path, good + "...\n---\n");
+  EXPECT_NO_THROW(read_scan_files(path));
 }
 
 TEST(ImagesInFolder, AreInTheOrderOfTheirNumbers) {

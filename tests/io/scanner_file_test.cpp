@@ -1,5 +1,6 @@
 #include "slipstream/io/scanner_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -260,6 +261,45 @@ TEST(ScannerFile, BadOnesAreNamed) {
   expect_refused(head + camera + matrix("camera_distortion", 1, 3, "1., 2., 3.") +
                      matrix("projector_matrix", 3, 3, K) + pose,
                  {"camera_distortion", "5"});
+}
+
+TEST(ScannerFile, ThatSetsAnEntryTwiceIsRefusedWithItsLine) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "scanner.yaml";
+  const auto expect_refused = [&](const std::string& text,
+                                  std::initializer_list<std::string> parts) {
+    write_file(path, text);
+    const auto name_parts = [&](const auto& action) {
+      expect_error(action, {"scanner.yaml"});
+      expect_error(action, parts);
+    };
+    name_parts([&] { (void)read_scanner(path); });
+    name_parts([&] { (void)read_photometric_calibration(path); });
+    name_parts([&] { (void)replace_geometry(path, example()); });
+    name_parts([&] { write_photometric_calibration(path, path, {.ambient = 3}); });
+    EXPECT_EQ(read_text(path), text);
+  };
+  const std::string good = text_of(example());
+  const auto lines = std::to_string(std::count(good.begin(), good.end(), '\n') + 1);
+  expect_refused(good +
+                     "translation: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n"
+                     "   data: [ 1, 2, 3 ]\n",
+                 {"line " + lines + ": translation is set twice"});
+  expect_refused(good + "---\ngamma: 2.2\n", {"second YAML document"});
+  expect_refused(head + "gamma: 2\nrotation:\n   rows: 3\n   cols: 1\n   rows: 1\n",
+                 {"rows is set twice"});
+  const std::string xml = "<?xml version=\"1.0\"?>\n<opencv_storage>\n";
+  expect_refused(xml + "<gamma>2.2</gamma>\n<!-- -->\n<gamma>1</gamma>\n</opencv_storage>\n",
+                 {"line 5: gamma is set twice"});
+  expect_refused(xml +
+                     "<R type_id=\"opencv-matrix\">\n<rows>3</rows>\n<rows>1</rows></R>\n"
+                     "</opencv_storage>\n",
+                 {"line 5: rows is set twice"});
+  expect_refused(xml + "</opencv_storage>\n<opencv_storage></opencv_storage>\n",
+                 {"line 4: opencv_storage is set twice"});
+  // The items of a list have one name.
+  EXPECT_NO_THROW(
+      (void)opencv_entries(xml + "<l><_>1</_><_>2</_></l></opencv_storage>", "list.xml"));
 }
 
 }  // namespace slipstream::scanner_file_test

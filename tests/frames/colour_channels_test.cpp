@@ -107,7 +107,8 @@ TEST(Unmixed, SaysWhatIsNoPicture) {
   };
   const FrameSet pictures = frames(6, picture_size);
   EXPECT_EQ(refusal(pictures, frames(3, picture_size)), "");
-  EXPECT_EQ(refusal(frames(4, picture_size)), "4 frames given; expected a multiple of 3, one per channel");
+  EXPECT_EQ(refusal(frames(4, picture_size)),
+            "4 frames given; expected a multiple of 3, one per channel");
   const std::string no_white = "the white picture must have three channels of the frames' size";
   EXPECT_EQ(refusal(pictures, frames(6, picture_size)), no_white);
   EXPECT_EQ(refusal(pictures, frames(3, {4, 4})), no_white);

@@ -1,5 +1,5 @@
-// One-bit patterns under the projector's blur: what docs/how-to/binary-patterns.md says of their phase.
-// Patterns that vary along both axes, in the light of the virtual projector.
+// One-bit patterns under the projector's blur: what docs/how-to/binary-patterns.md says of their
+// phase. Patterns that vary along both axes, in the light of the virtual projector.
 #include <array>
 #include <cmath>
 #include <complex>

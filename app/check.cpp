@@ -149,7 +149,7 @@ void add_measure(const Commands& program) {
             "distance between the points of two pixels, e.g. 320,240 400,250");
   group.add("--plane", flags.planes,
             "fit to the points in a pixel rectangle, width x height + x + y, e.g. 200x100+320+240");
-  group.add("--sphere", flags.spheres, "likewise");
+  group.add("--sphere", flags.spheres, "fit to the points in a pixel rectangle, as for --plane");
   add_cloud_flags(command.app, flags.input);
   command.common({"--point", "--distance", "--plane", "--sphere", "--scanner", "--min-modulation",
                   "--max-sigma", "--raw"});

@@ -165,7 +165,7 @@ std::string save_newest(LiveSession& session, LastSave& last) {
   throw_if(std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1),
            "saved a moment ago");
   const Pooled<LiveCloud> newest = session.pipeline.newest();
-  throw_if(!newest, "there is no cloud to save yet");
+  throw_if(!newest, "no cloud to save yet");
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
                          doubts(session.pipeline.statistics().findings));

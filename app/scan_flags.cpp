@@ -178,7 +178,7 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
     settings.nearest = settings.nearest.value_or(0);
     settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
   };
-  subcommand  // first, so that later flags set again what it clears
+  subcommand  // added first: flags of single filters then override it
       .add_flag_callback("--raw", take_raw, "keep all points; apply only filters given by flag")
       ->group(group.name);
   group.add_settings(settings.clean, [&group](const Setting& setting, auto& value) {

@@ -30,7 +30,7 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings);
 
 /// The smallest and largest images on the first GPU, and in the fused pass on all threads: frames
 /// in memory to clouds, depths and 16-bit depths in memory, and the time of the device alone; also
-/// many small scans, one after another and in one submission. Throws WorldError if there is no GPU.
+/// many small scans, one after another and in one submission. Throws WorldError without a GPU.
 std::vector<BenchRow> gpu_rows(const BenchSettings& settings);
 
 }  // namespace slipstream

@@ -154,7 +154,7 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
   /// Writes the newest cloud and returns its path.
   std::string capture() {
     const auto newest = pipeline_->newest();
-    if (!newest) throw Error("there is no cloud to save yet");
+    if (!newest) throw Error("no cloud to save yet");
     const auto file = path_named_by_time(text("save_to"), "cloud", ".ply");
     write_cloud(file, newest->cloud);
     return file.string();

@@ -20,7 +20,7 @@ CODE = (".h", ".cpp", ".comp", ".glsl", ".js", ".html")
 # Habit: pattern, occurrences allowed.
 HABITS = {
     "relative clause instead of a noun": (
-        r"\bwhat (it|they|is|was|has|are|were|had|a|an|the|its|their|each|one|all|else)\b", 45),
+        r"\bwhat (it|they|is|was|has|are|were|had|a|an|the|its|their|each|one|all|else)\b", 10),
     "of those which": (
         r"\b(of (those|what|which)|that which|those which|"
         r"(of|at|in|to|by|from|with|for|as) that(?= (which|of|where|is|has|are|it)\b|[,.;])|"
@@ -30,8 +30,8 @@ HABITS = {
         r"(?<=[.,;:] )(none|nothing)[.,]|\bwhere (none|not|no|there is)\b", 15),
     "bookish words": (
         r"\b(amiss|anew|likewise|reckon\w*|nobody|somebody|so (many|much|long|often)|but for|"
-        r"of itself|wherewith|thereof|therein|hence|alike|save for|lest|whence|thither)\b", 15),
-    "no actor": (r"\b(is|are|was|were|be|been|being) (told|said|asked|asked for|warned of)\b", 8),
+        r"of itself|wherewith|thereof|therein|hence|alike|save for|lest|whence|thither)\b", 5),
+    "no actor": (r"\b(is|are|was|were|be|been|being) (told|said|asked|asked for|warned of)\b", 2),
     "pictures instead of terms": (
         r"\b(glimpse|slip of the hand|hold (its|their) tongue|goes? (its|their) way|at rest)\b", 0),
 }

@@ -27,12 +27,20 @@ void check(const CheckFlags& flags, Output& output) {
     Scan scan = load_checkable(folder, flags.input, true, output);
     CheckSettings settings = flags.settings;
     settings.photometry = flags.input.photometry;
-    settings.photometry.response = choose_response(scan, flags.input.gamma).response;
-    const std::vector<Finding> findings = check_and_repair(scan, settings).findings;
+    const GammaChoice gamma = choose_response(scan, flags.input.gamma);
+    settings.photometry.response = gamma.response;
+    settings.blind = gamma.blind;
+    const CheckedScan checked = check_and_repair(scan, settings);
+    const std::vector<Finding>& findings = checked.findings;
     if (any_wrong(findings)) output.exit_code = 2;
     output.list("scans").push_back(described("scan", folder, "findings", findings));
     progress.finish();
     tell_findings(folder, findings, output);
+    if (scan.scanner) {
+      const double baseline = scan.scanner->translation.norm(), depth = checked.median_depth;
+      output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
+      describe(output.list("scans").back(), "baseline_mm", baseline, "median_depth_mm", depth);
+    }
     progress.advance();
   }
 }

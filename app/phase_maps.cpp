@@ -106,9 +106,11 @@ Image<double> measured_phase(const std::string& path, const CloudFlags& flags, O
   if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
   Scan scan = load_checkable(path, flags, false, output);
   PhotometricCalibration known = scan.scanner ? scan.scanner->photometry : flags.photometry;
-  known.response = choose_response(scan, flags.gamma).response;
+  const GammaChoice gamma = choose_response(scan, flags.gamma);
+  known.response = gamma.response;
   refuse_or_warn(check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation,
-                                         .photometry = known}),
+                                         .photometry = known,
+                                         .blind = gamma.blind}),
                  path, flags.anyway, output);
   const EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
                           scan.sequence, flags.settings};

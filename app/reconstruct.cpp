@@ -88,10 +88,12 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json told = described(
       "scan", scan.name.path, "window", scan.name.window, "points", scan.counts[0], "pixels",
       scan.cloud.validity.pixel_count(), "counts", scan.counts, "backend", scan.backend,
-      "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma), "files",
-      scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms, "epipolar",
-      epipolar, "warnings", scan.warnings, "findings", scan.sound.checked.findings, "repairs",
-      scan.sound.checked.repairs, "seconds", seconds);
+      "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma), "baseline_mm",
+      scan.sound.setup.scanner.translation.norm(), "median_depth_mm",
+      scan.sound.checked.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
+      scan.median_sigma, "rms_mm", scan.rms, "epipolar", epipolar, "warnings", scan.warnings,
+      "findings", scan.sound.checked.findings, "repairs", scan.sound.checked.repairs, "seconds",
+      seconds);
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   return told;
@@ -108,6 +110,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
     const auto [nearest, farthest] = depth_range(scan.sound.setup);
     output.say("  depths kept: {:.0f} to {:.0f} mm; change with --nearest, --farthest or --raw",
                nearest, farthest);
+  }
+  if (const double depth = scan.sound.checked.median_depth; depth > 0) {
+    output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
+               scan.sound.setup.scanner.translation.norm(), depth);
   }
   if (scan.rms) output.say("  RMS error against truth: {:.4g} mm", *scan.rms);
   if (scan.epipolar) {

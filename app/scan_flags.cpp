@@ -236,7 +236,8 @@ SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flag
   sound.setup = setup_for(scan, flags.settings);
   sound.choosing = watch.lap();
   scan.further_cameras.empty() ? require_reconstructible(sound.setup) : require_valid(sound.setup);
-  sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
+  sound.checked = check_and_repair(
+      scan, {.minimum_modulation = flags.settings.minimum_modulation, .blind = sound.gamma.blind});
   refuse_or_warn(sound.checked, name, flags.anyway, output);
   if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags);  // may differ
   sound.setup.scanner.photometry.response = sound.gamma.response;

@@ -67,7 +67,9 @@ Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
 std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool moving,
                                  const std::string& gamma) {
   CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
-  settings.photometry.response = choose_response(scan, gamma).response;
+  const GammaChoice choice = choose_response(scan, gamma);
+  settings.photometry.response = choice.response;
+  settings.blind = choice.blind;
   return check_and_repair(scan, settings).findings;
 }
 

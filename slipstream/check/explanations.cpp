@@ -9,6 +9,9 @@
 namespace slipstream {
 namespace {
 
+constexpr const char* beyond_the_boards =
+    ", or a scene nearer or farther than the calibration boards";
+
 std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
   const auto worst = std::min_element(
       frames.relations.begin(), frames.relations.end(), [](const auto& a, const auto& b) {
@@ -16,6 +19,13 @@ std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
       });
   if (worst == frames.relations.end()) return {};
   return {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
+}
+
+/// The symptom of a code that exceeds its limit most, relative to it.
+const CodeSymptom& worst_symptom(const CodeEvidence& code) {
+  return *std::ranges::max_element(code_symptoms, {}, [&](const CodeSymptom& symptom) {
+    return std::abs(code.*symptom.value) / symptom.limit;
+  });
 }
 
 /// The clearest symptom of a scan that does not fit.
@@ -28,6 +38,10 @@ Finding seen(const Fit& fit) {
         "the frames do not match the patterns: over {:g} % of their variation is unexplained",
         100 * limit);
     finding.evidence = {{"left over, share of their variation", fit.frames.residual}};
+  } else if (!fit.code_agrees()) {
+    const CodeSymptom& worst = worst_symptom(fit.code);
+    finding.what = fmt::format(fmt::runtime(worst.what), 100 * worst.limit);
+    finding.evidence = {{std::string(worst.number), fit.code.*worst.value}};
   } else if (!fit.bands_alike()) {
     finding.what = fmt::format(
         "the bands' modulations do not vary together: the spread of their ratio is above {:g}",
@@ -61,13 +75,20 @@ Finding seen(const Fit& fit) {
 }
 
 /// Names a broad cause if no common mistake explains the misfit.
-void name_broadly(const Fit& fit, Finding& finding) {
+void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   const auto& geometry = fit.geometry;
   // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.2;
   constexpr double hopeless_outside = 0.6;
+  const std::string or_gamma = response_known ? "" : ", or the projector's gamma, if it is not 1";
   finding.gravity = Gravity::doubtful;
-  if (!fit.frames_fit()) {
+  if (fit.patterns_made() && !fit.code_agrees()) {
+    const CodeSymptom& worst = worst_symptom(fit.code);
+    if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.gravity = Gravity::wrong;
+    finding.likely = worst.likely;
+    finding.advice = fmt::format("{} the output of slipstream patterns", worst.advice);
+    if (worst.value == &CodeEvidence::doubt) finding.likely += or_gamma;
+  } else if (!fit.frames_fit()) {
     const auto hopeless = [](const BandRelation& relation) {
       return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
     };
@@ -77,6 +98,7 @@ void name_broadly(const Fit& fit, Finding& finding) {
       finding.gravity = Gravity::wrong;
     }
     finding.likely = "wrong pattern settings, lost or mixed-up frames, or motion during capture";
+    finding.likely += or_gamma;
     finding.advice = "compare the frames with the output of slipstream patterns";
   } else if (!fit.geometry_fits()) {
     if (geometry->outside + geometry->without_point > hopeless_outside)
@@ -94,9 +116,9 @@ void name_broadly(const Fit& fit, Finding& finding) {
 
 /// Relative gain of each frame, estimated from the unexplained components; the mean is 0.
 struct FrameGains {
-  /// Share of the residual that `others`, gains from other pixels, explain.
+  /// The part of `all` that `others`, gains from other pixels, explain.
   [[nodiscard]] double explained_by(const Eigen::VectorXd& others) const {
-    return all > 0 ? others.dot(2 * right - normal * others) / all : 0;
+    return others.dot(2 * right - normal * others);
   }
 
   Eigen::VectorXd gains;
@@ -172,8 +194,8 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   const FrameGains others = frame_gains(scan.model, scan.samples, 1);
   const double size = (gains.gains + others.gains).cwiseAbs().maxCoeff() / 2;
   const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
-  const double explained =
-      (gains.explained_by(others.gains) + others.explained_by(gains.gains)) / 2;
+  const double explained = (gains.explained_by(others.gains) + others.explained_by(gains.gains)) /
+                           (gains.all + others.all);
   if (!(explained >= least_explained && size >= least_gain && size <= most_gain &&
         size >= 4 * error)) {
     return std::nullopt;
@@ -204,35 +226,80 @@ std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
   return frames_without_pattern(scan.samples);
 }
 
+/// Of a scan that fits: another mistake that explains it far better.
+std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
+  constexpr double clearly = 0.5;
+  auto better = fit.poor() ? likeliest_mistake(scan, fit) : std::nullopt;
+  if (!better) return std::nullopt;
+  const double beyond = fit.geometry ? fit.geometry->beyond : 0;
+  const bool by_depths_alone = fit.misfit() - beyond < better->misfit + clearly;
+  Finding finding{.gravity = by_depths_alone ? Gravity::doubtful : Gravity::wrong,
+                  .what = "the scan would fit far better with other settings",
+                  .evidence = {{"misfit", fit.misfit()}, {"misfit then", better->misfit}},
+                  .likely = std::move(better->likely),
+                  .advice = std::move(better->advice)};
+  if (by_depths_alone) finding.likely += beyond_the_boards;
+  if (fit.geometry) finding.evidence.push_back({"median depth, mm", fit.geometry->median_depth});
+  return finding;
+}
+
+/// Of a scan that fits.
+std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
+                                      std::optional<MixedFrames> mixed,
+                                      std::optional<Finding> flickering) {
+  if (mixed) return {std::move(mixed->finding)};
+  // With redundancy, a dark frame would not have fitted.
+  if (!scan.model.has_redundancy()) {
+    if (std::vector<Finding> dark = dark_frames(scan, fit); !dark.empty()) return dark;
+  }
+  if (flickering) return {std::move(*flickering)};
+  if (auto better = better_fit(scan, fit)) return {std::move(*better)};
+  return method_limits(scan, fit);
+}
+
 }  // namespace
 
 ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   ScanFindings result;
+  if (fit.geometry) result.median_depth = fit.geometry->median_depth;
   auto flickering = flicker(scan, fit);
+  // A single brighter frame may resemble a share of another.
+  const bool one_frame = flickering && flickering->evidence.front().name.starts_with("frame");
+  auto mixed = one_frame ? std::nullopt : mixed_frames(scan, fit);
   if (fit.all()) {
-    // With redundancy, a dark frame would not have fitted.
-    if (!scan.model.has_redundancy()) result.findings = dark_frames(scan, fit);
-    if (flickering && result.findings.empty()) result.findings.push_back(std::move(*flickering));
+    result.findings = remaining_faults(scan, fit, std::move(mixed), std::move(flickering));
     return result;
   }
   Finding finding = seen(fit);
   const bool only_depths = fit.frames_fit() && fit.geometry_fits();
-  if (auto explanation = likeliest_mistake(scan, fit)) {
+  constexpr double nearly = 0.3;
+  const bool by_scanner = scan.scanner_doubted && fit.frames_fit();
+  auto explanation = by_scanner ? std::nullopt : likeliest_mistake(scan, fit);
+  std::vector<Finding> dark = dark_frames(scan, fit);
+  if (by_scanner) {
+    name_broadly(fit, scan.photometry.response.has_value(), finding);
+    if (!only_depths) finding.gravity = Gravity::wrong;
+  } else if (mixed && (!explanation || mixed->misfit < explanation->misfit - nearly)) {
+    finding = std::move(mixed->finding);
+  } else if (explanation) {
     if (only_depths) {
       explanation->gravity = Gravity::doubtful;
-      explanation->likely += ", or a scene nearer or farther than the calibration boards";
+      explanation->likely += beyond_the_boards;
     }
     finding.likely = std::move(explanation->likely);
     finding.advice = std::move(explanation->advice);
     finding.gravity = explanation->gravity;
     result.order = std::move(explanation->order);
-  } else if (std::vector<Finding> faults = dark_frames(scan, fit); !faults.empty()) {
-    result.findings = std::move(faults);
+    if (!result.order.empty()) result.median_depth = explanation->median_depth;
+    if (mixed && mixed->misfit < explanation->misfit + nearly) dark.push_back(mixed->finding);
+    for (const Finding& fault : dark) finding.likely += ", or " + fault.likely;
+  } else if (!dark.empty()) {
+    result.findings = std::move(dark);
     return result;
   } else if (flickering) {
     finding = std::move(*flickering);
   } else {
-    name_broadly(fit, finding);
+    name_broadly(fit, scan.photometry.response.has_value(), finding);
   }
   result.findings.push_back(std::move(finding));
   return result;

@@ -14,6 +14,7 @@ struct JudgedScan {
   const Scanner* scanner;  ///< null if unknown or already found wrong
   const PhotometricCalibration& photometry;
   const CheckSettings& settings;
+  bool scanner_doubted = false;  ///< check_scanner finds something
 };
 
 /// The fit of the scan with the given settings.
@@ -30,19 +31,32 @@ struct Explanation {
   double misfit = 0;
   std::string likely{}, advice{};
   Gravity gravity = Gravity::wrong;
-  FrameOrder order{};  ///< set if the cycle has slipped
-  bool far_fetched = false;
+  FrameOrder order{};       ///< set if the cycle has slipped
+  double median_depth = 0;  ///< in that order
 };
 
 /// The likeliest of the common mistakes. Its text also names others that explain the scan about as
-/// well. Returns nullopt if none explains it. `as_given`: the result of fit_as_given.
+/// well. Returns nullopt if none explains it, or fits far better than a scan that fits.
+/// `as_given`: the result of fit_as_given.
 std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given);
+
+/// A diagnostic of frames that contain a share of the pattern before, and the misfit without it.
+struct MixedFrames {
+  double misfit = 0;
+  Finding finding;
+};
+
+/// nullopt unless such a share explains what does not fit.
+std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& as_given);
 
 /// Applies `first` (identity if empty), then `then`, as one order.
 FrameOrder composed(const FrameOrder& first, const FrameOrder& then);
 
 /// "2,0,1,3,4,5".
 std::string text_of(const FrameOrder& order);
+
+/// Warnings about what frames that fit cannot show, or measure badly.
+std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit);
 
 /// Finds frames that are identical in whole or in part, or black from some row on.
 std::vector<Finding> damaged_frames(const ScanSamples& samples);

@@ -51,10 +51,6 @@ double depth_of_stripe(const Scanner& scanner, Axis axis, const Eigen::Vector3d&
   return -plane.dot(scanner.translation) / plane.dot(scanner.rotation * ray);
 }
 
-double wrapped(double periods) {
-  return periods - std::round(periods);
-}
-
 // Below this coherence, noise leaves no evidence.
 constexpr double least_noise = 0.3;
 
@@ -96,7 +92,8 @@ void FrameJudge::clear() {
   std::fill(mean_.begin(), mean_.end(), Complex{});
   std::fill(between_.begin(), between_.end(), Complex{});
   std::fill(ratios_.begin(), ratios_.end(), SharedSpread{});
-  residual_ = variation_ = 0;
+  doubts_.clear();
+  residual_ = variation_ = by_origin_ = origin_square_ = 0;
   pairs_ = seams_ = far_pairs_ = 0;
 }
 
@@ -135,11 +132,15 @@ void FrameJudge::sum_up(std::size_t groups) {
   const auto n = static_cast<double>(std::max<std::size_t>(1, groups));
   for (std::size_t i = 0; i < mean_.size(); ++i) {
     const double noise = std::sqrt(std::abs(between_[i]) / std::max(1, pairs_));
-    evidence_.relations[i] = {.agreement = std::abs(mean_[i]) / n / std::max(noise, least_noise),
-                              .offset = std::arg(mean_[i]) / two_pi,
-                              .noise = noise};
+    evidence_.relations[i] = {
+        .agreement = std::abs(mean_[i]) / n / std::max(noise, least_noise),
+        .offset = std::arg(mean_[i]) / two_pi,
+        .noise = noise,
+        .error = std::sqrt(n / 2) / std::max(1.0, std::abs(mean_[i])) / two_pi};
   }
   evidence_.residual = variation_ > 0 ? std::sqrt(std::max(0.0, residual_ / variation_)) : 0;
+  evidence_.doubt = doubts_.empty() ? 0 : quantile(doubts_, 0.5);
+  evidence_.origin = origin_square_ > 0 ? by_origin_ / origin_square_ : 0;
   evidence_.ratio_spread = 0;
   for (const SharedSpread& of_band : ratios_) {
     evidence_.ratio_spread = std::max(evidence_.ratio_spread, of_band.deviation());
@@ -156,6 +157,9 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
     const float* const levels = samples.levels(g, Place::middle);
     const double variation = variation_of(levels, samples.frames());
     model_.read(levels, order, here_);
+    doubts_.push_back(here_.doubt);
+    by_origin_ += here_.by_origin;
+    origin_square_ += here_.origin_square;
     for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += turned(here_.relations[i]);
     for (const Place place : {Place::right, Place::below}) {
       if (!samples.lit(g, place)) continue;
@@ -172,47 +176,20 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   return evidence_;
 }
 
-std::optional<double> periods_that_agree(const FrameModel& model, const ScanSamples& samples,
-                                         std::size_t relation) {
-  constexpr int most = 160;
-  constexpr double least_agreement = 0.5;
-  const std::size_t link = relation + (model.has_real_cue() ? 0 : 1);
-  const std::size_t band = model.bands()[link];
-  const double before = link == 0 ? 1 : model.layout().bands[model.bands()[link - 1]].periods;
-  const FrameOrder order = model.identity();
-  std::vector<Complex> sums(most + 1);
-  SampleReading reading;
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    model.read(samples.levels(g, Place::middle), order, reading);
-    const double y = link == 0 ? reading.coarse : reading.phase[model.bands()[link - 1]] / two_pi;
-    const Complex step = turned(y);
-    Complex turn = turned(-reading.phase[band] / two_pi);
-    for (int k = 1; k <= most; ++k) {
-      turn *= step;
-      sums[static_cast<std::size_t>(k)] += turn;
-    }
-  }
-  // Real part, not magnitude: the right number leaves no offset.
-  const auto best = std::max_element(sums.begin() + 1, sums.end(),
-                                     [](Complex a, Complex b) { return a.real() < b.real(); });
-  if (best->real() < least_agreement * static_cast<double>(samples.groups())) return std::nullopt;
-  return static_cast<double>(best - sums.begin()) * before;
-}
-
 GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
                                    const Scanner& scanner, Axis axis, const FrameOrder& order,
                                    const PictureTurn& turn) {
   // Ignoring distortion may move a point this far outside the field.
   constexpr double margin = 0.05;
   // Scenes exceed the boards' depths: allow this share of the range on either side.
-  constexpr double further = 0.5;
-  const double f = model.layout().bands[model.measuring_band()].periods;
+  constexpr double further = 0.5, slightly = 0.1;
   const std::size_t band = model.measuring_band();
+  const double f = model.layout().bands[band].periods;
   // A code alone changes by whole stripes, and most neighbours lie in the same stripe.
   const bool rises = !model.layout().unwrapping->whole_stripes;
   SampleReading here, next;
   std::vector<double> depths, slopes;
-  int without = 0, outside = 0, out_of_range = 0;
+  int without = 0, outside = 0, out_of_range = 0, beyond = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const Eigen::Vector2d pixel(
         turn.columns ? scanner.camera.size.width - 1 - samples.column(g) : samples.column(g),
@@ -229,23 +206,30 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
         lit.along > 1 + margin)
       ++outside;
     if (const auto& range = scanner.calibrated_depths) {
-      const double more = further * (range->farthest - range->nearest);
-      if (z < range->nearest - more || z > range->farthest + more) ++out_of_range;
+      const auto is_outside = [&](double share) {
+        const double more = share * (range->farthest - range->nearest);
+        return z < range->nearest - more || z > range->farthest + more;
+      };
+      if (is_outside(further)) ++out_of_range;
+      if (is_outside(slightly)) ++beyond;
     }
     depths.push_back(z);
     const bool has_next = samples.lit(g, ScanSamples::right) && samples.lit(g, ScanSamples::below);
     if (!rises || !has_next) continue;
-    const auto change = [&](ScanSamples::Place place) {
-      model.read(samples.levels(g, place), order, next);
-      return wrapped((next.phase[band] - here.phase[band]) / two_pi) / f;
-    };
     const auto expected = [&](const Eigen::Vector2d& step) {
       return place_in_field(scanner, axis, z * ray_through(scanner.camera, pixel + step)).along -
              lit.along;
     };
-    const Eigen::Vector2d seen(change(ScanSamples::right), change(ScanSamples::below));
     const Eigen::Vector2d flat(expected({turn.columns ? -1 : 1, 0}),
                                expected({0, turn.rows ? -1 : 1}));
+    // The phase is exact, but wraps between pixels that are a good part of a period apart.
+    const bool coarse = f * flat.cwiseAbs().maxCoeff() > 0.25;
+    const auto change = [&](ScanSamples::Place place) {
+      model.read(samples.levels(g, place), order, next);
+      if (coarse) return next.coordinate - here.coordinate;
+      return std::remainder(next.phase[band] - here.phase[band], two_pi) / (two_pi * f);
+    };
+    const Eigen::Vector2d seen(change(ScanSamples::right), change(ScanSamples::below));
     const double slope = seen.dot(flat) / flat.squaredNorm();
     if (std::isfinite(slope)) slopes.push_back(slope);
   }
@@ -256,6 +240,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   if (!depths.empty()) {
     result.outside = outside / static_cast<double>(depths.size());
     result.out_of_range = out_of_range / static_cast<double>(depths.size());
+    result.beyond = beyond / static_cast<double>(depths.size());
     result.median_depth = quantile(depths, 0.5);
   }
   if (!slopes.empty()) {
@@ -281,6 +266,12 @@ bool Fit::patterns_made() const {
   return frames.residual <= (moving ? FitLimits::most_residual_moving : FitLimits::most_residual);
 }
 
+bool Fit::code_agrees() const {
+  return std::ranges::all_of(code_symptoms, [&](const CodeSymptom& symptom) {
+    return std::abs(code.*symptom.value) <= symptom.limit;
+  });
+}
+
 bool Fit::no_seam() const {
   return frames.seams <= FitLimits::most_seams;
 }
@@ -296,6 +287,17 @@ bool Fit::depths_fit() const {
   return !geometry || geometry->out_of_range <= FitLimits::most_out_of_range;
 }
 
+bool Fit::poor() const {
+  // Right scans: at most 0.05, 0.001, 0.04.
+  constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
+  const auto is_off = [](const BandRelation& relation) {
+    return std::abs(relation.offset) > poor_offset + 3 * relation.error;
+  };
+  return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||
+         (geometry && (geometry->outside + geometry->without_point > poor_outside ||
+                       geometry->beyond > poor_beyond));
+}
+
 double Fit::misfit() const {
   using L = FitLimits;
   double sum = frames.residual / L::most_residual + frames.seams / L::most_seams +
@@ -304,9 +306,12 @@ double Fit::misfit() const {
     sum += std::max(0.0, 1 - relation.agreement) / (1 - L::least_agreement) +
            std::abs(relation.offset) / L::most_offset;
   }
+  for (const CodeSymptom& symptom : code_symptoms) {
+    sum += std::abs(code.*symptom.value) / symptom.limit;
+  }
   if (geometry) {
     sum += (geometry->without_point + geometry->outside) / L::most_outside +
-           geometry->out_of_range / L::most_out_of_range +
+           geometry->out_of_range / L::most_out_of_range + geometry->beyond +
            std::abs(std::log(std::max(1e-3, nearest_to_one(*geometry))));
   }
   return sum;

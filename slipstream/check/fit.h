@@ -2,7 +2,7 @@
 
 #include <complex>
 
-#include "slipstream/check/frame_model.h"
+#include "slipstream/check/code_evidence.h"
 
 namespace slipstream {
 
@@ -13,6 +13,7 @@ struct BandRelation {
   double agreement = 1;
   double offset = 0;  ///< of r, periods, -0.5 to 0.5
   double noise = 1;   ///< coherence under noise alone, 0 to 1
+  double error = 0;   ///< standard error of the offset, periods
 };
 
 /// Evidence about frames and sequence.
@@ -24,6 +25,8 @@ struct FrameEvidence {
   /// Largest variation of a ratio of two bands' modulations from pixel to pixel: the standard
   /// deviation of its logarithm, without noise.
   double ratio_spread = 0;
+  double doubt = 0;   ///< median: see SampleReading
+  double origin = 0;  ///< error of the origin by single frames, rad
   /// Share of far pixel pairs across which the coordinate jumps from one end of the field to the
   /// other inside the lit area.
   double seams = 0;
@@ -62,14 +65,10 @@ class FrameJudge {
   SampleReading here_, next_;
   std::vector<std::complex<double>> mean_, between_;  ///< of each relation
   std::vector<SharedSpread> ratios_;                  ///< of each band
-  double residual_ = 0, variation_ = 0;
+  std::vector<double> doubts_;
+  double residual_ = 0, variation_ = 0, by_origin_ = 0, origin_square_ = 0;
   int pairs_ = 0, seams_ = 0, far_pairs_ = 0;
 };
-
-/// The number of periods at which that relation's band agrees best with the band or cue that
-/// unwraps it. Returns nullopt if no number agrees.
-std::optional<double> periods_that_agree(const FrameModel& model, const ScanSamples& samples,
-                                         std::size_t relation);
 
 /// Evidence about frames and scanner.
 struct GeometryEvidence {
@@ -77,6 +76,7 @@ struct GeometryEvidence {
   double outside = 0;        ///< share of points outside the projector's field
   double median_depth = 0;   ///< mm
   double out_of_range = 0;   ///< share of points outside the calibrated depths, with a margin
+  double beyond = 0;         ///< the same with a tenth of the range as margin
   /// Median over the pixels of the coordinate's change to the next pixel, divided by the change on
   /// a surface that faces the camera: about 1 if all is right, negative if the stripes run the
   /// other way, near 0 if they run along the other axis. Always 1 for a code alone.
@@ -114,17 +114,24 @@ struct FitLimits {
 /// Evidence compared with FitLimits.
 struct Fit {
   FrameEvidence frames{};
+  CodeEvidence code{};
   bool moving = false;                         ///< CheckSettings::moving
   std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
 
   [[nodiscard]] bool bands_alike() const;    ///< in modulation
   [[nodiscard]] bool bands_agree() const;    ///< in phase and modulation
   [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
+  [[nodiscard]] bool code_agrees() const;    ///< within the limits of code_symptoms
   [[nodiscard]] bool no_seam() const;
+  /// All that the frames alone show.
+  [[nodiscard]] bool frames_fit() const {
+    return bands_agree() && patterns_made() && code_agrees() && no_seam();
+  }
   [[nodiscard]] bool geometry_fits() const;  ///< true without geometry
   [[nodiscard]] bool depths_fit() const;     ///< in the calibrated range; true without geometry
-  [[nodiscard]] bool frames_fit() const { return bands_agree() && patterns_made() && no_seam(); }
   [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
+  /// Whether it fits so poorly that another origin or frame order may fit far better.
+  [[nodiscard]] bool poor() const;
   /// 0 for a perfect fit; of two explanations, the smaller misfit is likelier.
   [[nodiscard]] double misfit() const;
 };

@@ -177,18 +177,19 @@ int bits_used(double brightest, int bits) {
   return used;
 }
 
-/// Share of the lit pixels that reach the top grey level in two frames or more; 0 if they are few
-/// of all that reach it, as at a sinusoid's crest.
-double flat_topped(const ScanSamples& samples) {
+/// Share of the lit pixels that reach the top grey level in two frames or more, code frames
+/// excluded; 0 if they are few of all that reach it, as at a sinusoid's crest.
+double flat_topped(const FrameModel& model, const ScanSamples& samples) {
   constexpr double fewest_of_top = 0.25;
+  const std::vector<int> frames = measuring_frames(model.layout());
   float top = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    for (int n = 0; n < samples.frames(); ++n) top = std::max(top, level(samples, g, n));
+    for (const int n : frames) top = std::max(top, level(samples, g, n));
   }
   std::size_t once = 0, flat = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const float* const levels = samples.levels(g, ScanSamples::middle);
-    const auto count = std::count(levels, levels + samples.frames(), top);
+    const auto count =
+        std::ranges::count_if(frames, [&](int n) { return level(samples, g, n) == top; });
     if (count >= 1) ++once;
     if (count >= 2) ++flat;
   }
@@ -200,16 +201,20 @@ double flat_topped(const ScanSamples& samples) {
 std::optional<Finding> mosaic(const ScanSamples& samples) {
   // A sensor without a filter has the same gain everywhere, within 2 %.
   constexpr double least_ratio = 1.05, sure = 5;  // standard errors
-  std::array<std::vector<double>, 2> ratios;      // to the right neighbour, logarithms
+  // Of a pixel and the one across over the two others, logarithms: neither rows nor columns matter.
+  std::array<std::vector<double>, 2> ratios;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const double next = samples.range(samples.levels(g, ScanSamples::right));
-    if (next <= 0) continue;
+    std::array<double, ScanSamples::far_right> range{};
+    for (std::size_t i = 0; i < range.size(); ++i) {
+      range[i] = samples.range(samples.levels(g, static_cast<ScanSamples::Place>(i)));
+    }
+    if (std::ranges::min(range) <= 0) continue;
     ratios[static_cast<std::size_t>((samples.column(g) + samples.row(g)) % 2)].push_back(
-        std::log(samples.range(samples.levels(g, ScanSamples::middle)) / next));
+        std::log(range[0] * range[3] / (range[1] * range[2])));
   }
   if (std::min(ratios[0].size(), ratios[1].size()) < 32) return std::nullopt;
   const double difference = std::abs(median(ratios[0]) - median(ratios[1]));
-  const double ratio = std::exp(difference / 2);
+  const double ratio = std::exp(difference / 4);
   double variance = 0;
   for (const std::vector<double>& of : ratios) {
     const double error = 1.25 * robust_deviation(of, median(of));
@@ -298,7 +303,7 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
     return {too_dark(samples, light)};
   }
   const int used = bits_used(samples.brightest(), light.bits);
-  const double flat = flat_topped(samples);
+  const double flat = flat_topped(model, samples);
   // The light is to blame once: for its ambient part if an exposure that suffices would saturate.
   const bool dark = light.modulation < light.least_modulation;
   const bool ambient = light.mean > most_ambient * light.modulation &&

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "slipstream/base/numbers.h"
@@ -114,21 +115,27 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
     }
   }
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
-  if (alone_) reading.coordinate = coordinate_of(reading, levels, order);
+  if (alone_) {
+    const PixelCoordinate found = coordinate_of(reading, levels, order);
+    reading.coordinate = found.y;
+    reading.doubt = found.doubt;
+    if (!layout_.single_frames.empty()) fit_origin(levels, order, reading);
+    if (chain_.size() < layout_.bands.size()) fit_origin(reading);
+  }
   if (const Band& band = layout_.bands[measuring_band()]; band.carrier > 0) {
     reading.across = (with_carrier / two_pi - band.periods / 2 * reading.coordinate) / band.carrier;
   }
   explain(levels, order, reading);
 }
 
-double FrameModel::coordinate_of(SampleReading& reading, const float* levels,
-                                 const FrameOrder& order) const {
+PixelCoordinate FrameModel::coordinate_of(SampleReading& reading, const float* levels,
+                                          const FrameOrder& order) const {
   std::vector<double> I;
   for (const int frame : order) I.push_back(levels[frame]);
   const PixelCoordinate pixel = (*alone_)({reading.phase, reading.modulation, I});
   // The narrowest stripes may be blurred in good light.
   if (layout_.unwrapping->whole_stripes) reading.modulation.front() = pixel.contrast;
-  return pixel.y;
+  return pixel;
 }
 
 double FrameModel::shown_range(int n, const ScanSamples& samples) const {
@@ -168,6 +175,45 @@ double FrameModel::shape(int n, const SampleReading& reading) const {
 double FrameModel::light(int n, const SampleReading& reading) const {
   const auto& [alpha_p, beta_p] = sequence_.light;
   return light_at(photometry_.response->response, (alpha_p * shape(n, reading) + beta_p) / 255);
+}
+
+void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
+                            SampleReading& reading) const {
+  constexpr double step = 1e-5;
+  Eigen::MatrixX3d known(layout_.frames, 3);  // columns: mean, modulation, coordinate
+  Eigen::MatrixX2d rest(layout_.frames, 2);   // the frames and their derivative by the origin
+  SampleReading before = reading, after = reading;
+  before.coordinate -= step;
+  after.coordinate += step;
+  for (int n = 0; n < layout_.frames; ++n) {
+    const double slope = (shape(n, after) - shape(n, before)) / (2 * step);
+    const auto single = std::ranges::find(layout_.single_frames, n, &SingleFrame::frame);
+    const double periods =
+        single == layout_.single_frames.end() ? layout_.bands.front().periods : single->periods;
+    known.row(n) << 1, shape(n, reading), slope;
+    rest.row(n) << levels[order[static_cast<std::size_t>(n)]], slope / (two_pi * periods);
+  }
+  const Eigen::Matrix<double, 3, 2> fitted =
+      (known.transpose() * known).ldlt().solve(known.transpose() * rest);
+  rest -= known * fitted;
+  const double modulation = fitted(1, 0);
+  reading.by_origin = modulation * rest.col(0).dot(rest.col(1));
+  reading.origin_square = modulation * modulation * rest.col(1).squaredNorm();
+}
+
+void FrameModel::fit_origin(SampleReading& reading) const {
+  const auto count = static_cast<Eigen::Index>(layout_.bands.size());
+  Eigen::VectorXd f(count), off(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    f[i] = layout_.bands[static_cast<std::size_t>(i)].periods;
+    const double apart =
+        reading.phase[static_cast<std::size_t>(i)] / two_pi - f[i] * reading.coordinate;
+    off[i] = two_pi * (apart - std::round(apart));
+  }
+  // Without what another coordinate would do.
+  const Eigen::VectorXd by = Eigen::VectorXd::Ones(count) - f * (f.sum() / f.squaredNorm());
+  reading.by_origin = by.dot(off);
+  reading.origin_square = by.squaredNorm();
 }
 
 void FrameModel::explain(const float* levels, const FrameOrder& order,

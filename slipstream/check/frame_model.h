@@ -29,6 +29,11 @@ struct SampleReading {
   std::vector<double> relations;
   /// Components that the patterns' shapes cannot explain, grey levels.
   std::vector<double> unexplained;
+  double doubt = 0;  ///< of the coordinate if no band unwraps another: see PixelCoordinate
+  /// With single frames, or bands that are unwrapped together: products of what the coordinate
+  /// leaves with its derivative by the origin, and of that with itself. The ratio of their sums is
+  /// the error of the origin, rad.
+  double by_origin = 0, origin_square = 0;
 };
 
 /// Model of a sequence's patterns, for comparison with frames.
@@ -72,8 +77,11 @@ class FrameModel {
 
  private:
   void unwrap(SampleReading& reading, double cue) const;
-  [[nodiscard]] double coordinate_of(SampleReading& reading, const float* levels,
-                                     const FrameOrder& order) const;
+  /// From single frames, and from bands that are unwrapped together.
+  void fit_origin(const float* levels, const FrameOrder& order, SampleReading& reading) const;
+  void fit_origin(SampleReading& reading) const;
+  [[nodiscard]] PixelCoordinate coordinate_of(SampleReading& reading, const float* levels,
+                                              const FrameOrder& order) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   /// Modulation and phase, corrected for the response with that many steps; 0: uncorrected.
   [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,

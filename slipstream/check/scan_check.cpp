@@ -44,6 +44,7 @@ constexpr double range_of_modulation = 1.5;
 void check_camera(Scan& camera, const CheckSettings& settings, const std::string& name,
                   CheckedScan& checked) {
   ScanFindings found = check_scan(camera, settings);
+  if (name.empty()) checked.median_depth = found.median_depth;
   for (Finding& finding : found.findings) {
     finding.what = name + finding.what;
     checked.findings.push_back(std::move(finding));
@@ -93,6 +94,14 @@ std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) 
          .likely = "a scanner file in metres",
          .advice = fmt::format("write its translation in mm: {:.4g} mm long", 1000 * baseline)});
   }
+  // The devices of rectified pictures are apart along one axis only.
+  const Eigen::Vector3d apart = scanner.translation.cwiseAbs() / baseline;
+  if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < 0.98) {
+    findings.push_back({.what = "the rotation is the identity, but the baseline is oblique",
+                        .evidence = {{"baseline's largest component, share", apart.maxCoeff()}},
+                        .likely = "a scanner file without its rotation",
+                        .advice = "write the rotation from the camera's frame to the projector's"});
+  }
   if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
   // Projectors throw upwards: the axis may lie at the picture's lower edge or below it.
   look_at_lens(scanner.projector, "projector", 1.2, findings);
@@ -137,14 +146,16 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
   if (samples.groups() < ScanSamples::fewest_groups) return result;
   const Scanner* const known = scanner ? &*scanner : nullptr;
-  const JudgedScan judged{model, samples, sequence, known, photometry, with_motion};
+  JudgedScan judged{model, samples, sequence, known, photometry, with_motion};
   const Fit fit = fit_as_given(judged);
   // The axis of cropped and rectified pictures may lie anywhere, unless right frames do not fit.
   if (scanner && fit.frames_fit() && !fit.all()) of_scanner = check_scanner(*scanner);
+  judged.scanner_doubted = !of_scanner.empty();
   append(result.findings, std::move(of_scanner));
   ScanFindings explained = explain(judged, fit);
   append(result.findings, std::move(explained.findings));
   result.order = std::move(explained.order);
+  result.median_depth = explained.median_depth;
   return result;
 }
 
@@ -159,6 +170,14 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
   check_camera(scan, settings, "", checked);
   for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
     check_camera(scan.further_cameras[i], settings, fmt::format("camera {}: ", i + 2), checked);
+  }
+  const auto& blind = settings.blind;
+  if (blind && !blind->accepted() && blind->refusal != BlindRefusal::no_distortion) {
+    checked.findings.push_back(
+        {.what = fmt::format("--gamma blind corrects nothing: {}", reason_of(blind->refusal)),
+         .evidence = {{"best fit", blind->gamma}, {"standard error", blind->standard_error}},
+         .likely = "the projector's gamma, if it is not 1",
+         .advice = "measure it with slipstream calibrate gamma, or give --gamma a number"});
   }
   if (!scan.further_cameras.empty()) {
     checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);

@@ -4,6 +4,7 @@
 
 #include "slipstream/check/finding.h"
 #include "slipstream/geometry/scan.h"
+#include "slipstream/response/gamma.h"
 
 namespace slipstream {
 
@@ -20,6 +21,7 @@ struct CheckSettings {
   std::vector<int> order{};  ///< Scan::order; advice about the order is relative to it
   /// Photometric calibration, used without a scanner.
   PhotometricCalibration photometry{};
+  std::optional<BlindGamma> blind{};  ///< the blind estimate, if requested: warns if refused
 };
 
 /// Minimum difference between the frames of a pixel that the check uses, grey levels of 255.
@@ -31,6 +33,7 @@ struct ScanFindings {
   std::vector<Finding> findings;
   /// Set if the cycle certainly begins at another frame: frame `order[n]` shows pattern n.
   std::vector<int> order;
+  double median_depth = 0;  ///< mm; 0 without a scanner
 };
 
 /// Checks that the frames fit the sequence, the scanner and each other, using several hundred lit
@@ -50,8 +53,9 @@ std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures =
 
 /// Diagnostics of a scan, and the repairs made.
 struct CheckedScan {
-  std::vector<Finding> findings;
-  std::vector<std::string> repairs;  ///< one line of text each
+  std::vector<Finding> findings{};
+  std::vector<std::string> repairs{};  ///< one line of text each
+  double median_depth = 0;             ///< of the first camera, mm; 0 without a scanner
 };
 
 /// Runs check_scan for each camera of the scan; texts about a further one name it. Puts slipped

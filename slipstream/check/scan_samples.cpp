@@ -93,8 +93,9 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
         continue;
       }
       lit_.push_back(at);
+      if (frames.merged()) lit_.back().gain = frames.gain()(at.column, at.row);
       constexpr std::array<std::array<int, 2>, places> steps{
-          {{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+          {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 0}, {0, -1}}};
       const std::size_t wanted = effort.all_places ? places : 2;
       for (const auto& [dx, dy] : std::span(steps).first(wanted)) {
         // Clipped neighbours do not match the patterns either: zeros count as unlit.
@@ -106,6 +107,14 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
       levels_.resize(lit_.size() * places * one_.size());
     }
   });
+}
+
+void ScanSamples::reorder(const std::vector<int>& order) {
+  for (auto pixel = levels_.begin(); pixel != levels_.end(); pixel += frames_) {
+    std::copy_n(pixel, frames_, one_.begin());
+    for (std::size_t n = 0; n < order.size(); ++n)
+      pixel[static_cast<std::ptrdiff_t>(n)] = one_[static_cast<std::size_t>(order[n])];
+  }
 }
 
 }  // namespace slipstream

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "slipstream/frames/frame_set.h"
@@ -12,8 +13,8 @@ class ScanSamples {
  public:
   /// The pixels of a group. Adjacent pixels separate signal from noise, which they do not share;
   /// far ones show whether the coordinate is continuous.
-  enum Place { middle, right, below, far_right, far_below };
-  static constexpr int places = 5;
+  enum Place { middle, right, below, right_below, far_right, far_below };
+  static constexpr int places = 6;
   /// Minimum number of groups for a check.
   static constexpr std::size_t fewest_groups = 64;
 
@@ -33,6 +34,10 @@ class ScanSamples {
 
   /// Replaces the samples; reuses memory.
   void take(const FrameViews& frames, const Effort& effort);
+  /// Puts the frames in that order: frame n becomes the one at `order[n]`.
+  void reorder(const std::vector<int>& order);
+  /// Drops the groups from `count` on; the first ones are spread over the picture, too.
+  void keep_first(std::size_t count) { lit_.resize(std::min(count, lit_.size())); }
 
   [[nodiscard]] int frames() const { return frames_; }
   /// Number of lit pixels without a saturated frame.
@@ -42,8 +47,21 @@ class ScanSamples {
     return levels_.data() +
            (group * places + static_cast<std::size_t>(place)) * static_cast<std::size_t>(frames_);
   }
+  /// Applies `change(float* levels, double down)` to each pixel of the first `groups` groups;
+  /// `down`: its row, share of the picture's height.
+  template <class Change>
+  void change(std::size_t groups, const Change& change) {
+    const auto all = static_cast<std::size_t>(frames_);
+    for (std::size_t i = 0; i < std::min(groups, lit_.size()) * places; ++i) {
+      change(levels_.data() + i * all, static_cast<double>(row(i / places)) / size_.height);
+    }
+  }
+  /// Distance from the middle to the far places, pixels.
+  [[nodiscard]] int far() const { return far_; }
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
+  /// Of merged frames: brightness relative to the shortest exposure; otherwise 1.
+  [[nodiscard]] double gain(std::size_t group) const { return lit_[group].gain; }
   /// Difference of the brightest and the darkest frame.
   [[nodiscard]] double range(const float* levels) const;
   /// Whether the pixel there is lit.
@@ -66,13 +84,14 @@ class ScanSamples {
  private:
   struct Pixel {
     int column = 0, row = 0;
+    double gain = 1;
   };
 
   [[nodiscard]] Pixel pixel(int i) const;
 
   Size size_;
   int frames_;
-  int far_;  ///< distance from the middle to the far places, pixels
+  int far_;
   double least_range_ = 0;
   std::vector<Pixel> lit_;
   std::vector<float> levels_;

@@ -95,6 +95,15 @@ struct WordEvidence {
     return trusted() & ((after(points) & ~linked[0]) | (before(points) & ~before(linked)) |
                         (trusted(1) & ~linked_below()) | (trusted(-1) & ~linked_below(-1)));
   }
+  /// With an edge near on both sides, in the row or the column.
+  [[nodiscard]] Word thin() const {
+    const Word* const linked = at(planes.to_right);
+    const Word right = linked[0] & after(linked) & after(linked, 2) & after(linked, 3);
+    const Word left = before(linked) & before(linked, 2) & before(linked, 3) & before(linked, 4);
+    const Word down = linked_below() & linked_below(1) & *at(planes.to_below, 2);
+    const Word up = linked_below(-1) & linked_below(-2);
+    return trusted() & (~(right | left) | ~(down | up));
+  }
   /// Surrounded by points: linked to all four but off them in row and column, or linked to none.
   [[nodiscard]] Word outliers() const {
     const Word* const points = at(planes.trusted);
@@ -126,7 +135,7 @@ struct Cleaner::Memory {
   std::vector<float> samples;
   PaddedRow first, last, beyond;
   DepthPlanes planes;
-  BitPlane mixed, kept;
+  BitPlane mixed, wire, kept;
   Components components;
   Image<std::uint8_t> outline;  ///< 1 inside
   SurfaceMemory surface;
@@ -226,6 +235,64 @@ struct Cleaner::Pass {
     return (*modulation)(column, row) < dim * brightest;
   }
 
+  /// Whether a farther surface begins within the width of a wire in that direction.
+  [[nodiscard]] bool ends_before_wall(int column, int row, int right, int down) const {
+    constexpr int widest = 4, reach = 7;  // pixels: three, across; mixed ones may be missing
+    const float z = cloud.z(column, row), step = limits.step * z;
+    for (int i = 1; i <= reach; ++i) {
+      const float off = cloud.z(column + i * right, row + i * down) - z;
+      if (off > step) return true;
+      if (off < -step || (i >= widest && off <= step)) return false;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_ridge(int column, int row, int right, int down) const {
+    return ends_before_wall(column, row, right, down) &&
+           ends_before_wall(column, row, -right, -down);
+  }
+
+  /// Pixels of a ridge among the next `most` whose depth goes on straight in that direction, each
+  /// beside the one before or diagonally off it.
+  [[nodiscard]] int ridge_along(int column, int row, int right, int down, int most) const {
+    int ridge = 0;
+    float slope = 0, largest = limits.step;
+    for (int i = 0; i < most; ++i, largest = limits.bend) {
+      const float z = cloud.z(column, row);
+      const auto off = [&](int aside) {
+        const float there = cloud.z(column + right + aside * down, row + down + aside * right);
+        return std::isnan(there) ? std::numeric_limits<float>::infinity()
+                                 : std::abs(there - z - slope);
+      };
+      const int aside = std::min({0, -1, 1}, [&](int a, int b) { return off(a) < off(b); });
+      if (!(off(aside) <= largest * z)) break;
+      column += right + aside * down;
+      row += down + aside * right;
+      slope = cloud.z(column, row) - z;
+      ridge += is_ridge(column, row, down, right) ? 1 : 0;
+    }
+    return ridge;
+  }
+
+  /// Whether a pixel is one of a run that agree along it, at most three wide, before a surface on
+  /// both sides. A curtain of mixed pixels has the nearer surface on one of them.
+  [[nodiscard]] bool is_wire(int column, int row) const {
+    constexpr int shortest = 12, border = 20;  // more than all of them reach
+    const Size size = cloud.size();
+    if (std::min({column, row, size.width - column - 1, size.height - row - 1}) < border) {
+      return false;
+    }
+    for (const auto& [right, down] : {std::pair{1, 0}, std::pair{0, 1}}) {
+      if (is_ridge(column, row, right, down) &&
+          ridge_along(column, row, down, right, shortest) +
+                  ridge_along(column, row, -down, -right, shortest) >=
+              shortest) {
+        return !is_dim(column, row);
+      }
+    }
+    return false;
+  }
+
   /// Call before removing points, since it reads depths of other rows.
   void find_mixed(int row) {
     for (int w = 0; w < words(); ++w) {
@@ -236,6 +303,11 @@ struct Cleaner::Pass {
           mixed |= Word{is_dim(column, row)} << column % word_pixels;
         });
       }
+      Word wire = 0;  // without modulation nothing tells them from curtains of equal mixtures
+      for_each_bit(modulation != nullptr ? evidence.thin() : 0, w,
+                   [&](int column) { wire |= Word{is_wire(column, row)} << column % word_pixels; });
+      memory.wire.row(row)[w] = wire;
+      mixed &= ~wire;
       memory.mixed.row(row)[w] = mixed;
     }
   }
@@ -246,7 +318,8 @@ struct Cleaner::Pass {
       const WordEvidence evidence{memory.planes, row, w};
       const Word trusted = evidence.trusted();
       const Word mixed = *evidence.at(memory.mixed);
-      const Word outliers = settings.drop_outliers ? evidence.outliers() & ~mixed : 0;
+      const Word outliers =
+          settings.drop_outliers ? evidence.outliers() & ~(mixed | *evidence.at(memory.wire)) : 0;
       memory.kept.row(row)[w] = trusted & ~(mixed | outliers);
       const Word untrusted = *evidence.at(memory.planes.point) & ~trusted;
       if ((untrusted | mixed | outliers) == 0) continue;
@@ -260,11 +333,12 @@ struct Cleaner::Pass {
     const DepthPlanes& planes = memory.planes;
     memory.components.find(cloud.size(), memory.kept, planes.to_right, planes.to_below);
     memory.components.for_each_run_below(settings.smallest_component, [&](const PixelRun& run) {
+      const Word* const wire = memory.wire.row(run.row);
       for (int column = run.first; column <= run.last; ++column) {
+        if ((wire[column / word_pixels] >> column % word_pixels & 1) != 0) continue;
         cloud.leave_out(column, run.row, Validity::small_component);
+        ++counts[static_cast<std::size_t>(Validity::small_component)];
       }
-      counts[static_cast<std::size_t>(Validity::small_component)] +=
-          static_cast<std::size_t>(run.last - run.first + 1);
     });
   }
 
@@ -288,6 +362,7 @@ struct Cleaner::Pass {
     const Size size = cloud.size();
     memory.planes.prepare(size);
     memory.mixed.prepare(size);
+    memory.wire.prepare(size);
     memory.kept.prepare(size);
     memory.beyond.copy(nullptr, size.width);
     memory.first.copy(cloud.z.row(0), size.width);
@@ -297,6 +372,7 @@ struct Cleaner::Pass {
       for_each_row_counting([&](int row, ValidityCounts&) { find_mixed(row); });
     } else {
       memory.mixed.clear();
+      memory.wire.clear();
     }
     for_each_row_counting([&](int row, ValidityCounts& counted) { judge(row, counted); });
     if (settings.smallest_component > 1) drop_small_components();

@@ -65,6 +65,49 @@ FringeOrderConsensus consensus_for(const Layout& layout, const ReconstructSettin
   return consensus;
 }
 
+/// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see a
+/// part of its area alone, up to half a pixel off its centre along both axes. `noise`: standard
+/// deviation of the depth, mm.
+double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column, int row,
+                  double noise) {
+  // As where clouds are cleaned: distances between pixels, standard deviations.
+  constexpr double steepest = 8, deviations = 5.5;
+  const Eigen::Vector3d here = position_at(cloud, column, row);
+  bool at_edge = false;
+  float most = 0;
+  for (int i = 0; i < 9; ++i) {
+    const int x = column + i % 3 - 1, y = row + i / 3 - 1;
+    if (i == 4 || x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
+    const Eigen::Vector3d there = position_at(cloud, x, y);
+    if (!on_one_surface(here, there, steepest)) {
+      at_edge |= !((there - here).norm() < deviations * noise);  // also without a point
+    } else {
+      most = std::max(most, std::abs(coordinate(x, y) - coordinate(column, row)));
+    }
+  }
+  return at_edge ? 0.5 * most : 0;
+}
+
+/// How many times the predicted noise neighbouring coordinates really differ by: from two by two
+/// pixels, so that slopes cancel; 1 if fewer than 100 places have them.
+double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sigma) {
+  std::vector<float> ratios;
+  const Size size = cloud.size();
+  for (int i = 0; i < 4096; ++i) {
+    const auto [x, y] = spread_place(i);
+    const int column = static_cast<int>(x * (size.width - 1));
+    const int row = static_cast<int>(y * (size.height - 1));
+    const auto twist = [&](const Image<float>& map, float sign) {
+      return (map(column, row) + sign * map(column + 1, row)) +
+             sign * (map(column, row + 1) + sign * map(column + 1, row + 1));
+    };
+    // Four pixels of about equal sigma.
+    const float ratio = 2 * std::abs(twist(maps.coordinate, -1)) / twist(sigma.coordinate, 1);
+    if (ratio >= 0) ratios.push_back(ratio);  // no point, NaN, compares false
+  }
+  return ratios.size() < 100 ? 1 : deviation_from_median(double{quantile(ratios, 0.5)});
+}
+
 }  // namespace
 
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
@@ -146,16 +189,26 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
     // Of a code, 1 + 8 doubt stripes are equally likely.
     const Image<float>& doubt = maps.fringe_order_doubt;
     const double stripes = doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
-    const double sigma_y = std::sqrt(unit_variance) *
-                           (by_noise ? gain * std::sqrt(noise_variance) / modulation : stripes);
-    const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
-    const Eigen::Vector3d sigma_point =
-        point.cwiseAbs() * (sigma_y / change_along_ray(point, setup));
+    const double random = std::sqrt(unit_variance) *
+                          (by_noise ? gain * std::sqrt(noise_variance) / modulation : stripes);
+    const Eigen::Vector3d point = position_at(cloud, column, row);
+    const Eigen::Vector3d by_y = point.cwiseAbs() / change_along_ray(point, setup);
+    const double at_edge =
+        edge_sigma(cloud, maps.coordinate, column, row, std::abs(by_y.z()) * random);
+    const double sigma_y = std::hypot(random, at_edge);
+    const Eigen::Vector3d sigma_point = sigma_y * by_y;
     sigma.coordinate(column, row) = static_cast<float>(sigma_y);
     sigma.x(column, row) = static_cast<float>(sigma_point.x());
     sigma.y(column, row) = static_cast<float>(sigma_point.y());
     sigma.z(column, row) = static_cast<float>(sigma_point.z());
   });
+  // Unexplained noise larger than the explained: one-bit patterns in focus, fine speckle.
+  constexpr double most_excess = 1.5;
+  const double excess = by_noise ? noise_excess(cloud, maps, sigma) : 1;
+  if (excess <= most_excess) return sigma;
+  for (Image<float>* const part : {&sigma.coordinate, &sigma.x, &sigma.y, &sigma.z}) {
+    for (float& value : *part) value *= static_cast<float>(excess);
+  }
   return sigma;
 }
 

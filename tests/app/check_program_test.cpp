@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/io/file.h"
+#include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
@@ -54,11 +55,29 @@ TEST_F(CheckProgram, FindsNothingAmissInAGoodScan) {
   const ProgramRun run = run_program({"check", path("scan"), path("scan")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const std::string line = path("scan") + ": OK: no problems found\n";
-  EXPECT_EQ(run.out, line + line);
+  const std::string scale = path("scan") + ": baseline 186.3 mm, median depth ";
+  EXPECT_TRUE(run.out.starts_with(line + scale)) << run.out;
+  EXPECT_TRUE(says(run.out, " mm\n" + line + scale)) << run.out;
   EXPECT_EQ(run.err, "");
   const ProgramRun told = run_program({"check", path("scan"), "--json"});
   EXPECT_EQ(told.exit_code, 0);
   EXPECT_TRUE(says(told.out, "\"scans\"") && says(told.out, "\"findings\": []")) << told.out;
+}
+
+TEST_F(CheckProgram, TellsTheScaleOfAScannerFile) {
+  const ProgramRun right = run_program({"reconstruct", path("scan"), "--json"});
+  EXPECT_EQ(right.exit_code, 0) << right.err;
+  EXPECT_TRUE(says(right.out, "\"baseline_mm\": 186.") && says(right.out, "\"median_depth_mm\""));
+  EXPECT_TRUE(says(right.err, "  baseline 186.3 mm, median depth ")) << right.err;
+  Scanner scanner = read_scanner(path("scan/scanner.yaml"));
+  scanner.translation /= 10;
+  scanner.calibrated_depths.reset();
+  write_scanner(path("cm.yaml"), scanner);
+  for (const std::string command : {"check", "reconstruct"}) {
+    const ProgramRun run = run_program({command, path("scan"), "--scanner", path("cm.yaml")});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_TRUE(says(run.out + run.err, "in centimetres or inches")) << run.out << run.err;
+  }
 }
 
 TEST_F(CheckProgram, NeedsNoScanner) {
@@ -107,7 +126,8 @@ TEST_F(CheckProgram, TakesPicturesWhoseCodeComesFirst) {
   };
   ASSERT_EQ(reconstructed("code,sinusoids").exit_code, 0);
   EXPECT_EQ(contents(path("cloud.ply")), contents(path("right.ply")));
-  EXPECT_TRUE(says(reconstructed("sinusoids,code").err, "do not fit together"));
+  EXPECT_TRUE(says(reconstructed("sinusoids,code").err, "the order 3,4,5,0,1,2 corrects this"));
+  EXPECT_EQ(contents(path("cloud.ply")), contents(path("right.ply")));
 }
 
 TEST_F(CheckProgram, RefusesWhatIsNoOrder) {

@@ -92,6 +92,32 @@ TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
                 "--virtual-gamma", "2.4", "--strategy", "pmp", "--steps", "3"});
   const std::string said = out_of({"reconstruct", path("scan"), "--gamma", "blind"});
   EXPECT_TRUE(says(said, "not corrected: ambient light")) << said;
+  EXPECT_TRUE(says(said, "warning: " + path("scan") + ": --gamma blind corrects nothing: ambient"));
+}
+
+TEST_F(GammaProgram, SaysSoWhereFramesCannotShowIt) {
+  const auto run_with = [&](const std::string& command, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{command, path("scan")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.out + run.err;
+  };
+  const auto simulated = [&](const char* gamma) {
+    (void)out_of({"simulate", path("scan"), "--scene", "statue", "--camera", "160x120", "--world",
+                  "ideal", "--virtual-gamma", gamma, "--strategy", "pmp", "--steps", "3"});
+  };
+  simulated("2.2");
+  const std::string cause = "the projector's gamma (with the camera's) is not corrected";
+  EXPECT_TRUE(says(run_with("reconstruct", {}), "warning: " + path("scan")));
+  const std::string json = run_with("reconstruct", {"--json"});
+  EXPECT_TRUE(says(json, "\"likely\": \"" + cause) && says(json, "gamma to first order")) << json;
+  EXPECT_TRUE(says(run_with("check", {"--json"}), cause));
+  const std::string blind = run_with("check", {"--gamma", "blind"});
+  EXPECT_TRUE(says(blind, cause) && says(blind, "--gamma blind corrects nothing")) << blind;
+  EXPECT_FALSE(says(run_with("reconstruct", {"--gamma", "2.2"}), "warning"));
+  simulated("1");
+  EXPECT_FALSE(says(run_with("reconstruct", {}), "warning"));
 }
 
 TEST_F(GammaProgram, FindsAnSCurveOrSaysWhatIsLeft) {

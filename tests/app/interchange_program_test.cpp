@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
     Commands, Interchange,
     testing::ValuesIn(std::vector<std::vector<std::string>>{
         {"check", "IN"},
-        {"check", "IN", "--order", "1,2,3,4,5,0"},
+        {"check", "IN", "--order", "0,1,2,3,4,5"},
         {"reconstruct", "IN", "-o", "OUT.ply"},
         {"reconstruct", "IN", "--gamma", "blind", "--depth", "OUT.tiff"},
         {"calibrate", "gamma", "IN", "-o", "OUT.yaml"},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
@@ -18,8 +19,9 @@ namespace slipstream {
 struct Mistake {
   std::string name;
   std::function<void(Scan&)> make;
-  /// Words of which one stands in the likely cause of a finding.
+  /// One of these stands in the likely cause of a diagnostic.
   std::vector<std::string> causes;
+  std::string kind{};
 };
 
 using Pictures = std::vector<Image<std::uint8_t>>;
@@ -42,12 +44,7 @@ inline Pictures pictures_of(const Scan& scan) {
 
 /// Frame n is taken from place `order[n]`.
 inline auto taken_in_order(std::vector<int> order) {
-  return [order](Scan& scan) {
-    const Pictures pictures = pictures_of(scan);
-    Pictures taken;
-    for (const int n : order) taken.push_back(pictures[static_cast<std::size_t>(n)]);
-    scan.frames = FrameSet(std::move(taken));
-  };
+  return [order](Scan& scan) { scan.frames = reordered(std::move(scan.frames), order); };
 }
 
 /// Every pixel of some frames is changed.

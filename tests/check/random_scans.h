@@ -74,7 +74,7 @@ class RandomScans {
     return result;
   }
 
- private:
+ protected:
   double between(double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(random_);
   }
@@ -86,6 +86,7 @@ class RandomScans {
     return items[static_cast<std::size_t>(whole(0, static_cast<int>(items.size()) - 1))];
   }
 
+ private:
   Strategy any_strategy() {
     switch (whole(0, 4)) {
       case 0:

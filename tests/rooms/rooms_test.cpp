@@ -66,7 +66,7 @@ std::vector<std::string> forbidden_includes(const std::string& room, const std::
   static const std::regex no_library("(app|bench|paper|tests)/.*");
   static const std::regex heavy_library(
       "(opencv2|ceres|yaml-cpp|tiny_obj_loader|pugixml|CLI|nlohmann|GLFW|epoxy|imgui|glm|arv|boost|"
-      "zstd).*");
+      "hidapi|zstd).*");
   std::vector<std::string> forbidden;
   for (const std::string& header : included(source)) {
     std::smatch match;

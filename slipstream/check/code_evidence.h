@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "slipstream/check/frame_model.h"
+
+namespace slipstream {
+
+/// What the frames of a code, or of single frames, reveal without geometry. All 0 if right.
+struct CodeEvidence {
+  /// Share of the pixels in which a frame is darker than black or brighter than white. Light adds
+  /// up, so that any pattern lies between the two.
+  double disordered = 0;
+  double unlisted = 0;  ///< share of the pixels whose code word numbers no stripe
+  /// Between neighbours that differ in one bit of a Gray code, the finer bits are 1, 0, 0, ... if
+  /// the stripes are next to each other: the share that contradicts, of the worst bit. Ignores as
+  /// many of the finest bits as have stripes narrower than two pixels, or blurred ones.
+  double torn = 0;
+  double incoherence = 0;  ///< of the phase at the code's edges: 1 - |mean exp(i phi)|
+  /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5.
+  double offset = 0;
+  double against = 0;      ///< share of the edges across which the phase runs against the code
+  double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate
+  bool has_edges = false;  ///< whether enough edges were found to compare phases with the code
+};
+
+/// `phases`: whether to compare phases with the code, which takes most of the time.
+CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
+                           const FrameOrder& order, bool phases = true);
+
+/// A contradiction: what is measured, its limit, and what to say if no remedy that was tried fits.
+struct CodeSymptom {
+  std::string_view what;  ///< with {} for the limit in percent
+  std::string_view number;
+  double CodeEvidence::*value;
+  double limit;
+  std::string_view likely, advice;
+};
+
+extern const std::array<CodeSymptom, 7> code_symptoms;
+
+}  // namespace slipstream

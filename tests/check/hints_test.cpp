@@ -1,0 +1,82 @@
+// What is proposed, and how: see broken_table_test.cpp for everything that can go wrong.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/check/scan_check.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/simulate/virtual_world.h"
+#include "tests/check/mistakes.h"
+#include "tests/shared_data.h"
+
+namespace slipstream::hints_test {
+
+namespace fs = std::filesystem;
+
+Scan right_scan(const std::string& scene, const Strategy& strategy) {
+  const VirtualWorld world =
+      virtual_world({.scene = scene, .camera = {640, 480}, .world = "ideal", .seed = 3});
+  return {.frames = take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x),
+                              world.photometry)
+                        .frames,
+          .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+          .scanner = as_calibrated(world)};
+}
+
+using Order = std::vector<int>;
+
+std::string advice_for(const Scan& scan) {
+  std::string text;
+  for (const Finding& finding : check_scan(scan).findings) text += finding.advice;
+  return text;
+}
+
+Scan real_scan(const fs::path& folder, const std::vector<std::string>& names,
+               const Strategy& strategy, Size projector) {
+  std::vector<fs::path> frames;
+  for (const std::string& name : names) frames.push_back(folder / name);
+  return {.frames = read_frames(frames).frames, .sequence = {strategy, Axis::x, {}, projector}};
+}
+
+TEST(RealCodes, GiveOriginAndDirection) {
+  const fs::path folder = shared_data() / "slmaster-mono";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  std::vector<std::string> names;
+  for (int n = 0; n < 18; ++n) names.push_back(fmt::format("frame_{:02}.png", n));
+  Scan scan = real_scan(folder, names, GrayPhase{.steps = 12}, {1920, 1080});
+  EXPECT_TRUE(advice_for(scan).starts_with("try --backwards --origin 3.1416")) << advice_for(scan);
+  scan.sequence.strategy = GrayPhase{.steps = 12, .shifts = {3.1416, true}};
+  EXPECT_EQ(advice_for(scan), "");
+  taken_in_order({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 17, 16})(scan);
+  EXPECT_TRUE(
+      advice_for(scan).starts_with("try --order 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,17,16"))
+      << advice_for(scan);
+}
+
+TEST(RealMicroPhaseShifting, GivesOriginAndDirection) {
+  const fs::path folder = shared_data() / "microps-waxbowl" / "32-08";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  std::vector<std::string> names;
+  for (int n = 1; n <= 10; ++n) names.push_back(fmt::format("Frame{:03}.png", n));
+  const std::vector<double> periods{23.0366, 21.9441, 20.9257, 22.3948,
+                                    23.9459, 19.7955, 32.2165, 21.3583};
+  Scan scan = real_scan(folder, names, MicroPhaseShifting{.periods = periods}, {1024, 768});
+  EXPECT_TRUE(advice_for(scan).starts_with("try --backwards")) << advice_for(scan);
+  scan.sequence.strategy = MicroPhaseShifting{.periods = periods, .shifts = {0, true}};
+  EXPECT_EQ(advice_for(scan), "");
+  scan.sequence.strategy = MicroPhaseShifting{.periods = periods, .shifts = {1, true}};
+  EXPECT_TRUE(advice_for(scan).starts_with("try --origin 0")) << advice_for(scan);
+}
+
+// With the order in force a hint gives the whole order; the stored order is no order.
+TEST(Hints, AreComposedWithTheOrderInForce) {
+  Scan scan = right_scan("statue", GrayPhase{});
+  const Order wrong{0, 1, 2, 3, 5, 4, 6, 7, 8, 9};
+  taken_in_order(wrong)(scan);
+  EXPECT_EQ(advice_for(scan), "try --order 0,1,2,3,5,4,6,7,8,9");
+  scan.order = wrong;
+  EXPECT_EQ(advice_for(scan), "omit --order");
+}
+
+}  // namespace slipstream::hints_test

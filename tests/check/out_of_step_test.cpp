@@ -1,0 +1,183 @@
+// Frames that contain a share of the pattern before, as of a camera out of step.
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/base/statistics.h"
+#include "slipstream/check/scan_check.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/virtual_world.h"
+#include "tests/check/mistakes.h"
+#include "tests/shared_data.h"
+
+namespace slipstream::out_of_step_test {
+
+namespace fs = std::filesystem;
+
+Scan skull() {
+  const fs::path folder = shared_data() / "skull";
+  std::vector<fs::path> frames;
+  for (int n = 0; n < 6; ++n) {
+    frames.push_back(folder / fmt::format("dual-frequency/frameSeq_{:02}.png", n));
+  }
+  Scan scan{.frames = read_frames(frames).frames,
+            .sequence = {make_strategy("dual-frequency", {{"steps", 3}, {"high", 16}, {"low", 1}}),
+                         Axis::x,
+                         {},
+                         {1824, 1140}}};
+  scan.scanner = completed(read_scanner(folder / "calibration.xml"), "calibration.xml",
+                           scan.frames.size(), scan.sequence.projector);
+  scan.scanner->calibrated_depths = {306, 450};
+  return scan;
+}
+
+Scan virtual_scan(const std::string& scene, const Strategy& strategy) {
+  const VirtualWorld world =
+      virtual_world({.scene = scene, .camera = {320, 240}, .world = "bench"});
+  return {.frames = take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x),
+                              world.photometry)
+                        .frames,
+          .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+          .scanner = as_calibrated(world)};
+}
+
+/// What stands before each frame: a place in the scan.
+using Before = std::vector<int>;
+
+/// Each frame with a share of the one before, from `top` in the first row to `bottom` in the last.
+Scan mixed(const Scan& scan, const Before& before, double top, double bottom) {
+  const Pictures right = pictures_of(scan);
+  Pictures wrong = right;
+  for (std::size_t n = 0; n < right.size(); ++n) {
+    const auto& last = right[static_cast<std::size_t>(before[n])];
+    for (int row = 0; row < right[n].height(); ++row) {
+      const double s = top + (bottom - top) * row / right[n].height();
+      for (int column = 0; column < right[n].width(); ++column) {
+        wrong[n](column, row) = static_cast<std::uint8_t>(
+            std::lround((1 - s) * right[n](column, row) + s * last(column, row)));
+      }
+    }
+  }
+  Scan made = scan;
+  made.frames = FrameSet(std::move(wrong));
+  return made;
+}
+
+Cloud cloud_of(const Scan& scan) {
+  Engine engine(setup_for(scan));
+  Cloud cloud;
+  engine.cloud(scan.frames, cloud);
+  return cloud;
+}
+
+/// Median distance of the depths, mm.
+double median_error(const Cloud& cloud, const Cloud& right) {
+  std::vector<double> off;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    const double error = std::abs(static_cast<double>(cloud.z.begin()[i]) - right.z.begin()[i]);
+    if (std::isfinite(error)) off.push_back(error);
+  }
+  return off.empty() ? 0 : quantile(off, 0.5);
+}
+
+bool names_out_of_step(const Finding& finding) {
+  return finding.likely.find("out of step") != std::string::npos;
+}
+
+/// How scans with each share of the frame before are told.
+struct Table {
+  int made = 0, told = 0, refused = 0, named = 0, harmful = 0, missed = 0, missed_in_bands = 0;
+
+  void add(const std::string& name, const Scan& wrong, const Cloud& right, bool in_bands) {
+    const ScanFindings found = check_scan(wrong);
+    const double error = median_error(cloud_of(wrong), right);
+    const bool has_cause = std::ranges::any_of(found.findings, names_out_of_step);
+    const bool is_refused = any_wrong(found.findings);
+    ++made;
+    told += found.findings.empty() ? 0 : 1;
+    refused += is_refused ? 1 : 0;
+    named += has_cause ? 1 : 0;
+    if (error < 1) return;
+    ++harmful;
+    if (is_refused) return;
+    ++(in_bands ? missed_in_bands : missed);
+    fmt::print("{}: off by {:.1f} mm; {}\n", name, error,
+               found.findings.empty() ? "silent" : text_of(found.findings.front()));
+  }
+};
+
+Table table_of(const std::string& name, const Scan& scan, int percent_step) {
+  const int count = scan.frames.count();
+  EXPECT_TRUE(check_scan(scan).findings.empty()) << name;
+  Before cycle, standing;
+  for (int n = 0; n < count; ++n) {
+    cycle.push_back((n + count - 1) % count);
+    standing.push_back(std::max(0, n - 1));
+  }
+  Before bands = cycle;
+  for (const Band& band : scan.sequence.strategy.layout().bands) {
+    const auto run = step_run(band);
+    if (run) bands[static_cast<std::size_t>(run->first)] = run->first + run->steps - 1;
+  }
+  const Cloud right = cloud_of(scan);
+  Table table;
+  for (int percent = 3; percent <= 50; percent += percent_step) {
+    const double s = percent / 100.0;
+    for (const bool by_row : {false, true}) {
+      const std::string words = fmt::format("{}, {} %{}", name, percent, by_row ? " by row" : "");
+      const double top = by_row ? 0 : s;
+      table.add(words, mixed(scan, cycle, top, s), right, false);
+      table.add(words + ", the first stood", mixed(scan, standing, top, s), right, false);
+      table.add(words + ", in bands", mixed(scan, bands, top, s), right, true);
+    }
+  }
+  fmt::print(
+      "{}: {} made, {} told, {} refused, {} with the cause; {} off by 1 mm, {} + {} passed\n", name,
+      table.made, table.told, table.refused, table.named, table.harmful, table.missed,
+      table.missed_in_bands);
+  return table;
+}
+
+// As in live.
+TEST(WhatMayMove, IsToldFromWhatIsOutOfStep) {
+  const Scan right = virtual_scan("statue", make_strategy("dual-frequency", {{"steps", 4}}));
+  const Before cycle{7, 0, 1, 2, 3, 4, 5, 6};
+  const CheckSettings settings{.moving = true};
+  EXPECT_TRUE(check_scan(right, settings).findings.empty());
+  for (const double share : {0.05, 0.1, 0.2, 0.3, 0.4, 0.5}) {
+    const auto found = check_scan(mixed(right, cycle, share, share), settings).findings;
+    EXPECT_TRUE(std::ranges::any_of(found, names_out_of_step)) << share;
+  }
+}
+
+class OutOfStep : public testing::TestWithParam<int> {};
+
+// Shares from 3 to 50 percent. If each band repeats on its own, some shares move the coordinate by
+// whole periods, so that all frames agree: docs/reference/scan-validation.md.
+TEST_P(OutOfStep, IsRefusedWhereTheCloudIsOff) {
+  Table all;
+  const auto add = [&](const Table& table) {
+    all.harmful += table.harmful;
+    all.missed_in_bands += table.missed_in_bands;
+    EXPECT_EQ(table.missed, 0);
+    EXPECT_GE(10 * table.named, 7 * table.told);
+  };
+  if (fs::exists(shared_data() / "skull")) add(table_of("skull", skull(), GetParam()));
+  for (const char* const scene : {"statue", "sphere", "boxes"}) {
+    for (const Strategy& strategy :
+         {make_strategy("dual-frequency", {{"steps", 4}}), make_strategy("gray-phase", {}),
+          make_strategy("multi-frequency", {}), make_strategy("gray", {{"bits", 7}})}) {
+      add(table_of(fmt::format("{}, {}", scene, strategy.name()), virtual_scan(scene, strategy),
+                   GetParam()));
+    }
+  }
+  EXPECT_LE(50 * all.missed_in_bands, all.harmful);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, OutOfStep, testing::Values(1, 16));
+
+}  // namespace slipstream::out_of_step_test

@@ -1,0 +1,266 @@
+// Right scans of every strategy are left in peace.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/check/scan_check.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/seen_scene.h"
+#include "tests/check/random_scans.h"
+#include "tests/every_strategy.h"
+
+namespace slipstream::right_table_test {
+
+/// Upright and oblique boxes of 1 to 3 camera pixels in front of a wall or of nothing.
+Scene wires(const Scanner& scanner, double pixels, bool with_wall) {
+  const WorkingVolume volume = working_volume(scanner);
+  const double width = pixels * volume.centre.z() / scanner.camera.intrinsic(0, 0);
+  Scene scene;
+  if (with_wall) {
+    scene = scene_named("board", scanner);
+    scene.front().pose.pretranslate(Eigen::Vector3d(0, 0, 0.2 * volume.extent));
+    scene.front().texture = uniform_texture(0.6);
+  }
+  for (int i = 0; i < 5; ++i) {
+    Body wire{.shape = Box{{width, 0.9 * volume.extent, width}}};
+    wire.pose = Eigen::Translation3d(volume.centre +
+                                     Eigen::Vector3d(0.2 * (i - 2), 0, 0.04 * i) * volume.extent) *
+                Eigen::AngleAxisd(0.12 * (i - 2), Eigen::Vector3d::UnitZ());
+    scene.push_back(std::move(wire));
+  }
+  return scene;
+}
+
+/// A right scan and the truth about it.
+struct RightScan {
+  std::string name, strategy;
+  VirtualWorld world;
+  Scan scan;
+  VirtualScan truth;
+};
+
+class RightTable : public RandomScans {
+ public:
+  using RandomScans::RandomScans;
+
+  /// Of the strategies in turn; every fifth with other settings of a few.
+  RightScan next_right(std::size_t number) {
+    static const std::vector<Strategy> strategies = every_strategy();
+    RightScan right;
+    if (number % 5 == 4) {
+      RandomScan random = next();
+      right = {.name = random.name,
+               .strategy = random.scan.sequence.strategy.name() + ", other settings",
+               .scan = std::move(random.scan),
+               .truth = std::move(random.truth)};
+      right.world.photometry = random.photometry;
+      return right;
+    }
+    const Strategy& strategy = strategies[(number - number / 5) % strategies.size()];
+    right.strategy = label_of(strategy);
+    Sequence sequence{.strategy = strategy};
+    Size camera = one_of<Size>({{96, 72},
+                                {96, 72},
+                                {96, 72},
+                                {128, 96},
+                                {128, 96},
+                                {160, 120},
+                                {160, 120},
+                                {240, 180},
+                                {320, 240},
+                                {640, 480}});
+    // A period has three pixels or more.
+    while (camera.width < 3 * highest_frequency(strategy.layout()) ||
+           camera.height < 3 * carrier_periods(strategy.layout())) {
+      camera = {camera.width + 32, camera.height + 24};
+    }
+    right.world.scanner = random_scanner(static_cast<unsigned>(whole(0, 1 << 30)), 0.1, camera);
+    const Eigen::Vector3d& base = right.world.scanner.translation;
+    sequence.axis = std::abs(base.x()) > std::abs(base.y()) ? Axis::x : Axis::y;
+    sequence.projector = right.world.scanner.projector.size;
+    const auto kind =
+        one_of<std::string>({"ideal", "ideal", "ideal", "bench", "bench", "bench", "harsh"});
+    // A cue cannot be corrected.
+    const bool correctable =
+        !strategy.layout().cue && order_source(strategy.layout()) != OrderSource::neighbours;
+    right.world.photometry = photometry_named(kind + (correctable ? "" : ",no-response"));
+    Photometry& photometry = right.world.photometry;
+    photometry.rays = std::min(photometry.rays, 4);
+    photometry.physics.bounces = 0;
+    photometry.bits = one_of<int>({8, 8, 10, 12, 14});
+    photometry.seed = static_cast<std::uint64_t>(whole(0, 1 << 30));
+    if (kind == "ideal") {
+      photometry.ambient = between(0, 25);
+      photometry.noise_variance = std::pow(10, between(-2, 0.6));
+    }
+    const auto scene = one_of<std::string>(
+        {"board", "sphere", "boxes", "statue", "statue", "contrast", "wires", "wires"});
+    right.world.scene = scene == "wires"
+                            ? wires(right.world.scanner, between(1, 3), between(0, 1) < 0.5)
+                            : scene_named(scene, right.world.scanner);
+    try_exposures(sequence, scene == "contrast" ? 0.8 : 0.3);
+    const bool two_cameras = !strategy.is_spectral() && between(0, 1) < 0.15;
+    right.name =
+        fmt::format("{}, {}, {}, {} wide, {} bits, {} exposures, {} motion{}", right.strategy, kind,
+                    scene, camera.width, *photometry.bits, sequence.exposures.size(),
+                    sequence.motion, two_cameras ? ", two cameras" : "");
+    right.truth =
+        take_scan(right.world.scanner, right.world.scene, pattern_set(sequence), photometry);
+    right.scan = scan_of(right.world, sequence, right.truth.frames);
+    if (two_cameras) {
+      const VirtualWorld second = seen_from_second(right.world);
+      right.scan.further_cameras.push_back(
+          scan_of(second, sequence,
+                  take_scan(second.scanner, second.scene, pattern_set(sequence), second.photometry)
+                      .frames));
+    }
+    return right;
+  }
+
+ private:
+  static std::vector<Strategy> every_strategy() {
+    std::vector<Strategy> all = every_phase_strategy();
+    for (const auto& more : {every_strategy_by_reference(), every_code()}) {
+      all.insert(all.end(), more.begin(), more.end());
+    }
+    for (const std::string_view name : strategy_names()) {
+      all.push_back(make_strategy(std::string(name), {}));
+    }
+    return all;
+  }
+
+  /// Several exposures, or a window of motion, if the sequence allows them.
+  void try_exposures(Sequence& sequence, double share) {
+    const auto keep = [&](Sequence changed) {
+      try {
+        require_mergeable(changed);
+        sequence = std::move(changed);
+      } catch (const Error&) {
+        return;
+      }
+    };
+    Sequence changed = sequence;
+    if (between(0, 1) < share) {
+      changed.exposures = one_of<std::vector<double>>({{1, 4}, {1, 4, 16}, {0.25, 1, 4}});
+      keep(changed);
+    } else if (sequence.strategy.name() != "pcps" && between(0, 1) < 0.5) {
+      // A window of pcps, whose cue depends on the phase, gives few orders.
+      changed.motion = one_of<int>({2, 4});
+      keep(changed);
+    }
+  }
+
+  static Scan scan_of(const VirtualWorld& world, const Sequence& sequence, const FrameSet& frames) {
+    Scan scan = merged({.frames = frames, .sequence = sequence, .scanner = as_calibrated(world)});
+    scan.scanner->calibrated_depths.reset();
+    const auto* const power = std::get_if<PowerLaw>(&world.photometry.response);
+    if (power != nullptr && power->gamma != 1) {
+      scan.scanner->photometry.response = MeasuredResponse{*power, power->gamma, 0.01};
+    }
+    return scan;
+  }
+};
+
+/// Why a warning is right, from the truth and from the cloud; empty if it is not.
+std::string true_cause(const RightScan& right, const std::vector<Finding>& found) {
+  // Shares of the pixels that the projector lights.
+  constexpr double many = 0.2, most = 0.5, most_ambient = 5;
+  const Scan& scan = right.scan;
+  const Photometry& photometry = right.world.photometry;
+  Engine engine(setup_for(scan));
+  Cloud cloud;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, cloud, maps);
+  const Uncertainty sigma = engine.uncertainty(cloud, maps, scan.frames);
+  std::vector<double> errors, deviations, ambient;
+  const Image<std::uint8_t> clipped = saturation_mask(scan.frames);
+  int lit = 0, saturated = 0;
+  for (std::size_t i = 0; i < cloud.validity.pixel_count(); ++i) {
+    if (std::isnan(right.truth.coordinate.begin()[i])) continue;
+    ++lit;
+    const double alpha = right.truth.reflectivity.begin()[i];
+    ambient.push_back((1 + right.truth.seen->albedo.begin()[i]) * photometry.ambient /
+                      (127.5 * alpha));
+    const Validity validity = cloud.validity.begin()[i];
+    if (clipped.begin()[i] != 0) ++saturated;
+    const double error =
+        std::abs(static_cast<double>(cloud.z.begin()[i]) - right.truth.depth.begin()[i]);
+    if (validity != Validity::valid || !std::isfinite(error)) continue;
+    errors.push_back(error);
+    deviations.push_back(error / static_cast<double>(sigma.z.begin()[i]));
+  }
+  if (photometry.physics.flicker > 0 &&
+      without_cause(found, "light that flickers").size() < found.size())
+    return "flicker";
+  if (saturated > many * lit) return "saturated";
+  const bool is_known = scan.scanner->photometry.response.has_value();
+  if (!is_known && without_cause(found, "the projector's gamma, if it is not 1").empty())
+    return "unknown response";
+  if (static_cast<double>(errors.size()) < most * lit) return "few points";
+  if (!ambient.empty() && quantile(ambient, 0.5) > most_ambient) return "ambient light";
+  if (!errors.empty() && (quantile(errors, 0.5) > 1 || quantile(deviations, 0.5) > 5))
+    return "wrong";
+  return "";
+}
+
+/// Parts of a table, so that parts may run at a time.
+class RightScans : public testing::TestWithParam<int> {
+ protected:
+  struct Line {
+    int scans = 0, warned = 0, with_cause = 0, refused = 0;
+  };
+
+  static void TearDownTestSuite() {
+    Line all;
+    fmt::print("{:72} scans warned (with a true cause) refused\n", "strategy");
+    for (const auto& [strategy, line] : table) {
+      fmt::print("{:72} {:5} {:6} {:17} {:7}\n", strategy, line.scans, line.warned, line.with_cause,
+                 line.refused);
+      all.scans += line.scans;
+      all.warned += line.warned;
+      all.with_cause += line.with_cause;
+      all.refused += line.refused;
+    }
+    fmt::print("{:72} {:5} {:6} {:17} {:7}\n", "all", all.scans, all.warned, all.with_cause,
+               all.refused);
+    EXPECT_EQ(all.refused, 0);
+    EXPECT_LE(600 * (all.warned - all.with_cause), std::max(600, all.scans));
+    table.clear();
+  }
+
+  static inline std::map<std::string, Line> table;
+};
+
+TEST_P(RightScans, AreLeftInPeace) {
+  constexpr int count = 100;
+  RightTable scans(static_cast<std::uint64_t>(2026 + GetParam()));
+  for (int i = 0; i < count; ++i) {
+    RightScan right = scans.next_right(static_cast<std::size_t>(count * GetParam() + i));
+    Line& line = table[right.strategy];
+    ++line.scans;
+    const std::vector<Finding> found = check_and_repair(right.scan).findings;
+    if (found.empty()) continue;
+    const std::string cause = true_cause(right, found);
+    if (any_wrong(found) && cause.empty()) ++line.refused;
+    ++line.warned;
+    if (!cause.empty()) ++line.with_cause;
+    for (const Finding& finding : found) {
+      fmt::print("{}{}: {}\n", cause.empty() ? "" : "(" + cause + ") ", right.name,
+                 text_of(finding));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Day1, RightScans, testing::Values(0));
+INSTANTIATE_TEST_SUITE_P(Day2, RightScans, testing::Values(1));
+INSTANTIATE_TEST_SUITE_P(Day3, RightScans, testing::Values(2));
+INSTANTIATE_TEST_SUITE_P(Night1, RightScans, testing::Range(3, 12));
+INSTANTIATE_TEST_SUITE_P(Night2, RightScans, testing::Range(12, 21));
+INSTANTIATE_TEST_SUITE_P(Night3, RightScans, testing::Range(21, 30));
+
+}  // namespace slipstream::right_table_test

@@ -56,6 +56,7 @@ struct ServeFlags {
   int cycles = 16;
   std::optional<double> duration;  ///< s
   double packet_loss = 0;
+  Wiring wiring = Wiring::in_step;
   std::optional<std::string> write_scanner;
   std::optional<int> boards;
   BoardFlags board;
@@ -99,6 +100,7 @@ void serve_camera(const ServeFlags& flags, Output& output) {
   VirtualGigeCamera camera(std::move(reels), flags.address, flags.serial);
   camera.set_frame_rate(flags.rate);
   camera.set_packet_loss(flags.packet_loss);
+  camera.set_wiring(flags.wiring);
   if (flags.write_scanner) write_scanner(*flags.write_scanner, world.scanner);
 
   const RunEnd end(flags.duration);
@@ -126,6 +128,10 @@ void add_camera_serve(const Commands& camera) {
   command.add("--address", flags.address, "address of the network interface to serve on");
   command.add("--serial", flags.serial, "camera name shown to clients");
   command.add("--rate", flags.rate, "frames per second until a client changes it");
+  command.add_named("--wired", flags.wiring, wiring_named, "in-step",
+                    "wire between the projector and the camera's Line1: trigger (to the camera: "
+                    "the projector leads at --rate), strobe (to the projector: the camera leads), "
+                    "or in-step (none is needed)");
   command.add("--cycles", flags.cycles, "number of scans to render in advance and serve in a loop");
   command.add(
       "--boards", flags.boards,

@@ -32,11 +32,7 @@ void require_good(const CaptureFlags& flags) {
                    "1 to 1000, or no number to stop automatically");
   require_in_range(flags.settle >= 0 && flags.settle <= 10000, "--settle", flags.settle,
                    "0 to 10000 ms");
-  throw_if(flags.monitor && !sees_monitor, "--monitor {}: {} cannot see a monitor; drop --monitor",
-           flags.monitor.value_or(0), source.source);
-  throw_if(flags.monitor && source.camera.pixel_format == PixelFormat::rgb8,
-           "--pixel-format RGB8: --monitor shows grey patterns; use Mono8, or show colour patterns "
-           "with `slipstream project --colour`");
+  if (flags.monitor) require_sees_monitor(source, *flags.monitor);
   throw_if(flags.poses && !sees_monitor,
            "--poses: {} has no moving board; `slipstream camera serve --boards 12` serves one as a "
            "camera",
@@ -67,13 +63,11 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
 }
 
 /// The pattern pictures of each scan, for a projector driven by this program.
-std::vector<std::vector<Image<std::uint8_t>>> pictures_of(Sequence sequence, bool both_axes) {
-  sequence.marker = false;
-  require_shown(sequence);
-  std::vector<PatternSet> sets{pattern_set(sequence)};
-  if (both_axes) sets = along_both_axes(sequence);
+std::vector<std::vector<Image<std::uint8_t>>> pictures_of(const Sequence& sequence,
+                                                          bool both_axes) {
+  if (!both_axes) return {pictures_to_show(sequence)};
   std::vector<std::vector<Image<std::uint8_t>>> pictures;
-  for (const PatternSet& set : sets) {
+  for (const PatternSet& set : along_both_axes(sequence)) {
     pictures.push_back(patterns_in_8_bits(set, sequence.projector));
   }
   return pictures;

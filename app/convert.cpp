@@ -68,8 +68,9 @@ class JoinedRecording {
   std::uint64_t first_ = 0, next_ = 0;  ///< frame number in the recording
 };
 
-void add_replayed(const std::string& path, JoinedRecording& recording, Output& output) {
-  ReplaySource source(path, {.rate = 0});
+void add_replayed(const std::string& path, const ScanChanges& changes, JoinedRecording& recording,
+                  Output& output) {
+  ReplaySource source(path, {.rate = 0, .scan = changes});
   if (!source.warning().empty()) output.warn(source.warning());
   recording.begin(source.header(), path);
   Frame frame(source.format());
@@ -115,11 +116,11 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
 /// Joins the frames of recordings, scan folders and MCAP files of live scans into one recording.
 /// Throws Error if they differ in camera or sequence.
 void convert_to_recording(const std::vector<std::string>& paths, const std::string& path,
-                          Output& output) {
+                          const ScanChanges& changes, Output& output) {
   JoinedRecording recording(path, paths.size());
   for (const std::string& input : paths) {
     is_mcap(input) ? add_published(input, recording, output)
-                   : add_replayed(input, recording, output);
+                   : add_replayed(input, changes, recording, output);
   }
   const std::uint64_t frames = recording.finish();
   output.say("{}: {} frames", path, frames);
@@ -256,7 +257,8 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
 
 void convert(const ConvertFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(flags.output);
-  if (ending == ".slip") return convert_to_recording(flags.paths, flags.output, output);
+  if (ending == ".slip")
+    return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
   if (ending.empty()) {
     return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
   }

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "app/process.h"
+#include "slipstream/frames/stepped_source.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/publish/cloud_sink.h"
@@ -151,8 +152,49 @@ void write_results(LiveSession& session, const Publisher& publisher, Output& out
 #endif
 }
 
+/// Puts the camera in step with the patterns on a monitor. Exposures become whole refreshes: a
+/// projector's light changes within each.
+const SteppedSource& step_with(const CaptureDesktop& desktop, bool triggered, NamedSource& opened,
+                               Output& output) {
+  CameraControls* const controls = opened.frames->controls();
+  const auto exposure = controls ? controls->control(CameraControl::exposure) : std::nullopt;
+  if (exposure) {
+    const double refresh = 1e3 / desktop.refresh_hz;
+    const double refreshes = std::max(1.0, std::round(exposure->value / refresh));
+    if (std::abs(exposure->value - refreshes * refresh) > 0.01 * refresh) {
+      controls->set_control(CameraControl::exposure, refreshes * refresh);
+      output.say("exposure {:.4g} ms: {} of the monitor's refreshes", refreshes * refresh,
+                 refreshes);
+    }
+  }
+  auto stepped = std::make_unique<SteppedSource>(*desktop.projector, std::move(opened.frames),
+                                                 pictures_to_show(opened.sequence), triggered);
+  const SteppedSource& source = *stepped;
+  opened.frames = std::move(stepped);
+  return source;
+}
+
+void tell_steps(const SteppedSource& source, Output& output) {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  const double begins = Milliseconds(source.delay().begins).count(),
+               ends = Milliseconds(source.delay().ends).count(),
+               hold = Milliseconds(source.hold()).count();
+  output.say("patterns reach a frame {:.0f} to {:.0f} ms after they are shown; {:.0f} ms each",
+             begins, ends, hold);
+  output.object("monitor") = described("begins_ms", begins, "ends_ms", ends, "hold_ms", hold);
+}
+
 void require_good(const LiveFlags& flags) {
   require_duration(flags.duration);
+  const SourceRequest& source = flags.source;
+  if (flags.monitor) require_sees_monitor(source, *flags.monitor);
+  throw_if(flags.monitor && source.sequence.exposures,
+           "--exposures: live with --monitor uses a single exposure; use --exposure");
+  throw_if(scheme_of(source.source) == "v4l2" && !flags.monitor &&
+               flags.live.indexing != PatternIndexing::marker,
+           "{} runs freely, so nothing keeps it in step with the projector; add --monitor N, or "
+           "--indexing marker for patterns slower than half its rate",
+           source.source);
   if (flags.live.most_frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
   for (const std::string& file : {flags.output, flags.model}) {
     if (!file.empty()) require_cloud_ending(file);
@@ -174,6 +216,8 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   source.virtual_scanner.idle_step = {0.5, 0, 0};
   command.add("--source", source.source, source_forms());
   command.add_settings(source);
+  command.add("--monitor", flags.monitor,
+              "show the patterns on this monitor, see `project --list`, and take them in step");
   command.add("--duration", flags.duration, "stop after this many seconds");
   command.add("--frames", flags.live.most_frames, "stop after this many frames");
   command.add_output("-o,--output", flags.output, "file for the last cloud: .ply, .pcd or .xyz");
@@ -217,6 +261,10 @@ void live(const LiveFlags& flags, Output& output) {
   SourceRequest request = request_from(flags.source);
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
+  CaptureDesktop desktop = open_desktop({.monitor = flags.monitor});
+  if (desktop.projector != nullptr && !request.sequence.projector) {
+    request.sequence.projector = desktop.projector->size();
+  }
   if (request.world && !flags.headless) {
     output.say(
         "rendering the virtual camera's frames: seconds with --world ideal, otherwise about a "
@@ -231,6 +279,10 @@ void live(const LiveFlags& flags, Output& output) {
                               takes_motion(setup.sequence);
   if (settings.motion_when_seen) setup.sequence.motion = 2;
 
+  const SteppedSource* stepped = nullptr;
+  if (flags.monitor) {
+    stepped = &step_with(desktop, request.camera.trigger == "Software", opened, output);
+  }
   const RecordingHeader header{
       .format = opened.frames->format(),
       .frame_rate = request.rate.value_or(0),
@@ -251,6 +303,7 @@ void live(const LiveFlags& flags, Output& output) {
   const RunEnd end(flags.duration);
   const auto is_over = [&] {
     tell_news(publisher, output);
+    if (desktop.closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
     const bool at_end = flags.headless || settings.most_frames;
     return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
@@ -260,7 +313,7 @@ void live(const LiveFlags& flags, Output& output) {
                       .recorder = recorder,
                       .setup = setup,
                       .is_over = is_over,
-                      .patterns_can_change = is_camera(request),
+                      .patterns_can_change = is_camera(request) && !flags.monitor,
                       .motion_when_seen = settings.motion_when_seen,
                       .strategy = setup.sequence.strategy};
   const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
@@ -273,6 +326,7 @@ void live(const LiveFlags& flags, Output& output) {
     const std::lock_guard lock(session.mutex);  // sinks may already change it
     pipeline.start();
   }
+  if (stepped != nullptr) tell_steps(*stepped, output);
   tell_service_manager("READY=1");
   if (flags.begun) flags.begun();
   output.document["files"] = nlohmann::json::object();
@@ -366,8 +420,8 @@ void add_live(const Commands& program) {
       live, "live", "reconstruct in real time from a camera, the virtual scanner or a recording");
   add_live_flags(command, flags);
   command.add("--headless", flags.headless, "no window");
-  command.common({"--source", "--scanner", "--strategy", "--steps", "--rate", "--output",
-                  "--publish", "--record", "--headless", "--exposure"});
+  command.common({"--source", "--monitor", "--scanner", "--strategy", "--steps", "--rate",
+                  "--output", "--publish", "--record", "--headless", "--exposure"});
   command.examples({"live --source virtual --rate 120 --strategy pmp --steps 4",
                     "live --source replay:scan.slip --headless --json",
                     "live --source virtual --frames 100 --headless -o cloud.ply"});

@@ -23,7 +23,8 @@ struct ViewFlags {
 
 struct LiveFlags {
   SourceFlags source;
-  LiveSettings live;  ///< its flags
+  std::optional<int> monitor;  ///< shows the patterns, in step with the camera
+  LiveSettings live;           ///< its flags
   std::optional<double> duration;
   bool headless = false;
   std::string gamma = "scanner";
@@ -100,7 +101,7 @@ void show_in_window(LiveSession& session, Output& output);
 /// without a cloud.
 void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
 
-/// The windows of `capture`.
+/// The windows of `capture`, and the projector of `live`.
 struct DesktopWishes {
   std::optional<int> monitor{};  ///< the projector
   bool guides = false;           ///< the window that guides the user with a board
@@ -110,6 +111,7 @@ struct DesktopWishes {
 /// The projector, if it is a monitor, and the guide window, as requested.
 struct CaptureDesktop {
   PatternSink* projector = nullptr;
+  double refresh_hz = 0;                          ///< the projector's
   std::function<void(view::Guide guide)> show{};  ///< in the window that guides; empty without
   /// Whether a window was closed. Answers the desktop meanwhile.
   std::function<bool()> closed = [] { return false; };

@@ -1,5 +1,8 @@
+#include <thread>
+
 #include "app/process.h"
 #include "app/scan_flags.h"
+#include "slipstream/devices/dlp.h"
 #include "slipstream/devices/monitor.h"
 
 namespace slipstream::app {
@@ -16,6 +19,7 @@ struct ProjectFlags {
   std::optional<double> duration;
   std::string log;
   bool in_colour = false;
+  bool dlp = false;
 };
 
 void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
@@ -30,6 +34,10 @@ void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
                              monitor.top, "refresh_hz", monitor.refresh_hz));
   }
   if (monitors.empty()) output.say("no monitor is connected");
+  for (const auto& [controller, path] : dlp::list_controllers()) {
+    output.say("--dlp: {} at {}", name_of(controller), path);
+    output.list("controllers").push_back(described("name", name_of(controller), "path", path));
+  }
 }
 
 const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
@@ -52,7 +60,7 @@ Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
   return sequence;
 }
 
-/// Returns the number of monitors.
+/// Returns the number of pictures.
 std::size_t load_patterns(monitor::MonitorSink& sink, const Sequence& sequence, bool in_colour) {
   const PatternSet set = pattern_set(sequence);
   if (!in_colour) {
@@ -60,12 +68,31 @@ std::size_t load_patterns(monitor::MonitorSink& sink, const Sequence& sequence, 
     return static_cast<std::size_t>(set.count);
   }
   std::vector<Image<Colour>> pictures;
-  for (int n = 0; n < set.count; n += 3) {
+  const int end = set.count % 3 == 0 ? set.count : 3 * set.count;
+  for (int n = 0; n < end; n += 3) {
     pictures.push_back(picture_in_colour(set, n, sequence.projector));
   }
   const std::size_t count = pictures.size();
   sink.load_in_colour(std::move(pictures));
   return count;
+}
+
+/// Shows one-bit patterns from the memory of a DLPC900.
+void project_from_memory(const ProjectFlags& flags, const RunEnd& end, Output& output) {
+  dlp::DlpSink sink(dlp::open_controller(), nullptr,
+                    {.rate = flags.rate.value_or(120), .ends = [&] { return end.reached(); }});
+  const Sequence sequence = cycle_of(default_sequence(*sink.size(), flags.scan));
+  output.say("{}; loading takes up to two minutes for each 24", sink.description());
+  std::fflush(stdout);
+  sink.load(patterns_in_8_bits(pattern_set(sequence), sequence.projector));
+  sink.loop();
+  output.say("showing {} patterns; press Ctrl-C to stop", cycle_length(sequence));
+  std::fflush(stdout);
+  const double begin = end.seconds(), most = flags.duration.value_or(HUGE_VAL);
+  while (!end.reached() && end.seconds() - begin < most) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  sink.give_back();
 }
 
 void tell(const monitor::ProjectionReport& report, const monitor::MonitorSink& projector, int hold,
@@ -88,19 +115,30 @@ void tell(const monitor::ProjectionReport& report, const monitor::MonitorSink& p
 
 void project_scan(const ProjectFlags& flags, Output& output) {
   require_duration(flags.duration);
+  const RunEnd end(std::nullopt);
+  if (flags.dlp && flags.scan.binary && !flags.list) return project_from_memory(flags, end, output);
   const opengl::WindowSystem system;
   const std::vector<Monitor> monitors = system.monitors();
   if (flags.list) return list_monitors(monitors, output);
   const Monitor& monitor = monitor_at(monitors, flags.monitor);
   const int hold = monitor::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
+  throw_if(flags.dlp && hold != 1,
+           "--dlp shows three patterns per refresh; drop --rate and --hold");
   const Sequence sequence = sequence_on(flags, monitor);
   monitor::MonitorSink projector(system, flags.monitor);
-  const std::size_t count = load_patterns(projector, sequence, flags.in_colour);
+  const std::size_t count = load_patterns(projector, sequence, flags.in_colour || flags.dlp);
+  std::optional<dlp::DlpSink> controlled;
+  if (flags.dlp) {
+    const dlp::DlpSettings refreshes{.rate = projector.refresh_hz()};
+    controlled.emplace(dlp::open_controller(), &projector, refreshes);
+    output.say("{}", controlled->description());
+    controlled->show(0);
+  }
 
   std::string log = "swap,pattern,seconds\n";
-  const RunEnd end(flags.duration);
   output.say("showing {} patterns; press Ctrl-C or Esc to stop", count);
   std::fflush(stdout);
+  const double begin = end.seconds(), most = flags.duration.value_or(HUGE_VAL);
   const monitor::ProjectionSettings settings{
       .refresh_hz = projector.refresh_hz(),
       .hold = hold,
@@ -109,8 +147,9 @@ void project_scan(const ProjectFlags& flags, Output& output) {
             if (flags.log.empty()) return;
             log += fmt::format("{},{},{:.6f}\n", swap.sequence, swap.pattern, swap.seconds);
           },
-      .ends = [&] { return projector.closed() || end.reached(); }};
+      .ends = [&] { return projector.closed() || end.reached() || end.seconds() - begin >= most; }};
   const monitor::ProjectionReport report = monitor::project_patterns(projector, count, settings);
+  if (controlled) controlled->give_back();
   tell(report, projector, hold, output);
   if (!flags.log.empty()) {
     write_file(flags.log, log);
@@ -133,8 +172,12 @@ void add_project(const Commands& program) {
   add_pattern_flags(command.app, flags.scan, true);
   command.add("--colour", flags.in_colour,
               "show three patterns at once, in red, green and blue; they count as one");
+  command.add(
+      "--dlp", flags.dlp,
+      "the monitor is a LightCrafter (DLPC350, DLPC900 on USB): show three grey patterns per "
+      "refresh; with --binary a DLPC900 shows them from its memory, at --rate (120)");
   command.common({"--list", "--monitor", "--strategy", "--steps", "--high", "--low", "--rate",
-                  "--colour", "--duration"});
+                  "--colour", "--dlp", "--duration"});
   command.examples({"project --list", "project --monitor 1 --strategy pmp --steps 4 --rate 30",
                     "project --monitor 1 --colour --strategy de-bruijn"},
                    "Patterns are shown pixel for pixel, with the monitor's gamma table off. Press "

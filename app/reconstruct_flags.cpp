@@ -41,15 +41,11 @@ std::vector<ListedScans> scans_in_list(const fs::path& list) {
 
 void set_end(ListedScans& listed, const ScanChanges& changes) {
   const std::string& path = listed.path;
-  if (!is_recording(path)) {
-    throw_if(fs::exists(path), "{}: only recordings have windows", path);
-    return listed.windows.reset();  // the reader reports why and continues
-  }
   std::uint64_t count = 0;
   try {
-    count = window_count(RecordingReader(path), scan_files_in(path, changes).sequence);
+    count = window_count(scan_files_in(path, changes));
   } catch (const Error&) {
-    return listed.windows.reset();
+    return listed.windows.reset();  // the reader reports why and continues
   }
   throw_if(listed.windows->first >= count, "{}: has {} windows; none in the range {}:", path, count,
            listed.windows->first);
@@ -63,7 +59,7 @@ void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags) {
       "scans", flags.paths,
       "scan folders (pictures with scan.yaml or flags), recordings, or lists of them: .txt"));
   command.add("--windows", flags.windows,
-              "recordings: windows A to B of their frames, B excluded; ':' for all");
+              "recordings, and folders of many frames: windows A to B, B excluded; ':' for all");
 }
 
 void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {

@@ -120,9 +120,31 @@ void add_camera_flags(CLI::App& command, CameraSettings& settings) {
   group.add_named("--pixel-format", settings.pixel_format, pixel_format_named,
                   name_of(settings.pixel_format),
                   "Mono8, Mono10, Mono12, Mono16, or packed: Mono10p, Mono12p, Mono10Packed, "
-                  "Mono12Packed; RGB8: three patterns per colour picture");
+                  "Mono12Packed; RGB8: three patterns per colour picture; MJPG: webcams, lossy");
   group.add("--trigger", settings.trigger,
             "camera input that starts each frame, e.g. Line1; default: free-running");
+  group.add("--strobe", settings.strobe,
+            "camera output that advances the projector at each exposure, e.g. Line1");
+  const auto delay = [&settings](double ms) { settings.strobe_delay = ms / 1e3; };
+  group.add_read<double>("--strobe-delay", delay, "from the start of the exposure to a pulse, ms")
+      ->needs("--strobe");
+  group
+      .add("--strobe-inverted", settings.strobe_inverted,
+           "low during the exposure, for projectors that advance at a falling edge")
+      ->needs("--strobe");
+  const auto set = [&settings](const std::vector<std::string>& nodes) {
+    for (const std::string& node : nodes) {
+      const std::size_t equals = node.find('=');
+      throw_if(equals == 0 || equals == std::string::npos,
+               "--feature '{}': expected NAME=VALUE, e.g. LineSource=ExposureActive", node);
+      settings.nodes.push_back({node.substr(0, equals), node.substr(equals + 1)});
+    }
+  };
+  group
+      .add_read<std::vector<std::string>>(
+          "--feature", set, "set any GenICam node: NAME=VALUE, may be repeated, in this order")
+      ->expected(1)
+      ->take_all();
   group.add("--packet-size", settings.packet_size,
             "GigE Vision packet size, bytes; 0: the largest the network passes");
 }
@@ -138,6 +160,20 @@ bool is_camera(const SourceRequest& request) {
   return scheme != "virtual" && scheme != "replay";
 }
 
+void require_sees_monitor(const SourceRequest& request, int monitor) {
+  throw_if(!is_camera(request), "--monitor {}: {} cannot see a monitor; drop --monitor", monitor,
+           request.source);
+  throw_if(request.camera.pixel_format == PixelFormat::rgb8,
+           "--pixel-format RGB8: --monitor shows grey patterns; use Mono8, or show colour patterns "
+           "with `slipstream project --colour`");
+}
+
+std::vector<Image<std::uint8_t>> pictures_to_show(Sequence sequence) {
+  sequence.marker = false;
+  require_shown(sequence);
+  return patterns_in_8_bits(pattern_set(sequence), sequence.projector);
+}
+
 SourceRequest request_from(const SourceFlags& flags) {
   SourceRequest request = flags;
   throw_if(!(is_camera(request) || request.camera.pixel_format != PixelFormat::rgb8),
@@ -150,8 +186,14 @@ SourceRequest request_from(const SourceFlags& flags) {
   return request;
 }
 
-NamedSource open(const SourceRequest& request, Output& output) {
+NamedSource open(SourceRequest request, Output& output) {
+  request.camera.node_set = [&output](const CameraNode& node) {
+    output.say("{} = {}", node.name, node.value);
+  };
   NamedSource opened = open_source(request);
+  if (request.camera.pixel_format == PixelFormat::mjpg) {
+    output.warn("--pixel-format MJPG: lossy compression adds errors of depth; expose brightly");
+  }
   if (!opened.warning.empty()) output.warn(opened.warning);
   return opened;
 }

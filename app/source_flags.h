@@ -25,7 +25,8 @@ VirtualWorld world_from(VirtualFlags flags);
 /// The changed sequence for the scanner's projector. Throws Error for a projector of another size.
 Sequence sequence_for(const SequenceChanges& changes, const Scanner& scanner);
 
-/// Adds --exposure, --gain, --region, --pixel-format, --trigger and --packet-size.
+/// Adds --exposure, --gain, --region, --pixel-format, --packet-size, --feature, --trigger and
+/// --strobe.
 void add_camera_flags(CLI::App& command, CameraSettings& settings);
 
 /// Frame source and patterns; `world` is set by request_from.
@@ -39,11 +40,17 @@ void add_source_flags(CLI::App& command, SourceFlags& flags, bool with_marker);
 /// Whether the source is neither virtual nor a replay.
 bool is_camera(const SourceRequest& request);
 
+/// Throws Error unless the source is a camera of grey pictures, which can see a monitor.
+void require_sees_monitor(const SourceRequest& request, int monitor);
+
+/// The pictures of a sequence, for a projector driven by this program, which needs no marker.
+std::vector<Image<std::uint8_t>> pictures_to_show(Sequence sequence);
+
 /// The request, with the virtual world if the source is virtual. Throws Error for a pixel format
 /// without a camera.
 SourceRequest request_from(const SourceFlags& flags);
 
-/// Opens the source and prints its warning.
-NamedSource open(const SourceRequest& request, Output& output);
+/// Opens the source and prints its warning and the camera nodes set.
+NamedSource open(SourceRequest request, Output& output);
 
 }  // namespace slipstream::app

@@ -106,7 +106,10 @@ CaptureDesktop open_desktop(const DesktopWishes& wishes) {
   const auto windows = std::make_shared<Windows>();
   auto& [system, projector, guide] = *windows;
   CaptureDesktop desktop;
-  if (wishes.monitor) desktop.projector = &projector.emplace(system, *wishes.monitor);
+  if (wishes.monitor) {
+    desktop.projector = &projector.emplace(system, *wishes.monitor);
+    desktop.refresh_hz = projector->refresh_hz();
+  }
   desktop.closed = [windows] {
     return (windows->guide && windows->guide->closed()) ||
            (windows->projector && windows->projector->closed());

@@ -21,11 +21,13 @@ set(slipstream_libraries
   "TIFF::TIFF                    libtiff-4       TIFF"
   "PkgConfig::libdeflate         libdeflate"
   "PkgConfig::lemon              lemon"
+  "PkgConfig::turbojpeg          libturbojpeg"
   "PkgConfig::zstd               libzstd"
   "Boost::headers                -lpthread       Boost"
   "CycloneDDS::ddsc              CycloneDDS      CycloneDDS"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"
+  "PkgConfig::hidapi             hidapi-hidraw"
   "glfw                          glfw3           glfw3"
   "PkgConfig::epoxy              epoxy"
   "PkgConfig::imgui              imgui")

@@ -37,7 +37,7 @@ class Slipstream(ConanFile):
             self.requires(one, transitive_headers=True)
 
     def build(self):
-        parts = {"APP": False, "CAMERAS": False, "PUBLISH": False, "SPATIAL": False,
+        parts = {"APP": False, "CAMERAS": False, "DLP": False, "PUBLISH": False, "SPATIAL": False,
                  "VIEW": False,
                  "IO": self.options.io, "CALIBRATE": self.options.calibrate}
         cmake = CMake(self)

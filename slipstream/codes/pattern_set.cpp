@@ -122,9 +122,9 @@ std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size 
 }
 
 Image<Colour> picture_in_colour(const PatternSet& set, int first, Size projector) {
-  const Image<std::uint16_t> red = render_pattern(set, first, projector),
-                             green = render_pattern(set, first + 1, projector),
-                             blue = render_pattern(set, first + 2, projector);
+  const Image<std::uint16_t> red = render_pattern(set, first % set.count, projector),
+                             green = render_pattern(set, (first + 1) % set.count, projector),
+                             blue = render_pattern(set, (first + 2) % set.count, projector);
   Image<Colour> picture(projector);
   for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
     const auto level = [&](const Image<std::uint16_t>& pattern) {

@@ -7,7 +7,8 @@
 #include <arv.h>
 #include <fmt/format.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/devices/camera.h"
 #include "slipstream/devices/gige_sockets.h"
 
@@ -175,6 +176,73 @@ class AravisConnection {
     }
   }
 
+  /// A missing node throws Error.
+  [[nodiscard]] ArvGcFeatureNode* node(const std::string& name) const {
+    ArvGcNode* found = arv_device_get_feature(arv_camera_get_device(camera_.get()), name.c_str());
+    throw_if(found == nullptr || !ARV_IS_GC_FEATURE_NODE(found), "camera {} has no node {}", name_,
+             name);
+    return ARV_GC_FEATURE_NODE(found);
+  }
+
+  /// Empty if it cannot be read.
+  static std::string value_of(ArvGcFeatureNode* node) {
+    g_autoptr(GError) error = nullptr;
+    const char* const text = arv_gc_feature_node_get_value_as_string(node, &error);
+    return text == nullptr || error != nullptr ? "" : text;
+  }
+
+  static bool same_value(const std::string& wanted, const std::string& read) {
+    constexpr double rounding = 0.01;  // cameras round times to their clock
+    const auto a = number_in<double>(wanted), b = number_in<double>(read);
+    return a && b ? std::abs(*a - *b) <= rounding * std::abs(*a) : wanted == read;
+  }
+
+  /// Returns the value read back. A node that has the value already is not written, as it may be
+  /// read-only, such as the mode of a fixed output.
+  [[nodiscard]] std::string set_node(const CameraNode& wanted) const {
+    ArvGcFeatureNode* const found = node(wanted.name);
+    const std::string what = wanted.name + " = " + wanted.value;
+    if (ARV_IS_GC_COMMAND(found)) {
+      set(what, [&](ArvCamera*, GError** error) {
+        arv_gc_command_execute(ARV_GC_COMMAND(found), error);
+      });
+      return "executed";
+    }
+    if (wanted.value == value_of(found)) return wanted.value;
+    set(what, [&](ArvCamera*, GError** error) {
+      arv_gc_feature_node_set_value_from_string(found, wanted.value.c_str(), error);
+    });
+    std::string read = value_of(found);
+    throw_if(!same_value(wanted.value, read), "camera {}: {} was set to {} but reads back as {}",
+             name_, wanted.name, wanted.value, read.empty() ? "nothing" : read);
+    return read;
+  }
+
+  /// Nodes of the settings' strobe, then their own.
+  [[nodiscard]] std::vector<CameraNode> nodes_of(const CameraSettings& settings) const {
+    const auto us = [](double seconds) { return fmt::format("{:g}", seconds * 1e6); };
+    std::vector<CameraNode> nodes;
+    if (!settings.strobe.empty()) {
+      nodes.insert(nodes.end(), {{"LineSelector", settings.strobe}, {"LineMode", "Output"}});
+      const bool may_invert =
+          arv_camera_is_feature_available(camera_.get(), "LineInverter", nullptr) != 0;
+      if (settings.strobe_inverted || may_invert) {
+        nodes.push_back({"LineInverter", settings.strobe_inverted ? "true" : "false"});
+      }
+      // Long enough for an opto-isolated output, short against a frame.
+      constexpr double pulse = 500e-6;
+      if (settings.strobe_delay) {
+        nodes.insert(nodes.end(), {{"TimerSelector", "Timer1"},
+                                   {"TimerTriggerSource", "ExposureStart"},
+                                   {"TimerDelay", us(*settings.strobe_delay)},
+                                   {"TimerDuration", us(pulse)}});
+      }
+      nodes.push_back({"LineSource", settings.strobe_delay ? "Timer1Active" : "ExposureActive"});
+    }
+    nodes.insert(nodes.end(), settings.nodes.begin(), settings.nodes.end());
+    return nodes;
+  }
+
   void set_up(const CameraSettings& settings) {
     arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
     set("continuous frames", arv_camera_set_acquisition_mode, ARV_ACQUISITION_MODE_CONTINUOUS);
@@ -191,6 +259,10 @@ class AravisConnection {
       ask_period();
     } else {
       set("the trigger " + settings.trigger, arv_camera_set_trigger, settings.trigger.c_str());
+    }
+    for (const CameraNode& wanted : nodes_of(settings)) {
+      const std::string read = set_node(wanted);
+      if (settings.node_set) settings.node_set({wanted.name, read});
     }
     if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
     if (settings.gain) set_control(CameraControl::gain, *settings.gain);

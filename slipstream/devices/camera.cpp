@@ -77,7 +77,7 @@ struct FormatDescription {
   void (*unpack)(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) = nullptr;
 };
 
-constexpr std::array<FormatDescription, 9> formats{{
+constexpr std::array<FormatDescription, 10> formats{{
     {PixelFormat::mono8, "Mono8", 8, 8},
     {PixelFormat::mono10, "Mono10", 10, 16, copy_words},
     {PixelFormat::mono12, "Mono12", 12, 16, copy_words},
@@ -87,6 +87,7 @@ constexpr std::array<FormatDescription, 9> formats{{
     {PixelFormat::mono10_packed, "Mono10Packed", 10, 12, unpack_pairs},
     {PixelFormat::mono12_packed, "Mono12Packed", 12, 12, unpack_pairs},
     {PixelFormat::rgb8, "RGB8", 8, 8},
+    {PixelFormat::mjpg, "MJPG", 8, 8},
 }};
 
 const FormatDescription& describe(PixelFormat format) {

@@ -20,9 +20,10 @@ enum class PixelFormat {
   mono10_packed,  ///< 2 pixels in 3 bytes: high bits, the low bits of both, high bits
   mono12_packed,  ///< 2 pixels in 3 bytes: high bits, the low bits of both, high bits
   rgb8,           ///< colour: one byte each for red, green and blue
+  mjpg,           ///< V4L2 only: JPEG, decoded to its luminance
 };
 
-/// "Mono8", "Mono10", ..., "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "RGB8".
+/// "Mono8", "Mono10", ..., "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed", "RGB8", "MJPG".
 std::string_view name_of(PixelFormat format);
 std::vector<std::string_view> pixel_format_names();
 
@@ -42,6 +43,11 @@ std::size_t bytes_of(PixelFormat format, std::size_t values);
 /// unchanged, if bytes are missing.
 bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& frame);
 
+/// A GenICam node and its value as text, e.g. LineSource and ExposureActive.
+struct CameraNode {
+  std::string name, value;
+};
+
 /// Camera settings, each optional. V4L2 cameras support fewer, as noted.
 struct CameraSettings {
   std::optional<double> exposure;    ///< s; turns automatic exposure off
@@ -55,6 +61,15 @@ struct CameraSettings {
   /// Empty: free-running, the only mode of V4L2; "Software": FrameSource::trigger; or a line, e.g.
   /// "Line1".
   std::string trigger;
+  /// Output line that is active during each exposure and advances the projector, e.g. "Line1";
+  /// empty: none. GenICam only, like its delay (from the start of the exposure to a pulse, s).
+  std::string strobe;
+  std::optional<double> strobe_delay;
+  bool strobe_inverted = false;  ///< low during the exposure
+  /// GenICam only: nodes to set, in this order, after trigger and strobe. Commands are executed.
+  std::vector<CameraNode> nodes;
+  /// Called on opening for each node of the strobe and `nodes`, with the value read back.
+  std::function<void(const CameraNode&)> node_set;
   int packet_size = 0;  ///< GigE Vision only, bytes; 0: the largest the network passes
   /// Patterns per scan. After a reconnection, frames are counted on from a multiple of it.
   int cycle = 1;
@@ -81,7 +96,8 @@ std::vector<CameraDescription> list_cameras();
 /// Opens the GenICam camera of that name (see list_genicam_cameras), serial number or network
 /// address; the first one found if empty. Frames are numbered by the camera, from 0 at the start,
 /// and timed by its clock. A lost camera is searched for until it is back; closing a lost camera
-/// takes seconds. Throws Error for a refused setting, WorldError without an answer.
+/// takes seconds. Throws Error for a missing node, a refused setting or one that reads back
+/// different (numbers: by over 1 %), WorldError without an answer.
 std::unique_ptr<FrameSource> open_genicam_camera(const std::string& name,
                                                  const CameraSettings& settings);
 

@@ -111,6 +111,7 @@ class CameraSource : public FrameSource, public CameraControls {
         connection_(std::move(connection)),
         format_(format),
         count_(settings_.cycle) {
+    settings_.node_set = {};  // the caller may be gone when the camera is opened again
     if (settings_.cycle < 1) {
       throw Error(fmt::format("{} patterns per scan; expected at least 1", settings_.cycle));
     }

@@ -26,6 +26,13 @@ enum class GigeRegister : std::uint32_t {
   trigger_mode = 0x300,
   trigger_source = 0x304,
   software_trigger = 0x30c,
+  // of Line0; see line_register
+  line_mode = 0x340,      ///< 1: output
+  line_source = 0x344,    ///< 1: exposure active; 2: timer
+  line_inverter = 0x348,  ///< 1: low while active
+  timer_source = 0x380,
+  timer_delay = 0x384,     ///< us
+  timer_duration = 0x388,  ///< us
   // defined by the standard
   heartbeat_timeout = 0x938,  ///< ms; clamped to half a second to a minute
   control_privilege = 0xa00,
@@ -35,6 +42,11 @@ enum class GigeRegister : std::uint32_t {
   stream_host = 0xd18,
   stream_configuration = 0xd24,
 };
+
+/// The register of another line than Line0.
+constexpr GigeRegister line_register(GigeRegister of_line_0, int line) {
+  return static_cast<GigeRegister>(static_cast<int>(of_line_0) + 0x10 * line);
+}
 
 /// Stream settings requested by the client.
 struct GigeStream {

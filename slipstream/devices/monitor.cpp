@@ -88,6 +88,10 @@ MonitorSink::MonitorSink(const opengl::WindowSystem& system, int monitor)
   glDisable(GL_FRAMEBUFFER_SRGB);
 }
 
+MonitorSink::~MonitorSink() {
+  glfwMakeContextCurrent(window_.get());
+}
+
 void MonitorSink::load(std::vector<Image<std::uint8_t>> patterns) {
   load_all(patterns);
 }
@@ -102,17 +106,19 @@ void MonitorSink::load_all(const std::vector<Image<Pixel>>& patterns) {
   glfwMakeContextCurrent(window_.get());
   textures_.clear();
   for (const Image<Pixel>& pattern : patterns) textures_.push_back(texture_of(pattern));
+  glfwMakeContextCurrent(nullptr);  // another thread may show them
 }
 
 void MonitorSink::show(std::size_t n) {
-  glfwMakeContextCurrent(window_.get());
   draw(n);
   glfwSwapBuffers(window_.get());
   glFinish();
+  glfwMakeContextCurrent(nullptr);
   ++shown_;
 }
 
 void MonitorSink::draw(std::size_t n) const {
+  glfwMakeContextCurrent(window_.get());
   glViewport(0, 0, size_.width, size_.height);
   program_.use();
   glUniform1i(program_.uniform("pattern"), 0);

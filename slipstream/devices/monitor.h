@@ -11,12 +11,14 @@
 namespace slipstream::monitor {
 
 /// A monitor used as a projector: pixel for pixel, without frame or cursor. Its gamma table is the
-/// identity until the window system ends, so that grey levels are unchanged. Main thread only.
+/// identity until the window system ends, so that grey levels are unchanged. Main thread only,
+/// except that another thread may load and show patterns.
 class MonitorSink : public PatternSink {
  public:
   /// `monitor`: index into WindowSystem::monitors. Throws Error if missing, WorldError without
   /// OpenGL.
   MonitorSink(const opengl::WindowSystem& system, int monitor);
+  ~MonitorSink() override;
 
   [[nodiscard]] std::optional<Size> size() const override { return size_; }
   void load(std::vector<Image<std::uint8_t>> patterns) override;
@@ -28,7 +30,7 @@ class MonitorSink : public PatternSink {
   [[nodiscard]] std::uint64_t shown() const override { return shown_; }
   [[nodiscard]] std::string state() const override;
 
-  /// Draws pattern n into the hidden buffer, which can be read back.
+  /// Draws pattern n into the hidden buffer, which can be read back; main thread.
   void draw(std::size_t n) const;
   /// The monitor's reported refresh rate; 60 if unknown.
   [[nodiscard]] double refresh_hz() const { return refresh_hz_; }

@@ -15,6 +15,7 @@
 
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/devices/camera_source.h"
+#include "slipstream/devices/jpeg.h"
 
 namespace slipstream {
 namespace {
@@ -69,12 +70,13 @@ struct PixelLayout {
 };
 
 /// The preferred layout for each bit depth comes first.
-constexpr std::array<PixelLayout, 5> layouts{{
+constexpr std::array<PixelLayout, 6> layouts{{
     {V4L2_PIX_FMT_GREY, 8, 1},
     {V4L2_PIX_FMT_YUYV, 8, 2},
     {V4L2_PIX_FMT_Y10, 10, 2},
     {V4L2_PIX_FMT_Y12, 12, 2},
     {V4L2_PIX_FMT_RGB24, 8, 1, 3},
+    {V4L2_PIX_FMT_MJPEG, 8, 1},
 }};
 
 template <class Structure>
@@ -150,15 +152,20 @@ double whole_gain(double gain) {
 FrameFormat format_from(const CameraSettings& settings) {
   const PixelFormat pixels = settings.pixel_format;
   throw_if(pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
-               pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8,
-           "--pixel-format {}: not available on v4l2 cameras; use Mono8, Mono10, Mono12 or RGB8",
+               pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8 &&
+               pixels != PixelFormat::mjpg,
+           "--pixel-format {}: not available on v4l2 cameras; use Mono8, Mono10, Mono12, RGB8 or "
+           "MJPG",
            name_of(pixels));
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   throw_if(region.x != 0 || region.y != 0,
            "--region {}x{}+{}+{}: v4l2 cameras have a size but no region offset; give e.g. 640x480",
            region.size.width, region.size.height, region.x, region.y);
-  throw_if(!settings.trigger.empty(), "--trigger {}: v4l2 cameras have no trigger",
-           settings.trigger);
+  throw_if(!settings.trigger.empty() || !settings.strobe.empty(),
+           "{} {}: v4l2 cameras have no trigger",
+           settings.strobe.empty() ? "--trigger" : "--strobe",
+           settings.strobe.empty() ? settings.trigger : settings.strobe);
+  throw_if(!settings.nodes.empty(), "--feature: v4l2 cameras have no GenICam nodes");
   if (settings.gain) (void)whole_gain(*settings.gain);
   return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
 }
@@ -170,7 +177,7 @@ class V4l2Stream {
              const CameraSettings& settings)
       : name_(std::move(name)), device_(std::move(device)) {
     throw_if(!camera_of(*device_), "{} is not a streaming camera", name_);
-    set_format(format, values_of(settings.pixel_format));
+    set_format(format, settings.pixel_format);
     if (settings.frame_rate) set_rate(*settings.frame_rate);
     if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
     if (settings.gain) set_control(CameraControl::gain, *settings.gain);
@@ -264,10 +271,15 @@ class V4l2Stream {
     if (device_->control(request, argument) != 0) fail(what);
   }
 
-  void set_format(const FrameFormat& frames, int values) {
+  void set_format(const FrameFormat& frames, PixelFormat pixels) {
+    const int values = values_of(pixels);
+    const bool compressed = pixels == PixelFormat::mjpg;
     const FrameFormat wanted{{frames.size.width / values, frames.size.height}, frames.bits};
     for (const PixelLayout& layout : layouts) {
-      if (layout.bits != wanted.bits || layout.values != values) continue;
+      if (layout.bits != wanted.bits || layout.values != values ||
+          (layout.code == V4L2_PIX_FMT_MJPEG) != compressed) {
+        continue;
+      }
       auto format = cleared<v4l2_format>();
       format.fmt.pix.width = static_cast<std::uint32_t>(wanted.size.width);
       format.fmt.pix.height = static_cast<std::uint32_t>(wanted.size.height);
@@ -289,7 +301,9 @@ class V4l2Stream {
     }
     throw Error(fmt::format("camera {} has no {} frames with {} bits ({})", name_,
                             values == 1 ? "grey" : "colour", wanted.bits,
-                            values == 1 ? "GREY, YUYV, Y10 or Y12" : "RGB24"));
+                            compressed    ? "MJPG"
+                            : values == 1 ? "GREY, YUYV, Y10 or Y12; many have MJPG"
+                                          : "RGB24"));
   }
 
   void set_rate(double rate) const {
@@ -307,18 +321,20 @@ class V4l2Stream {
     if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.index >= buffers_.size()) {
       return Arrival::damaged;
     }
+    const std::span<const std::uint8_t> bytes = buffers_[buffer.index];
     const auto pixel_bytes = static_cast<std::size_t>(layout_.bytes);
     const Size size = frame.format().size;
     const std::size_t needed = row_bytes_ * static_cast<std::size_t>(size.height - 1) +
                                pixel_bytes * static_cast<std::size_t>(size.width);
-    if (buffer.bytesused < needed || buffers_[buffer.index].size() < needed) {
+    if (layout_.code == V4L2_PIX_FMT_MJPEG) {
+      const auto jpeg = bytes.first(std::min<std::size_t>(buffer.bytesused, bytes.size()));
+      if (!decode_jpeg(jpeg, std::get<Image<std::uint8_t>>(frame.pixels))) return Arrival::damaged;
+    } else if (buffer.bytesused < needed || bytes.size() < needed) {
       return Arrival::damaged;
+    } else {
+      std::visit([&](auto& image) { copy_rows(bytes.data(), row_bytes_, pixel_bytes, image); },
+                 frame.pixels);
     }
-    std::visit(
-        [&](auto& image) {
-          copy_rows(buffers_[buffer.index].data(), row_bytes_, pixel_bytes, image);
-        },
-        frame.pixels);
     frame.stamp = {.sequence = buffer.sequence,
                    .pattern_index = std::nullopt,
                    .device_time = time_of(buffer.timestamp),

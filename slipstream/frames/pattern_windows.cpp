@@ -109,6 +109,12 @@ void RollingWindow::restart(std::uint64_t first) {
   begun_ = false;
 }
 
+void RollingWindow::give_up(std::uint64_t last) {
+  if (!begun_ || last < next_) return;
+  lost_ += last + 1 - next_;
+  next_ = last + 1;
+}
+
 PatternWindows::PatternWindows(PatternCycle cycle, PatternIndexing indexing, Size size)
     : patterns_(cycle.patterns),
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
@@ -195,6 +201,12 @@ void PatternWindows::restart() {
   window_.restart();
   recent_.clear();
   begun_ = false;
+}
+
+void PatternWindows::finish() {
+  if (!begun_) return;
+  const Place last = place_of(newest_);
+  window_.give_up(last.position - (last.index == patterns_ ? 1 : 0));
 }
 
 }  // namespace slipstream

@@ -155,6 +155,9 @@ class RollingWindow {
   void restart(std::uint64_t first);
   void restart() { restart(newest_ + 1); }
 
+  /// Gives up the windows that end at `last` or earlier.
+  void give_up(std::uint64_t last);
+
   /// Windows that can never be complete.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
@@ -206,6 +209,8 @@ class PatternWindows {
 
   /// Call when the source restarts its frame count.
   void restart();
+  /// Call at the end: incomplete windows of the frames so far are lost.
+  void finish();
 
   /// Windows lost because of missing frames.
   [[nodiscard]] std::uint64_t lost() const { return window_.lost(); }

@@ -6,7 +6,9 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/decode/frame_adapter.h"
 #include "slipstream/frames/scan_camera.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -158,16 +160,36 @@ void ReplaySource::open_recording(const fs::path& path) {
 
 void ReplaySource::open_folder(const fs::path& folder) {
   const ScanFiles files = scan_files_in(folder, settings_.scan);
+  paced_ = settings_.rate.value_or(0) > 0;
+  if (static_cast<int>(files.frames.size()) > frame_count(files.sequence)) {
+    return open_pictures(files);
+  }
   header_.in_colour = is_in_colour(files);
   const Scan scan = header_.in_colour ? load_as_taken(files, header_.white) : load_scan(files);
   frames_ = frames_of(scan.frames, folder.string());
   count_ = frames_.size();
-  paced_ = settings_.rate.value_or(0) > 0;
   header_.format = frames_.front().format();
   header_.sequence = scan.sequence;
   header_.sequence->marker = false;  // a folder contains no marker frame
   header_.scanner = scan.scanner;
   warning_ = fmt::format("{}", fmt::join(scan.warnings, "; "));
+}
+
+/// Each picture shows the next pattern of the cycle.
+void ReplaySource::open_pictures(const ScanFiles& files) {
+  throw_if(!files.order.empty(), "{}: --order needs a single cycle of frames", files.path.string());
+  pictures_ = files.frames;
+  bits_ = files.bits;
+  count_ = pictures_.size();
+  header_.sequence = files.sequence;
+  header_.sequence->marker = false;
+  Frame frame;
+  if (!read(0, frame)) throw Error(fmt::format("{}: not a frame", pictures_.front().string()));
+  header_.format = frame.format();
+  if (!files.scanner) return;
+  header_.scanner = completed(read_scanner(*files.scanner), files.scanner->string(),
+                              header_.format.size, files.sequence.projector);
+  header_.sequence->projector = header_.scanner->projector.size;
 }
 
 void ReplaySource::measure_round(const fs::path& path) {
@@ -203,6 +225,17 @@ void ReplaySource::measure_round(const fs::path& path) {
 
 bool ReplaySource::read(std::uint64_t index, Frame& frame) const {
   if (reader_) return reader_->read(index, frame);
+  if (!pictures_.empty()) {
+    const auto cycle = static_cast<std::uint64_t>(cycle_length(*header_.sequence));
+    try {
+      frame = frames_of(read_frames({pictures_[index]}, bits_).frames, "").front();
+    } catch (const Error&) {
+      return false;
+    }
+    frame.stamp.sequence = index;
+    frame.stamp.pattern_index = static_cast<int>(index % cycle);
+    return true;
+  }
   frame = frames_[index];
   return true;
 }

@@ -17,10 +17,10 @@ struct ReplaySettings {
   ScanChanges scan{};  ///< overrides a scan folder's settings
 };
 
-/// Replays a recording or a scan folder as if a camera delivered the frames now. Missing frames
-/// leave the same gaps in the sequence. In a loop, the sequence continues without a gap: each round
-/// has complete cycles, so that frame counting still gives the pattern. Colour pictures arrive as
-/// channels, as in RecordingHeader, also from a scan folder.
+/// Replays a recording, a scan folder or a folder of many grey frames as if a camera delivered the
+/// frames now. Missing frames leave the same gaps in the sequence. In a loop, the sequence
+/// continues without a gap: each round has complete cycles, so that frame counting still gives the
+/// pattern. Colour pictures arrive as channels, as in RecordingHeader, also from a scan folder.
 class ReplaySource : public FrameSource {
  public:
   /// Throws Error if `path` is neither a recording nor a scan folder, has no readable frame, or the
@@ -43,6 +43,7 @@ class ReplaySource : public FrameSource {
  private:
   void open_recording(const std::filesystem::path& path);
   void open_folder(const std::filesystem::path& folder);
+  void open_pictures(const ScanFiles& files);
   void measure_round(const std::filesystem::path& path);
   /// Frame `index` with its original stamp; returns false if it is damaged.
   bool read(std::uint64_t index, Frame& frame) const;
@@ -55,7 +56,9 @@ class ReplaySource : public FrameSource {
   std::string warning_;
   bool paced_ = false;
   std::unique_ptr<RecordingReader> reader_;
-  std::vector<Frame> frames_;  ///< of a scan folder
+  std::vector<Frame> frames_;                    ///< of a scan folder of one cycle
+  std::vector<std::filesystem::path> pictures_;  ///< of a folder of more, read when due
+  int bits_ = 0;                                 ///< of these
   std::uint64_t count_ = 0;
 
   /// Increments of the stamps from one round to the next.

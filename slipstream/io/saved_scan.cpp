@@ -86,9 +86,11 @@ Scan taken_scan(const ScanFiles& files) {
   }
   if (const int wanted = frame_count(files.sequence);
       static_cast<int>(files.frames.size()) != wanted) {
-    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures has {}",
+    const bool many = static_cast<int>(files.frames.size()) > wanted;
+    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures has {}{}",
                             files.path.string(), files.frames.size(),
-                            files.sequence.strategy.name(), wanted));
+                            files.sequence.strategy.name(), wanted,
+                            many ? "; reconstruct --windows : takes them as a recording" : ""));
   }
   LoadedFrames loaded = read_frames(files.frames, files.bits);
   scan.frames = std::move(loaded.frames);
@@ -176,8 +178,9 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   const ScanFiles files = scan_files_in(path, changes);
   Scan scan = load_scan(files);
   if (files.second_camera) {
-    add_camera(scan, scan_files_in(*files.second_camera,
-                                   {.sequence = changes.sequence, .order = changes.order}));
+    add_camera(scan, scan_files_in(*files.second_camera, {.sequence = changes.sequence,
+                                                          .order = changes.order,
+                                                          .window = changes.window}));
   }
   return scan;
 }

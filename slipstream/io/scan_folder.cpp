@@ -213,6 +213,16 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
   return order;
 }
 
+/// Keeps only the pictures of the window.
+void keep_window(ScanFiles& files) {
+  const std::uint64_t count = window_count(files);
+  throw_if(*files.window >= count, "{}: has {} windows, from 0; there is no window {}",
+           files.path.string(), count, *files.window);
+  const auto first = files.frames.begin() + static_cast<std::ptrdiff_t>(*files.window) *
+                                                frame_count(cycle_of(files.sequence));
+  files.frames = std::vector<fs::path>(first, first + frame_count(files.sequence));
+}
+
 ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {
   const RecordingHeader& header = recording->header();
   ScanFiles files{.path = path,
@@ -326,6 +336,13 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   return std::string(yaml.c_str()) + "\n";
 }
 
+std::uint64_t window_count(const ScanFiles& files) {
+  if (files.recording) return window_count(*files.recording, files.sequence);
+  const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(files.sequence)));
+  const auto motion = static_cast<std::uint64_t>(files.sequence.motion);
+  return files.frames.size() < motion ? 0 : (files.frames.size() - motion) / cycle;
+}
+
 void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(!files.described && !changes.sequence.strategy,
            "{}: {}; set the pattern strategy with --strategy", files.path.string(),
@@ -333,6 +350,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   files.sequence = changed(files.sequence, changes.sequence);
   if (!changes.order.empty()) files.order = order_from(changes.order, files.sequence);
   files.window = changes.window;
+  if (files.window && !files.recording) keep_window(files);
   files.bits = changes.bits.value_or(files.bits);
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
            "--camera-bits {} is out of range; expected 8 to 16", files.bits);

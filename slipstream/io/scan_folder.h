@@ -17,7 +17,9 @@ struct ScanFiles {
   std::vector<std::filesystem::path> frames{};  ///< pictures; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
   std::shared_ptr<const RecordingReader> recording{};  ///< the open recording, or null
-  std::optional<std::uint64_t> window{};  ///< of a recording, see window_at; nullopt: first cycle
+  /// Of a recording, see window_at; nullopt: first cycle. Of a folder of many frames, whose
+  /// `frames` are then those of the window; nullopt: all.
+  std::optional<std::uint64_t> window{};
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
   /// For colour pictures: a picture under uniform grey light, see unmixed.
   std::optional<std::filesystem::path> white{};
@@ -57,8 +59,11 @@ struct ScanChanges {
   std::optional<std::filesystem::path> scanner{};
 };
 
-/// Applies the changes. Throws Error if the sequence remains unknown, for unsupported bits and for
-/// an invalid order.
+/// Number of windows: of the recording, or of the pictures, each cycle with its motion frames.
+std::uint64_t window_count(const ScanFiles& files);
+
+/// Applies the changes. Throws Error if the sequence remains unknown, for unsupported bits, a
+/// missing window of pictures and an invalid order.
 void amend(ScanFiles& files, const ScanChanges& changes);
 
 /// The scan in a folder, described by its scan.yaml or its picture names, or in a recording, with

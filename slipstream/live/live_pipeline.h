@@ -36,8 +36,9 @@ struct WindowEngine;
 
 /// From a source to live clouds: capture, window, reconstruct and show, each in its own thread with
 /// a bounded queue before it. Each new frame gives a cloud of the N newest. A source with its own
-/// pace never waits: frames without room are overwritten and counted. Allocates all memory at the
-/// start. Without a scanner (see without_geometry) frames are only checked and passed on.
+/// pace never waits: if later stages are too slow, whole windows are skipped and counted, and
+/// frames without room are overwritten and counted. Allocates all memory at the start. Without a
+/// scanner (see without_geometry) frames are only checked and passed on.
 ///
 /// One thread starts, stops and changes it; any thread may query it.
 class LivePipeline {

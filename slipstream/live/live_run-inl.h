@@ -78,6 +78,7 @@ class LiveRun {
                          .repeated = frames_repeated_};
     statistics.clouds = show_meter_.count();
     statistics.windows_lost = windows_lost_;
+    statistics.windows_skipped = windows_skipped_;
     statistics.resynchronisations = resynchronisations_;
     const Clock::time_point now = locked(end_).value_or(Clock::now());
     statistics.seconds = std::chrono::duration<double>(now - start_).count();
@@ -184,9 +185,9 @@ class LiveRun {
       captured.reset();
       resynchronisations_ = resynchronised_before + windows->resynchronisations();
       while (windows->next(window)) {
-        Pooled<LiveCloud> cloud = wait_for(*clouds_, cloud_patience);
+        Pooled<LiveCloud> cloud = cloud_unless_behind(windows->first_pattern());
         if (!cloud) {
-          ++lost_before;
+          ++windows_skipped_;
           continue;
         }
         LiveCloud& filled = cloud.fill();
@@ -200,6 +201,10 @@ class LiveRun {
         window_meter_.done(filled.newest.host_time);
         windows_.push_when_room({std::move(cloud), current});
       }
+      windows_lost_ = lost_before + windows->lost();
+    }
+    if (windows) {
+      windows->finish();
       windows_lost_ = lost_before + windows->lost();
     }
     windows_.close();
@@ -280,6 +285,20 @@ class LiveRun {
     return frame;
   }
 
+  /// Waits for a cloud and for room ahead. Empty if captured frames pile up meanwhile: skipping a
+  /// window costs only itself, a frame lost for lack of room costs all windows that contain it.
+  /// Windows from the first pattern on, which `newest` needs, are skipped later than others.
+  Pooled<LiveCloud> cloud_unless_behind(int first_pattern) const {
+    const auto is_behind = [&, most = first_pattern == 0 ? 2U : 1U] {
+      return paced_ && 4 * captured_.waiting() >= most * captured_.capacity();
+    };
+    while (paced_ && !stopping_ && windows_.waiting() == windows_.capacity()) {
+      if (is_behind()) return {};
+      std::this_thread::sleep_for(look_again);
+    }
+    return wait_for(*clouds_, cloud_patience, is_behind);
+  }
+
   void pass_on(Pooled<Frame> frame) {
     const Clock::time_point captured_at = frame->stamp.host_time;
     if (paced_) {
@@ -291,12 +310,14 @@ class LiveRun {
     capture_meter_.done(captured_at);
   }
 
-  /// Waits for a free value; gives up and returns an empty one `patience` after the stop.
+  /// Waits for a free value; returns an empty one `patience` after the stop, or once `gives_up`.
   template <class Value>
-  Pooled<Value> wait_for(Pool<Value>& pool, Clock::duration patience) const {
+  Pooled<Value> wait_for(
+      Pool<Value>& pool, Clock::duration patience,
+      const std::function<bool()>& gives_up = [] { return false; }) const {
     Pooled<Value> value = pool.take();
     std::optional<Clock::time_point> given_up;
-    while (!value && (!given_up || Clock::now() < *given_up)) {
+    while (!value && !gives_up() && (!given_up || Clock::now() < *given_up)) {
       if (stopping_ && !given_up) given_up = Clock::now() + patience;
       std::this_thread::sleep_for(look_again);
       value = pool.take();
@@ -329,7 +350,8 @@ class LiveRun {
   std::atomic<bool> capturing_ = true;
   SequenceWatch sequence_;  ///< used by the capture stage
   std::atomic<std::uint64_t> frames_captured_ = 0, frames_lost_ = 0, frames_overwritten_ = 0,
-                             frames_repeated_ = 0, windows_lost_ = 0, resynchronisations_ = 0;
+                             frames_repeated_ = 0, windows_lost_ = 0, windows_skipped_ = 0,
+                             resynchronisations_ = 0;
   StageMeter capture_meter_, window_meter_, reconstruct_meter_, show_meter_;
   LatencyHistogram cloud_latency_, screen_latency_;
   std::vector<std::thread> threads_;

@@ -27,13 +27,14 @@ std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
   std::string text = fmt::format(
       "{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated\n"
-      "{} clouds, {:.1f} per second{}; {} windows without a cloud, {} resynchronisations\n"
+      "{} clouds, {:.1f} per second{}; {} windows lost, {} skipped, {} "
+      "resynchronisations\n"
       "capture to cloud: median {:.2f} ms, 99 % below {:.2f} ms, maximum {:.2f} ms{}",
       frames.captured, statistics.seconds, frames.lost, frames.overwritten, frames.repeated,
       statistics.clouds, statistics.clouds_per_second,
       statistics.backend.empty() ? "" : ", backend " + statistics.backend, statistics.windows_lost,
-      statistics.resynchronisations, statistics.latency.p50, statistics.latency.p99,
-      statistics.latency.max, text_of_cleaned(statistics.cleaned));
+      statistics.windows_skipped, statistics.resynchronisations, statistics.latency.p50,
+      statistics.latency.p99, statistics.latency.max, text_of_cleaned(statistics.cleaned));
   if (statistics.track) text += fmt::format("\n{}", text_of(*statistics.track));
   if (statistics.model) text += fmt::format("\n{}", text_of(*statistics.model));
   return text;

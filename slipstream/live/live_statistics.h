@@ -71,6 +71,7 @@ struct LiveStatistics {
   } frames;
   std::uint64_t clouds = 0;
   std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or out of order
+  std::uint64_t windows_skipped = 0;     ///< without a cloud, though whole: for lack of time
   std::uint64_t resynchronisations = 0;  ///< pattern indices found shifted, and corrected
   /// Points of the newest cloud that cleaning rejected, by reason; `valid` counts filled gaps.
   ValidityCounts cleaned{};
@@ -99,6 +100,7 @@ struct LiveStatistics {
     visit("clouds", clouds);
     visit("clouds_per_second", clouds_per_second);
     visit("windows_lost", windows_lost, "scans lost");
+    visit("windows_skipped", windows_skipped, "scans skipped");
     visit("resynchronisations", resynchronisations, "order set right");
     visit("cleaned", cleaned);
     visit("motion", motion);

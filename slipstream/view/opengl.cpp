@@ -197,14 +197,21 @@ Image<Colour> read_pixels(Size size) {
   return picture;
 }
 
+namespace {
+
+int window_systems = 0;  // GLFW has one, which ends with the last
+
+}  // namespace
+
 WindowSystem::WindowSystem() {
   if (glfwInit() != GLFW_TRUE) {
     throw WorldError(fmt::format("no desktop to open a window on: {}", last_words()));
   }
+  ++window_systems;
 }
 
 WindowSystem::~WindowSystem() {
-  glfwTerminate();
+  if (--window_systems == 0) glfwTerminate();
 }
 
 std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {

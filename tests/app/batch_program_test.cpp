@@ -228,7 +228,7 @@ TEST_F(BatchProgram, WhatCannotBePlannedIsOneLine) {
   expect_refused("x\ny\tfirst\n", "line 2: 'first': expected a range");
   expect_refused("x\t\tmuch\n", "line 1: expected PATH");
   expect_refused("a.slip\t200:\n", "200 windows; none in the range 200:");
-  expect_refused("x\t:\n", "only recordings have windows");
+  expect_refused("x\t3:\n", "1 windows; none in the range 3:");
   expect_refused("x\nx\n", "two scans would be written to this file");
   expect_refused("a.slip\t0:9\na.slip\t8:12\n", "window 8");
   write_file(path("list.txt"), "x\n");

@@ -1,15 +1,22 @@
 // Runs `slipstream convert` between cloud formats.
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
+#include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"
+#include "tests/shared_data.h"
 
 namespace slipstream::convert_program_test {
 namespace fs = std::filesystem;
@@ -69,6 +76,86 @@ TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them
   run({"convert", path("scan-000000.pcd"), path("scan-000002.pcd"), "-o", path("two.mcap")});
   run({"convert", path("two.mcap"), "--topic", "/points", "-o", path("two-{window}.pcd")});
   expect_same(path("two-000001.pcd"), path("expected-000002.pcd"));
+}
+
+TEST_F(Convert, a_folder_of_many_frames_is_a_recording) {
+  const RecordingReader recorded(path("scan.slip"));
+  const std::string folder = path("frames"), scanner = path("scanner.yaml");
+  fs::create_directory(folder);
+  for (std::uint64_t n = 0; n < recorded.count(); ++n) {
+    Frame frame;
+    ASSERT_TRUE(recorded.read(n, frame));
+    write_image(folder + "/" + std::to_string(n) + ".png", std::get<0>(frame.pixels));
+  }
+  write_scanner(scanner, *recorded.header().scanner);
+  const auto with_flags = [&](std::vector<std::string> arguments) {
+    for (const char* word : {"--strategy", "pmp", "--steps", "4", "--scanner"}) {
+      arguments.emplace_back(word);
+    }
+    arguments.push_back(scanner);
+    return arguments;
+  };
+  for (const std::string motion : {"0", "2"}) {
+    for (const std::string& scan : {folder, path("scan.slip")}) {
+      run(with_flags({"reconstruct", scan, "--windows", ":", "--motion", motion, "-o",
+                      path("{name}-{window}.ply")}));
+    }
+    for (const char* window : {"000000", "000001", "000002"}) {
+      const std::string of_folder = path(std::string("frames-") + window + ".ply");
+      EXPECT_EQ(contents(of_folder), contents(path(std::string("scan-") + window + ".ply")));
+      EXPECT_GT(fs::file_size(of_folder), 10000U);
+    }
+    EXPECT_FALSE(fs::exists(path("frames-000003.ply")));
+  }
+  EXPECT_NE(run(with_flags({"reconstruct", folder}), 2).err.find("--windows :"), std::string::npos);
+  EXPECT_NE(run(with_flags({"reconstruct", folder, "--windows", "3:"}), 2).err.find("3 windows"),
+            std::string::npos);
+
+  run(with_flags({"convert", folder, "-o", path("again.slip")}));
+  const RecordingReader again(path("again.slip"));
+  ASSERT_EQ(again.count(), recorded.count());
+  EXPECT_EQ(again.header().sequence, recorded.header().sequence);
+  const ProgramRun live =
+      run(with_flags({"live", "--source", "replay:" + folder, "--headless", "--json"}));
+  const auto told = nlohmann::json::parse(live.out);
+  EXPECT_EQ(told["clouds"], 11);
+  EXPECT_EQ(told["findings"], nlohmann::json::array());
+}
+
+TEST_F(Convert, a_folder_of_a_real_moving_hand_gives_every_cloud) {
+  const fs::path hand = shared_data() / "bsc-hand";
+  if (!fs::exists(hand)) GTEST_SKIP() << hand << " is not there";
+  std::string scanner =
+      "%YAML:1.0\n---\nprojector_width: 1280\nprojector_height: 800\ncamera_width: 640\n"
+      "camera_height: 480\n";
+  for (const auto& [entry, file] : {std::pair{"camera_projection", "mCamera1Rectified.txt"},
+                                    std::pair{"projector_projection", "mProjector.txt"}}) {
+    std::ifstream text(hand / file);
+    std::vector<std::string> numbers(12);
+    for (std::string& number : numbers) text >> number;
+    scanner +=
+        fmt::format("{}: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ {} ]\n",
+                    entry, fmt::join(numbers, ", "));
+  }
+  write_file(path("hand.yaml"), scanner);
+  const auto with_flags = [&](std::vector<std::string> arguments) {
+    for (const char* word : {"--strategy", "pmp", "--steps", "4", "--frequency", "28.5", "--motion",
+                             "2", "--nearest", "440", "--farthest", "460", "--json", "--scanner"}) {
+      arguments.emplace_back(word);
+    }
+    arguments.push_back(path("hand.yaml"));
+    return arguments;
+  };
+  const auto clouds = nlohmann::json::parse(
+      run(with_flags({"reconstruct", hand / "cam1", "--windows", ":"})).out)["scans"];
+  ASSERT_EQ(clouds.size(), 9U);
+  for (const auto& cloud : clouds) EXPECT_GT(cloud["points"], 25000);
+  const auto live = nlohmann::json::parse(
+      run(with_flags({"live", "--source", "replay:" + (hand / "cam1").string(), "--headless"}))
+          .out);
+  EXPECT_EQ(live["clouds"].get<int>() + live["windows_lost"].get<int>(), 35);
+  EXPECT_GE(live["clouds"], 33);
+  for (const auto& finding : live["findings"]) EXPECT_FALSE(finding["refused"]) << finding;
 }
 
 TEST_F(Convert, pictures_in_colour_to_a_recording_and_back_bit_for_bit) {

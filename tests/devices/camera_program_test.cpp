@@ -1,4 +1,5 @@
 // Runs `slipstream record` against `slipstream camera serve`.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "slipstream/io/recording.h"
 #include "tests/app/program.h"
@@ -30,10 +32,11 @@ class CameraProgram : public testing::Test {
  protected:
   void SetUp() override { REQUIRE_CAMERA(slipstream::serve(std::vector<Frame>{some_frame(0)})); }
 
-  [[nodiscard]] RunningProgram serve() const {
-    return RunningProgram(with({"camera", "serve", "--camera", "160x120", "--scene", "sphere",
-                                "--cycles", "3", "--serial", "PROGRAM"},
-                               small_scan));
+  [[nodiscard]] RunningProgram serve(const std::vector<std::string>& more = {}) const {
+    return RunningProgram(with(with({"camera", "serve", "--camera", "160x120", "--scene", "sphere",
+                                     "--cycles", "3", "--serial", "PROGRAM"},
+                                    small_scan),
+                               more));
   }
   [[nodiscard]] RunningProgram record(const std::vector<std::string>& more) const {
     return RunningProgram(
@@ -91,6 +94,89 @@ TEST_F(CameraProgram, ServerThatIsKilledAndRunAgainIsFoundAndInterruptFinishesTh
   EXPECT_GT(reader.count(), 20U);
 }
 
+/// Flags of the wire and of the client, and whether each frame then shows the next pattern.
+struct Wired {
+  std::vector<std::string> served, client;
+  bool in_step;
+};
+
+class WiredCamera : public CameraProgram, public testing::WithParamInterface<Wired> {};
+
+TEST_P(WiredCamera, ShowsEachPatternInItsFrameIfTheClientUsesTheWire) {
+  const auto& [served, client, in_step] = GetParam();
+  RunningProgram server = serve(with(served, {"--rate", "100"}));
+  ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
+  ASSERT_EQ(record(with(client, {"--frames", "40"})).wait(), 0);
+  const RecordingReader reader(recording());
+  std::vector<Frame> frames(reader.count());
+  for (std::uint64_t i = 0; i < frames.size(); ++i) ASSERT_TRUE(reader.read(i, frames[i]));
+  ASSERT_EQ(frames.size(), 40U);
+  std::size_t same = 0;
+  for (std::size_t i = 12; i < 40; ++i) {
+    const bool whole_round = frames[i].stamp.sequence == frames[i - 12].stamp.sequence + 12;
+    if (in_step && whole_round) EXPECT_TRUE(same_pixels(frames[i], frames[i - 12])) << i;
+    same += same_pixels(frames[i], frames[i - 1]) ? 1 : 0;
+  }
+  EXPECT_EQ(same, in_step ? 0U : 28U);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Wires, WiredCamera,
+    testing::Values(Wired{{"--wired", "trigger"}, {"--trigger", "Line1"}, true},
+                    Wired{{"--wired", "strobe"}, {"--strobe", "Line1"}, true},
+                    Wired{{"--wired", "strobe"},
+                          {"--strobe", "Line1", "--strobe-delay", "0.2", "--strobe-inverted"},
+                          true},
+                    Wired{{"--wired", "strobe"},
+                          {"--feature", "LineSelector=Line1", "--feature", "LineMode=Output",
+                           "--feature", "LineSource=ExposureActive"},
+                          true},
+                    Wired{{"--wired", "strobe"}, {}, false},
+                    Wired{{"--wired", "strobe"}, {"--strobe", "Line0"}, false}));
+
+class Rehearsal : public CameraProgram, public testing::WithParamInterface<std::string> {};
+
+TEST_P(Rehearsal, OfTheLivePageIsInStep) {
+  const std::vector<std::string> sequence{"--strategy", "dual-frequency", "--steps", "3", "--high",
+                                          "16",         "--low",          "1"};
+  const std::string scanner = folder_.path() / "scanner.yaml";
+  RunningProgram server(with({"camera", "serve", "--camera", "160x120", "--cycles", "4", "--wired",
+                              GetParam(), "--rate", "60", "--write-scanner", scanner},
+                             sequence));
+  ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
+  RunningProgram client(with({"live", "--source", "aravis:127.0.0.1", "--" + GetParam(), "Line1",
+                              "--exposure", "5", "--indexing", "counted", "--scanner", scanner,
+                              "--frames", "90", "--rate", "60", "--headless", "--json"},
+                             sequence));
+  ASSERT_EQ(client.wait(), 0) << client.words();
+  const auto told = nlohmann::json::parse(client.out());
+  EXPECT_EQ(told["resynchronisations"], 0);
+  EXPECT_EQ(told["findings"], nlohmann::json::array());
+  const auto lost = told["frames"]["lost"].get<int>() + told["frames"]["overwritten"].get<int>();
+  EXPECT_GE(told["clouds"].get<int>(), 90 - 5 - 6 * lost);
+  if (GetParam() == "strobe") {
+    EXPECT_NE(client.err().find("LineSource = ExposureActive"), std::string::npos) << client.err();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Rehearsal, testing::Values("trigger", "strobe"));
+
+TEST_F(CameraProgram, ANodeThatIsMissingRefusesOrReadsBackDifferentIsOneLine) {
+  RunningProgram server = serve();
+  ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
+  const auto expect_refused = [&](const std::vector<std::string>& flags, const std::string& why) {
+    RunningProgram client = record(with(flags, {"--frames", "1"}));
+    EXPECT_EQ(client.wait(), 2);
+    EXPECT_NE(client.err().find(why), std::string::npos) << client.err();
+    EXPECT_EQ(std::ranges::count(client.err(), '\n'), 1) << client.err();
+  };
+  expect_refused({"--feature", "ExposureAuto=Off"}, "has no node ExposureAuto");
+  expect_refused({"--feature", "LineMode=Sideways"}, "refused LineMode = Sideways");
+  expect_refused({"--strobe", "Line7"}, "refused LineSelector = Line7");
+  expect_refused({"--feature", "LineInverter=yes"}, "refused LineInverter = yes");
+  expect_refused({"--feature", "TimerDelay=2.7"}, "TimerDelay was set to 2.7 but reads back as 2");
+}
+
 TEST_F(CameraProgram, ListsTheServedCameraAsItIsOpened) {
   RunningProgram server = serve();
   ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
@@ -114,6 +200,10 @@ TEST_F(CameraProgram, RefusesBadFlags) {
   expect_refused(with_source({"--source", "v4l2:x"}), 2, "v4l2:x");
   expect_refused(with_source({"--source", "v4l2:63"}), 1, "/dev/video63");
   expect_refused(with_source({"--source", "v4l2:0", "--trigger", "Line1"}), 2, "Line1");
+  expect_refused(with_source({"--source", "v4l2:0", "--strobe", "Line1"}), 2, "Line1");
+  expect_refused(with_source({"--source", "v4l2:0", "--feature", "A=b"}), 2, "--feature");
+  expect_refused(with_source({"--source", "aravis:", "--feature", "Gamma"}), 2, "NAME=VALUE");
+  expect_refused({"camera", "serve", "--wired", "round"}, 2, "round");
   expect_refused(with_source({"--source", "virtual", "--frames", "0"}), 2, "--frames 0");
   expect_refused(with_source({"--source", "aravis:", "--region", "640x480+1"}), 2, "640x480+1");
   expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB8"}), 2, "RGB8");

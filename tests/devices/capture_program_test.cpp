@@ -71,7 +71,7 @@ TEST_F(CaptureProgram, LeadsFromNothingToACloud) {
   expect_runs(
       Arguments{"capture", "--poses", "12", "--headless", "--projector", "1280x800", "-o", poses} +
           camera + board + patterns,
-      "12 of 12: board12 is taken");
+      "12 of 12: board12 captured");
   expect_near(read_scanner(scanner), read_scanner(truth));
   EXPECT_TRUE(fs::exists(poses + "/report/report.md"));
   expect_runs(Arguments{"calibrate", "geometry", poses, "-o", in_folder("again.yaml")} + board);

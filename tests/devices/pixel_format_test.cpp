@@ -48,6 +48,7 @@ TEST(PixelFormat, UnpackEveryFormat) {
   for (const std::string_view name : pixel_format_names()) {
     const PixelFormat format = pixel_format_named(name);
     EXPECT_EQ(name_of(format), name);
+    if (format == PixelFormat::mjpg) continue;  // compressed
     for (const Size size : {Size{1, 1}, Size{5, 3}, Size{16, 4}, Size{7, 1}}) {
       Frame frame({size, bits_of(format)});
       std::vector<std::uint16_t> pixels;

@@ -25,6 +25,7 @@ struct MadeUpCamera {
   std::uint32_t flags = 0;              ///< of the next frame
   std::optional<std::uint32_t> used{};  ///< bytes of the next frame, if incomplete
   int frames_ready = 0;
+  std::vector<std::uint8_t> jpeg{};  ///< of the next frames, if the camera compresses
 
   std::map<std::uint32_t, int> controls{{V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_AUTO},
                                         {V4L2_CID_EXPOSURE_ABSOLUTE, 0},
@@ -143,6 +144,7 @@ class MadeUpDevice : public VideoDevice {
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       bytes[i] = MadeUpCamera::byte(camera_->sequence, i);
     }
+    std::ranges::copy(camera_->jpeg, bytes.begin());
     buffer.bytesused = camera_->used.value_or(static_cast<std::uint32_t>(bytes.size()));
     buffer.flags = camera_->flags;
     buffer.sequence = camera_->sequence++;
@@ -219,6 +221,39 @@ TEST(V4l2Source, GivesColoursSideBySide) {
   expect_error(
       [&] { (void)open_v4l2_camera("grey", opener(camera), small_frames(PixelFormat::rgb8)); },
       {"no colour frames", "RGB24"});
+}
+
+/// 6x4 pixels of grey level 77.
+constexpr std::string_view grey_jpeg =
+    "ffd8ffe000104a46494600010100000100010000ffdb00430003020203020203030303040303040508050504"
+    "04050a070706080c0a0c0c0b0a0b0b0d0e12100d0e110e0b0b1016101113141515150c0f1718161418121415"
+    "14ffc0000b080004000601011100ffc4001f0000010501010101010100000000000000000102030405060708"
+    "090a0bffc400b5100002010303020403050504040000017d0102030004110512213141061351610722711432"
+    "8191a1082342b1c11552d1f02433627282090a161718191a25262728292a3435363738393a43444546474849"
+    "4a535455565758595a636465666768696a737475767778797a838485868788898a92939495969798999aa2a3"
+    "a4a5a6a7a8a9aab2b3b4b5b6b7b8b9bac2c3c4c5c6c7c8c9cad2d3d4d5d6d7d8d9dae1e2e3e4e5e6e7e8e9ea"
+    "f1f2f3f4f5f6f7f8f9faffda0008010100003f00f9debfffd9";
+
+TEST(V4l2Source, DecodesJpegsIfAsked) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  camera->pixel_format = V4L2_PIX_FMT_MJPEG;
+  camera->row_bytes = 400;
+  for (std::size_t i = 0; i < grey_jpeg.size(); i += 2) {
+    camera->jpeg.push_back(
+        static_cast<std::uint8_t>(std::stoi(std::string(grey_jpeg.substr(i, 2)), nullptr, 16)));
+  }
+  const auto size = static_cast<std::uint32_t>(camera->jpeg.size());
+  camera->used = size;
+  const auto source = open_v4l2_camera("made up", opener(camera), small_frames(PixelFormat::mjpg));
+  source->start();
+  camera->frames_ready = 3;
+  Frame frame(source->format());
+  ASSERT_EQ(source->next(frame, 0ms), Arrival::frame);
+  for (const std::uint8_t level : std::get<0>(frame.pixels)) EXPECT_NEAR(level, 77, 1);
+  camera->used = size / 2;
+  EXPECT_EQ(source->next(frame, 0ms), Arrival::damaged);
+  camera->used = 0;
+  EXPECT_EQ(source->next(frame, 0ms), Arrival::damaged);
 }
 
 TEST(V4l2Source, GivesMoreBitsAsTheyAre) {
@@ -366,7 +401,7 @@ TEST(V4l2Source, RefusesWhatNoSuchCameraHas) {
     (void)open_v4l2_camera("made up", opener(camera), settings);
   };
   expect_error([&] { open_with({.pixel_format = PixelFormat::mono10p}); },
-               {"Mono10p", "Mono8, Mono10, Mono12 or RGB8"});
+               {"Mono10p", "Mono8, Mono10, Mono12, RGB8 or MJPG"});
   expect_error([&] { open_with({.region = Rectangle{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
   expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "have no trigger"});
   expect_error([&] { open_with({.gain = 1e12}); }, {"--gain"});

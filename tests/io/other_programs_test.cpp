@@ -1,5 +1,7 @@
 // Reads written files with other programs; skipped if they are not installed.
-// docs/reference/clouds-and-recordings.md says how to install them.
+// apt-get install pcl-tools meshlab cloudcompare xvfb nodejs npm; npm install gltf-validator
+// NODE_PATH=node_modules ctest --test-dir build -R OtherProgram -V
+// docs/reference/clouds-and-recordings.md lists the versions that were tested.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

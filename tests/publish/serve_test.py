@@ -97,7 +97,8 @@ def test_a_mistake_is_one_line_that_says_where_and_what_would_be_right(tmp_path,
     ("- source", "rig.yaml: line 1: expected a map"), (VIRTUAL, "publish: [web:8080]"),
     ("source: replay:scan.slip\npublish: web:0", "rig.yaml: line 1: scan.slip: no such file"),
     ("source: aravis:nobody\nstrategy: pmp\npublish: web:0", "nobody"),
-    ("source: v4l2:77\nstrategy: pmp\npublish: web:0", "video77")])
+    ("source: v4l2:77\nstrategy: pmp\npublish: web:0", "--monitor"),
+    ("source: v4l2:77\nindexing: marker\nstrategy: pmp\npublish: web:0", "video77")])
 def test_so_is_a_file_that_says_too_little(tmp_path, rig, words):
     if rig is not None:
         (tmp_path / "rig.yaml").write_text(rig)

@@ -13,15 +13,17 @@ namespace slipstream {
 /// The existing desktop, or an Xvfb display for the lifetime of this object, if installed.
 class Desktop {
  public:
-  Desktop() {
+  /// `pixels`: existing folder in which Xvfb keeps the screen's pixels, in Xvfb_screen0; optional.
+  explicit Desktop(const std::string& pixels = "") {
     if (std::getenv("DISPLAY") != nullptr) return;
     std::array<int, 2> ends{};
     if (::pipe(ends.data()) != 0) return;
     server_ = ::fork();
     if (server_ == 0) {
       const std::string end = std::to_string(ends[1]);
-      ::execlp("Xvfb", "Xvfb", "-displayfd", end.c_str(), "-screen", "0", "1280x800x24",
-               static_cast<char*>(nullptr));
+      const char* const option = pixels.empty() ? nullptr : "-fbdir";
+      ::execlp("Xvfb", "Xvfb", "-displayfd", end.c_str(), "-screen", "0", "1280x800x24", option,
+               pixels.c_str(), static_cast<char*>(nullptr));
       ::_exit(127);
     }
     ::close(ends[1]);

@@ -1,0 +1,173 @@
+// live --monitor: the program's window on a virtual screen, seen by a camera on the network that
+// looks at that screen's pixels.
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "slipstream/base/statistics.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/simulate/virtual_world.h"
+#include "tests/app/program.h"
+#include "tests/devices/served_camera.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/view/desktop.h"
+
+namespace slipstream::stepped_program_test {
+
+namespace fs = std::filesystem;
+
+/// The pixels of an Xvfb screen, from the file in which it keeps them (X window dump).
+class Screen {
+ public:
+  explicit Screen(const fs::path& folder) {
+    const int file = ::open((folder / "Xvfb_screen0").c_str(), O_RDONLY);
+    size_ = fs::file_size(folder / "Xvfb_screen0");
+    data_ =
+        static_cast<const unsigned char*>(::mmap(nullptr, size_, PROT_READ, MAP_SHARED, file, 0));
+    ::close(file);
+  }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+  ~Screen() { ::munmap(const_cast<unsigned char*>(data_), size_); }
+
+  [[nodiscard]] int width() const { return word(4); }
+  /// Grey level of a pixel of the middle row.
+  [[nodiscard]] int level(int column) const {
+    constexpr int header_size = 0, height = 5, bytes_per_line = 12, colours = 19;
+    constexpr std::size_t colour_bytes = 12, pixel_bytes = 4;
+    const std::size_t begin = static_cast<std::size_t>(word(header_size)) +
+                              colour_bytes * static_cast<std::size_t>(word(colours));
+    const auto row = static_cast<std::size_t>(word(height) / 2);
+    return data_[begin + row * static_cast<std::size_t>(word(bytes_per_line)) +
+                 pixel_bytes * static_cast<std::size_t>(column) + 1];
+  }
+
+ private:
+  [[nodiscard]] int word(int n) const {
+    const unsigned char* const b = data_ + 4 * n;
+    return b[0] << 24 | b[1] << 16 | b[2] << 8 | b[3];
+  }
+
+  const unsigned char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// A scene under whatever the screen shows, which varies along x.
+class LitScene {
+ public:
+  LitScene(const Screen& screen, const VirtualWorld& world)
+      : screen_(screen),
+        dark_(seen(world, 0)),
+        bright_(seen(world, 255)),
+        truth_(take_scan(world.scanner, world.scene, pattern_set(make_strategy("pmp", {}), Axis::x),
+                         world.photometry)) {}
+
+  /// The screen's light, exposed for 8 ms; taken anew if the machine was too slow.
+  [[nodiscard]] std::vector<double> light() const {
+    using Clock = std::chrono::steady_clock;
+    constexpr int samples = 4;
+    constexpr std::chrono::milliseconds apart(2);
+    std::vector<double> light;
+    for (Clock::time_point begin{};
+         light.empty() || Clock::now() > begin + (samples + 1) * apart;) {
+      begin = Clock::now();
+      light.assign(static_cast<std::size_t>(screen_.width()), 0);
+      for (int i = 0; i < samples; ++i) {
+        for (std::size_t x = 0; x < light.size(); ++x) {
+          light[x] += screen_.level(static_cast<int>(x)) / (255.0 * samples);
+        }
+        std::this_thread::sleep_until(begin + (i + 1) * apart);
+      }
+    }
+    return light;
+  }
+  [[nodiscard]] Image<std::uint8_t> picture() const {
+    const std::vector<double> light = this->light();
+    Image<std::uint8_t> picture(dark_.size());
+    for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
+      const double y = truth_.coordinate.begin()[i] * screen_.width();
+      const double dark = dark_.begin()[i], bright = bright_.begin()[i];
+      double share = 0;
+      if (std::isfinite(y)) {
+        const double x = std::clamp(y, 0.0, screen_.width() - 1.001);
+        const auto left = static_cast<std::size_t>(x);
+        share = light[left] + (x - std::floor(x)) * (light[left + 1] - light[left]);
+      }
+      picture.begin()[i] = static_cast<std::uint8_t>(std::lround(dark + share * (bright - dark)));
+    }
+    return picture;
+  }
+  [[nodiscard]] const Image<double>& depth() const { return truth_.depth; }
+
+ private:
+  static Image<std::uint8_t> seen(const VirtualWorld& world, std::uint8_t level) {
+    VirtualRig rig(world.scanner, world.scene, world.photometry);
+    rig.load({Image<std::uint8_t>(world.scanner.projector.size, level)});
+    rig.show(0);
+    Frame frame(rig.format());
+    rig.next(frame, {});
+    return std::get<Image<std::uint8_t>>(frame.pixels);
+  }
+
+  const Screen& screen_;
+  const Image<std::uint8_t> dark_, bright_;
+  const VirtualScan truth_;
+};
+
+TEST(LiveOnAMonitor, IsInStepWithACameraThatRunsFreely) {
+  const TemporaryFolder folder;
+  if (std::getenv("DISPLAY") != nullptr) GTEST_SKIP() << "needs a virtual screen";
+  const Desktop desktop(folder.path());
+  if (std::getenv("DISPLAY") == nullptr) GTEST_SKIP() << "Xvfb is not installed";
+  const Screen screen(folder.path());
+  VirtualWorld world = virtual_world({.scene = "statue", .camera = {320, 240}, .world = "ideal"});
+  ASSERT_EQ(world.scanner.projector.size.width, screen.width());
+  world.photometry.bits = 8;
+  const LitScene scene(screen, world);
+  const auto camera = serve(std::vector<Frame>{Frame({{320, 240}, 8})});
+  REQUIRE_CAMERA(camera);
+  camera->look_at([&] { return scene.picture(); });
+  camera->set_frame_rate(60);
+  const fs::path scanner = folder.path() / "scanner.yaml", cloud = folder.path() / "cloud.ply";
+  write_scanner(scanner, world.scanner);
+  const char* const seconds = std::getenv("SLIPSTREAM_REHEARSAL_SECONDS");
+  const ProgramRun run = run_program({"live", "--source", "aravis:" + std::string(served_address),
+                                      "--monitor", "0", "--scanner", scanner, "--strategy",
+                                      "dual-frequency", "--steps", "4", "--headless", "--duration",
+                                      seconds != nullptr ? seconds : "12", "-o", cloud, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json told = nlohmann::json::parse(run.out);
+  // The screen's server may show a pattern late on a loaded machine; the check then tells.
+  std::uint64_t doubted = 0;
+  for (const auto& finding : told["findings"]) {
+    ASSERT_FALSE(finding["end"].is_null()) << run.err;
+    doubted += finding["end"].get<std::uint64_t>() - finding["begin"].get<std::uint64_t>();
+  }
+  EXPECT_GT(told["clouds"].get<int>(), 10);
+  const int taken = told["frames"]["captured"], lost = told["frames"]["lost"];
+  EXPECT_LE(20 * lost, taken);
+  EXPECT_LE(10 * doubted, static_cast<std::uint64_t>(taken));
+  std::printf("%.1f patterns per s, %d of %d lost, %d doubted; %d clouds\n",
+              taken / told["seconds"].get<double>(), lost, taken, static_cast<int>(doubted),
+              told["clouds"].get<int>());
+  // The ideal scanner errs by 0.35.
+  std::vector<double> errors;
+  const Cloud made = read_cloud(cloud).cloud;
+  for_each_pixel_in_order(made.size(), [&](int column, int row) {
+    const double error = std::abs(made.z(column, row) - scene.depth()(column, row));
+    if (std::isfinite(error)) errors.push_back(error);
+  });
+  EXPECT_GT(errors.size(), 20000U);
+  EXPECT_LT(quantile(errors, 0.5), 0.6);
+}
+
+}  // namespace slipstream::stepped_program_test

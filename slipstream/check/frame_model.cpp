@@ -29,14 +29,16 @@ double dot(const std::vector<double>& weights, const float* levels, const FrameO
 /// Rows: a basis of the space perpendicular to the patterns' shapes and to constant light. In a
 /// window of declared motion, frames of one pattern differ: there, of each cycle on its own.
 Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
-  constexpr int places = 509;  // prime, to avoid aliasing with any period
+  // At irrational distances, to avoid aliasing with any period.
   const std::optional<StepRun>& cycle = measuring_band(layout).cycle;
   const int count = cycle ? cycle->steps : layout.frames, cycles = layout.frames - count + 1;
+  const int places = std::max(128, 2 * count);
   Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
   for (int i = 0; i < places; ++i) {
     Eigen::VectorXd pattern(count);
-    const double across = std::fmod(i * std::numbers::phi, 1);
-    for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, (i + 0.5) / places, across);
+    const double y = std::fmod(i * std::numbers::phi, 1);
+    const double across = std::fmod(i * std::numbers::sqrt2, 1);
+    for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, y, across);
     products += pattern * pattern.transpose() / places;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
@@ -68,6 +70,14 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
           phase_correction(photometry.response->response, run->steps, accuracy);
     }
     corrected_steps_[b] = run->steps;
+  }
+  if (photometry.response) {
+    constexpr int steps = 512;  // accurate to 1e-5 of the range
+    const auto& [alpha_p, beta_p] = sequence.light;
+    for (int i = 0; i <= steps + 1; ++i) {
+      const double shape = std::min(1.0, static_cast<double>(i) / steps);
+      light_.push_back(light_at(photometry.response->response, (alpha_p * shape + beta_p) / 255));
+    }
   }
   if (order_source(layout_) == OrderSource::pixel) {
     chain_ = {slipstream::measuring_band_index(layout_)};
@@ -173,8 +183,9 @@ double FrameModel::shape(int n, const SampleReading& reading) const {
 }
 
 double FrameModel::light(int n, const SampleReading& reading) const {
-  const auto& [alpha_p, beta_p] = sequence_.light;
-  return light_at(photometry_.response->response, (alpha_p * shape(n, reading) + beta_p) / 255);
+  const double place = shape(n, reading) * static_cast<double>(light_.size() - 2);
+  const auto below = static_cast<std::size_t>(place);
+  return light_[below] + (place - static_cast<double>(below)) * (light_[below + 1] - light_[below]);
 }
 
 void FrameModel::fit_origin(const float* levels, const FrameOrder& order,

@@ -98,6 +98,7 @@ class FrameModel {
   std::optional<CueEvidence> cue_;
   std::optional<BandUnwrapper> alone_;  ///< gives the coordinate if the chain does not
   Eigen::MatrixXd complement_;          ///< rows: orthogonal to all pattern shapes
+  std::vector<double> light_;           ///< with a response: of shapes from 0 to 1, and once more
 };
 
 }  // namespace slipstream

@@ -83,6 +83,11 @@ class RightTable : public RandomScans {
     const Eigen::Vector3d& base = right.world.scanner.translation;
     sequence.axis = std::abs(base.x()) > std::abs(base.y()) ? Axis::x : Axis::y;
     sequence.projector = right.world.scanner.projector.size;
+    // Along y the projector has fewer pixels than the finest code has stripes.
+    const auto& code = strategy.layout().code;
+    if (code && code->stripes > length_along(sequence.axis, sequence.projector)) {
+      sequence.axis = Axis::x;
+    }
     const auto kind =
         one_of<std::string>({"ideal", "ideal", "ideal", "bench", "bench", "bench", "harsh"});
     // A cue cannot be corrected.

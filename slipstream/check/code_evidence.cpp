@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <numeric>
 #include <ranges>
 #include <span>
 #include <utility>
@@ -28,20 +27,10 @@ struct Word {
 /// `I`: intensities in pattern order.
 Word word_of(const Code& code, const std::vector<double>& I) {
   constexpr double noise_levels = 3, noise_share = 0.05;
-  const auto level = [&](int frame) { return I[static_cast<std::size_t>(frame)]; };
-  const auto [dark, bright] = std::ranges::minmax(code.frames | std::views::transform(level));
-  const double reference =
-      code.reference.empty() ? (dark + bright) / 2
-                             : std::inner_product(I.begin(), I.end(), code.reference.begin(), 0.0);
-  const double noise = std::max(noise_levels, noise_share * (bright - dark));
-  unsigned shown = 0, doubtful = 0;
-  for (std::size_t bit = 0; bit < code.frames.size(); ++bit) {
-    const double level_here = level(code.frames[bit]);
-    const double above = code.inverses.empty() ? level_here - reference
-                                               : (level_here - level(code.inverses[bit])) / 2;
-    shown = 2 * shown + (above > 0 ? 1U : 0U);
-    doubtful = 2 * doubtful + (std::abs(above) < noise ? 1U : 0U);
-  }
+  const auto [dark, bright] = std::ranges::minmax(
+      code.frames | std::views::transform([&](int n) { return I[static_cast<std::size_t>(n)]; }));
+  const auto [shown, doubtful] =
+      code_bits(code, I, std::max(noise_levels, noise_share * (bright - dark)));
   const auto stripe = static_cast<unsigned>(stripe_of(code, shown));
   return {stripe, code.gray ? stripe ^ (stripe >> 1U) : stripe, doubtful};
 }

@@ -29,7 +29,7 @@ struct CodeEvidence {
 CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
                            const FrameOrder& order, bool phases = true);
 
-/// A contradiction: what is measured, its limit, and what to say if no remedy that was tried fits.
+/// One kind of contradiction, its limit, and the cause and advice to give if no tried remedy fits.
 struct CodeSymptom {
   std::string_view what;  ///< with {} for the limit in percent
   std::string_view number;

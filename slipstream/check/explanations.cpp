@@ -78,7 +78,7 @@ Finding seen(const Fit& fit) {
 void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   const auto& geometry = fit.geometry;
   // Beyond these, too few pixels are right to separate them from wrong ones.
-  constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.2;
+  constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
   constexpr double hopeless_outside = 0.6;
   const std::string or_gamma = response_known ? "" : ", or the projector's gamma, if it is not 1";
   finding.gravity = Gravity::doubtful;

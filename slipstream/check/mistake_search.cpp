@@ -6,21 +6,21 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/check/common_mistakes.h"
+#include "slipstream/check/possible_mistakes.h"
 
 namespace slipstream {
 namespace {
 
 /// A mistake undone, and how the scan fits then.
 struct Attempt {
-  CommonMistake mistake;
+  PossibleMistake mistake;
   Fit fit;
   double misfit = 0;
 };
 
 /// Calls `use` with the model and the order of the frames after the mistake is undone.
 template <class Use>
-auto with_model(const JudgedScan& scan, const CommonMistake& mistake, const Use& use) {
+auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Use& use) {
   const FrameOrder order = mistake.order.empty() ? scan.model.identity() : mistake.order;
   if (!mistake.sequence && !mistake.photometry) return use(scan.model, order);
   return use(FrameModel(mistake.sequence.value_or(scan.sequence),
@@ -28,7 +28,7 @@ auto with_model(const JudgedScan& scan, const CommonMistake& mistake, const Use&
              order);
 }
 
-Fit fit_of(const JudgedScan& scan, const CommonMistake& mistake = {}) {
+Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake = {}) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
     Fit fit{.frames = FrameJudge(model)(scan.samples, order),
             .code = code_evidence(model, scan.samples, order),
@@ -45,7 +45,7 @@ Fit fit_of(const JudgedScan& scan, const CommonMistake& mistake = {}) {
 
 /// The misfit of the frames alone, by a few groups; nullopt if a full test is useless. Most
 /// mistakes show in the very first groups.
-std::optional<double> rough_misfit(const JudgedScan& scan, const CommonMistake& mistake) {
+std::optional<double> rough_misfit(const JudgedScan& scan, const PossibleMistake& mistake) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
     const double most_residual = mistake.approximate ? 1 : scan.settings.moving ? 0.3 : 0.15;
     FrameJudge judge(model);
@@ -66,7 +66,7 @@ std::optional<double> rough_misfit(const JudgedScan& scan, const CommonMistake& 
 }
 
 /// Whether the mistake explains the scan, which fitted as `before`.
-bool explains(const Fit& fit, const Fit& before, const CommonMistake& mistake) {
+bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake) {
   if (!mistake.approximate) return fit.all();
   // The camera's response curve leaves some harmonics.
   return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&
@@ -76,7 +76,7 @@ bool explains(const Fit& fit, const Fit& before, const CommonMistake& mistake) {
 
 /// Whether warnings about the method's limits remain after the mistake is undone.
 bool leaves_warnings(const JudgedScan& scan, const Attempt& attempt) {
-  const CommonMistake& mistake = attempt.mistake;
+  const PossibleMistake& mistake = attempt.mistake;
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
     ScanSamples samples = scan.samples;
     samples.reorder(order);
@@ -90,7 +90,8 @@ bool leaves_warnings(const JudgedScan& scan, const Attempt& attempt) {
 }
 
 /// Those of the mistakes that may explain the scan by a few groups.
-std::vector<CommonMistake> promising(const JudgedScan& scan, std::vector<CommonMistake> mistakes) {
+std::vector<PossibleMistake> promising(const JudgedScan& scan,
+                                       std::vector<PossibleMistake> mistakes) {
   constexpr std::size_t most = 32;
   std::vector<std::pair<double, std::size_t>> rough;
   for (std::size_t i = 0; i < mistakes.size(); ++i) {
@@ -98,7 +99,7 @@ std::vector<CommonMistake> promising(const JudgedScan& scan, std::vector<CommonM
     if (const auto misfit = rough_misfit(scan, mistakes[i])) rough.emplace_back(*misfit, i);
   }
   std::ranges::sort(rough);
-  std::vector<CommonMistake> left;
+  std::vector<PossibleMistake> left;
   std::set<int> families;
   for (const auto& [misfit, i] : rough) {
     const int family = mistakes[i].family;
@@ -110,9 +111,9 @@ std::vector<CommonMistake> promising(const JudgedScan& scan, std::vector<CommonM
 
 /// Those that explain the scan, likeliest first: among about equal fits the simplest.
 std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
-                                std::vector<CommonMistake> mistakes) {
+                                std::vector<PossibleMistake> mistakes) {
   std::vector<Attempt> found;
-  for (CommonMistake& mistake : mistakes) {
+  for (PossibleMistake& mistake : mistakes) {
     const Fit fit = fit_of(scan, mistake);
     if (explains(fit, before, mistake)) found.push_back({std::move(mistake), fit, fit.misfit()});
   }
@@ -186,17 +187,17 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
   few.keep_first(few_groups);
   const JudgedScan quick{scan.model,      few,          scan.sequence, scan.scanner,
                          scan.photometry, scan.settings};
-  std::vector<CommonMistake> mistakes;
+  std::vector<PossibleMistake> mistakes;
   std::multiset<int> families;
   for (Attempt& attempt :
-       explaining(quick, fit_of(quick), promising(quick, common_mistakes(scan, as_given)))) {
+       explaining(quick, fit_of(quick), promising(quick, possible_mistakes(scan, as_given)))) {
     const int family = attempt.mistake.family;
     if (mistakes.size() == most_proposed) break;
     if (family != 0 && families.count(family) == most_of_family) continue;
     families.insert(family);
     mistakes.push_back(std::move(attempt.mistake));
   }
-  // What is proposed has passed the whole check, if anything does.
+  // The few left must also pass with all pixels.
   std::vector<Attempt> found = explaining(scan, as_given, std::move(mistakes));
   const auto warns = [&](const Attempt& attempt) { return leaves_warnings(scan, attempt); };
   if (!std::ranges::all_of(found, warns)) std::erase_if(found, warns);

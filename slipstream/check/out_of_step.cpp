@@ -11,7 +11,8 @@
 namespace slipstream {
 namespace {
 
-constexpr double least_residual = 0.003;  // noise may leave less in right scans
+// Right scans have less: a residual by noise, and a share in code by blur.
+constexpr double least_residual = 0.003, most_in_code = 0.04;
 
 /// Frame n contains the share s of the pattern before: I_n = (1 - s) P_n + s P_(n-1).
 struct Mixture {
@@ -37,12 +38,16 @@ struct Mixture {
   }
 };
 
-/// The share in the frames of a code, 0 if unknown: bits unlike the bit before lose contrast.
+constexpr double half = 0.5;  // hides what alternates from frame to frame
+
+/// The share in the frames of a code, 0 if unknown: bits unlike the bit before lose contrast, all
+/// of it at one half.
 double share_in_code(const FrameModel& model, const ScanSamples& samples) {
   constexpr std::size_t most_groups = 256;
-  constexpr double fewest = 16;
+  // Of the range; share of the bits with wide stripes, where right scans have few between.
+  constexpr double fewest = 16, no_contrast = 0.1, most_without = 0.25;
   const auto& code = model.layout().code;
-  double sum = 0, weights = 0;
+  double sum = 0, weights = 0, without = 0, wide = 0;
   if (!code || code->base) return 0;  // edges of a common base are in all frames
   for (std::size_t bit = 1; bit < code->frames.size(); ++bit) {
     const int n = code->frames[bit], before = n - 1;
@@ -56,12 +61,16 @@ double share_in_code(const FrameModel& model, const ScanSamples& samples) {
       const bool is_alike = (I[n] > middle) == (I[before] > middle);
       (is_alike ? alike : unlike) += contrast;
       (is_alike ? alike_count : unlike_count) += 1;
+      if (2 * bit > code->frames.size()) continue;
+      wide += 1;
+      without += contrast < no_contrast ? 1 : 0;
     }
     const double weight = std::min(alike_count, unlike_count);
     if (weight < fewest) continue;
     sum += weight * (1 - unlike / unlike_count * alike_count / alike) / 2;
     weights += weight;
   }
+  if (without > most_without * wide) return half;
   return weights > 0 ? std::max(0.0, sum / weights) : 0;
 }
 
@@ -106,12 +115,12 @@ class MixtureSearch {
   /// Of a share that the code shows and the bands do not.
   [[nodiscard]] Mixture of_code(double share) const {
     Mixture mixture = in_bands();
-    mixture.top = mixture.bottom = share;
+    mixture.top = mixture.bottom = std::min(share, most);
     return mixture;
   }
 
  private:
-  static constexpr double most = 0.49;  // half and half loses what alternates from frame to frame
+  static constexpr double most = half - 0.01;
 
   [[nodiscard]] std::vector<Mixture> ways() const {
     const StepRun all{0, scan_.samples.frames()};
@@ -120,14 +129,7 @@ class MixtureSearch {
     return ways;
   }
 
-  [[nodiscard]] Mixture in_bands() const {
-    Mixture mixture;
-    for (const Band& band : scan_.model.layout().bands) {
-      const auto run = step_run(band);
-      if (run && std::ranges::count(mixture.runs, *run) == 0) mixture.runs.push_back(*run);
-    }
-    return mixture;
-  }
+  [[nodiscard]] Mixture in_bands() const { return {.runs = step_runs(scan_.model.layout())}; }
 
   void improve(Mixture& mixture, double& least) {
     for (double step = 0.02; mixture.mean() > 0 && step > 0.002;) {
@@ -167,7 +169,7 @@ std::pair<double, double> errors(const JudgedScan& scan, const ScanSamples& undo
 
 /// Whether a scan that fits leaves anything to explain.
 bool is_suspect(const Fit& fit, double in_code) {
-  constexpr double most_offset = 0.04, most_in_code = 0.04;  // right scans: less
+  constexpr double most_offset = 0.04;  // right scans: less
   const auto is_off = [](const BandRelation& relation) {
     return std::abs(relation.offset) > most_offset + 3 * relation.error;
   };
@@ -184,16 +186,16 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   if (measuring_band(scan.model.layout()).cycle || !is_suspect(fit, in_code)) return std::nullopt;
   MixtureSearch search(scan, fit.all());
   Mixture mixture = search.best();
-  const bool by_code = mixture.mean() < least_share;
-  if (by_code) mixture = search.of_code(in_code);
+  if (mixture.mean() < least_share) mixture = search.of_code(in_code);
   if (mixture.mean() < least_share) return std::nullopt;
   const ScanSamples undone = search.undone(mixture, scan.samples.groups());
   const JudgedScan without{scan.model,   undone,          scan.sequence,
                            scan.scanner, scan.photometry, scan.settings};
   const Fit then = fit_as_given(without);
-  // Near one half noise remains of code frames.
-  if (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||
-      (!by_code && then.misfit() >= fit.misfit())) {
+  // Near one half noise remains of code frames; at one half nothing can be undone.
+  const bool by_code = in_code > most_in_code, is_half = in_code == half;
+  if (!is_half && (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||
+                   (!by_code && then.misfit() >= fit.misfit()))) {
     return std::nullopt;
   }
   const bool explained = fit.frames.residual > least_residual
@@ -203,8 +205,8 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   if ((fit.all() || scan.settings.moving) && !by_code && !explained) return std::nullopt;
   const auto [off, deeper] = errors(scan, undone, fit, then);
   // Fields: about the noise of one pixel; mm; bits begin to err at a quarter.
-  constexpr double most_off = 2e-4, most_deeper = 0.7, most_in_code = 0.15;
-  const bool is_harmful = off > most_off || deeper > most_deeper || in_code > most_in_code;
+  constexpr double most_off = 2e-4, most_deeper = 0.7, harmful_in_code = 0.15;
+  const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
   Finding finding{
       .gravity = is_harmful ? Gravity::wrong : Gravity::doubtful,
       .what = "each frame contains a share of the pattern before",

@@ -161,20 +161,25 @@ int stripe_of(const Code& code, unsigned shown) {
   return static_cast<int>(shown);
 }
 
-CodeReading read_code(const Code& code, std::span<const double> I, double noise) {
-  // A bit minus the mean of white and black has 1.2 standard deviations: 0.7 % are misread here.
-  constexpr int most_doubtful = 4;  // an edge, and the finest stripes blurred
+CodeBits code_bits(const Code& code, std::span<const double> I, double tolerance) {
   const double reference = reference_of(code, I);
-  const auto [darkest, brightest] = std::ranges::minmax(I);
-  unsigned shown = 0, doubtful = 0;
+  CodeBits bits;
   for (std::size_t bit = 0; bit < code.frames.size(); ++bit) {
     const double level = I[static_cast<std::size_t>(code.frames[bit])];
     const double above = code.inverses.empty()
                              ? level - reference
                              : (level - I[static_cast<std::size_t>(code.inverses[bit])]) / 2;
-    shown = 2 * shown + (above > 0 ? 1U : 0U);
-    doubtful = 2 * doubtful + (std::abs(above) < 3 * noise ? 1U : 0U);
+    bits.shown = 2 * bits.shown + (above > 0 ? 1U : 0U);
+    bits.doubtful = 2 * bits.doubtful + (std::abs(above) < tolerance ? 1U : 0U);
   }
+  return bits;
+}
+
+CodeReading read_code(const Code& code, std::span<const double> I, double noise) {
+  // A bit minus the mean of white and black has 1.2 standard deviations: 0.7 % are misread here.
+  constexpr int most_doubtful = 4;  // an edge, and the finest stripes blurred
+  const auto [darkest, brightest] = std::ranges::minmax(I);
+  const auto [shown, doubtful] = code_bits(code, I, 3 * noise);
   const bool readable = std::popcount(doubtful) <= most_doubtful;
   int first = stripe_of(code, shown), last = first;
   for (unsigned wrong = readable ? doubtful : 0; wrong != 0; wrong = (wrong - 1) & doubtful) {
@@ -344,6 +349,15 @@ bool has_coordinate(const Layout& layout) {
 
 bool needs_ambient_light(const Layout& layout) {
   return layout.cue && std::abs(layout.cue->dc()) > 0.5;
+}
+
+std::vector<StepRun> step_runs(const Layout& layout) {
+  std::vector<StepRun> runs;
+  for (const Band& band : layout.bands) {
+    const auto run = step_run(band);
+    if (run && std::ranges::count(runs, *run) == 0) runs.push_back(*run);
+  }
+  return runs;
 }
 
 double carrier_periods(const Layout& layout) {

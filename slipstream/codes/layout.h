@@ -50,6 +50,15 @@ struct CodeReading {
 /// nearer to the threshold than three of it are doubtful.
 CodeReading read_code(const Code& code, std::span<const double> intensities, double noise = 0);
 
+/// Bits in the order of their frames, the first the most significant.
+struct CodeBits {
+  unsigned shown = 0;     ///< 1 where the frame is bright
+  unsigned doubtful = 0;  ///< 1 where it is nearer to the threshold than `tolerance`
+};
+
+/// The bits of one pixel; `intensities` and `tolerance` in the same unit.
+CodeBits code_bits(const Code& code, std::span<const double> intensities, double tolerance);
+
 /// The stripe from the bits shown in the frames, most significant first.
 int stripe_of(const Code& code, unsigned shown);
 
@@ -254,6 +263,8 @@ std::vector<int> measuring_frames(const Layout& layout);
 bool has_coordinate(const Layout& layout);
 /// Whether decoding requires the ambient light: a cue in the DC channel.
 bool needs_ambient_light(const Layout& layout);
+/// The runs of phase steps of the bands, each once, in the order of the bands.
+std::vector<StepRun> step_runs(const Layout& layout);
 /// Most periods of a carrier; 0 if no pattern varies across the axis.
 double carrier_periods(const Layout& layout);
 /// Most periods across the field.

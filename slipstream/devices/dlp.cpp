@@ -13,46 +13,45 @@ struct Command {
   std::string_view name;
   std::uint16_t usb;
   std::string_view fields;  ///< widths of the values, bytes; data may follow
-  const char* section;
 };
 
 // DLPU010G. "pattern table" defines the three patterns of a picture.
 constexpr std::array dlpc350_commands{
-    Command{"hardware status", 0x1A0A, "1", "2.1.1"},
-    Command{"main status", 0x1A0C, "1", "2.1.3"},
-    Command{"LED enable", 0x1A07, "1", "2.3.7.1"},
-    Command{"display mode", 0x1A1B, "1", "2.4.1"},
-    Command{"validation", 0x1A1A, "1", "2.4.3.1"},
-    Command{"trigger mode", 0x1A23, "1", "2.4.3.2.1"},
-    Command{"trigger output 1", 0x1A1D, "111", "2.4.3.2.2"},
-    Command{"trigger output 2", 0x1A1E, "11", "2.4.3.2.3"},
-    Command{"pattern source", 0x1A22, "1", "2.4.3.4.1"},
-    Command{"start or stop", 0x1A24, "1", "2.4.3.4.2"},
-    Command{"exposure and period", 0x1A29, "44", "2.4.3.4.3"},
-    Command{"pattern table control", 0x1A31, "1111", "2.4.3.4.5"},
-    Command{"pattern table offset", 0x1A32, "1", "2.4.3.4.7"},
-    Command{"pattern table access", 0x1A33, "1", "2.4.3.4.8"},
-    Command{"pattern table", 0x1A34, "333", "2.4.3.4.9"},
+    Command{"hardware status", 0x1A0A, "1"},           // 2.1.1
+    Command{"main status", 0x1A0C, "1"},               // 2.1.3
+    Command{"LED enable", 0x1A07, "1"},                // 2.3.7.1
+    Command{"display mode", 0x1A1B, "1"},              // 2.4.1
+    Command{"validation", 0x1A1A, "1"},                // 2.4.3.1
+    Command{"trigger mode", 0x1A23, "1"},              // 2.4.3.2.1
+    Command{"trigger output 1", 0x1A1D, "111"},        // 2.4.3.2.2
+    Command{"trigger output 2", 0x1A1E, "11"},         // 2.4.3.2.3
+    Command{"pattern source", 0x1A22, "1"},            // 2.4.3.4.1
+    Command{"start or stop", 0x1A24, "1"},             // 2.4.3.4.2
+    Command{"exposure and period", 0x1A29, "44"},      // 2.4.3.4.3
+    Command{"pattern table control", 0x1A31, "1111"},  // 2.4.3.4.5
+    Command{"pattern table offset", 0x1A32, "1"},      // 2.4.3.4.7
+    Command{"pattern table access", 0x1A33, "1"},      // 2.4.3.4.8
+    Command{"pattern table", 0x1A34, "333"},           // 2.4.3.4.9
 };
 
 // DLPU018J
 constexpr std::array dlpc900_commands{
-    Command{"hardware status", 0x1A0A, "1", "2.1.1"},
-    Command{"main status", 0x1A0C, "1", "2.1.3"},
-    Command{"hardware type", 0x0206, "1", "2.1.5"},
-    Command{"error code", 0x0100, "1", "2.1.6"},
-    Command{"LED enable", 0x1A07, "1", "2.3.7.1"},
-    Command{"display mode", 0x1A1B, "1", "2.4.1"},
-    Command{"trigger output 1", 0x1A1D, "122", "2.4.4.1.1"},
-    Command{"trigger output 2", 0x1A1E, "122", "2.4.4.1.2"},
-    Command{"start or stop", 0x1A24, "1", "2.4.4.3.1"},
-    Command{"pattern table control", 0x1A31, "24", "2.4.4.3.3"},
-    Command{"pattern order", 0x1A32, "242", "2.4.4.3.4"},
-    Command{"pattern table", 0x1A34, "231312", "2.4.4.3.5"},
-    Command{"picture", 0x1A2A, "24", "2.4.4.4.1"},
-    Command{"right picture", 0x1A2C, "24", "2.4.4.4.1"},
-    Command{"picture data", 0x1A2B, "2", "2.4.4.4.2"},
-    Command{"right picture data", 0x1A2D, "2", "2.4.4.4.2"},
+    Command{"hardware status", 0x1A0A, "1"},         // 2.1.1
+    Command{"main status", 0x1A0C, "1"},             // 2.1.3
+    Command{"hardware type", 0x0206, "1"},           // 2.1.5
+    Command{"error code", 0x0100, "1"},              // 2.1.6
+    Command{"LED enable", 0x1A07, "1"},              // 2.3.7.1
+    Command{"display mode", 0x1A1B, "1"},            // 2.4.1
+    Command{"trigger output 1", 0x1A1D, "122"},      // 2.4.4.1.1
+    Command{"trigger output 2", 0x1A1E, "122"},      // 2.4.4.1.2
+    Command{"start or stop", 0x1A24, "1"},           // 2.4.4.3.1
+    Command{"pattern table control", 0x1A31, "24"},  // 2.4.4.3.3
+    Command{"pattern order", 0x1A32, "242"},         // 2.4.4.3.4
+    Command{"pattern table", 0x1A34, "231312"},      // 2.4.4.3.5
+    Command{"picture", 0x1A2A, "24"},                // 2.4.4.4.1
+    Command{"right picture", 0x1A2C, "24"},          // 2.4.4.4.1
+    Command{"picture data", 0x1A2B, "2"},            // 2.4.4.4.2
+    Command{"right picture data", 0x1A2D, "2"},      // 2.4.4.4.2
 };
 
 /// A micromirror chip.

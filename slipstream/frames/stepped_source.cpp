@@ -64,7 +64,7 @@ nanoseconds SteppedSource::hold() const {
 
 SteppedSource::Clock::time_point SteppedSource::arrival_of(const Frame& frame) {
   constexpr nanoseconds restarted = std::chrono::seconds(1);
-  constexpr int frames_of_drift = 10'000;  // clocks drift by up to one of so many
+  constexpr int frames_of_drift = 10'000;  // clocks drift by at most one frame in this many
   const auto host = frame.stamp.host_time.time_since_epoch();
   const nanoseconds device = frame.stamp.device_time;
   if (device == nanoseconds{}) return frame.stamp.host_time;

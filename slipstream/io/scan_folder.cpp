@@ -216,7 +216,8 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
 /// Keeps only the pictures of the window.
 void keep_window(ScanFiles& files) {
   const std::uint64_t count = window_count(files);
-  throw_if(*files.window >= count, "{}: has {} windows, from 0; there is no window {}",
+  throw_if(*files.window >= count,
+           "{}: the recording has {} windows, counted from 0; window {} does not exist",
            files.path.string(), count, *files.window);
   const auto first = files.frames.begin() + static_cast<std::ptrdiff_t>(*files.window) *
                                                 frame_count(cycle_of(files.sequence));

@@ -2,7 +2,6 @@
 // sets and virtual scans in three worlds. Every hint is followed.
 #include <filesystem>
 #include <map>
-#include <regex>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,14 +9,13 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_world.h"
+#include "tests/check/followed_hints.h"
 #include "tests/check/mistake_lists.h"
+#include "tests/check/real_sets.h"
 #include "tests/every_strategy.h"
-#include "tests/shared_data.h"
 
 namespace slipstream::broken_table_test {
 
@@ -33,43 +31,14 @@ struct RightScan {
   std::function<FrameSet()> take{};  ///< gives the frames, if they are not there yet
 };
 
-std::vector<fs::path> files_in(const fs::path& folder, const std::vector<std::string>& names) {
-  std::vector<fs::path> files;
-  for (const std::string& name : names) files.push_back(folder / name);
-  return files;
-}
-
-template <class NameOf>
-std::vector<std::string> names_of(int count, const NameOf& name_of) {
-  std::vector<std::string> names;
-  for (int n = 0; n < count; ++n) names.push_back(name_of(n));
-  return names;
-}
-
-RightScan real_scan(const fs::path& folder, const std::vector<std::string>& names,
-                    const Strategy& strategy, Size projector, const char* scanner = nullptr) {
-  RightScan right{.strategy = strategy.name(),
-                  .scan = {.frames = read_frames(files_in(folder, names)).frames,
-                           .sequence = {strategy, Axis::x, {}, projector}}};
-  if (scanner != nullptr) {
-    right.scan.scanner =
-        completed(read_scanner(folder / scanner), scanner, right.scan.frames.size(), projector);
-  }
-  return right;
-}
-
 /// The settings of the captures: shared/data/README.md.
 RightScan real_scan(const std::string& set) {
   const bool with_depths = set != "skull-alone";
   const fs::path folder = shared_data() / (with_depths ? set : "skull");
   RightScan right;
   if (set.starts_with("skull")) {
-    right = real_scan(
-        folder,
-        names_of(6, [](int n) { return fmt::format("dual-frequency/frameSeq_{:02}.png", n); }),
-        DualFrequency{.steps = 3, .high = 16}, {1824, 1140}, "calibration.xml");
-    // Depths of the boards of calibration/, by slipstream calibrate geometry.
-    if (with_depths) right.scan.scanner->calibrated_depths = {306, 450};
+    right.scan = skull();
+    if (with_depths) right.scan.scanner->calibrated_depths = skull_depths;
     const auto bent = [](double gamma) {
       return pixels(all_frames(6),
                     [=](double level, int, int) { return 255 * std::pow(level / 255, gamma); });
@@ -81,12 +50,12 @@ RightScan real_scan(const std::string& set) {
                        {"flickers"},
                        "light"}};
   } else if (set == "slmaster-mono") {
-    right = real_scan(folder, names_of(18, [](int n) { return fmt::format("frame_{:02}.png", n); }),
-                      GrayPhase{.steps = 12, .shifts = {std::numbers::pi, true}}, {1920, 1080},
-                      "caliInfo.yml");
+    right.scan = real_scan(
+        folder, names_of(18, [](int n) { return fmt::format("frame_{:02}.png", n); }),
+        GrayPhase{.steps = 12, .shifts = {std::numbers::pi, true}}, {1920, 1080}, "caliInfo.yml");
     right.scan.scanner->calibrated_depths = {600, 860};
   } else if (set == "cpsd-plane") {
-    right = real_scan(
+    right.scan = real_scan(
         folder,
         names_of(48, [](int n) { return fmt::format("f{}_s{:02}.png", n / 12 + 1, n % 12 + 1); }),
         MultiFrequency{.steps = {12},
@@ -98,9 +67,10 @@ RightScan real_scan(const std::string& set) {
   } else {
     std::vector<std::string> names =
         names_of(20, [](int n) { return fmt::format("pat{:02}.png", 12 + n); });
-    right = real_scan(folder, names, GrayCode{.bits = 10, .reference = "inverse", .stripes = 960},
-                      {1920, 1080});
+    right.scan = real_scan(
+        folder, names, GrayCode{.bits = 10, .reference = "inverse", .stripes = 960}, {1920, 1080});
   }
+  right.strategy = right.scan.sequence.strategy.name();
   for (Mistake& mistake : mistakes_of(right.scan)) right.mistakes.push_back(std::move(mistake));
   return right;
 }
@@ -269,81 +239,6 @@ std::string text_of(const std::vector<Finding>& findings) {
   std::vector<std::string> texts;
   for (const Finding& finding : findings) texts.push_back(slipstream::text_of(finding));
   return findings.empty() ? "silent" : fmt::format("{}", fmt::join(texts, " | "));
-}
-
-/// Hints of an advice that a test can follow, e.g. "--order 1,0,2" or "invert them".
-std::vector<std::string> hints_in(const std::string& advice) {
-  static const std::regex hint(
-      "(try|set) --[a-z-]+( (?!--)[-0-9.,a-z]+)?( --[a-z-]+( (?!--)[-0-9.,]+)?)*"
-      "|the order [0-9,]+ corrects|rotate them by 180|mirror them back|invert them|transpose it"
-      "|negate it|swap their matrices, and invert|swap their matrices");
-  std::vector<std::string> hints;
-  for (auto at = std::sregex_iterator(advice.begin(), advice.end(), hint);
-       at != std::sregex_iterator(); ++at) {
-    hints.push_back(at->str());
-  }
-  return hints;
-}
-
-std::vector<int> numbers_of(const std::string& text) {
-  std::vector<int> numbers;
-  std::vector<double> values;
-  SettingValue(text).read(values);
-  for (const double value : values) numbers.push_back(static_cast<int>(value));
-  return numbers;
-}
-
-void set_flag(const std::string& flag, const std::string& value, StrategySettings& settings) {
-  std::string name = flag.substr(flag.starts_with("--no-") ? 5 : 2);
-  std::ranges::replace(name, '-', '_');
-  settings[name] = !value.empty() ? SettingValue(value) : SettingValue(!flag.starts_with("--no-"));
-}
-
-/// Follows a hint; false if a test cannot.
-bool follow(const std::string& hint, Scan& scan) {
-  std::vector<std::string> words;
-  std::string word;
-  for (std::istringstream in(hint); in >> word;) words.push_back(word);
-  const auto turn = [&](bool columns, bool rows) {
-    resampled([=](double x, double y, Size size) {
-      return std::pair(columns ? size.width - 1 - x : x, rows ? size.height - 1 - y : y);
-    })(scan);
-    return true;
-  };
-  const auto order = [&](const std::string& text) {
-    scan.order = numbers_of(text);
-    scan.frames = reordered(std::move(scan.frames), scan.order);
-    return true;
-  };
-  if (words[0] == "the") return order(words[2]);
-  if (words[0] == "rotate") return turn(true, true);
-  if (words[0] == "mirror") return turn(true, false);
-  Scanner* const scanner = scan.scanner ? &*scan.scanner : nullptr;
-  const auto invert = [&] {
-    scanner->rotation.transposeInPlace();
-    scanner->translation = (-scanner->rotation * scanner->translation).eval();
-  };
-  if (words[0] == "swap") {
-    std::swap(scanner->camera.intrinsic, scanner->projector.intrinsic);
-    std::swap(scanner->camera.distortion, scanner->projector.distortion);
-    if (hint.find("invert") != std::string::npos) invert();
-    return true;
-  }
-  if (words[0] == "invert") return invert(), true;
-  if (words[0] == "transpose") return scanner->rotation.transposeInPlace(), true;
-  if (words[0] == "negate") return scanner->translation *= -1, true;
-  StrategySettings settings = scan.sequence.strategy.settings();
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const std::string& flag = words[i];
-    const bool valued = i + 1 < words.size() && !words[i + 1].starts_with("--");
-    const std::string value = valued ? words[++i] : "";
-    if (flag == "--order") return order(value);
-    if (flag == "--axis") return scan.sequence.axis = value == "x" ? Axis::x : Axis::y, true;
-    if (flag == "--gamma" || flag == "--camera-bits" || flag == "--projector") return false;
-    set_flag(flag, value, settings);
-  }
-  scan.sequence.strategy = make_strategy(scan.sequence.strategy.name(), settings);
-  return true;
 }
 
 /// Mistakes that frames and scanner cannot contradict: "Undetected errors" in

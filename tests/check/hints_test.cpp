@@ -5,10 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check/scan_check.h"
-#include "slipstream/io/image_file.h"
 #include "slipstream/simulate/virtual_world.h"
 #include "tests/check/mistakes.h"
-#include "tests/shared_data.h"
+#include "tests/check/real_sets.h"
 
 namespace slipstream::hints_test {
 
@@ -32,18 +31,10 @@ std::string advice_for(const Scan& scan) {
   return text;
 }
 
-Scan real_scan(const fs::path& folder, const std::vector<std::string>& names,
-               const Strategy& strategy, Size projector) {
-  std::vector<fs::path> frames;
-  for (const std::string& name : names) frames.push_back(folder / name);
-  return {.frames = read_frames(frames).frames, .sequence = {strategy, Axis::x, {}, projector}};
-}
-
 TEST(RealCodes, GiveOriginAndDirection) {
   const fs::path folder = shared_data() / "slmaster-mono";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
-  std::vector<std::string> names;
-  for (int n = 0; n < 18; ++n) names.push_back(fmt::format("frame_{:02}.png", n));
+  const auto names = names_of(18, [](int n) { return fmt::format("frame_{:02}.png", n); });
   Scan scan = real_scan(folder, names, GrayPhase{.steps = 12}, {1920, 1080});
   EXPECT_TRUE(advice_for(scan).starts_with("try --backwards --origin 3.1416")) << advice_for(scan);
   scan.sequence.strategy = GrayPhase{.steps = 12, .shifts = {3.1416, true}};
@@ -57,8 +48,7 @@ TEST(RealCodes, GiveOriginAndDirection) {
 TEST(RealMicroPhaseShifting, GivesOriginAndDirection) {
   const fs::path folder = shared_data() / "microps-waxbowl" / "32-08";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
-  std::vector<std::string> names;
-  for (int n = 1; n <= 10; ++n) names.push_back(fmt::format("Frame{:03}.png", n));
+  const auto names = names_of(10, [](int n) { return fmt::format("Frame{:03}.png", n + 1); });
   const std::vector<double> periods{23.0366, 21.9441, 20.9257, 22.3948,
                                     23.9459, 19.7955, 32.2165, 21.3583};
   Scan scan = real_scan(folder, names, MicroPhaseShifting{.periods = periods}, {1024, 768});

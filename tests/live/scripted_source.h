@@ -22,6 +22,15 @@ struct ScriptedStep {
   std::string state = {};  ///< source state from this step on
 };
 
+/// Frames in sequence.
+inline std::vector<ScriptedStep> in_a_row(int count) {
+  std::vector<ScriptedStep> script;
+  for (int n = 0; n < count; ++n) {
+    script.push_back({.frame = n, .sequence = static_cast<std::uint64_t>(n)});
+  }
+  return script;
+}
+
 /// A source that delivers frames from a script, then ends.
 class ScriptedSource : public FrameSource {
  public:

@@ -5,6 +5,7 @@
 
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/pool.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_camera.h"
 
@@ -18,6 +19,10 @@ struct VirtualLoop {
   int cycles = 3;
   Photometry photometry{.ambient = 5, .noise_variance = 1.5};
 };
+
+inline EngineSetup scan_of(const Strategy& strategy, Size size = {64, 48}) {
+  return {.scanner = example_scanner(size), .sequence = {.strategy = strategy}};
+}
 
 inline std::vector<Frame> frames_of(const PatternSet& patterns, const VirtualLoop& loop = {}) {
   const Scanner scanner = example_scanner(loop.size);

@@ -1,4 +1,4 @@
-#include "slipstream/check/common_mistakes.h"
+#include "slipstream/check/possible_mistakes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,14 +14,10 @@
 namespace slipstream {
 namespace {
 
-/// The runs of steps that share no frame, and the frames after the last, as of a code; the whole
-/// cycle if there are no runs.
+/// The step runs in frame order, then the frames after them, e.g. of a code. Without step runs, the
+/// whole cycle is one run.
 std::vector<StepRun> runs_of(const Layout& layout) {
-  std::vector<StepRun> runs;
-  for (const Band& band : layout.bands) {
-    const auto run = step_run(band);
-    if (run && std::ranges::count(runs, *run) == 0) runs.push_back(*run);
-  }
+  std::vector<StepRun> runs = step_runs(layout);
   std::ranges::sort(runs, {}, &StepRun::first);
   const int end = runs.empty() ? 0 : runs.back().first + runs.back().steps;
   if (end < layout.frames) runs.push_back({end, layout.frames - end});
@@ -120,7 +116,7 @@ class Mistakes {
     for (std::size_t i = others; i < list.size(); ++i) list[i].far_fetched = true;
   }
 
-  std::vector<CommonMistake> list{};
+  std::vector<PossibleMistake> list{};
 
  private:
   /// 0 if the strategy has no such setting.
@@ -340,7 +336,7 @@ class Mistakes {
     pictures({.columns = true}, "mirrored left to right", "mirror them back");
     pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
     const auto file = [&](std::string_view what, const char* advice, const auto& mend) {
-      CommonMistake& made = list.emplace_back(CommonMistake{
+      PossibleMistake& made = list.emplace_back(PossibleMistake{
           fmt::format("a scanner file {}", what), advice, {}, {}, {}, *scan_.scanner});
       mend(*made.scanner);
     };
@@ -383,7 +379,7 @@ class Mistakes {
 
 }  // namespace
 
-std::vector<CommonMistake> common_mistakes(const JudgedScan& scan, const Fit& as_given) {
+std::vector<PossibleMistake> possible_mistakes(const JudgedScan& scan, const Fit& as_given) {
   return std::move(Mistakes(scan, as_given).list);
 }
 

@@ -4,8 +4,8 @@
 
 namespace slipstream {
 
-/// A common mistake and what undoes it, so that it can be tried before it is proposed.
-struct CommonMistake {
+/// A mistake that people make, and what undoes it: it is tried before it is proposed.
+struct PossibleMistake {
   std::string likely, advice;
   FrameOrder order{};                  ///< frame `order[n]` shows pattern n; empty: as given
   std::optional<Sequence> sequence{};  ///< with other settings or another axis
@@ -24,6 +24,6 @@ struct CommonMistake {
 };
 
 /// The mistakes that may explain the scan, simplest first. `as_given`: the result of fit_as_given.
-std::vector<CommonMistake> common_mistakes(const JudgedScan& scan, const Fit& as_given);
+std::vector<PossibleMistake> possible_mistakes(const JudgedScan& scan, const Fit& as_given);
 
 }  // namespace slipstream

@@ -65,13 +65,14 @@ FringeOrderConsensus consensus_for(const Layout& layout, const ReconstructSettin
   return consensus;
 }
 
-/// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see a
-/// part of its area alone, up to half a pixel off its centre along both axes. `noise`: standard
-/// deviation of the depth, mm.
+/// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see the
+/// surface with a part of its area alone, whose centre is up to half a pixel off the pixel's.
+/// `noise`: standard deviation of the depth, mm.
 double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column, int row,
                   double noise) {
   // As where clouds are cleaned: distances between pixels, standard deviations.
   constexpr double steepest = 8, deviations = 5.5;
+  constexpr double off_centre = 0.29;  // pixels: of what is equally likely between -0.5 and 0.5
   const Eigen::Vector3d here = position_at(cloud, column, row);
   bool at_edge = false;
   float most = 0;
@@ -85,7 +86,7 @@ double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column
       most = std::max(most, std::abs(coordinate(x, y) - coordinate(column, row)));
     }
   }
-  return at_edge ? 0.5 * most : 0;
+  return at_edge ? off_centre * most : 0;
 }
 
 /// How many times the predicted noise neighbouring coordinates really differ by: from two by two

@@ -18,6 +18,8 @@ namespace {
 using Complex = std::complex<double>;
 using Place = ScanSamples::Place;
 
+constexpr double most_offset = 0.035;  // of the origin, periods
+
 /// A pixel's bits, the finest last: of the Gray code or of the plain code, without its base.
 struct Word {
   unsigned stripe = 0, bits = 0;
@@ -80,10 +82,10 @@ struct Steps {
   }
 };
 
-/// The largest share of wrong steps that exceeds the share at depth edges by 3.5 standard
-/// deviations.
+/// The largest share of wrong steps that exceeds the share at depth edges by 5 standard deviations:
+/// a few edges of a coarse bit may all lie there.
 double torn(std::span<const Steps> distances, bool gray) {
-  constexpr double usual = 0.3, deviations = 3.5;
+  constexpr double usual = 0.3, deviations = 5;
   Steps::Counts all{}, wrong{};
   for (const Steps& steps : distances) steps.count(gray, all, wrong);
   double most = 0;
@@ -99,6 +101,7 @@ double torn(std::span<const Steps> distances, bool gray) {
 /// Phases half way between neighbours in stripes next to each other.
 struct Edges {
   int count = 0, against = 0;
+  double changes = 0;  ///< sum
   Complex along{}, backwards{};
 
   /// Phases and the edge between them, periods.
@@ -107,6 +110,7 @@ struct Edges {
     const double change = next - here - std::round(next - here);
     if (std::abs(change) > most_change) return;
     ++count;
+    changes += std::abs(change);
     if (rising != (change > 0)) ++against;
     along += std::polar(1.0, two_pi * (here + change / 2 - edge));
     backwards += std::polar(1.0, -two_pi * (here + change / 2 + edge));
@@ -114,13 +118,16 @@ struct Edges {
 
   void sum_up(CodeEvidence& evidence) const {
     constexpr int fewest = 16;
+    constexpr double moved_by_blur = 0.1;  // pixels
     if (count < fewest) return;
     evidence.has_edges = true;
     evidence.against = static_cast<double>(against) / count;
     const Complex mean = (evidence.against > 0.5 ? backwards : along) / Complex(count);
     const double chance = 1 / std::sqrt(count);
     evidence.incoherence = std::max(0.0, 1 - std::abs(mean) - chance);
-    evidence.offset = std::arg(mean) / two_pi;
+    const double offset = std::arg(mean) / two_pi;
+    const bool is_off = std::abs(offset) > most_offset + moved_by_blur * changes / count;
+    evidence.offset = is_off ? offset : std::clamp(offset, -most_offset, most_offset);
   }
 };
 
@@ -143,8 +150,9 @@ const std::array<CodeSymptom, 7> code_symptoms{{
      "incoherence", &CodeEvidence::incoherence, 0.3,
      "code frames in another order, or another number of periods than configured",
      "compare the settings with"},
-    {"the phase origin is off by over {:g} % of a period", "periods", &CodeEvidence::offset, 0.035,
-     "another phase origin or number of periods than configured", "compare the settings with"},
+    {"the phase origin is off by over {:g} % of a period", "periods", &CodeEvidence::offset,
+     most_offset, "another phase origin or number of periods than configured",
+     "compare the settings with"},
     {"the phase runs against the code at over {:g} % of its edges", "share of the edges",
      &CodeEvidence::against, 0.5, "another direction of the phase shifts than configured",
      "compare --backwards with"},
@@ -207,7 +215,9 @@ CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
   evidence.disordered = disordered / n;
   evidence.unlisted = unlisted / n;
   evidence.torn = torn(steps, code.gray);
-  if (!model.layout().unwrapping->whole_stripes) edges.sum_up(evidence);
+  const bool fine =
+      steps[Place::right].too_fine(code.gray) + steps[Place::below].too_fine(code.gray);
+  if (!model.layout().unwrapping->whole_stripes && !fine) edges.sum_up(evidence);
   return evidence;
 }
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
+
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {
@@ -88,6 +91,13 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     finding.likely = worst.likely;
     finding.advice = fmt::format("{} the output of slipstream patterns", worst.advice);
     if (worst.value == &CodeEvidence::doubt) finding.likely += or_gamma;
+  } else if (fit.frames.damping > 0) {
+    finding.evidence.push_back(
+        {"fringes fainter than the cue by, percent", 100 * fit.frames.damping});
+    finding.likely =
+        "fringes blurred by a lens or by too few pixels per period: fringe orders at the ends of "
+        "the field are wrong";
+    finding.advice = "focus both lenses, use larger pictures or fewer periods (--high)";
   } else if (!fit.frames_fit()) {
     const auto hopeless = [](const BandRelation& relation) {
       return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
@@ -212,18 +222,59 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
       .advice = "fix exposure and gain; expose for whole periods of the mains and the projector"};
 }
 
-/// Finds frames without any pattern, unless the scene lies in a dark part of a pattern.
-std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
-  // A large contradiction means that a frame is lost. Frames without redundancy cannot contradict
-  // each other; there, the scene must span enough of each pattern to be bright somewhere.
-  constexpr double contradicting = 0.2, least_of_pattern = 0.5;
-  if (scan.model.unexplained_count() > 0 && fit.frames.residual < contradicting) return {};
-  if (!scan.model.has_redundancy()) {
-    for (int n = 0; n < scan.samples.frames(); ++n) {
-      if (scan.model.shown_range(n, scan.samples) < least_of_pattern) return {};
+/// Frames that vary over a scene only if frame n does: those of its bands; of a code the next
+/// coarser bit, or the bit that an inverse inverts. nullopt for a uniform pattern.
+std::optional<std::vector<int>> frames_beside(const Layout& layout, int n) {
+  std::vector<int> beside;
+  bool varies = false;
+  for (const Band& band : layout.bands) {
+    const auto is_in = [&](int m) {
+      const auto frame = static_cast<std::size_t>(m);
+      return !layout.unwrapping->whole_stripes &&
+             (band.cosine[frame] != 0 || band.sine[frame] != 0);
+    };
+    if (!is_in(n)) continue;
+    varies = true;
+    for (int m = 0; m < layout.frames; ++m) {
+      if (m != n && is_in(m)) beside.push_back(m);
     }
   }
-  return frames_without_pattern(scan.samples);
+  if (!layout.code) return beside;
+  const std::vector<int>&bits = layout.code->frames, &inverses = layout.code->inverses;
+  const auto bit = std::ranges::find(bits, n), inverse = std::ranges::find(inverses, n);
+  if (inverse != inverses.end()) {
+    beside.push_back(bits[static_cast<std::size_t>(inverse - inverses.begin())]);
+  } else if (bit != bits.end() && bit != bits.begin() && !layout.code->base) {
+    beside.push_back(*std::prev(bit));
+  }
+  varies |= bit != bits.end() || inverse != inverses.end();
+  return varies ? std::optional(beside) : std::nullopt;
+}
+
+/// How much of a pixel's range a frame covers over the lit pixels, 0 to 1.
+double shown_range(const ScanSamples& samples, int n) {
+  std::vector<double> shares;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels = samples.levels(g, ScanSamples::middle);
+    const auto [least, greatest] = std::minmax_element(levels, levels + samples.frames());
+    shares.push_back((levels[n] - *least) / std::max(1.0F, *greatest - *least));
+  }
+  const double most = quantile(shares, 0.95);
+  return most - quantile(shares, 0.05);
+}
+
+/// Finds frames without any pattern, unless the scene lies in a dark part of it.
+std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
+  // A large contradiction means that a frame is lost. Else another frame must show that the scene
+  // reaches a bright part.
+  constexpr double contradicting = 0.2, least_shown = 0.7;
+  const bool lost = !fit.code_agrees() ||
+                    (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
+  const auto is_shown = [&](int n) { return shown_range(scan.samples, n) >= least_shown; };
+  return frames_without_pattern(scan.samples, [&](int n) {
+    const auto beside = frames_beside(scan.model.layout(), n);
+    return beside && (lost || std::ranges::any_of(*beside, is_shown));
+  });
 }
 
 /// Of a scan that fits: another mistake that explains it far better.
@@ -279,7 +330,8 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   if (by_scanner) {
     name_broadly(fit, scan.photometry.response.has_value(), finding);
     if (!only_depths) finding.gravity = Gravity::wrong;
-  } else if (mixed && (!explanation || mixed->misfit < explanation->misfit - nearly)) {
+  } else if (mixed && dark.empty() &&
+             (!explanation || mixed->misfit < explanation->misfit - nearly)) {
     finding = std::move(mixed->finding);
   } else if (explanation) {
     if (only_depths) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "slipstream/check/fit.h"
 #include "slipstream/check/scan_check.h"
 #include "slipstream/codes/layout.h"
@@ -62,8 +64,9 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit);
 std::vector<Finding> damaged_frames(const ScanSamples& samples);
 
 /// Finds frames without any pattern. A pattern that is dark wherever the scene lies looks the
-/// same, so call this only if the frames contradict each other. Requires at least `fewest_groups`.
-std::vector<Finding> frames_without_pattern(const ScanSamples& samples);
+/// same: `has_pattern` excludes these. Requires at least `fewest_groups`.
+std::vector<Finding> frames_without_pattern(const ScanSamples& samples,
+                                            const std::function<bool(int n)>& has_pattern);
 
 /// Finds lighting that prevents or degrades measurement: no, too little or too much light, ambient
 /// light stronger than the projector's, or fewer bits than declared. `bits`: declared camera bits;

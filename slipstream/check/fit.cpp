@@ -1,6 +1,7 @@
 #include "slipstream/check/fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "slipstream/base/numbers.h"
@@ -54,6 +55,9 @@ double depth_of_stripe(const Scanner& scanner, Axis axis, const Eigen::Vector3d&
 // Below this coherence, noise leaves no evidence.
 constexpr double least_noise = 0.3;
 
+// Of fringes blurred in camera and projector.
+constexpr std::array dampings{0.05, 0.1, 0.15, 0.2, 0.25};
+
 /// The slope nearest to 1 within its uncertainty.
 double nearest_to_one(const GeometryEvidence& geometry) {
   return std::clamp(1.0, geometry.slope - geometry.slope_doubt,
@@ -86,11 +90,13 @@ FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
   mean_.resize(relations);
   between_.resize(relations);
   ratios_.resize(bands);
+  if (model.has_real_cue()) damped_.resize(dampings.size());
 }
 
 void FrameJudge::clear() {
   std::fill(mean_.begin(), mean_.end(), Complex{});
   std::fill(between_.begin(), between_.end(), Complex{});
+  std::fill(damped_.begin(), damped_.end(), Complex{});
   std::fill(ratios_.begin(), ratios_.end(), SharedSpread{});
   doubts_.clear();
   residual_ = variation_ = by_origin_ = origin_square_ = 0;
@@ -98,9 +104,11 @@ void FrameJudge::clear() {
 }
 
 double FrameJudge::ratio(const SampleReading& reading, std::size_t band) const {
-  constexpr double nothing = 1e-6;
-  const std::size_t coarse = model_.bands().front();
-  return std::log((reading.modulation[band] + nothing) / (reading.modulation[coarse] + nothing));
+  constexpr double nothing = 1;  // a grey level: about the noise of a modulation
+  const auto level = [&](std::size_t b) {
+    return std::log((reading.modulation[b] + nothing) / std::max(1e-3, reading.expected[b]));
+  };
+  return level(band) - level(model_.bands().front());
 }
 
 void FrameJudge::add_pair(double variation) {
@@ -127,6 +135,27 @@ void FrameJudge::add_far_pair() {
   if (std::abs(a - b) > 0.8) ++seams_;
 }
 
+void FrameJudge::look_for_damping(double groups) {
+  // Orders at the ends of the field are off by half of this, periods: neighbours outvote it.
+  constexpr double most_tolerated = 1.3;
+  evidence_.damping = 0;
+  if (damped_.empty() || agrees(evidence_.relations.front())) return;
+  BandRelation best = evidence_.relations.front();
+  best.agreement = FitLimits::least_agreement;
+  for (std::size_t i = 0; i < damped_.size(); ++i) {
+    const double agreement = std::abs(damped_[i]) / groups / best.noise;
+    const double offset = std::arg(damped_[i]) / two_pi;
+    if (agreement < best.agreement || std::abs(offset) > FitLimits::most_offset) continue;
+    best.agreement = agreement;
+    best.offset = offset;
+    evidence_.damping = dampings[i];
+  }
+  const double f = model_.layout().bands[model_.bands().front()].periods;
+  if (evidence_.damping > 0 && f * evidence_.damping <= most_tolerated) {
+    evidence_.relations.front() = best;
+  }
+}
+
 void FrameJudge::sum_up(std::size_t groups) {
   constexpr double least_noise = 1e-3;
   const auto n = static_cast<double>(std::max<std::size_t>(1, groups));
@@ -138,6 +167,7 @@ void FrameJudge::sum_up(std::size_t groups) {
         .noise = noise,
         .error = std::sqrt(n / 2) / std::max(1.0, std::abs(mean_[i])) / two_pi};
   }
+  look_for_damping(n);
   evidence_.residual = variation_ > 0 ? std::sqrt(std::max(0.0, residual_ / variation_)) : 0;
   evidence_.doubt = doubts_.empty() ? 0 : quantile(doubts_, 0.5);
   evidence_.origin = origin_square_ > 0 ? by_origin_ / origin_square_ : 0;
@@ -145,7 +175,9 @@ void FrameJudge::sum_up(std::size_t groups) {
   for (const SharedSpread& of_band : ratios_) {
     evidence_.ratio_spread = std::max(evidence_.ratio_spread, of_band.deviation());
   }
-  evidence_.seams = far_pairs_ > 0 ? static_cast<double>(seams_) / far_pairs_ : 0;
+  constexpr int at_depth_edges = 2;
+  evidence_.seams =
+      std::max(0, seams_ - at_depth_edges) / std::max(1.0, static_cast<double>(far_pairs_));
 }
 
 const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const FrameOrder& order,
@@ -161,6 +193,10 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
     by_origin_ += here_.by_origin;
     origin_square_ += here_.origin_square;
     for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += turned(here_.relations[i]);
+    for (std::size_t i = 0; i < damped_.size(); ++i) {
+      const double f = model_.layout().bands[model_.bands().front()].periods;
+      damped_[i] += turned(here_.relations.front() - f * dampings[i] * (here_.coarse - 0.5));
+    }
     for (const Place place : {Place::right, Place::below}) {
       if (!samples.lit(g, place)) continue;
       model_.read(samples.levels(g, place), order, next_);
@@ -252,6 +288,11 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     result.slope_doubt = 3 * error;
   }
   return result;
+}
+
+bool Fit::has_evidence() const {
+  return std::ranges::none_of(
+      frames.relations, [](const BandRelation& relation) { return relation.noise < least_noise; });
 }
 
 bool Fit::bands_alike() const {

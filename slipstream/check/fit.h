@@ -27,6 +27,8 @@ struct FrameEvidence {
   double ratio_spread = 0;
   double doubt = 0;   ///< median: see SampleReading
   double origin = 0;  ///< error of the origin by single frames, rad
+  /// Of the fringes against the cue, share of their modulation, if band and cue agree with it only.
+  double damping = 0;
   /// Share of far pixel pairs across which the coordinate jumps from one end of the field to the
   /// other inside the lit area.
   double seams = 0;
@@ -57,6 +59,7 @@ class FrameJudge {
   void add_pair(double variation);
   void add_far_pair();
   void sum_up(std::size_t groups);
+  void look_for_damping(double groups);
   /// Logarithm of the ratio of a band's modulation to the coarsest band's.
   [[nodiscard]] double ratio(const SampleReading& reading, std::size_t band) const;
 
@@ -64,6 +67,7 @@ class FrameJudge {
   FrameEvidence evidence_;
   SampleReading here_, next_;
   std::vector<std::complex<double>> mean_, between_;  ///< of each relation
+  std::vector<std::complex<double>> damped_;          ///< of the cue's, for each damping
   std::vector<SharedSpread> ratios_;                  ///< of each band
   std::vector<double> doubts_;
   double residual_ = 0, variation_ = 0, by_origin_ = 0, origin_square_ = 0;
@@ -118,6 +122,7 @@ struct Fit {
   bool moving = false;                         ///< CheckSettings::moving
   std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
 
+  [[nodiscard]] bool has_evidence() const;   ///< of every relation, beyond noise
   [[nodiscard]] bool bands_alike() const;    ///< in modulation
   [[nodiscard]] bool bands_agree() const;    ///< in phase and modulation
   [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames

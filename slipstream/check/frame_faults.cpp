@@ -63,11 +63,12 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
                                     int m) {
   // Equal intensities may differ by this through rounding.
   constexpr float rounding = 1e-3F;
+  constexpr std::size_t fewest = 24;  // fewer may be equal by chance
   const Stretch alike = longest_stretch(places, [&](std::size_t group) {
     return std::abs(level(samples, group, n) - level(samples, group, m)) < rounding;
   });
   const double share = share_of(alike, places);
-  if (share < part) return std::nullopt;
+  if (share < part || alike.length < fewest) return std::nullopt;
   Finding finding{.gravity = Gravity::wrong, .evidence = evidence_of(alike, places, samples)};
   if (share > all) {
     finding.what = fmt::format(
@@ -181,7 +182,11 @@ int bits_used(double brightest, int bits) {
 /// excluded; 0 if they are few of all that reach it, as at a sinusoid's crest.
 double flat_topped(const FrameModel& model, const ScanSamples& samples) {
   constexpr double fewest_of_top = 0.25;
-  const std::vector<int> frames = measuring_frames(model.layout());
+  std::vector<int> frames = measuring_frames(model.layout());
+  // Further frames of a window show the same patterns again.
+  if (const auto& cycle = measuring_band(model.layout()).cycle) {
+    frames.resize(static_cast<std::size_t>(cycle->steps));
+  }
   float top = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     for (const int n : frames) top = std::max(top, level(samples, g, n));
@@ -270,10 +275,12 @@ std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   return findings;
 }
 
-std::vector<Finding> frames_without_pattern(const ScanSamples& samples) {
+std::vector<Finding> frames_without_pattern(const ScanSamples& samples,
+                                            const std::function<bool(int n)>& has_pattern) {
   std::vector<Finding> findings;
   for (int n = 0; n < samples.frames(); ++n) {
-    if (auto finding = without_pattern(samples, n)) findings.push_back(std::move(*finding));
+    auto finding = without_pattern(samples, n);
+    if (finding && has_pattern(n)) findings.push_back(std::move(*finding));
   }
   return findings;
 }

@@ -60,7 +60,9 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       photometry_(photometry),
       corrected_steps_(layout_.bands.size()),
       chain_(coarse_to_fine(layout_)),
+      identity_(static_cast<std::size_t>(layout_.frames)),
       complement_(complement_of(sequence.strategy, layout_)) {
+  std::iota(identity_.begin(), identity_.end(), 0);
   for (std::size_t b = 0; photometry.response && b < layout_.bands.size(); ++b) {
     constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
     const auto run = bent_run(layout_.bands[b]);
@@ -90,12 +92,6 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     settings.noise_variance = photometry.noise_variance.value_or(settings.noise_variance);
     cue_.emplace(layout_, settings);
   }
-}
-
-FrameOrder FrameModel::identity() const {
-  FrameOrder order(static_cast<std::size_t>(layout_.frames));
-  std::iota(order.begin(), order.end(), 0);
-  return order;
 }
 
 std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameOrder& order,
@@ -146,19 +142,6 @@ PixelCoordinate FrameModel::coordinate_of(SampleReading& reading, const float* l
   // The narrowest stripes may be blurred in good light.
   if (layout_.unwrapping->whole_stripes) reading.modulation.front() = pixel.contrast;
   return pixel;
-}
-
-double FrameModel::shown_range(int n, const ScanSamples& samples) const {
-  std::vector<double> shapes;
-  SampleReading reading;
-  const FrameOrder order = identity();
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    read(samples.levels(g, ScanSamples::middle), order, reading);
-    shapes.push_back(shape(n, reading));
-  }
-  if (shapes.empty()) return 0;
-  const double most = quantile(shapes, 0.95);
-  return most - quantile(shapes, 0.05);
 }
 
 void FrameModel::unwrap(SampleReading& reading, double cue) const {
@@ -230,24 +213,30 @@ void FrameModel::fit_origin(SampleReading& reading) const {
 void FrameModel::explain(const float* levels, const FrameOrder& order,
                          SampleReading& reading) const {
   reading.unexplained.assign(unexplained_count(), 0);
-  if (unexplained_count() == 0) return;
   // A known response makes harmonics; subtract those expected at this coordinate.
   double alpha = 0;
+  reading.made.clear();
+  reading.expected.assign(layout_.bands.size(), 1);
   if (photometry_.response) {
     double sum = 0, square = 0, level_sum = 0, product = 0;
     for (int n = 0; n < layout_.frames; ++n) {
       const double shown = light(n, reading), seen = levels[order[static_cast<std::size_t>(n)]];
+      reading.made.push_back(static_cast<float>(shown));
       sum += shown;
       square += shown * shown;
       level_sum += seen;
       product += shown * seen;
     }
     const double variation = square - sum * sum / layout_.frames;
+    for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
+      reading.expected[b] = sinusoid(reading.made.data(), identity_, layout_.bands[b], 0).first;
+    }
     alpha = variation > 0 ? (product - sum * level_sum / layout_.frames) / variation : 0;
   }
   for (int n = 0; n < layout_.frames; ++n) {
-    double left = levels[order[static_cast<std::size_t>(n)]];
-    if (photometry_.response) left -= alpha * light(n, reading);
+    const auto at = static_cast<std::size_t>(n);
+    double left = levels[order[at]];
+    if (photometry_.response) left -= alpha * double{reading.made[at]};
     for (std::size_t i = 0; i < reading.unexplained.size(); ++i) {
       reading.unexplained[i] += complement_(static_cast<Eigen::Index>(i), n) * left;
     }

@@ -21,9 +21,12 @@ using FrameOrder = std::vector<int>;
 struct SampleReading {
   std::vector<double> phase;       ///< of each band, rad, corrected for the response
   std::vector<double> modulation;  ///< of each band, grey levels of 255
-  double coarse = 0;               ///< y from the cue, or from the coarsest band
-  double coordinate = 0;           ///< y from all bands
-  double across = 0;               ///< position along the carrier, if any, modulo its period
+  /// With a response: the light of each pattern there, 0 to 1, and the bands' modulations by it.
+  std::vector<float> made;
+  std::vector<double> expected;
+  double coarse = 0;      ///< y from the cue, or from the coarsest band
+  double coordinate = 0;  ///< y from all bands
+  double across = 0;      ///< position along the carrier, if any, modulo its period
   /// Coarse to fine: r = f y - phi / (2 pi), with y from the coarser bands or the cue. Whole
   /// numbers, apart from noise, if all is right.
   std::vector<double> relations;
@@ -62,13 +65,10 @@ class FrameModel {
   [[nodiscard]] bool has_redundancy() const {
     return unexplained_count() > 0 || has_real_cue() || chain_.size() > 1;
   }
-  [[nodiscard]] FrameOrder identity() const;
+  [[nodiscard]] const FrameOrder& identity() const { return identity_; }
 
   /// `levels`: the intensities of the frames, in stored order. Reuses the memory of `reading`.
   void read(const float* levels, const FrameOrder& order, SampleReading& reading) const;
-
-  /// The share of pattern n's range that the lit pixels span, 0 to 1.
-  [[nodiscard]] double shown_range(int n, const ScanSamples& samples) const;
 
   /// Derivative of the unexplained components by the gain of frame n, from its intensity: a column.
   [[nodiscard]] Eigen::VectorXd unexplained_by(int n, double level) const {
@@ -97,8 +97,9 @@ class FrameModel {
   std::vector<std::size_t> chain_;
   std::optional<CueEvidence> cue_;
   std::optional<BandUnwrapper> alone_;  ///< gives the coordinate if the chain does not
-  Eigen::MatrixXd complement_;          ///< rows: orthogonal to all pattern shapes
-  std::vector<double> light_;           ///< with a response: of shapes from 0 to 1, and once more
+  FrameOrder identity_;
+  Eigen::MatrixXd complement_;  ///< rows: orthogonal to all pattern shapes
+  std::vector<double> light_;   ///< with a response: of shapes from 0 to 1, and once more
 };
 
 }  // namespace slipstream

@@ -67,6 +67,8 @@ std::optional<double> rough_misfit(const JudgedScan& scan, const PossibleMistake
 
 /// Whether the mistake explains the scan, which fitted as `before`.
 bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake) {
+  // Periods too narrow for the pictures contradict nothing.
+  if (before.has_evidence() && !fit.has_evidence()) return false;
   if (!mistake.approximate) return fit.all();
   // The camera's response curve leaves some harmonics.
   return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&
@@ -150,6 +152,7 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
     told.likely += ", or " + other.likely;
     told.advice += "; or " + other.advice;
   }
+  if (best.mistake.scanner) told.likely += ", or a scanner file of another rig";
   if (unnamed > 0) told.advice += fmt::format("; {} more would fit as well", unnamed);
   const bool alone = named.size() == 1 && unnamed == 0;
   if (!alone) told.advice += "; all of these fit, so verify the result";

@@ -1,6 +1,7 @@
 // Frames that contain a share of the pattern before: exposures that span two patterns.
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -168,13 +169,13 @@ std::pair<double, double> errors(const JudgedScan& scan, const ScanSamples& undo
 }
 
 /// Whether a scan that fits leaves anything to explain.
-bool is_suspect(const Fit& fit, double in_code) {
-  constexpr double most_offset = 0.04;  // right scans: less
+bool is_suspect(const Fit& fit, bool has_cue, double in_code) {
+  constexpr double most_offset = 0.04;  // right scans: less, but blur moves a cue's
   const auto is_off = [](const BandRelation& relation) {
     return std::abs(relation.offset) > most_offset + 3 * relation.error;
   };
   return !fit.all() || fit.frames.residual > least_residual || in_code > most_in_code ||
-         std::ranges::any_of(fit.frames.relations, is_off);
+         std::ranges::any_of(fit.frames.relations | std::views::drop(has_cue ? 1 : 0), is_off);
 }
 
 }  // namespace
@@ -183,7 +184,9 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   constexpr double least_share = 0.015, most_left = 0.5, better = 0.3;
   const double in_code = share_in_code(scan.model, scan.samples);
   // In windows of declared motion the frame before a cycle is another one each time.
-  if (measuring_band(scan.model.layout()).cycle || !is_suspect(fit, in_code)) return std::nullopt;
+  if (measuring_band(scan.model.layout()).cycle ||
+      !is_suspect(fit, scan.model.has_real_cue(), in_code))
+    return std::nullopt;
   MixtureSearch search(scan, fit.all());
   Mixture mixture = search.best();
   if (mixture.mean() < least_share) mixture = search.of_code(in_code);

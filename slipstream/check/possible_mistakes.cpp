@@ -220,17 +220,20 @@ class Mistakes {
     constexpr double close = 0.15, usual_step = two_pi / 12;
     const double near = usual_step * std::round(measured / usual_step);
     add_shift(std::abs(measured - near) < close ? near : measured, is_on("backwards") != against);
-    const auto& relations = as_given_.frames.relations;
-    if (relations.empty()) return;
-    // An error of the origin moves a relation by the ratio of the bands' periods less 1.
+    // An error of the origin moves a relation by the ratio of the bands' periods less 1: the
+    // coarsest relation whatever the error, others if the coarser orders are right.
     const std::vector<std::size_t>& chain = scan_.model.bands();
     const std::vector<Band>& bands = scan_.model.layout().bands;
-    const double gain =
-        chain.size() < 2 ? -1
-                         : bands[chain.back()].periods / bands[chain[chain.size() - 2]].periods - 1;
-    const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
-    for (int k = -most; k <= most; ++k)
-      add_shift(origin() + two_pi * (relations.back().offset + k) / gain, is_on("backwards"));
+    double below = scan_.model.has_real_cue() ? 0 : bands[chain.front()].periods;
+    std::size_t next = below > 0 ? 1 : 0;
+    for (const BandRelation& relation : as_given_.frames.relations) {
+      const double periods = bands[chain[next++]].periods;
+      const double gain = below > 0 ? periods / below - 1 : -1;
+      below = periods;
+      const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
+      for (int k = -most; k <= most; ++k)
+        add_shift(origin() + two_pi * (relation.offset + k) / gain, is_on("backwards"));
+    }
   }
 
   /// Quarters of a period; finer parts of it only if an origin or direction was configured and no

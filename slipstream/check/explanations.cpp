@@ -263,13 +263,17 @@ double shown_range(const ScanSamples& samples, int n) {
   return most - quantile(shares, 0.05);
 }
 
-/// Finds frames without any pattern, unless the scene lies in a dark part of it.
-std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
-  // A large contradiction means that a frame is lost. Else another frame must show that the scene
-  // reaches a bright part.
-  constexpr double contradicting = 0.2, least_shown = 0.7;
-  const bool lost = !fit.code_agrees() ||
-                    (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
+/// Whether frames contradict each other so much that one may be lost.
+bool is_lost(const JudgedScan& scan, const Fit& fit) {
+  constexpr double contradicting = 0.2;
+  return !fit.code_agrees() ||
+         (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
+}
+
+/// Finds frames without any pattern, unless the scene lies in a dark part of it: if none is `lost`,
+/// another frame must show that the scene reaches a bright part.
+std::vector<Finding> dark_frames(const JudgedScan& scan, bool lost = false) {
+  constexpr double least_shown = 0.7;
   const auto is_shown = [&](int n) { return shown_range(scan.samples, n) >= least_shown; };
   return frames_without_pattern(scan.samples, [&](int n) {
     const auto beside = frames_beside(scan.model.layout(), n);
@@ -301,7 +305,7 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   if (mixed) return {std::move(mixed->finding)};
   // With redundancy, a dark frame would not have fitted.
   if (!scan.model.has_redundancy()) {
-    if (std::vector<Finding> dark = dark_frames(scan, fit); !dark.empty()) return dark;
+    if (std::vector<Finding> dark = dark_frames(scan); !dark.empty()) return dark;
   }
   if (flickering) return {std::move(*flickering)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
@@ -321,12 +325,14 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
     result.findings = remaining_faults(scan, fit, std::move(mixed), std::move(flickering));
     return result;
   }
+  result.findings = dark_frames(scan);
+  if (!result.findings.empty()) return result;
   Finding finding = seen(fit);
   const bool only_depths = fit.frames_fit() && fit.geometry_fits();
   constexpr double nearly = 0.3;
   const bool by_scanner = scan.scanner_doubted && fit.frames_fit();
   auto explanation = by_scanner ? std::nullopt : likeliest_mistake(scan, fit);
-  std::vector<Finding> dark = dark_frames(scan, fit);
+  std::vector<Finding> dark = dark_frames(scan, is_lost(scan, fit));
   if (by_scanner) {
     name_broadly(fit, scan.photometry.response.has_value(), finding);
     if (!only_depths) finding.gravity = Gravity::wrong;

@@ -184,7 +184,7 @@ Fit fit_as_given(const JudgedScan& scan) {
 }
 
 std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given) {
-  constexpr std::size_t few_groups = 128, most_proposed = 6, most_of_family = 2;
+  constexpr std::size_t few_groups = 128, most_proposed = 8, most_of_family = 4;
   constexpr double far_better = 0.5;
   ScanSamples few = scan.samples;
   few.keep_first(few_groups);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -204,8 +205,12 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
   std::vector<Attempt> found = explaining(scan, as_given, std::move(mistakes));
   const auto warns = [&](const Attempt& attempt) { return leaves_warnings(scan, attempt); };
   if (!std::ranges::all_of(found, warns)) std::erase_if(found, warns);
-  const auto is_poor = [](const Attempt& attempt) { return attempt.fit.poor(); };
-  if (!std::ranges::all_of(found, is_poor)) std::erase_if(found, is_poor);
+  double best = std::numeric_limits<double>::infinity();  // misfit of those that fit well
+  for (const Attempt& attempt : found) {
+    if (!attempt.fit.poor()) best = std::min(best, attempt.misfit);
+  }
+  std::erase_if(
+      found, [&](const Attempt& attempt) { return attempt.misfit > best && attempt.fit.poor(); });
   if (as_given.all()) {
     std::erase_if(found, [&](const Attempt& attempt) {
       return attempt.mistake.far_fetched || attempt.misfit > as_given.misfit() - far_better;

@@ -270,8 +270,8 @@ bool is_lost(const JudgedScan& scan, const Fit& fit) {
          (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
 }
 
-/// Finds frames without any pattern, unless the scene lies in a dark part of it: if none is `lost`,
-/// another frame must show that the scene reaches a bright part.
+/// Finds frames without any pattern, unless the scene lies in a dark part of it: if no frame is
+/// lost, another frame must show that the scene reaches a bright part.
 std::vector<Finding> dark_frames(const JudgedScan& scan, bool lost = false) {
   constexpr double least_shown = 0.7;
   const auto is_shown = [&](int n) { return shown_range(scan.samples, n) >= least_shown; };

@@ -144,8 +144,9 @@ TEST_P(OutOfStep, IsRefusedWhereTheCloudIsOff) {
   const auto add = [&](const Table& table) {
     all.harmful += table.harmful;
     all.missed_in_bands += table.missed_in_bands;
+    all.told += table.told;
+    all.named += table.named;
     EXPECT_EQ(table.missed, 0);
-    EXPECT_GE(10 * table.named, 9 * table.told);
   };
   if (fs::exists(shared_data() / "skull")) {
     Scan scan = skull();
@@ -161,6 +162,8 @@ TEST_P(OutOfStep, IsRefusedWhereTheCloudIsOff) {
     }
   }
   EXPECT_LE(50 * all.missed_in_bands, all.harmful);
+  // Within bands some shares are the same as another origin.
+  EXPECT_GE(100 * all.named, 95 * all.told);
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, OutOfStep, testing::Values(1, 16));

@@ -205,7 +205,7 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
   std::vector<Attempt> found = explaining(scan, as_given, std::move(mistakes));
   const auto warns = [&](const Attempt& attempt) { return leaves_warnings(scan, attempt); };
   if (!std::ranges::all_of(found, warns)) std::erase_if(found, warns);
-  double best = std::numeric_limits<double>::infinity();  // misfit of those that fit well
+  double best = std::numeric_limits<double>::infinity();  // misfit of good fits
   for (const Attempt& attempt : found) {
     if (!attempt.fit.poor()) best = std::min(best, attempt.misfit);
   }

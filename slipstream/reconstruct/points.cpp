@@ -72,7 +72,7 @@ double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column
                   double noise) {
   // As where clouds are cleaned: distances between pixels, standard deviations.
   constexpr double steepest = 8, deviations = 5.5;
-  constexpr double off_centre = 0.29;  // pixels: of what is equally likely between -0.5 and 0.5
+  constexpr double off_centre = 0.29;  // pixels: uniform between -0.5 and 0.5
   const Eigen::Vector3d here = position_at(cloud, column, row);
   bool at_edge = false;
   float most = 0;

@@ -29,12 +29,11 @@ struct Published {
   double before;
   std::optional<double> calibrated;
   double blind;
-  const char* figure;
 };
 
-const std::array<Published, 3> published_board{{{3, 2.21, 0, 0.0256, 4.2e-4, 7.5957e-4, "4.18"},
-                                                {4, 4.42, 5, 0.0152, {}, 3.4803e-4, "4.21"},
-                                                {5, 7.73, 5, 0.0123, {}, 3.1519e-4, "4.24"}}};
+const std::array<Published, 3> published_board{{{3, 2.21, 0, 0.0256, 4.2e-4, 7.5957e-4},
+                                                {4, 4.42, 5, 0.0152, {}, 3.4803e-4},
+                                                {5, 7.73, 5, 0.0123, {}, 3.1519e-4}}};
 
 std::optional<double> gain_of(std::optional<double> before, std::optional<double> after) {
   if (!before || !after) return std::nullopt;
@@ -64,13 +63,12 @@ PlotLine middle_row_from_above(std::string label, const Cloud& surface) {
 
 /// Plots the surface from the front, before and after correction, and from above.
 void add_surface_plots(const BoardExperiment& board, const Image<double>& measured,
-                       const Image<double>& calibrated, const std::string& figure,
-                       Reproduction& result) {
-  Cloud before = board.surface(measured), after = board.surface(calibrated);
-  result.draw(
-      figure + "-above", "Middle row of the surface from above", "X, mm", "Z, mm",
-      PlotScale::linear,
-      {middle_row_from_above("measured", before), middle_row_from_above("gamma known", after)});
+                       const Image<double>& corrected, const std::string& how,
+                       const std::string& figure, Reproduction& result) {
+  Cloud before = board.surface(measured), after = board.surface(corrected);
+  result.draw(figure + "-above", "Middle row of the surface from above", "X, mm", "Z, mm",
+              PlotScale::linear,
+              {middle_row_from_above("measured", before), middle_row_from_above(how, after)});
   result.plots.push_back({figure + "-uncorrected", ReliefPlot{std::move(before)}});
   result.plots.push_back({figure + "-corrected", ReliefPlot{std::move(after)}});
 }
@@ -78,8 +76,7 @@ void add_surface_plots(const BoardExperiment& board, const Image<double>& measur
 /// Errors before correction, with the true gamma, and without calibration.
 void add_correction_cells(const BoardExperiment& board, const Published& paper, bool textured,
                           Reproduction& result) {
-  const auto& [steps, gamma, ambient, before_printed, calibrated_printed, blind_printed, figure] =
-      paper;
+  const auto& [steps, gamma, ambient, before_printed, calibrated_printed, blind_printed] = paper;
   const FrameSet frames = board.averaged(steps, gamma, ambient);
   const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, 0, steps);
   const Image<std::uint8_t> lit = well_lit(pixels, frames);
@@ -115,16 +112,59 @@ void add_correction_cells(const BoardExperiment& board, const Published& paper, 
         fmt::format("N = {}: blind correction refused: {}", steps, reason_of(found.refusal)));
   }
   if (steps == 3) {
-    add_surface_plots(board, measured, calibrated, textured ? "figure-4.17" : "figure-4.16",
-                      result);
+    add_surface_plots(board, measured, calibrated, "gamma known",
+                      textured ? "figure-4.17" : "figure-4.16", result);
   }
-  if (textured) return;
-  result.draw(fmt::format("figure-{}", figure),
-              fmt::format("Error of the middle row, N = {}, gamma = {}", steps, gamma), "column",
-              "rad / f", PlotScale::linear,
-              {middle_row("measured", board.error(measured)),
-               middle_row("gamma known", board.error(calibrated)),
-               middle_row("without calibration", board.error(blind))});
+}
+
+/// Figures 4.18 to 4.26, without calibration: errors in the middle row, or the surface.
+struct BlindFigure {
+  const char* id;
+  std::size_t paper;  ///< in published_board
+  enum { errors, board, fish } shows;
+};
+constexpr std::array<BlindFigure, 9> blind_figures{{{"4.18", 0, BlindFigure::errors},
+                                                    {"4.19", 0, BlindFigure::board},
+                                                    {"4.20", 0, BlindFigure::fish},
+                                                    {"4.21", 1, BlindFigure::errors},
+                                                    {"4.22", 1, BlindFigure::board},
+                                                    {"4.23", 1, BlindFigure::fish},
+                                                    {"4.24", 2, BlindFigure::errors},
+                                                    {"4.25", 2, BlindFigure::board},
+                                                    {"4.26", 2, BlindFigure::fish}}};
+
+Reproduction without_calibration(const BlindFigure& figure, std::uint64_t seed) {
+  const auto& [steps, gamma, ambient, before_printed, calibrated_printed, blind_printed] =
+      published_board.at(figure.paper);
+  const bool fish = figure.shows == BlindFigure::fish;
+  const BoardExperiment board(
+      camera, fish ? BoardExperiment::Surface::textured : BoardExperiment::Surface::white, seed);
+  const FrameSet frames = board.averaged(steps, gamma, ambient);
+  const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, 0, steps);
+  const Image<std::uint8_t> lit = well_lit(pixels, frames);
+  const double found = find_gamma(pixels, lit, steps).gamma;
+  const Image<double> measured = BoardExperiment::phase(frames, {});
+  const Image<double> blind = BoardExperiment::phase(frames, correction_for(steps, found));
+  const Parameters parameters{{"N", double(steps)}, {"gamma", gamma}};
+  const auto printed = [&](double value) { return fish ? std::nullopt : std::optional(value); };
+  Reproduction result;
+  result.add("RMS error before, rad / f", parameters, printed(before_printed),
+             board.rms_error(measured, lit));
+  result.add("RMS error after, without calibration, rad / f", parameters, printed(blind_printed),
+             board.rms_error(blind, lit));
+  const std::string name = fmt::format("figure-{}", figure.id);
+  if (figure.shows != BlindFigure::errors) {
+    add_surface_plots(board, measured, blind, "without calibration", name, result);
+    if (fish) result.notes.emplace_back("A painted board stands for the fish.");
+    return result;
+  }
+  const Image<double> known = BoardExperiment::phase(frames, correction_for(steps, gamma));
+  result.draw(
+      name, fmt::format("Error of the middle row, N = {}, gamma = {}", steps, gamma), "column",
+      "rad / f", PlotScale::linear,
+      {middle_row("measured", board.error(measured)), middle_row("gamma known", board.error(known)),
+       middle_row("without calibration", board.error(blind))});
+  return result;
 }
 
 /// Gamma of the projector from 20 steps, on this board.
@@ -235,8 +275,17 @@ Reproduction section_44(std::uint64_t seed) {
 }  // namespace
 
 std::vector<Reproducible> gamma_experiment_reproducibles() {
-  return {{"section", "4.4", "phase matching between two cameras", section_44},
-          {"section", "4.5", "experiments with and without calibration", section_45}};
+  std::vector<Reproducible> all{
+      {"section", "4.4", "phase matching between two cameras", section_44},
+      {"section", "4.5", "experiments with and without calibration", section_45}};
+  for (const BlindFigure& figure : blind_figures) {
+    const char* const title = figure.shows == BlindFigure::errors
+                                  ? "phase error without calibration"
+                                  : "a surface without calibration";
+    all.push_back({"figure", figure.id, title,
+                   [figure](std::uint64_t seed) { return without_calibration(figure, seed); }});
+  }
+  return all;
 }
 
 }  // namespace slipstream

@@ -18,7 +18,6 @@
 namespace slipstream {
 namespace {
 
-constexpr NoisyPixels pixels{.alpha = 0.5, .beta = -7, .noise_variance = 1.55};
 constexpr int projector_length = 1140;
 
 /// The cells, as printed.
@@ -63,26 +62,6 @@ Image<std::uint8_t> correctly_unwrapped(const Strategy& strategy, const FrameSet
   return right;
 }
 
-void recompute(UnwrappingCell& cell, const Image<double>& y, std::uint64_t seed) {
-  const Strategy strategy = PhaseChannelMultiplexing{
-      .steps = cell.steps, .high = cell.high, .share = cell.c1, .reference = {}};
-  CueSettings cue{.light = {.alpha_p = cell.alpha_p, .beta_p = 255 - cell.alpha_p},
-                  .ambient = pixels.beta,
-                  .noise_variance = pixels.noise_variance,
-                  .rule = CueRule::published};
-  const FrameSet frames = noisy_frames(pattern_set(strategy, Axis::y, cue.light), y, pixels, seed);
-  const Image<std::uint8_t> published = correctly_unwrapped(strategy, frames, y, cue);
-  cue.rule = CueRule::consensus;
-  const Image<std::uint8_t> improved = correctly_unwrapped(strategy, frames, y, cue);
-
-  const double percent = 100.0 / static_cast<double>(y.pixel_count());
-  for (std::size_t i = 0; i < y.pixel_count(); ++i) {
-    cell.recomputed += percent * published.begin()[i];
-    cell.improved += percent * improved.begin()[i];
-    if (published.begin()[i] > improved.begin()[i]) ++cell.worse;
-  }
-}
-
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};
 
 std::vector<VarianceRatioCell> printed_variance_table(int steps) {
@@ -100,6 +79,8 @@ std::vector<VarianceRatioCell> printed_variance_table(int steps) {
     return table;
   };
   switch (steps) {
+    case 3:
+      return {{.steps = 3, .high = 3, .c1 = 0.5, .published = 2.15, .predicted = 2.25}};
     case 4:
       return cells({0.5, 0.6, 0.7}, {4, 6, 8},
                    {3.47, 7.04, 12.88, 4.89, 9.77, 20.41, 7.39, 12.98, 25.93});
@@ -107,7 +88,7 @@ std::vector<VarianceRatioCell> printed_variance_table(int steps) {
       return cells({0.5, 0.6, 0.8}, {6, 8, 12},
                    {8.35, 15.27, 32.87, 12.01, 20.61, 41.94, 21.33, 36.86, 73.70});
     default:
-      throw Error(fmt::format("no table of variance ratios for {} steps; choose 4 or 5", steps));
+      throw Error(fmt::format("no table of variance ratios for {} steps; choose 3, 4 or 5", steps));
   }
 }
 
@@ -212,15 +193,42 @@ Reproduction variance_ratios(int steps, std::uint64_t seed) {
 
 }  // namespace
 
+void recompute(UnwrappingCell& cell, const Image<double>& y, const NoisyPixels& pixels,
+               std::uint64_t seed) {
+  const Strategy strategy = PhaseChannelMultiplexing{
+      .steps = cell.steps, .high = cell.high, .share = cell.c1, .reference = {}};
+  CueSettings cue{.light = {.alpha_p = cell.alpha_p, .beta_p = 255 - cell.alpha_p},
+                  .ambient = -7,
+                  .noise_variance = pixels.noise_variance,
+                  .rule = CueRule::published};
+  const FrameSet frames = noisy_frames(pattern_set(strategy, Axis::y, cue.light), y, pixels, seed);
+  const Image<std::uint8_t> published = correctly_unwrapped(strategy, frames, y, cue);
+  cue.rule = CueRule::consensus;
+  const Image<std::uint8_t> improved = correctly_unwrapped(strategy, frames, y, cue);
+
+  const double percent = 100.0 / static_cast<double>(y.pixel_count());
+  for (std::size_t i = 0; i < y.pixel_count(); ++i) {
+    cell.recomputed += percent * published.begin()[i];
+    cell.improved += percent * improved.begin()[i];
+    if (published.begin()[i] > improved.begin()[i]) ++cell.worse;
+  }
+}
+
 FrameSet noisy_frames(const PatternSet& patterns, const Image<double>& y, const NoisyPixels& pixels,
                       std::uint64_t seed) {
-  const auto& [alpha, beta, noise_variance] = pixels;
+  const double alpha = pixels.alpha;
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> w(0, std::sqrt(noise_variance));
+  std::normal_distribution<double> w(0, std::sqrt(pixels.noise_variance));
+  Image<double> ambient(y.size(), pixels.beta);
+  if (pixels.ambient_variance > 0) {
+    std::normal_distribution<double> spread(pixels.beta, std::sqrt(pixels.ambient_variance));
+    for (double& beta : ambient) beta = spread(random);
+  }
   FrameSet::ImagesUnquantised frames;
   for (int n = 0; n < patterns.count; ++n) {
     Image<double>& frame = frames.emplace_back(y.size());
     for (std::size_t i = 0; i < y.pixel_count(); ++i) {
+      const double beta = ambient.begin()[i];
       frame.begin()[i] = alpha * (patterns.intensity(n, y.begin()[i]) + beta) + beta + w(random);
     }
   }
@@ -263,7 +271,7 @@ std::vector<UnwrappingCell> unwrapping_table(int steps, const UnwrappingTrial& t
   const bool smooth = trial.surface == UnwrappingTrial::Surface::smooth;
   const Image<double> y = smooth ? smooth_coordinate(trial.size) : stepped_coordinate(trial.size);
   std::uint64_t seed = trial.seed * 1000 + static_cast<std::uint64_t>(steps) * 100;
-  for (UnwrappingCell& cell : table) recompute(cell, y, ++seed);
+  for (UnwrappingCell& cell : table) recompute(cell, y, trial.pixels, ++seed);
   return table;
 }
 

@@ -19,11 +19,18 @@ class PublishedLoops {
   /// Throws Error unless there are 3, 4 or 6 frames.
   PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::uint8_t> frames);
 
-  void general();      ///< B and phase by Eqs. (1.4)-(1.7)
-  void closed_form();  ///< by Eqs. (2.1)-(2.3), (2.13)-(2.15)
-  void mlut();         ///< B alone
-  void plut();         ///< phase alone
+  void general();             ///< B and phase by Eqs. (1.4)-(1.7)
+  void general_modulation();  ///< B alone
+  void general_phase();       ///< phase alone
+  void closed_form();         ///< B and phase by Eqs. (2.1)-(2.3), (2.13)-(2.15)
+  void closed_modulation();   ///< B alone
+  void closed_phase();        ///< phase alone
+  void mlut();                ///< B alone
+  void plut();                ///< phase alone
   void mlut_plut();
+  /// The 3 frames as 2+1 (sine, cosine and mean), by the tables of N = 4: U = I_1 - I_2, V = I_0 -
+  /// I_2, and twice the modulation.
+  void two_plus_one();
   void inverse();  ///< points from the phase by Eq. (1.15)
   void form1();
   void form2();
@@ -34,8 +41,11 @@ class PublishedLoops {
   Image<double> modulation, phase, x, y, z, texture;
 
  private:
-  template <class Sample>
+  /// Calls `sample(I, column, row)` with the N intensities, whose count the compiler knows.
+  template <class Number, class Sample>
   void each_pixel(const Sample& sample);
+  template <class Number, int N, class Sample>
+  void each_of(const Sample& sample);
   void set_point(int column, int row, const Eigen::Vector3d& point);
   template <class Table>
   void points_by(const Image<Table>& table);
@@ -46,7 +56,7 @@ class PublishedLoops {
   Frames<std::uint8_t> frames_;
   ProjectionMatrices matrices_;
   PhaseEquations equations_;
-  PhaseTables tables_;
+  PhaseTables tables_, tables_of_4_;
   Image<PixelPosition> pixels_;
   Image<PointForm1> forms1_;
   Image<PointForm2> forms2_;

@@ -36,9 +36,10 @@ std::string markdown_of(const std::vector<ReproducedCell>& cells) {
 
 std::vector<Reproducible> reproducibles() {
   std::vector<Reproducible> all;
-  for (const auto& some : {multiplexing_table_reproducibles(), noise_figure_reproducibles(),
-                           gamma_model_reproducibles(), gamma_experiment_reproducibles(),
-                           motion_reproducibles(), model_reproducibles()}) {
+  for (const auto& some :
+       {harmonic_reproducibles(), lookup_table_reproducibles(), multiplexing_table_reproducibles(),
+        noise_figure_reproducibles(), foam_board_reproducibles(), gamma_model_reproducibles(),
+        gamma_experiment_reproducibles(), motion_reproducibles(), model_reproducibles()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;

@@ -303,6 +303,9 @@ void write_plot(const fs::path& path, const Plot& plot) {
   if (const auto* relief = std::get_if<ReliefPlot>(&plot)) {
     return write_depth_preview(path, relief->surface);
   }
+  if (const auto* map = std::get_if<MapPlot>(&plot)) {
+    return write_map_preview(path, map->map, map->unit);
+  }
   const auto* lines = std::get_if<LinePlot>(&plot);
   write_png(path, lines != nullptr ? drawn(*lines) : drawn(std::get<BarPlot>(plot)));
 }

@@ -47,8 +47,14 @@ struct ReliefPlot {
   Cloud surface;
 };
 
+/// A map in colours, with a scale.
+struct MapPlot {
+  Image<double> map;
+  std::string unit;
+};
+
 /// Contents of a plot.
-using Plot = std::variant<LinePlot, BarPlot, ReliefPlot>;
+using Plot = std::variant<LinePlot, BarPlot, ReliefPlot, MapPlot>;
 
 /// Draws a plot as a PNG. Throws Error for another ending or a plot without finite values,
 /// WorldError if it cannot be written.

@@ -6,6 +6,8 @@
 
 #include "paper/published_loops.h"
 #include "slipstream/codes/phase_shifting.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/decode/phase_decoder.h"
 #include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -52,6 +54,49 @@ TEST_P(Published, LoopsGiveThePointsOfTheReferenceEngine) {
         }
       }
     }
+  });
+}
+
+/// Calls `test` with loops over a scan of a board.
+template <class Test>
+void with_loops(const Strategy& strategy, const Test& test) {
+  const Scanner scanner = example_scanner({80, 60});
+  const VirtualScan scan =
+      take_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x));
+  const PhaseMaps maps =
+      PhaseDecoder(PhaseMethod::equation, {})(scan.frames, strategy.layout().bands.front());
+  scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    if constexpr (sizeof(Pixel) == 1) test(PublishedLoops(scanner, Axis::x, frames), maps);
+  });
+}
+
+void expect_same(const PublishedLoops& loops, const PhaseMaps& maps) {
+  for (std::size_t i = 0; i < maps.modulation.pixel_count(); ++i) {
+    ASSERT_NEAR(loops.modulation.begin()[i], maps.modulation.begin()[i], 1e-9);
+    if (maps.modulation.begin()[i] < 1) continue;
+    ASSERT_NEAR(loops.phase.begin()[i], maps.wrapped_phase.begin()[i], 1e-9);
+  }
+}
+
+TEST_P(Published, LoopsOfOneResultGiveThatOfTheDecoder) {
+  const Strategy strategy = PhaseMeasuring{.steps = GetParam(), .frequency = 1};
+  with_loops(strategy, [](PublishedLoops loops, const PhaseMaps& maps) {
+    for (const auto& [modulation, phase] :
+         {std::pair(&PublishedLoops::general_modulation, &PublishedLoops::general_phase),
+          std::pair(&PublishedLoops::closed_modulation, &PublishedLoops::closed_phase),
+          std::pair(&PublishedLoops::mlut, &PublishedLoops::plut)}) {
+      loops.modulation = loops.phase = Image<double>(maps.modulation.size());
+      (loops.*modulation)();
+      (loops.*phase)();
+      expect_same(loops, maps);
+    }
+  });
+}
+
+TEST(PublishedTwoPlusOne, IsDecodedByTheTablesOfFourSteps) {
+  with_loops(TwoPlusOne{.frequency = 1}, [](PublishedLoops loops, const PhaseMaps& maps) {
+    loops.two_plus_one();
+    expect_same(loops, maps);
   });
 }
 

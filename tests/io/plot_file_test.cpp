@@ -40,6 +40,7 @@ TEST(PlotFile, ShowsLinesBarsAndMaps) {
   EXPECT_GT(drawn(BarPlot{"a", "x", "y", 0, 1, {1, 4, nan, 2}}), 1000);
   write_map_preview(folder.path() / "map.png", Image<double>({30, 20}, 4), "mm");
   EXPECT_GT(coloured_pixels(folder.path() / "map.png"), 100);
+  EXPECT_GT(drawn(MapPlot{Image<double>({30, 20}, 4), "mm"}), 100);
   Cloud ramp({30, 20});
   for (int i = 0; i < 600; ++i) {
     ramp.x.begin()[i] = i % 30;

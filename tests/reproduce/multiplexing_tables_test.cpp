@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(N, VarianceRatioTable, testing::Values(4, 5));
 
 TEST(ReproducedTables, RefuseStepsThatHaveNone) {
   EXPECT_THROW(unwrapping_table(6), Error);
-  EXPECT_THROW(variance_ratio_table(3), Error);
+  EXPECT_THROW(variance_ratio_table(6), Error);
 }
 
 }  // namespace slipstream::multiplexing_tables_test

@@ -3,6 +3,7 @@
 #include "app/source_flags.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/plot.h"
+#include "slipstream/io/result_files.h"
 #include "slipstream/simulate/comparison.h"
 
 namespace slipstream::app {
@@ -171,6 +172,11 @@ Test rehearsed(const VerifyFlags& flags) {
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
   Artefacts artefacts = read_artefacts(*flags.artefacts);
+  DistinctFiles files;
+  for (const auto* scans : {&artefacts.spheres, &artefacts.planes, &artefacts.repeated}) {
+    for (const std::string& scan : *scans) files.add_input(scan);
+  }
+  if (flags.report) files.add_output_folder(*flags.report);
   return {
       {std::move(artefacts),
        [&](const std::string& scan) { return organised_cloud(scan, flags.input, output).cloud; }},
@@ -209,7 +215,8 @@ void add_verify(const Commands& program) {
   command.add("--world", flags.devices.world, "virtual world of a rehearsal; see simulate");
   command.add_file("--calibrated", flags.calibrated,
                    "rehearsal: scanner file used to reconstruct; default: the true scanner");
-  command.add("-o,--output", flags.report, "folder for a report with pictures");
+  command.add_output("-o,--output", flags.report, "folder for a report with pictures",
+                     output_folder_type);
   add_cloud_flags(command.app, flags.input);
   command.common({"--rehearse", "--output", "--world", "--scanner", "--calibrated"});
   command.examples({"verify artefacts.yaml -o report", "verify --rehearse -o report"});
@@ -230,7 +237,8 @@ void add_compare(const Commands& program) {
   command.add(
       "--strategies", flags.strategies,
       "strategies with settings after commas, e.g. \"pcmp, steps 5\"; default: a usual set");
-  command.add("-o,--output", flags.folder, "folder for the table, the plot and pictures");
+  command.add_output("-o,--output", flags.folder, "folder for the table, the plot and pictures",
+                     output_folder_type);
   command.common({"--world", "--strategies", "--output", "--mesh", "--camera", "--seed"});
   command.examples({"compare statue boxes --world bench harsh -o comparison",
                     "compare --move 0 0 0.5 --strategies \"pcmp, steps 3\" \"pmp, steps 6\""});

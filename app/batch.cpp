@@ -179,7 +179,7 @@ void merge_batch(const BatchFlags& flags, Output& output) {
     batch.flags.scans = scan_names(listed, batch.flags.every);
     const std::string lines =
         merge_shard(batch.flags, read_manifest(manifest_in(flags.folder, shard)), sums, output);
-    file.write({std::span(reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size())});
+    file.write({bytes_of(lines)});
   }
   file.keep();
   output.document = described("manifest", path, "scans", sums.scans, "whole", sums.whole, "lines",

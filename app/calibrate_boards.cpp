@@ -83,8 +83,9 @@ void write_corrected(const CalibrateVerifyFlags& flags, const Verification& foun
 void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
   const Scanner read = read_scanner(flags.scanner);
-  const PoseCaptures captures =
-      captured_boards(flags.boards, board, read.photometry.response, output);
+  BoardCaptureFlags boards = flags.boards;
+  boards.capture.projector = read.projector.size;
+  const PoseCaptures captures = captured_boards(boards, board, read.photometry.response, output);
   throw_if(captures.views.empty(), "{}: no pose can be used{}", flags.boards.folder,
            captures.unused.empty() ? "" : " (" + captures.unused[0].why + ")");
   const Verification found = verify_scanner(
@@ -301,7 +302,8 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
       "calibrate camera and projector from scans of a board in several poses");
   required(command.add_output("-o,--output", flags.scanner, "the scanner file: .yaml or .xml",
                               scanner_output_type));
-  command.add("--report", flags.report, "folder for a report with pictures");
+  command.add_output("--report", flags.report, "folder for a report with pictures",
+                     output_folder_type);
   command.add_file("--compare", flags.compare, "scanner file to compare the result with");
   command.add("--measured", flags.measured,
               "measured on the print with a ruler, first to last corner, mm: row x column");

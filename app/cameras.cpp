@@ -113,7 +113,6 @@ void serve_camera(const ServeFlags& flags, Output& output) {
         "scene",
         *flags.boards);
   }
-  std::fflush(stdout);  // flushed: a reader of the pipe waits for this line before connecting
   while (!end.reached()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }

@@ -146,7 +146,6 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
     output.say("{}", line_of(progress, *flags.poses));
-    std::fflush(stdout);  // flushed: a reader of the pipe moves the board by it
   };
   const auto ends = [&] {
     tell_news();
@@ -248,9 +247,10 @@ void add_capture(const Commands& program) {
       program.add(capture, "capture",
                   "take a scan, or calibrate with --poses, with camera and projector in step");
   SourceFlags& source = flags.source;
-  required(command.add(
+  required(command.add_output(
       "-o,--output", flags.output,
-      "scan folder or recording (.slip); with --poses: folder for poses, scanner.yaml and report"));
+      "scan folder or recording (.slip); with --poses: folder for poses, scanner.yaml and report",
+      output_folder_type));
   required(command.add("--source", source.source, source_forms()));
   command.add("--monitor", flags.monitor,
               "show the patterns on this monitor, numbered as in `project --list`; default: the "

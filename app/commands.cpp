@@ -10,6 +10,7 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/result_files.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
 namespace {
@@ -42,6 +43,7 @@ bool is_ruled_out(const CLI::Option& option) {
 /// Paths in a rig file, also after replay:, are relative to the file.
 std::string resolved(const CLI::Option& option, const std::string& value, const fs::path& folder) {
   const std::string replay = "replay:";
+  if (option.check_lname("scanner")) return scanner_in(folder, value).string();
   if (option.get_type_name() == file_type) return (folder / value).string();
   if (option.check_lname("source") && value.starts_with(replay)) {
     return replay + (folder / value.substr(replay.size())).string();
@@ -147,6 +149,9 @@ void require_distinct_files(const CLI::App& command) {
     if (value.starts_with(replay)) files.add_input(value.substr(replay.size()));
   });
   for_each_value([&](const CLI::Option& option, const std::string& value) {
+    const bool is_folder =
+        option.get_type_name() == output_folder_type && lower_case_extension(value) != ".slip";
+    if (is_folder) files.add_output_folder(value);
     if (option.get_type_name() == output_type) files.add_output(value);
     if (option.get_type_name() == scanner_output_type) files.add_scanner_output(value);
     if (value.starts_with(mcap)) files.add_output(value.substr(mcap.size()));

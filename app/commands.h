@@ -27,6 +27,8 @@ namespace fs = std::filesystem;
 inline constexpr const char* file_type = "FILE";
 /// Value type of flags that name a file to write.
 inline constexpr const char* output_type = "OUTPUT";
+/// Value type of flags that name a folder to write, or a recording if it ends in .slip.
+inline constexpr const char* output_folder_type = "FOLDER";
 /// Value type of flags that name a scanner file to write, which may also be the input.
 inline constexpr const char* scanner_output_type = "SCANNER";
 
@@ -130,7 +132,7 @@ struct FlagGroup {
   }
 
   /// Adds a file to write, distinct from all other files; `type` scanner_output_type for a scanner
-  /// file.
+  /// file, output_folder_type for a folder.
   template <class Value>
   CLI::Option* add_output(const std::string& flag, Value& value, const std::string& help,
                           const char* type = output_type) const {

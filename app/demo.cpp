@@ -44,7 +44,7 @@ void demo(const DemoFlags& flags, Output& output) {
 void add_demo(const Commands& program) {
   const auto [command, flags] = program.add(
       demo, "demo", "scan the virtual world and reconstruct it: a self-test, and data to try");
-  command.add("folder", flags.folder, "output folder");
+  command.add_output("folder", flags.folder, "output folder", output_folder_type);
   command.examples({"demo && slipstream view demo/cloud.ply"});
 }
 

@@ -381,7 +381,6 @@ LiveFlags with_free_names(LiveFlags flags, Output& output) {
 }
 
 void serve(const LiveFlags& given, Output& output) {
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // flushed: logs are read while they are written
   const auto again = given.again;
   const RigSaid& rig = *given.rig;
   LiveFlags now = served(given);

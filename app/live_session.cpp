@@ -240,7 +240,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
         .camera = scanner.camera,
         .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
         .has_points = has_geometry(scanner),
-        .statistics = [document] { return document().dump(); },
+        .statistics = [document] { return utf8_of(document()); },
         .trouble = [&] { return trouble_of(session.pipeline, publisher); },
         .save = [&session, last] { return save_newest(session, *last); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },

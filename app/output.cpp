@@ -1,7 +1,10 @@
 #include "app/output.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
 
+#include "app/process.h"
 #include "slipstream/base/error.h"
 
 namespace slipstream {
@@ -25,6 +28,8 @@ void to_json(nlohmann::json& json, const LiveFinding& finding) {
 
 namespace slipstream::app {
 namespace {
+
+std::atomic<bool> pipe_closed = false;  // of stdout or stderr
 
 /// File contents and names may hold control characters that a terminal would obey: ASCII, and
 /// U+0080 to U+009F.
@@ -57,6 +62,7 @@ void Output::finish() {
   if (json_) {  // file names need not be UTF-8
     write_line(stdout, document.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
   }
+  if (pipe_closed) end_by_closed_pipe();
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw WorldError("cannot write to standard output");
 }
@@ -69,7 +75,13 @@ void Output::write_line(std::FILE* stream, std::string_view line) {
   if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
   // finish() reports a failed stdout; a failed stderr cannot be reported.
   const std::string shown = printable(line) + '\n';
-  std::fwrite(shown.data(), 1, shown.size(), stream);
+  const bool written = std::fwrite(shown.data(), 1, shown.size(), stream) == shown.size();
+  if (!written && errno == EPIPE) pipe_closed = true;
+  if (!written && pipe_closed && stream == stdout) end_by_closed_pipe();
+}
+
+std::string utf8_of(const nlohmann::json& document) {
+  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 void Progress::finish() {

@@ -190,6 +190,9 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// The JSON in one line; bytes that are not UTF-8, as paths may hold, become U+FFFD.
+std::string utf8_of(const nlohmann::json& document);
+
 /// Prints warnings and repairs. Throws Error with the scan's name and all diagnostics, errors
 /// first, if the scan is refused; with `anyway` prints them as warnings instead.
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,

@@ -181,7 +181,8 @@ void write_asked(const PatternsFlags& flags, Output& output) {
 void add_patterns(const Commands& program) {
   const auto [command, flags] = program.add(
       write_asked, "patterns", "write a strategy's patterns as pictures for any projector");
-  required(command.add("folder", flags.folder, "folder for the pictures and scan.yaml"));
+  required(command.add_output("folder", flags.folder, "folder for the pictures and scan.yaml",
+                              output_folder_type));
   add_pattern_flags(command.app, flags.scan, true);
   command.app.get_option("--projector")->default_str(text_of(usual_projector));
   command.add("--pattern-bits", flags.bits, "bit depth of the pictures, 8 to 16");
@@ -191,8 +192,8 @@ void add_patterns(const Commands& program) {
   command.add("--colour", flags.in_colour,
               "put three patterns into each picture's red, green and blue; also write pictures for "
               "calibrate colour");
-  command.add("--sheet", flags.sheet,
-              "also write one overview picture with a strip of each pattern: .png");
+  command.add_output("--sheet", flags.sheet,
+                     "also write one overview picture with a strip of each pattern: .png");
   command
       .add("--uniform", flags.uniform,
            "write this many uniform pictures from black to white instead, to measure gamma")

@@ -105,17 +105,7 @@ Image<double> measured_phase(const std::string& path, const CloudFlags& flags, O
   const std::string ending = lower_case_extension(path);
   if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
   Scan scan = load_checkable(path, flags, false, output);
-  PhotometricCalibration known = scan.scanner ? scan.scanner->photometry : flags.photometry;
-  const GammaChoice gamma = choose_response(scan, flags.gamma);
-  known.response = gamma.response;
-  refuse_or_warn(check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation,
-                                         .photometry = known,
-                                         .blind = gamma.blind}),
-                 path, flags.anyway, output);
-  const EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
-                          scan.sequence, flags.settings};
-  require_ambient_known(setup, path);
-  Engine engine(setup);
+  Engine engine(sound_scan(scan, path, flags, output, Wanted::maps).setup);
   return measured_coordinates(engine, scan.frames);
 }
 

@@ -26,6 +26,8 @@ namespace {
 // Global, as a signal handler reaches nothing else; read from other threads too.
 std::atomic<int> stop_raised = 0;  // the signal received
 static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<bool> in_run = false;  // a RunEnd exists
+bool ends_by_pipe = false;         // unless SIGPIPE was ignored from the start
 
 /// Signals ignored by nohup stay ignored.
 void handle_ends(void (*handler)(int)) {
@@ -75,7 +77,9 @@ void prepare_process() {
         ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
   std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
+  ends_by_pipe = std::signal(SIGPIPE, SIG_IGN) != SIG_IGN;
+  // A reader of the pipe sees each line at once.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   handle_ends(end_program);
   std::set_terminate(end_by_exception);
 }
@@ -96,11 +100,19 @@ void keep_memory() {
   std::free(first);
 }
 
+void end_by_closed_pipe() {
+  if (!ends_by_pipe) return;
+  if (!in_run) end_program(SIGPIPE);
+  stop_raised = SIGPIPE;
+}
+
 RunEnd::RunEnd(std::optional<double> duration) : duration_(duration) {
   forget_signal();
+  in_run = true;
 }
 
 RunEnd::~RunEnd() {
+  in_run = false;
   handle_ends(end_program);
 }
 

@@ -11,7 +11,12 @@ namespace slipstream::app {
 /// Call once, first. Closed standard streams go to /dev/null, so that no file gets their numbers;
 /// SIGINT, SIGTERM and SIGHUP remove half-written files before they end the program; a closed pipe
 /// or a file size limit is a write error, not a signal; an uncaught exception prints one line.
+/// stdout is flushed after each line.
 void prepare_process();
+
+/// Ends the program as SIGPIPE would, without half-written files; during a run, see RunEnd, ends
+/// the run instead. Does nothing if SIGPIPE was ignored at the start, as under systemd.
+void end_by_closed_pipe();
 
 /// Keeps freed memory for the next scan: getting it back from the system page by page, zeroed,
 /// costs more than reconstructing. Large pages make the first time cheaper.

@@ -83,11 +83,9 @@ void project_from_memory(const ProjectFlags& flags, const RunEnd& end, Output& o
                     {.rate = flags.rate.value_or(120), .ends = [&] { return end.reached(); }});
   const Sequence sequence = cycle_of(default_sequence(*sink.size(), flags.scan));
   output.say("{}; loading takes up to two minutes for each 24", sink.description());
-  std::fflush(stdout);
   sink.load(patterns_in_8_bits(pattern_set(sequence), sequence.projector));
   sink.loop();
   output.say("showing {} patterns; press Ctrl-C to stop", cycle_length(sequence));
-  std::fflush(stdout);
   const double begin = end.seconds(), most = flags.duration.value_or(HUGE_VAL);
   while (!end.reached() && end.seconds() - begin < most) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -137,7 +135,6 @@ void project_scan(const ProjectFlags& flags, Output& output) {
 
   std::string log = "swap,pattern,seconds\n";
   output.say("showing {} patterns; press Ctrl-C or Esc to stop", count);
-  std::fflush(stdout);
   const double begin = end.seconds(), most = flags.duration.value_or(HUGE_VAL);
   const monitor::ProjectionSettings settings{
       .refresh_hz = projector.refresh_hz(),

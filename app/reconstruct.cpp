@@ -10,7 +10,9 @@
 #include "slipstream/cloud/surface.h"
 #include "slipstream/decode/frame_motion.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
+#include "slipstream/reconstruct/coordinate_map.h"
 #include "slipstream/reconstruct/epipolar.h"
 
 namespace slipstream::app {
@@ -24,6 +26,7 @@ struct ReconstructedScan {
   Cloud cloud;
   ValidityCounts counts{};
   Maps maps;  ///< if requested
+  Wanted wanted = Wanted::points;
   std::optional<Uncertainty> uncertainty;
   std::optional<EpipolarCheck> epipolar;  ///< both axes only
   std::string backend;
@@ -85,22 +88,24 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                          scan.epipolar->median_length, "median_sigma_px",
                          scan.epipolar->median_sigma, "doubted", scan.epipolar->doubted);
   }
-  nlohmann::json told = described(
-      "scan", scan.name.path, "window", scan.name.window, "points", scan.counts[0], "pixels",
-      scan.cloud.validity.pixel_count(), "counts", scan.counts, "backend", scan.backend,
-      "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma), "baseline_mm",
-      scan.sound.setup.scanner.translation.norm(), "median_depth_mm",
-      scan.sound.checked.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
-      scan.median_sigma, "rms_mm", scan.rms, "epipolar", epipolar, "warnings", scan.warnings,
-      "findings", scan.sound.checked.findings, "repairs", scan.sound.checked.repairs, "seconds",
-      seconds);
+  nlohmann::json told =
+      described("scan", scan.name.path, "window", scan.name.window, "points",
+                scan.wanted == Wanted::maps ? 0 : scan.counts[0], "pixels",
+                scan.cloud.validity.pixel_count(), "counts", scan.counts, "backend", scan.backend,
+                "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma),
+                "baseline_mm", scan.sound.setup.scanner.translation.norm(), "median_depth_mm",
+                scan.sound.checked.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
+                scan.median_sigma, "rms_mm", scan.rms, "epipolar", epipolar, "warnings",
+                scan.warnings, "findings", scan.sound.checked.findings, "repairs",
+                scan.sound.checked.repairs, "seconds", seconds);
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   return told;
 }
 
 void tell(const ReconstructedScan& scan, Output& output) {
-  output.say("{}: {} points of {} pixels, backend {}", text_of(scan.name), scan.counts[0],
+  output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), scan.counts[0],
+             scan.wanted == Wanted::maps ? "measured, no points," : "points",
              scan.cloud.validity.pixel_count(), scan.backend);
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (scan.counts[i] == 0) continue;
@@ -156,7 +161,12 @@ void match_cameras(const ReconstructFlags& flags, const Scan& scan, const Engine
 
 void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
              ReconstructedScan& result) {
-  if (!scan.other_axis.empty()) {
+  if (result.wanted == Wanted::maps) {
+    engine.maps(scan.frames, result.maps);
+    result.cloud = Cloud();
+    result.cloud.validity =
+        picture_report(engine.merged(scan.frames), result.maps, engine.setup().settings).validity;
+  } else if (!scan.other_axis.empty()) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
     result.epipolar =
         check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
@@ -233,11 +243,45 @@ bool measures_motion(const EngineSetup& setup) {
   return MotionMeasurement::is_possible(measuring_band(setup.sequence.strategy.layout()));
 }
 
-/// A scan that was read, and its results so far.
+/// A scan or a map that was read, and its results so far.
 struct LoadedScan {
   Scan scan;
+  Image<double> coordinates;  ///< of a map, 0 to 1
   ReconstructedScan result;
 };
+
+ScanFiles files_of(const ScanName& name, const ScanFlags& input, const ReconstructFlags& flags) {
+  if (flags.from.empty()) return scan_files_in(name.path, input);
+  return {.path = name.path, .frames = {name.path}, .scanner = input.scanner};
+}
+
+void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
+  const ScanFlags& given = flags.cloud;
+  throw_if(!given.scanner, "--from needs the scanner's file: --scanner");
+  const std::string& path = loaded.result.name.path;
+  const Image<double> map = read_map(path);
+  EngineSetup& setup = loaded.result.sound.setup;
+  setup.sequence = changed({}, given.sequence);
+  setup.settings = flags.cloud.settings;
+  setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), map.size(),
+                            setup.sequence.projector);
+  loaded.coordinates =
+      naming(path, [&] { return coordinates_of_map(map, flags.from, projector_length(setup)); });
+}
+
+void read_scan(const ScanFlags& input, const ReconstructFlags& flags, LoadedScan& loaded) {
+  const auto& [path, window] = loaded.result.name;
+  Output& words = loaded.result.words;
+  const bool cameras = !flags.one_camera, only_maps = flags.files.only_maps() && !flags.uncertainty;
+  loaded.scan =
+      only_maps ? load_checkable(path, input, cameras, words) : load(path, input, cameras, words);
+  const Scan& scan = loaded.scan;
+  // Without a fringe order there are no points, but a phase.
+  const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
+                          !has_coordinate(scan.sequence.strategy);
+  loaded.result.warnings = scan.warnings;
+  loaded.result.wanted = only_maps && (!scan.scanner || only_phase) ? Wanted::maps : Wanted::points;
+}
 
 LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
                        OpenedRecording& opened, const Output& output) {
@@ -252,16 +296,16 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     input.window = name.window;
     input.recording = opened.at(name.path);
     if (before != nullptr) {
-      const ScanFiles files = scan_files_in(name.path, input);
-      result.entry["input"] = fmt::format("{:08x}", checksum_of(files));
+      const std::uint32_t sum = checksum_of(files_of(name, input, flags));
+      result.entry["input"] = fmt::format("{:08x}", sum);
       const auto outputs = files_of_scan(flags.files, name).written();
       result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
       if (result.done_before) return loaded;
     }
-    loaded.scan = load(name.path, input, !flags.one_camera, result.words);
-    result.warnings = loaded.scan.warnings;
+    flags.from.empty() ? read_scan(input, flags, loaded) : load_map(flags, loaded);
     result.read = watch.lap();
-    result.sound = sound_scan(loaded.scan, text_of(name), flags.cloud, result.words);
+    if (!flags.from.empty()) return loaded;
+    result.sound = sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
   } catch (const Error& error) {
     result.failure = error.what();
   } catch (const WorldError& error) {  // an unreadable file fails only its own scan
@@ -269,6 +313,17 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     result.failure = error.what();
   }
   return loaded;
+}
+
+/// Counts the points, warns of missing ones, and compares with the truth.
+void judge(const ReconstructFlags& flags, ReconstructedScan& result) {
+  result.files = files_of_scan(flags.files, result.name);
+  result.counts = count_by_validity(result.cloud.validity);
+  if (result.wanted == Wanted::maps) return;
+  if (auto missing = missing_points(result.counts, flags.cloud.settings)) {
+    add_finding(std::move(*missing), result);
+  }
+  result.rms = error_against_truth(result.name.path, result.cloud);
 }
 
 /// State passed from one scan to the next.
@@ -294,7 +349,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
       });
   Stopwatch watch;
   const EngineSetup& setup = result.sound.setup;
-  const bool two_cameras = !scan.further_cameras.empty();
+  const bool two_cameras = !scan.further_cameras.empty() && result.wanted == Wanted::points;
   require_uncertainty_possible(flags, setup, two_cameras);
   throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
            "--epipolar needs one camera and patterns along both axes: --axis both");
@@ -321,24 +376,33 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   }
   if (result.epipolar && result.epipolar->contradicts())
     add_finding(contradiction(*result.epipolar), result);
-  result.counts = count_by_validity(result.cloud);
-  if (auto missing = missing_points(result.counts, flags.cloud.settings)) {
-    add_finding(std::move(*missing), result);
-  }
+  judge(flags, result);
   result.computed = watch.lap();
   if (flags.uncertainty) {
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
     result.median_sigma = median_depth(*result.uncertainty);
   }
-  result.files = files_of_scan(flags.files, result.name);
-  result.rms = error_against_truth(result.name.path, result.cloud);
+  if (!flags.files.coordinate.empty() && !two_cameras) {
+    result.maps.coordinate = converted<float>(measured_coordinates(*engine, scan.frames));
+  }
+}
+
+void reconstruct_map(const Image<double>& coordinates, ReconstructedScan& result,
+                     const ReconstructFlags& flags) {
+  Stopwatch watch;
+  result.cloud = cloud_of_coordinates(coordinates, result.sound.setup);
+  result.maps.coordinate = converted<float>(coordinates);
+  result.backend = "reference";
+  judge(flags, result);
+  result.computed = watch.lap();
 }
 
 ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags, Reused& reused) {
   ReconstructedScan& result = loaded.result;
   if (result.done_before || !result.failure.empty()) return std::move(result);
   try {
-    reconstruct_scan(loaded.scan, result, flags, reused);
+    flags.from.empty() ? reconstruct_scan(loaded.scan, result, flags, reused)
+                       : reconstruct_map(loaded.coordinates, result, flags);
   } catch (const Error& error) {
     result.failure = error.what();
   }
@@ -466,11 +530,22 @@ void add_reconstruct(const Commands& program) {
            "skip scans that the manifest lists as done with the same input, settings and outputs")
       ->needs("--manifest");
   add_reconstruct_flags(command.app, flags);
+  command.add("--from", flags.from,
+              fmt::format("read maps of another program, .tiff or .npy, NaN where invalid, instead "
+                          "of scans: {}",
+                          map_forms));
+  command.exclude(
+      "--from",
+      {"--windows",   "--strategy",    "--steps",          "--high",           "--low",
+       "--frequency", "--periods",     "--order",          "--exposures",      "--motion",
+       "--gamma",     "--camera-bits", "--min-modulation", "--keep-saturated", "--uncertainty",
+       "--phase",     "--modulation",  "--mean",           "--epipolar",       "--motion-map"});
   command.common({"--output", "--mesh", "--depth", "--preview", "--scanner", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples({"reconstruct scan -o cloud.ply --depth depth.tiff --preview preview.png",
                     "reconstruct frames --strategy dual-frequency --steps 3 --high 16 --low 1 "
-                    "--axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply"},
+                    "--axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply",
+                    "reconstruct phase.tiff --from phase:16 --scanner scanner.yaml -o cloud.ply"},
                    "Several scans: {name} in a path is replaced by the scan's name, e.g. -o "
                    "clouds/{name}.ply\nWhole recordings: slipstream reconstruct scan.slip "
                    "--windows : -o clouds/{name}-{window}.ply");

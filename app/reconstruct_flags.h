@@ -28,6 +28,7 @@ struct ReconstructFlags {
   ResultFiles files;
   std::string manifest;  ///< output file; empty: not written
   bool resume = false;
+  std::string from;                   ///< one of map_forms: the paths are maps; empty: scans
   std::vector<ScanName> scans;        ///< outputs requested by the paths
   std::vector<std::string> settings;  ///< Arguments::settings of the command
   const CLI::App* command = nullptr;  ///< the command that owns the flags

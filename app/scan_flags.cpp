@@ -97,6 +97,16 @@ GammaChoice gamma_of(Scan& scan, const ScanFlags& flags) {
   return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
 }
 
+EngineSetup setup_for_maps(const Scan& scan, const std::string& name, const CloudFlags& flags,
+                           const GammaChoice& gamma) {
+  PhotometricCalibration known = scan.scanner ? scan.scanner->photometry : flags.photometry;
+  known.response = gamma.response;
+  EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
+                    scan.sequence, flags.settings};
+  require_ambient_known(setup, name);
+  return setup;
+}
+
 StoredCloud cloud_of_scan(const std::string& path, const CloudFlags& flags, Output& output) {
   require_valid(flags.settings.clean);
   Scan scan = load(path, flags, false, output);
@@ -229,15 +239,21 @@ Scan load(const std::string& path, const ScanFlags& flags, bool all_cameras, Out
   return scan;
 }
 
-SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output) {
+SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output,
+                     Wanted wanted) {
   Stopwatch watch;
   SoundScan sound;
   sound.gamma = gamma_of(scan, flags);
-  sound.setup = setup_for(scan, flags.settings);
+  sound.setup = wanted == Wanted::maps ? setup_for_maps(scan, name, flags, sound.gamma)
+                                       : setup_for(scan, flags.settings);
   sound.choosing = watch.lap();
-  scan.further_cameras.empty() ? require_reconstructible(sound.setup) : require_valid(sound.setup);
-  sound.checked = check_and_repair(
-      scan, {.minimum_modulation = flags.settings.minimum_modulation, .blind = sound.gamma.blind});
+  if (wanted == Wanted::points) {
+    scan.further_cameras.empty() ? require_reconstructible(sound.setup)
+                                 : require_valid(sound.setup);
+  }
+  sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation,
+                                          .photometry = sound.setup.scanner.photometry,
+                                          .blind = sound.gamma.blind});
   refuse_or_warn(sound.checked, name, flags.anyway, output);
   if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags);  // may differ
   sound.setup.scanner.photometry.response = sound.gamma.response;

@@ -83,9 +83,13 @@ struct SoundScan {
   double choosing = 0, checking = 0;  ///< time of both, s
 };
 
-/// Chooses the scan's gamma and checks it; may reorder its frames. Throws Error if it cannot be
-/// reconstructed or is refused.
-SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output);
+/// Results of a scan. Only points need a scanner.
+enum class Wanted { points, maps };
+
+/// Chooses the scan's gamma and checks it; may reorder its frames. For maps the setup has no
+/// geometry. Throws Error if it cannot be reconstructed or is refused.
+SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output,
+                     Wanted wanted = Wanted::points);
 
 inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;

@@ -137,8 +137,9 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
 void add_simulate(const Commands& program) {
   const auto [command, flags] =
       program.add(simulate, "simulate", "take a scan with the virtual scanner, with ground truth");
-  required(
-      command.add("folder", flags.folder, "output folder, or a recording if it ends in .slip"));
+  required(command.add_output("folder", flags.folder,
+                              "output folder, or a recording if it ends in .slip",
+                              output_folder_type));
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
   add_pattern_flags(command.app, flags.scan);

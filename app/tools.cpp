@@ -146,7 +146,7 @@ void add_reproduce(const Commands& program) {
   command.add("names", flags.names,
               "what to recompute, e.g. table-4.1 figure-4.7 section-4.5, or all");
   command.add("--list", flags.list, "list tables, figures and sections");
-  command.add("--plots", flags.plots, "folder for the figures (PNG)");
+  command.add_output("--plots", flags.plots, "folder for the figures (PNG)", output_folder_type);
   command.add_output("--report", flags.report, "Markdown report: .md");
   command.add("--seed", flags.seed, "seed of the simulated noise");
   command.examples({"reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report report.md"});

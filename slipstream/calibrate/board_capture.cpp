@@ -64,7 +64,7 @@ ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSet
 }
 
 void require_valid(const BoardCaptureSettings& settings) {
-  const auto [least, neighbourhood, response] = settings;
+  const auto [least, neighbourhood, response, projector] = settings;
   require_in_range(least >= 0 && least <= 255, "least modulation", least, "0 to 255 grey levels");
   require_in_range(neighbourhood > 0 && neighbourhood <= 10, "neighbourhood", neighbourhood,
                    "above 0, at most 10");
@@ -106,8 +106,9 @@ void require_same(Size& known, Size size, const std::string& pose, const char* w
                   pose, what, text_of(size), text_of(known)));
 }
 
-Scan scan_of(const BoardScans& pose, Axis axis, PoseCaptures& captures) {
+Scan scan_of(const BoardScans& pose, Axis axis, Size projector, PoseCaptures& captures) {
   Scan scan = pose.along(axis);
+  if (scan.sequence.projector == Size{}) scan.sequence.projector = projector;
   captures.warnings.insert(captures.warnings.end(), scan.warnings.begin(), scan.warnings.end());
   throw_if(scan.sequence.projector == Size{}, "{}: no projector size; set it with --projector",
            pose.name);
@@ -119,7 +120,8 @@ Scan scan_of(const BoardScans& pose, Axis axis, PoseCaptures& captures) {
 /// Finds the board in one more pose and adds the result; returns its description.
 std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const CalibrationBoard& board,
                      const BoardCaptureSettings& settings) {
-  Scan x = scan_of(scans, Axis::x, captures), y = scan_of(scans, Axis::y, captures);
+  Scan x = scan_of(scans, Axis::x, settings.projector, captures);
+  Scan y = scan_of(scans, Axis::y, settings.projector, captures);
   try {
     BoardCapture found = board_capture(scans.name, board, std::move(x), std::move(y), settings);
     captures.findings.insert(captures.findings.end(), found.findings.begin(), found.findings.end());

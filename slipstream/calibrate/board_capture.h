@@ -13,6 +13,7 @@ struct BoardCaptureSettings {
   double minimum_modulation = 5;
   double neighbourhood = 0.7;  ///< `share` of projector_corners, above 0, at most 10
   std::optional<MeasuredResponse> response{};  ///< corrects the phases
+  Size projector{};                            ///< of scans that do not give it
 };
 
 /// Result of one pose.

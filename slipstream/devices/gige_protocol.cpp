@@ -202,6 +202,7 @@ void GigeControl::forget_silent_client(Time now) {
 }
 
 void GigeControl::let_client_go() {
+  ++ended_controls_;
   client_.reset();
   memory_ = without_client_;
 }

@@ -110,6 +110,11 @@ class GigeControl {
   [[nodiscard]] std::optional<sockaddr_in> stream_target() const;
   /// The latest resend request since the last call.
   std::optional<GigeResend> take_resend() { return std::exchange(resend_, std::nullopt); }
+  /// Number of clients whose control has ended.
+  std::uint64_t ended_controls(Time now) {
+    forget_silent_client(now);
+    return ended_controls_;
+  }
   /// Number of clients that lost control by silence.
   [[nodiscard]] std::uint64_t silent_clients() const { return silent_clients_; }
 
@@ -136,7 +141,7 @@ class GigeControl {
   std::optional<sockaddr_in> client_;
   Time heard_;  ///< the client's
   std::optional<GigeResend> resend_;
-  std::uint64_t silent_clients_ = 0;
+  std::uint64_t silent_clients_ = 0, ended_controls_ = 0;
 };
 
 /// Content of a picture, numbered as in GenICam.

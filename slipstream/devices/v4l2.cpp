@@ -15,7 +15,9 @@
 
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/devices/camera_source.h"
-#include "slipstream/devices/jpeg.h"
+#ifdef SLIPSTREAM_IO
+#include "slipstream/io/jpeg.h"
+#endif
 
 namespace slipstream {
 namespace {
@@ -327,8 +329,12 @@ class V4l2Stream {
     const std::size_t needed = row_bytes_ * static_cast<std::size_t>(size.height - 1) +
                                pixel_bytes * static_cast<std::size_t>(size.width);
     if (layout_.code == V4L2_PIX_FMT_MJPEG) {
+#ifdef SLIPSTREAM_IO
       const auto jpeg = bytes.first(std::min<std::size_t>(buffer.bytesused, bytes.size()));
       if (!decode_jpeg(jpeg, std::get<Image<std::uint8_t>>(frame.pixels))) return Arrival::damaged;
+#else
+      throw Error("--pixel-format MJPG: this build reads no pictures (-DSLIPSTREAM_IO=ON)");
+#endif
     } else if (buffer.bytesused < needed || bytes.size() < needed) {
       return Arrival::damaged;
     } else {

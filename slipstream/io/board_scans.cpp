@@ -6,18 +6,11 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
+#include "slipstream/io/scan_pictures.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-void require_count(const fs::path& folder, std::size_t count, int wanted, const char* what) {
-  if (static_cast<int>(count) == wanted) return;
-  throw Error(
-      fmt::format("{}: {} frames, but {} has {}; likely a frame is missing, or --strategy, --steps "
-                  "or --low-steps differ",
-                  folder.string(), count, what, wanted));
-}
 
 /// The scan along `axis` in a pose's folder: x or x.slip, or an empty path.
 fs::path scan_along(const fs::path& folder, Axis axis) {
@@ -34,7 +27,7 @@ ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) 
            "{}: has axis {}; expected {}", path.string(), axes_of(scan.sequence), name_of(axis));
   scan.sequence = along(scan.sequence, axis);
   if (fs::is_directory(path)) {
-    require_count(path, scan.frames.size(), frame_count(scan.sequence), "a scan with these steps");
+    pattern_pictures(scan, frame_count(scan.sequence), "a scan with these steps");
   }
   return scan;
 }
@@ -46,23 +39,22 @@ BoardScans scans_of(const fs::path& folder, ScanFiles x, ScanFiles y) {
 }
 
 BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
-  const std::vector<fs::path> pictures = images_in_folder(folder);
-  ScanFiles first{.path = folder, .frames = pictures};
-  amend(first, changes);
-  first.sequence = along(first.sequence, first_axis);
-  ScanFiles second = first;
-  second.sequence = along(first.sequence, across(first_axis));
+  ScanFiles both{.path = folder, .frames = images_in_folder(folder)};
+  amend(both, changes);
+  ScanFiles first = both;
+  first.sequence = along(both.sequence, first_axis);
   const int each = frame_count(first.sequence);
-  require_count(folder, pictures.size(), 2 * each, "a scan along x and one along y");
+  // An order of both scans, or the same one for each.
+  std::vector<int>& of_each = std::ssize(both.order) == 2 * each ? first.order : both.order;
+  of_each.clear();
+  const std::vector<fs::path> pictures =
+      pattern_pictures(both, 2 * each, "a scan along x and one along y");
+  ScanFiles second = first;
+  second.sequence = along(both.sequence, across(first_axis));
   first.frames.assign(pictures.begin(), pictures.begin() + each);
   second.frames.assign(pictures.begin() + each, pictures.end());
   if (first_axis == Axis::y) std::swap(first, second);
   return scans_of(folder, std::move(first), std::move(second));
-}
-
-/// Whether the folder is a report by `calibrate geometry --report`, which may be beside the poses.
-bool is_report(const fs::path& folder) {
-  return fs::exists(folder / "report.md");
 }
 
 bool has_both_axes(const fs::path& folder) {
@@ -84,8 +76,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& c
   if (has_both_axes(folder)) return {pose_in(folder, changes, first_axis)};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const bool pose = entry.is_directory() && !is_hidden(entry.path()) && !is_report(entry.path());
-    if (pose) folders.push_back(entry.path());
+    if (entry.is_directory() && is_scan_folder(entry.path())) folders.push_back(entry.path());
   }
   std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
     return before_in_order(a.filename().string(), b.filename().string());

@@ -63,8 +63,10 @@ bool is_cloud_file(const std::filesystem::path& path);
 /// Reads the points of a file by write_cloud or write_surface, or of another in these formats, by
 /// its ending:
 ///   .ply         ASCII, or binary of either byte order; also the vertices of a mesh
-///   .pcd         ASCII or binary, of 32-bit float; organised if its height is above one
-///   .xyz         text with the columns of write_cloud, identified by their number, or only x y z
+///   .pcd         ASCII or binary, fields of any type; organised if its height is above one
+///   .xyz         text, separated by blanks, commas or semicolons: the columns that its first line
+///                names, or those of write_cloud by their number, or x y z and a colour in whole
+///                numbers
 ///   .stl         binary; the corners of its triangles, each once
 ///   .obj, .glb   the vertices
 /// Without intensity, uses the colours' luminance, or 0. Ignores other properties and points that

@@ -2,14 +2,13 @@
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
+#include "slipstream/io/detail/point_elements.h"
 #include "slipstream/io/detail/point_formats.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 NumberType type_named(std::string_view name) {
   static constexpr std::array<std::string_view, 16> names{
@@ -19,102 +18,6 @@ NumberType type_named(std::string_view name) {
   throw_if(found == names.end(), "'{}' is not a PLY type", name);
   return static_cast<NumberType>((found - names.begin()) / 2);
 }
-
-/// Reads lines and numbers from the front of a file of points. Throws Error, without a file name,
-/// if it is truncated.
-class NumberReader {
- public:
-  explicit NumberReader(std::span<const std::uint8_t> bytes)
-      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
-
-  /// The unread rest; no element can have more numbers than this has bytes.
-  [[nodiscard]] std::string_view left() const { return text_; }
-
-  /// Sets the format of the numbers that follow, by its PLY name; ASCII by default.
-  void set_format(std::string_view name) {
-    ascii_ = name == "ascii";
-    big_endian_ = name == "binary_big_endian";
-    throw_if(!ascii_ && !big_endian_ && name != "binary_little_endian", "'{}' is not a PLY format",
-             name);
-  }
-
-  std::string_view line() {
-    if (text_.empty()) throw Error("it ends within its header");
-    const std::size_t end = std::min(text_.find('\n'), text_.size());
-    std::string_view line = text_.substr(0, end);
-    text_.remove_prefix(std::min(end + 1, text_.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-  }
-
-  double number(NumberType type) {
-    if (ascii_) return ascii_number();
-    using R = NumberReader;  // in the order of NumberType
-    static constexpr std::array<double (R::*)(), 8> by_type{
-        &R::binary_number<std::int8_t>,  &R::binary_number<std::uint8_t>,
-        &R::binary_number<std::int16_t>, &R::binary_number<std::uint16_t>,
-        &R::binary_number<std::int32_t>, &R::binary_number<std::uint32_t>,
-        &R::binary_number<float>,        &R::binary_number<double>};
-    return (this->*by_type[static_cast<std::size_t>(type)])();
-  }
-
- private:
-  template <class Stored>
-  double binary_number() {
-    if (text_.size() < sizeof(Stored)) throw Error("it is truncated");
-    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text_.data()), sizeof(Stored));
-    text_.remove_prefix(sizeof(Stored));
-    return static_cast<double>(big_endian_ ? number_at<Stored, std::endian::big>(bytes, 0)
-                                           : number_at<Stored>(bytes, 0));
-  }
-
-  double ascii_number() {
-    const std::size_t start = text_.find_first_not_of(" \t\r\n");
-    if (start == std::string_view::npos) throw Error("it is truncated");
-    text_.remove_prefix(start);
-    const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
-    const auto number = number_in<double>(word);
-    throw_if(!number, "'{}' is not a number", word.substr(0, 20));
-    text_.remove_prefix(word.size());
-    return *number;
-  }
-
-  std::string_view text_;
-  bool ascii_ = true;
-  bool big_endian_ = false;
-};
-
-/// Splits at blanks.
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t start = line.find_first_not_of(" \t");
-    if (start == std::string_view::npos) return words;
-    line.remove_prefix(start);
-    words.push_back(line.substr(0, line.find_first_of(" \t")));
-    line.remove_prefix(words.back().size());
-  }
-}
-
-/// Parses a count. Throws Error for any other word.
-std::size_t count_from(std::string_view text) {
-  if (const auto count = number_in<std::size_t>(text)) return *count;
-  throw Error(fmt::format("'{}' is not a number of elements", text.substr(0, 20)));
-}
-
-/// A property of a PLY element: a number or a list of numbers.
-struct PlyProperty {
-  std::string name;
-  NumberType type = NumberType::float32;
-  std::optional<NumberType> count_type{};  ///< of a list
-};
-
-/// An element of a PLY file, such as "vertex".
-struct PlyElement {
-  std::string name;
-  std::size_t count = 0;
-  std::vector<PlyProperty> properties{};
-};
 
 /// The elements of a PLY file, in order. Throws Error if it is not a PLY file.
 std::vector<PlyElement> read_ply_header(NumberReader& reader) {
@@ -140,92 +43,6 @@ std::vector<PlyElement> read_ply_header(NumberReader& reader) {
   }
 }
 
-/// The numbers of one property: one, or a list.
-std::vector<double> read_property(const PlyProperty& property, NumberReader& reader) {
-  const double count = property.count_type ? reader.number(*property.count_type) : 1;
-  throw_if(!(count >= 0 && count <= static_cast<double>(reader.left().size())),
-           "a list of {} numbers is longer than the file", count);
-  std::vector<double> numbers;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    numbers.push_back(reader.number(property.type));
-  }
-  return numbers;
-}
-
-/// The member of StoredPoint to which a column adds, and its weight.
-struct Target {
-  double StoredPoint::*field = nullptr;
-  double share = 1;
-};
-
-Target target_of(const PlyProperty& property) {
-  // The weights of the luminance of ITU-R BT.601.
-  static const std::map<std::string, Target> targets{
-      {"x", {&StoredPoint::x}},
-      {"y", {&StoredPoint::y}},
-      {"z", {&StoredPoint::z}},
-      {"intensity", {&StoredPoint::intensity}},
-      {"scalar_intensity", {&StoredPoint::intensity}},
-      {"red", {&StoredPoint::intensity, 0.299}},
-      {"green", {&StoredPoint::intensity, 0.587}},
-      {"blue", {&StoredPoint::intensity, 0.114}},
-      {"sigma_coordinate", {&StoredPoint::sigma_coordinate}},
-      {"sigma_x", {&StoredPoint::sigma_x}},
-      {"sigma_y", {&StoredPoint::sigma_y}},
-      {"sigma_z", {&StoredPoint::sigma_z}}};
-  const auto found = targets.find(property.name);
-  return found == targets.end() || property.count_type ? Target{} : found->second;
-}
-
-/// The targets of an element's properties; an intensity overrides colours.
-std::vector<Target> targets_of(const PlyElement& element) {
-  std::vector<Target> targets;
-  bool has_intensity = false;
-  for (const PlyProperty& property : element.properties) {
-    targets.push_back(target_of(property));
-    const Target& target = targets.back();
-    has_intensity |= target.field == &StoredPoint::intensity && target.share == 1;
-  }
-  for (Target& target : targets) {
-    if (has_intensity && target.share != 1) target = {};
-  }
-  return targets;
-}
-
-/// -1 if not an index.
-int index_from(double number) {
-  const bool index = number >= 0 && number <= std::numeric_limits<int>::max();
-  return index && number == std::floor(number) ? static_cast<int>(number) : -1;
-}
-
-/// Reads an element; stores vertices and faces, skips others.
-void read_element(const PlyElement& element, NumberReader& reader, StoredPoints& stored) {
-  if (element.properties.empty()) return;
-  const std::vector<Target> targets = targets_of(element);
-  const bool vertices = element.name == "vertex";
-  const auto lacks = [&](double StoredPoint::*field) {
-    return std::none_of(targets.begin(), targets.end(),
-                        [field](const Target& target) { return target.field == field; });
-  };
-  throw_if(vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z)),
-           "its points have no x, y and z");
-  for (std::size_t i = 0; i < element.count; ++i) {
-    StoredPoint point;
-    for (std::size_t k = 0; k < targets.size(); ++k) {
-      const std::vector<double> numbers = read_property(element.properties[k], reader);
-      if (targets[k].field != nullptr) point.*targets[k].field += targets[k].share * numbers[0];
-      const std::string& name = element.properties[k].name;
-      const bool is_face = name == "vertex_indices" || name == "vertex_index";
-      for (std::size_t n = 2; is_face && n < numbers.size(); ++n) {  // triangle fan
-        stored.triangles.push_back(
-            {index_from(numbers[0]), index_from(numbers[n - 1]), index_from(numbers[n])});
-      }
-    }
-    if (vertices) stored.points.push_back(point);
-  }
-  stored.has_sigma |= vertices && !lacks(&StoredPoint::sigma_z);
-}
-
 StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
   NumberReader reader(bytes);
   StoredPoints stored;
@@ -236,8 +53,10 @@ StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
 }
 
 /// The words of each line of a PCD header, by its first word.
-std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(NumberReader& reader) {
-  std::map<std::string, std::vector<std::string_view>, std::less<>> header;
+using PcdHeader = std::map<std::string, std::vector<std::string_view>, std::less<>>;
+
+PcdHeader pcd_header(NumberReader& reader) {
+  PcdHeader header;
   while (!header.contains("DATA")) {
     std::vector<std::string_view> words = words_of(reader.line());
     if (words.empty() || words[0].starts_with('#')) continue;
@@ -245,27 +64,44 @@ std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(Num
     words.erase(words.begin());
     header[key] = std::move(words);
   }
+  if (!header.contains("COUNT")) header["COUNT"].assign(header["FIELDS"].size(), "1");
   for (const char* key : {"FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "DATA"}) {
     throw_if(header[key].empty(), "its header has no {}", key);
+  }
+  for (const char* key : {"SIZE", "TYPE", "COUNT"}) {
+    throw_if(header[key].size() != header["FIELDS"].size(), "its header has {} FIELDS, but {} {}",
+             header["FIELDS"].size(), header[key].size(), key);
   }
   return header;
 }
 
-/// Supports only fields of one 32-bit float each, as by write_cloud and most other writers.
+/// `name`, `type`, `size`, `count`: a word each of FIELDS, TYPE, SIZE and COUNT.
+PlyProperty pcd_field(std::string_view name, std::string_view type, std::string_view size,
+                      std::string_view count, bool binary) {
+  using T = NumberType;
+  static const std::map<std::string, NumberType> types{
+      {"I1", T::int8},    {"U1", T::uint8},  {"I2", T::int16}, {"U2", T::uint16},
+      {"I4", T::int32},   {"U4", T::uint32}, {"I8", T::i64},   {"U8", T::u64},
+      {"F4", T::float32}, {"F8", T::float64}};
+  const auto found = types.find(fmt::format("{}{}", type, size));
+  throw_if(found == types.end(), "field {}: '{} {}' is not a type", name.substr(0, 20),
+           type.substr(0, 20), size.substr(0, 20));
+  // The bits of a float that is not a number may change when it is converted.
+  const bool packed = binary && size == "4" && (name == "rgb" || name == "rgba");
+  return {std::string(name), packed ? T::uint32 : found->second, std::nullopt, count_from(count)};
+}
+
 StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   NumberReader reader(bytes);
-  const auto header = pcd_header(reader);
-  const auto all = [&](const char* key, std::string_view wanted) {
-    const auto& words = header.at(key);
-    return std::all_of(words.begin(), words.end(), [&](auto word) { return word == wanted; });
-  };
-  throw_if(!all("SIZE", "4") || !all("TYPE", "F") || !all("COUNT", "1"),
-           "its fields are not one 32-bit float each");
-  throw_if(!all("DATA", "binary") && !all("DATA", "ascii"), "its DATA is neither ascii nor binary");
-  if (all("DATA", "binary")) reader.set_format("binary_little_endian");
+  const PcdHeader header = pcd_header(reader);
+  const std::string_view data = header.at("DATA")[0];
+  throw_if(data != "binary" && data != "ascii", "its DATA is neither ascii nor binary");
+  const bool binary = data == "binary";
+  if (binary) reader.set_format("binary_little_endian");
   PlyElement element{.name = "vertex", .properties = {}};
-  for (const std::string_view field : header.at("FIELDS")) {
-    element.properties.push_back({std::string(field), NumberType::float32, std::nullopt});
+  for (std::size_t k = 0; k < header.at("FIELDS").size(); ++k) {
+    element.properties.push_back(pcd_field(header.at("FIELDS")[k], header.at("TYPE")[k],
+                                           header.at("SIZE")[k], header.at("COUNT")[k], binary));
   }
   const std::size_t width = count_from(header.at("WIDTH")[0]);
   const std::size_t height = count_from(header.at("HEIGHT")[0]);
@@ -273,35 +109,6 @@ StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   element.count = width * height;
   StoredPoints stored;
   if (height > 1) stored.organised = {static_cast<int>(width), static_cast<int>(height)};
-  read_element(element, reader, stored);
-  return stored;
-}
-
-/// The columns of a text by write_cloud, by their number.
-std::vector<std::string_view> names_of_columns(std::size_t count) {
-  static constexpr std::array<std::string_view, 4> place{"x", "y", "z", "intensity"};
-  static constexpr std::array<std::string_view, 4> sigma{"sigma_coordinate", "sigma_x", "sigma_y",
-                                                         "sigma_z"};
-  std::vector<std::string_view> names(count, "");
-  const bool ours = count == 4 || count == 7 || count == 8 || count == 11;
-  std::copy_n(place.begin(), std::min<std::size_t>(count, ours ? 4 : 3), names.begin());
-  if (count == 8 || count == 11) std::copy(sigma.begin(), sigma.end(), names.end() - 4);
-  return names;
-}
-
-StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
-  NumberReader reader(bytes);
-  NumberReader lines = reader;
-  const std::size_t columns = lines.left().empty() ? 0 : words_of(lines.line()).size();
-  PlyElement element{.name = "vertex", .count = 1, .properties = {}};
-  for (const std::string_view name : names_of_columns(columns)) {
-    element.properties.push_back({std::string(name), NumberType::float64, std::nullopt});
-  }
-  for (; !lines.left().empty(); ++element.count) {
-    throw_if(words_of(lines.line()).size() != columns,
-             "line {}: expected {} numbers, as in the first line", element.count + 1, columns);
-  }
-  StoredPoints stored;
   read_element(element, reader, stored);
   return stored;
 }

@@ -51,10 +51,6 @@ int create(const std::string& name) {
   return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
-std::span<const std::uint8_t> bytes_of(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
 /// Returns false, with errno, if writing fails.
 bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
   while (!rest.empty()) {
@@ -64,6 +60,11 @@ bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
     rest = rest.subspan(static_cast<std::size_t>(written));
   }
   return true;
+}
+
+/// Exchanges two files in one step. Returns false if one is missing; some file systems cannot.
+bool swap_names(const std::string& one, const fs::path& other) {
+  return ::renameat2(AT_FDCWD, one.c_str(), AT_FDCWD, other.c_str(), RENAME_EXCHANGE) == 0;
 }
 
 /// Returns false, with errno, if data may not be on disk. Some file systems cannot tell.
@@ -82,6 +83,10 @@ Descriptor::~Descriptor() {
   const int reason = errno;
   if (number_ >= 0) ::close(number_);
   errno = reason;
+}
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 InputFile::InputFile(const fs::path& path, std::uint64_t largest)
@@ -161,6 +166,7 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
     name_ = path.string();  // before the file exists, so that it is always removed
     descriptor_ = create(name_);
     if (descriptor_ < 0 && errno != EEXIST) fail();
+    claim();
   }
   if (descriptor_ >= 0) return;
   name_ = temporary_name(path);
@@ -176,6 +182,19 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
 OutputFile::~OutputFile() {
   if (writing_ == Writing::at_once) discard();
   if (descriptor_ >= 0) ::close(descriptor_);
+  if (claimed_ >= 0) ::close(claimed_);
+}
+
+/// Locks what has the name now, the new file or an earlier one, until this one is destroyed. Does
+/// nothing on file systems without locks.
+void OutputFile::claim() {
+  claimed_ = descriptor_ >= 0 ? ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0)
+                              : ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (claimed_ < 0 || ::flock(claimed_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(claimed_);
+  if (descriptor_ >= 0) ::close(descriptor_);
+  throw WorldError(
+      fmt::format("cannot write {}: another recording is being written to it", path_.string()));
 }
 
 void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> parts) {
@@ -209,13 +228,43 @@ void OutputFile::sync() {
 }
 
 void OutputFile::keep() {
+  keep_together({this});
+}
+
+void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
+  for (OutputFile* const file : files) file->finish();
+  for (auto file = files.begin(); file != files.end(); ++file) {
+    if ((*file)->put_in_place(files.size() > 1)) continue;
+    const int reason = errno;
+    OutputFile& failed = **file;
+    while (file != files.begin()) (*--file)->take_back();
+    errno = reason;
+    failed.fail();
+  }
+  for (OutputFile* const file : files) {
+    if (file->swapped_) ::unlink(file->name_.c_str());
+    file->let_go();
+    if (!is_folder_synced(file->folder_)) file->fail();
+    file->synced_ = file->written_;
+  }
+}
+
+/// Syncs and closes.
+void OutputFile::finish() {
   if (!is_synced(descriptor_) && disk_failure_ == 0) disk_failure_ = errno;
   const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
   if (disk_failure_ != 0) errno = disk_failure_;
-  if (disk_failure_ != 0 || !closed || ::rename(name_.c_str(), path_.c_str()) != 0) fail();
-  let_go();
-  if (!is_folder_synced(folder_)) fail();
-  synced_ = written_;
+  if (disk_failure_ != 0 || !closed) fail();
+}
+
+/// With `swaps`, an existing file gets the temporary name. Returns false, with errno, on failure.
+bool OutputFile::put_in_place(bool swaps) {
+  swapped_ = swaps && swap_names(name_, path_);
+  return swapped_ || ::rename(name_.c_str(), path_.c_str()) == 0;
+}
+
+void OutputFile::take_back() const {
+  if (!swapped_ || !swap_names(name_, path_)) ::unlink(path_.c_str());
 }
 
 std::string OutputFile::give_up(std::uint64_t size) {

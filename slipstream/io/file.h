@@ -66,6 +66,8 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
+std::span<const std::uint8_t> bytes_of(std::string_view text);
+
 /// The bytes of a file. Throws as InputFile.
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
                                     std::uint64_t largest = largest_file);
@@ -89,7 +91,8 @@ class OutputFile {
   enum class Writing {
     at_once,   ///< removed unless kept, and by remove_temporary_files
     over_time  ///< has its own name from the start if that is free; stays even if not kept; is
-               ///< synced while it grows, which bounds the page cache
+               ///< synced while it grows, which bounds the page cache; a second one of the same
+               ///< name, in any process, throws
   };
   /// Maximum of unsynced bytes with `over_time`, besides those of one write().
   static constexpr std::uint64_t most_unsynced = 64 << 20;
@@ -104,6 +107,9 @@ class OutputFile {
   void sync();
   /// Syncs, closes and renames the file. Throws if the disk has failed before.
   void keep();
+  /// Keeps files that belong together, in this order. After a failure none appears, and existing
+  /// files stay.
+  static void keep_together(std::initializer_list<OutputFile*> files);
   /// After a failure: keeps the first `size` bytes with `over_time`. With 0 or `at_once`, keeps
   /// nothing, and an existing file stays. Returns the failure as one line, with the path of the
   /// bytes if they are not under the file's own name.
@@ -114,7 +120,11 @@ class OutputFile {
   void discard() noexcept;
 
  private:
+  void claim();
   void pass_on();
+  void finish();
+  bool put_in_place(bool swaps);
+  void take_back() const;
   void let_go() noexcept;
   [[noreturn]] void fail_to_sync();
   [[noreturn]] void fail();
@@ -123,7 +133,9 @@ class OutputFile {
   std::string name_{};  ///< current name
   Writing writing_;
   bool remembered_ = false;  ///< by remove_temporary_files
+  bool swapped_ = false;     ///< the previous file has the temporary name
   int descriptor_ = -1;      ///< -1: closed
+  int claimed_ = -1;         ///< locked while this writes over time
   int disk_failure_ = 0;     ///< errno, which the system reports only once
   std::string failure_{};    ///< the first failure, without the path of the bytes
   /// Bytes in the file, handed to the disk, and synced.

@@ -4,6 +4,7 @@
 #include <exception>
 #include <iterator>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/pictures.h"
@@ -22,12 +23,9 @@ constexpr int members = sizeof(HeightCurve) / sizeof(float);
 using ReadPicture = Picture (*)(Bytes bytes, std::size_t frames);
 
 /// Readers by the files' first bytes.
-constexpr std::array<std::pair<std::string_view, ReadPicture>, 7> picture_formats{
+constexpr std::array<std::pair<std::string_view, ReadPicture>, 4> picture_formats{
     {{"\x89PNG\r\n\x1a\n"sv, read_png},
-     {"II*\0"sv, read_tiff},
-     {"II+\0"sv, read_tiff},
-     {"MM\0*"sv, read_tiff},
-     {"MM\0+"sv, read_tiff},
+     {"\xff\xd8\xff"sv, read_jpeg},
      {"BM"sv, read_bmp},
      {"P"sv, read_pgm}}};
 
@@ -43,18 +41,54 @@ ReadPicture reader_of(Bytes bytes) {
   return format->second == read_pgm && !is_pgm ? nullptr : format->second;
 }
 
+/// The first bytes of a TIFF file, which is read page by page.
+bool is_tiff(const InputFile& file) {
+  std::array<char, 4> first{};
+  const bool read = file.size() > first.size() &&
+                    file.read(0, {{reinterpret_cast<std::uint8_t*>(first.data()), first.size()}});
+  const std::string_view magic(first.data(), first.size());
+  return read &&
+         (magic == "II*\0"sv || magic == "II+\0"sv || magic == "MM\0*"sv || magic == "MM\0+"sv);
+}
+
+/// A picture's file, and its page if the path names one.
+struct PicturePlace {
+  fs::path file;
+  std::optional<int> page{};
+};
+
+PicturePlace place_of(const fs::path& path) {
+  const std::string text = path.string();
+  const std::size_t bracket = text.rfind('[');
+  std::error_code unknown;
+  if (!text.ends_with(']') || bracket == text.npos || fs::exists(path, unknown)) return {path};
+  const auto page =
+      number_in<int>(std::string_view(text).substr(bracket + 1, text.size() - bracket - 2));
+  return page && *page >= 0 ? PicturePlace{text.substr(0, bracket), page} : PicturePlace{path};
+}
+
+/// The pages of a TIFF file; empty for other endings and unreadable files.
+std::vector<int> pages_in(const fs::path& path) try {
+  const std::string ending = lower_case_extension(path);
+  if (ending != ".tif" && ending != ".tiff") return {};
+  return tiff_pages(InputFile(path, largest_picture_file));
+} catch (const Error&) {
+  return {};
+}
+
 /// Reads one picture of a scan with `frames` pictures.
 Picture read_picture(const fs::path& path, std::size_t frames = 1) {
-  const InputFile file(path, largest_picture_file);
-  const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());
-  const std::span bytes(memory.get(), file.size());
-  return naming(path.string(), [&] {
+  const auto [name, page] = place_of(path);
+  const InputFile file(name, largest_picture_file);
+  return naming(path.string(), [&, page = page] {
+    if (is_tiff(file)) return read_tiff(file, page, frames);
+    throw_if(page.has_value(), "{} is not a TIFF file, which alone has pages", name.string());
+    const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());
+    const std::span bytes(memory.get(), file.size());
     if (!file.read(0, {bytes})) throw Error("became shorter while it was read");
-    throw_if(bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff,
-             "a JPEG, whose lossy compression spoils the phase; use PNG, TIFF, BMP or PGM");
     const ReadPicture read = reader_of(bytes);
     if (read == nullptr)
-      throw Error("not a picture; expected a complete PNG, TIFF, BMP or PGM file");
+      throw Error("not a picture; expected a complete PNG, TIFF, BMP, PGM or JPEG file");
     return read(bytes, frames);
   });
 }
@@ -63,6 +97,7 @@ Picture read_picture(const fs::path& path, std::size_t frames = 1) {
 template <class Value>
 Picture each_pixel(const Picture& picture, const Value& value) {
   Picture pixels({picture.kind.size, 1, picture.kind.bits});
+  pixels.used_bits = picture.used_bits;
   std::visit(
       [&]<class Sample>(Image<Sample>& image) {
         if constexpr (std::is_integral_v<Sample>) {
@@ -85,6 +120,7 @@ std::vector<Picture> frames_in(const fs::path& path, std::size_t count, bool in_
   const PictureKind kind = picture.kind;
   std::vector<Picture> frames;
   naming(path.string(), [&] {
+    throw_if(in_colour && picture.lossy, "a JPEG, which blurs the colours; use PNG, TIFF or BMP");
     throw_if(in_colour && kind.channels < 3,
              "a grey picture; so few pictures must be in colour, with one frame in each channel");
     if (kind.bits == 32) throw Error("unsupported pixels; frames are grey of 8 or 16 bits");
@@ -162,7 +198,7 @@ FrameSet frame_set_from(std::vector<Picture> frames, int bits) {
           images.push_back(std::get<Image<Pixel>>(std::move(frame.samples)));
         }
         if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-          return {std::move(images), bits == 0 ? 16 : bits};
+          return {std::move(images), bits};
         } else if constexpr (!std::is_same_v<Pixel, float>) {
           return FrameSet(std::move(images));
         }
@@ -194,16 +230,19 @@ std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in
 }
 
 /// Reads all frames, in order; they must have one size and kind.
-FrameSet read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour,
-                    std::vector<std::string>& warnings) {
+LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour) {
+  LoadedFrames loaded;
   std::vector<Picture> frames;
+  int used_bits = 0;
   std::vector<ReadFrames> pictures = read_at_once(paths, in_colour);
   for (std::size_t n = 0; n < paths.size(); ++n) {
     auto& [read, told, failure] = pictures[n];
     if (failure) std::rethrow_exception(failure);
     std::move(read.begin(), read.end(), std::back_inserter(frames));
-    warnings.insert(warnings.end(), told.begin(), told.end());
+    loaded.warnings.insert(loaded.warnings.end(), told.begin(), told.end());
     const PictureKind &kind = frames.back().kind, &first = frames.front().kind;
+    loaded.lossy += frames.back().lossy ? 1 : 0;
+    used_bits = std::max(used_bits, frames.back().used_bits);
     if (kind.size != first.size) {
       throw Error(fmt::format("{} is {}, but {} is {}; all frames of a scan must have one size",
                               paths[n].string(), text_of(kind.size), paths.front().string(),
@@ -214,12 +253,13 @@ FrameSet read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour
                               paths[n].string(), paths.front().string()));
     }
   }
-  if (frames.empty()) return {};
+  if (frames.empty()) return loaded;
   if (bits > 8 && frames.front().kind.bits == 8) {
     throw Error(fmt::format("{}: an 8-bit picture, but the camera bits are set to {}",
                             paths.front().string(), bits));
   }
-  return frame_set_from(std::move(frames), bits);
+  loaded.frames = frame_set_from(std::move(frames), bits == 0 ? used_bits : bits);
+  return loaded;
 }
 
 }  // namespace
@@ -246,15 +286,34 @@ bool is_image_file(const fs::path& path) {
   return writer_of(lower_case_extension(path)) != nullptr;
 }
 
+bool is_jpeg_file(const fs::path& path) {
+  const std::string ending = lower_case_extension(path);
+  return ending == ".jpg" || ending == ".jpeg";
+}
+
+std::vector<fs::path> with_pages(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> all;
+  for (const fs::path& path : paths) {
+    const std::vector<int> pages = pages_in(path);
+    if (pages.size() < 2) {
+      all.push_back(path);
+      continue;
+    }
+    for (const int page : pages) all.emplace_back(fmt::format("{}[{}]", path.string(), page));
+  }
+  return all;
+}
+
+fs::path file_of_page(const fs::path& path) {
+  return place_of(path).file;
+}
+
 LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
-  LoadedFrames loaded;
-  loaded.frames = read_alike(paths, bits, false, loaded.warnings);
-  return loaded;
+  return read_alike(paths, bits, false);
 }
 
 FrameSet read_colour_frames(const std::vector<fs::path>& paths, int bits) {
-  std::vector<std::string> warnings;
-  return read_alike(paths, bits, true, warnings);
+  return read_alike(paths, bits, true).frames;
 }
 
 void write_image(const fs::path& path, const Image<std::uint8_t>& image) {
@@ -308,6 +367,7 @@ Image<double> read_map(const fs::path& path) {
 
 Image<double> read_levels(const fs::path& path) {
   const Picture picture = read_map_picture(path);
+  throw_if(picture.lossy, "{}: a JPEG, which alters levels; use PNG or TIFF", path.string());
   if (picture.kind.channels == 1) return wide_image(picture);
   throw Error(fmt::format("{}: a colour picture; expected a grey one or a map", path.string()));
 }

@@ -12,20 +12,31 @@ namespace slipstream {
 
 /// Whether the file's ending is png, tif, tiff, bmp or pgm.
 bool is_image_file(const std::filesystem::path& path);
+/// Whether the file's ending is jpg or jpeg.
+bool is_jpeg_file(const std::filesystem::path& path);
+
+/// The paths, with each TIFF file of several pages replaced by FILE[0], FILE[1] and so on: one for
+/// each of its pictures, which all functions below read. Unreadable files stay; reading reports
+/// why.
+std::vector<std::filesystem::path> with_pages(const std::vector<std::filesystem::path>& paths);
+/// The file that has the page FILE[N]; any other path unchanged.
+std::filesystem::path file_of_page(const std::filesystem::path& path);
 
 /// Frames read from files, and warnings, one line each.
 struct LoadedFrames {
   FrameSet frames;
   std::vector<std::string> warnings;
+  int lossy = 0;  ///< how many of the pictures are JPEG; no warning tells of them
 };
 
 /// Reads frames: 8- or 16-bit grey, or 64-bit float (unquantised) TIFF. Converts colour to grey
-/// with a warning. `bits`: of the camera, for 16-bit files with fewer bits; 0 if unknown. Throws
-/// Error with the file's name if one is missing, truncated, or of another size or kind.
+/// with a warning, except of JPEG. `bits`: of the camera, for 16-bit files with fewer bits; 0: as
+/// the files declare. Throws Error with the file's name if one is missing, truncated, of another
+/// size or kind, or has several pages.
 LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
 
 /// Reads colour pictures as frames, three channels each: see colour_channels.h. Throws Error as
-/// read_frames, and for a grey picture.
+/// read_frames, and for a grey picture or a JPEG.
 FrameSet read_colour_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
 
 /// Throws Error unless the ending supports colour: png, tif, tiff, bmp.
@@ -56,7 +67,7 @@ void write_map(const std::filesystem::path& path, const Image<double>& map);
 
 /// Reads a map by write_map, or one of 64-bit float.
 Image<double> read_map(const std::filesystem::path& path);
-/// The same; also accepts a grey picture of 8 or 16 bits.
+/// The same; also accepts a grey picture of 8 or 16 bits, but no JPEG.
 Image<double> read_levels(const std::filesystem::path& path);
 
 /// Writes a height calibration as a NumPy file of 32-bit float: rows x 5 columns, the consecutive

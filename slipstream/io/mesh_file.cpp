@@ -71,11 +71,13 @@ std::string obj_file(const Surface& surface, const std::string& materials) {
 
 void write_obj(const fs::path& path, const Surface& surface) {
   const std::vector<fs::path> beside = files_beside(path);
-  const fs::path &picture = beside[0], &materials = beside[1];
-  write_image(picture, surface.picture);
-  write_file(materials, fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n",
-                                    picture.filename().string()));
-  write_file(path, obj_file(surface, materials.filename().string()));
+  const std::string picture = beside[0].filename().string();
+  OutputFile texture(beside[0]), materials(beside[1]), object(path);
+  texture.write({png_file(surface.picture)});
+  materials.write(
+      {bytes_of(fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", picture))});
+  object.write({bytes_of(obj_file(surface, beside[1].filename().string()))});
+  OutputFile::keep_together({&texture, &materials, &object});
 }
 
 // Constants of glTF 2.0.

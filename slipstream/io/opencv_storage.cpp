@@ -172,8 +172,9 @@ std::string with_xml_entries(const std::string& text, const Entries& entries) {
   return changed.str();
 }
 
-/// The file's text; for a recording, its scanner's.
+/// The file's text; for a recording, its scanner's; for two files, their scanner's.
 std::string text_in(const fs::path& path) {
+  if (scanner_files(path).size() == 2) return text_of(read_scanner(path));
   if (is_recording(path)) {
     const RecordingReader recording(path);
     if (const auto& scanner = recording.header().scanner) return text_of(*scanner);
@@ -232,7 +233,10 @@ std::string with_entries(const std::string& text, const Entries& entries, const 
 void write_entries(const std::optional<fs::path>& from, const fs::path& to,
                    const Entries& entries) {
   const bool xml = lower_case_extension(to) == ".xml";
-  if (from && (lower_case_extension(*from) == ".xml") != xml) {
+  const auto is_of_xml = [](const fs::path& path) {
+    return scanner_files(path).size() == 1 && lower_case_extension(path) == ".xml";
+  };
+  if (from && is_of_xml(*from) != xml) {
     throw Error(fmt::format("{}: {} is {}; use the same ending for the output", to.string(),
                             from->string(), xml ? "YAML" : "XML"));
   }

@@ -186,6 +186,7 @@ void ReplaySource::open_pictures(const ScanFiles& files) {
   Frame frame;
   if (!read(0, frame)) throw Error(fmt::format("{}: not a frame", pictures_.front().string()));
   header_.format = frame.format();
+  if (header_.format.bits > 8) bits_ = header_.format.bits;
   if (!files.scanner) return;
   header_.scanner = completed(read_scanner(*files.scanner), files.scanner->string(),
                               header_.format.size, files.sequence.projector);

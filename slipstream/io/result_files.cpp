@@ -1,11 +1,17 @@
 #include "slipstream/io/result_files.h"
 
+#include <algorithm>
+#include <cstring>
+
+#include <fnmatch.h>
+
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/plot.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -42,6 +48,19 @@ fs::path identity(const fs::path& path) {
   std::error_code unknown;
   fs::path whole = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
   return unknown ? path : whole;
+}
+
+/// Whether the output, its placeholders filled, may be that file.
+bool may_become(const fs::path& output, const fs::path& file) {
+  if (output.extension() != file.extension()) return false;
+  std::string pattern;
+  for (const char c : output.string()) {
+    if (std::strchr("*?[\\", c) != nullptr) pattern += '\\';
+    pattern += c;
+  }
+  replace_all(pattern, "{name}", "*");
+  replace_all(pattern, "{window}", "[0-9][0-9][0-9][0-9][0-9][0-9]");
+  return ::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0;
 }
 
 /// Removes and returns the text before `mark`, and removes the mark; all without a mark.
@@ -95,6 +114,14 @@ bool ResultFiles::any_map() const {
   });
 }
 
+bool ResultFiles::only_maps() const {
+  return any_map() &&
+         std::all_of(all_files.begin(), all_files.end(), [this](const NamedFile& file) {
+           const bool of_points = file.map == nullptr || file.map == &Maps::epipolar_distance;
+           return !of_points || (this->*file.path).empty();
+         });
+}
+
 std::string text_of(const ScanName& scan) {
   return scan.window ? fmt::format("{}, window {}", scan.path, *scan.window) : scan.path;
 }
@@ -134,22 +161,30 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
   if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
 }
 
-void DistinctFiles::add_input(const fs::path& path) {
+void DistinctFiles::add_input(const fs::path& path, int levels) {
   std::error_code unknown;
   if (!inputs_.insert(identity(path)).second || !fs::is_directory(path, unknown)) return;
   ScanFiles scan;
   try {
     const fs::path description = path / "scan.yaml";
     inputs_.insert(identity(description));
+    picture_folders_.insert(identity(path / "truth"));
     if (fs::exists(description, unknown)) {
       scan = read_scan_files(description);
     } else {
       scan.frames = images_in_folder(path);
+      picture_folders_.insert(identity(path));
     }
-  } catch (const std::exception&) {
-    return;  // reading it will report the reason
+  } catch (const std::exception&) {  // a folder of scans, or reading it will report the reason
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, unknown)) {
+      const bool scans = entry.is_directory(unknown) ? is_scan_folder(entry.path())
+                                                     : entry.path().extension() == ".slip";
+      if (levels > 0 && scans) add_input(entry.path(), levels - 1);
+    }
+    return;
   }
-  for (const fs::path& frame : scan.frames) inputs_.insert(identity(frame));
+  for (const fs::path& frame : scan.frames) inputs_.insert(identity(file_of_page(frame)));
+  if (scan.white) inputs_.insert(identity(*scan.white));
   if (scan.scanner) add_scanner(*scan.scanner);
   if (scan.second_camera) add_input(*scan.second_camera);
 }
@@ -157,7 +192,12 @@ void DistinctFiles::add_input(const fs::path& path) {
 void DistinctFiles::add_output(const fs::path& path) {
   if (path.empty()) return;
   const fs::path file = identity(path);
-  throw_if(inputs_.contains(file), "{}: is an input and would be overwritten; use another name",
+  const bool fills = file.string().find('{') != std::string::npos;
+  const auto fills_to = [&](const fs::path& input) { return may_become(file, input); };
+  throw_if(inputs_.contains(file) || (fills && std::ranges::any_of(inputs_, fills_to)),
+           "{}: is an input and would be overwritten; use another name", path.string());
+  throw_if(is_image_file(file) && picture_folders_.contains(file.parent_path()),
+           "{}: is an input, as all pictures in that folder are; use another folder",
            path.string());
   throw_if(!outputs_.insert(file).second,
            "{}: two outputs would be written to it; use different names, such as with {{name}} for "
@@ -166,9 +206,20 @@ void DistinctFiles::add_output(const fs::path& path) {
   for (const fs::path& beside : files_beside(path)) add_output(beside);
 }
 
+void DistinctFiles::add_output_folder(const fs::path& path) {
+  const fs::path folder = identity(path);
+  const auto clashes = [&](const fs::path& input) {
+    return input.parent_path() == folder &&
+           (is_image_file(input) || input.filename() == "scanner.yaml");
+  };
+  throw_if(inputs_.contains(folder) || std::ranges::any_of(inputs_, clashes),
+           "{}: holds inputs that would be overwritten; use another folder", path.string());
+}
+
 void DistinctFiles::add_scanner(const fs::path& path) {
-  scanners_.insert(identity(path));
-  add_input(path);
+  const std::vector<fs::path> files = scanner_files(path);
+  if (files.size() == 1) scanners_.insert(identity(path));
+  for (const fs::path& file : files) add_input(file);
 }
 
 void DistinctFiles::add_scanner_output(const fs::path& path) {

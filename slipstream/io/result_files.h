@@ -19,6 +19,8 @@ struct ResultFiles {
   [[nodiscard]] std::vector<std::string> written() const;
   /// Whether any of them is a map that is not part of the cloud.
   [[nodiscard]] bool any_map() const;
+  /// Whether only maps are written that need no scanner.
+  [[nodiscard]] bool only_maps() const;
 };
 
 /// A folder or a recording, and optionally a window of it.
@@ -47,11 +49,16 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
 /// Files read and written in one run, compared after resolving links, . and ..
 class DistinctFiles {
  public:
-  /// A file, a recording, or a scan folder with all files named in its scan.yaml, including the
-  /// second camera's. Ignores unreadable paths.
-  void add_input(const std::filesystem::path& path);
-  /// Throws Error if it, or a file written beside it, is already an input or an output.
+  /// A file, a recording, or a scan folder with all files that reading it finds: those of its
+  /// scan.yaml and of a second camera, the ground truth, or all pictures; or a folder of such
+  /// folders, `levels` deep, as board poses are. Ignores unreadable paths.
+  void add_input(const std::filesystem::path& path, int levels = 2);
+  /// Throws Error if it, or a file written beside it, is already an input or an output, or may be
+  /// an input once "{name}" and "{window}" are replaced.
   void add_output(const std::filesystem::path& path);
+  /// A folder for a scan or a report. Throws Error if it is an input or holds one's pictures or
+  /// scanner.yaml.
+  void add_output_folder(const std::filesystem::path& path);
   /// A scanner file that is read and may be extended.
   void add_scanner(const std::filesystem::path& path);
   /// As add_output, but allows a scanner file that is also read, or a scan folder's.
@@ -59,6 +66,7 @@ class DistinctFiles {
 
  private:
   std::set<std::filesystem::path> inputs_, scanners_, outputs_;
+  std::set<std::filesystem::path> picture_folders_;  ///< all pictures in them are inputs
 };
 
 /// Windows of a recording, `end` exclusive.

@@ -8,6 +8,7 @@
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
+#include "slipstream/io/scan_pictures.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
@@ -72,7 +73,15 @@ FrameSet white_of(const ScanFiles& files) {
   return files.white ? read_colour_frames({*files.white}) : FrameSet();
 }
 
-/// The frames as captured.
+/// The figures are those of docs/reference/files.md.
+std::string lossy_warning(const std::string& name, int count) {
+  return fmt::format(
+      "{}: {} frames are JPEG, which costs accuracy: a virtual statue's median depth error is "
+      "0.49 mm without, 0.40 at quality 90 (smoothed), 0.76 at 50 and 1.32 at 20; prefer PNG",
+      name, count);
+}
+
+/// The frames as captured; grey pictures in pattern order.
 Scan taken_scan(const ScanFiles& files) {
   Scan scan{.sequence = files.sequence};
   if (files.recording) {
@@ -84,17 +93,14 @@ Scan taken_scan(const ScanFiles& files) {
     scan.frames = read_colour_frames(files.frames, files.bits);
     return scan;
   }
-  if (const int wanted = frame_count(files.sequence);
-      static_cast<int>(files.frames.size()) != wanted) {
-    const bool many = static_cast<int>(files.frames.size()) > wanted;
-    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures has {}{}",
-                            files.path.string(), files.frames.size(),
-                            files.sequence.strategy.name(), wanted,
-                            many ? "; reconstruct --windows : takes them as a recording" : ""));
-  }
-  LoadedFrames loaded = read_frames(files.frames, files.bits);
+  const std::string what = files.sequence.strategy.name() + " with these steps and exposures";
+  LoadedFrames loaded =
+      read_frames(pattern_pictures(files, frame_count(files.sequence), what), files.bits);
   scan.frames = std::move(loaded.frames);
   scan.warnings = std::move(loaded.warnings);
+  if (loaded.lossy > 0 && !measuring_frames(scan.sequence.strategy.layout()).empty()) {
+    scan.warnings.push_back(lossy_warning(files.path.string(), loaded.lossy));
+  }
   return scan;
 }
 
@@ -108,7 +114,9 @@ Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixtu
     if (!doubt.empty()) scan.warnings.push_back(doubt);
   }
   scan.order = files.order;
-  scan.frames = in_order(std::move(scan.frames), files);
+  if (files.recording || is_in_colour(files)) {
+    scan.frames = in_order(std::move(scan.frames), files);
+  }
   return scan;
 }
 
@@ -231,9 +239,14 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   if (scan.recording) {
     sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
   }
-  std::vector<fs::path> files = scan.frames;
+  std::vector<fs::path> files;
+  for (const fs::path& frame : scan.frames) {
+    if (files.empty() || files.back() != file_of_page(frame)) files.push_back(file_of_page(frame));
+  }
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
-  if (scan.scanner) files.push_back(*scan.scanner);
+  if (scan.scanner) {
+    for (const fs::path& file : scanner_files(*scan.scanner)) files.push_back(file);
+  }
   for (const fs::path& file : files) {
     sum = scan.recording && file == scan.path ? scan.recording->checksum(0, 0, sum)
                                               : checksum_of(file, sum);

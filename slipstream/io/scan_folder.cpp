@@ -12,6 +12,7 @@
 #include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -166,7 +167,9 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
     scan.frames.push_back(folder / frame);
   }
   for (const auto& [key, wanted, file] : named_files) {
-    if (map.has(key)) scan.*file = folder / map.value<std::string>(key, wanted);
+    if (!map.has(key)) continue;
+    const fs::path path = map.value<std::string>(key, wanted);
+    scan.*file = file == &ScanFiles::scanner ? scanner_in(folder, path) : folder / path;
   }
   return scan;
 }
@@ -262,6 +265,7 @@ bool before_in_order(const std::string& a, const std::string& b) {
 ScanFiles read_scan_files(const fs::path& file) {
   ScanFiles scan = scan_files_from(read_text(file), file.string(), file.parent_path());
   scan.path = file.parent_path();
+  scan.frames = with_pages(scan.frames);
   scan.described = true;
   throw_if(scan.frames.empty(), "{}: key 'frames' is missing", file.string());
   return scan;
@@ -380,23 +384,25 @@ bool is_hidden(const fs::path& path) {
   return path.filename().string().starts_with(".");
 }
 
+bool is_scan_folder(const fs::path& folder) {
+  return !is_hidden(folder) && !fs::exists(folder / "report.md");
+}
+
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
   throw_if(!fs::is_directory(folder), "{}: no such folder", folder.string());
-  std::vector<fs::path> images;
-  bool jpeg = false;
+  std::vector<fs::path> images, jpegs;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file() || is_hidden(entry.path())) continue;
     if (is_image_file(entry.path())) images.push_back(entry.path());
-    const std::string ending = lower_case_extension(entry.path());
-    jpeg = jpeg || ending == ".jpg" || ending == ".jpeg";
+    if (is_jpeg_file(entry.path())) jpegs.push_back(entry.path());
   }
-  throw_if(
-      images.empty(), "{}: {}; expected PNG, TIFF, BMP or PGM files", folder.string(),
-      jpeg ? "its pictures are JPEG, whose lossy compression spoils the phase" : "no pictures");
+  if (images.empty()) images = std::move(jpegs);
+  throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
+           folder.string());
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     return before_in_order(a.filename().string(), b.filename().string());
   });
-  return images;
+  return with_pages(images);
 }
 
 }  // namespace slipstream

@@ -14,7 +14,7 @@ struct ScanFiles {
   bool described = false;        ///< whether the sequence is known
   Sequence sequence{};
   int bits = 0;                                 ///< of the camera; 0 if unknown
-  std::vector<std::filesystem::path> frames{};  ///< pictures; empty for a recording
+  std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
   std::shared_ptr<const RecordingReader> recording{};  ///< the open recording, or null
   /// Of a recording, see window_at; nullopt: first cycle. Of a folder of many frames, whose
@@ -76,8 +76,12 @@ bool before_in_order(const std::string& a, const std::string& b);
 /// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
 bool is_hidden(const std::filesystem::path& path);
 
-/// The pictures in a folder in natural order: frame_2 before frame_10, without hidden files. Throws
-/// Error if the folder is missing or has no pictures.
+/// Whether a folder beside scans may be one: neither hidden nor a report, which has a report.md.
+bool is_scan_folder(const std::filesystem::path& folder);
+
+/// The pictures in a folder in natural order: frame_2 before frame_10, with each page of a TIFF
+/// file, without hidden files; JPEGs only if there are no others. Throws Error if the folder is
+/// missing or has no pictures.
 std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);
 
 }  // namespace slipstream

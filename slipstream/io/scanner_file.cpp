@@ -1,6 +1,10 @@
 #include "slipstream/io/scanner_file.h"
 
 #include <cmath>
+#include <set>
+
+#include <Eigen/LU>
+#include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -97,17 +101,20 @@ Entries entries_of(const PhotometricCalibration& calibration) {
 }
 
 /// The names of a lens's entries; "" if a layout lacks one. A width without a height is an
-/// entry with both.
+/// entry with both, a height without a width one with both, height first.
 struct LensNames {
   std::string_view matrix, distortion, width, height;
 };
 
 struct Layout {
   LensNames camera, projector;
-  std::string_view rotation, translation;
+  std::string_view rotation, translation;  ///< "": see set_rectified_pose
 };
 
-constexpr std::array<Layout, 4> layouts{{
+/// Begins the names of the second of two files that use the same names.
+constexpr std::string_view of_projector = "the projector's ";
+
+constexpr std::array<Layout, 10> layouts{{
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
      "rotation",
@@ -118,7 +125,31 @@ constexpr std::array<Layout, 4> layouts{{
      "Tp"},
     {{"cam_K", "cam_kc", "", ""}, {"proj_K", "proj_kc", "", ""}, "R", "T"},
     {{"M1", "D1", "S", ""}, {"M4", "D4", "", ""}, "Rlp", "Tlp"},
+    {{"cameraMatrix1", "distCoeffs1", "", ""}, {"cameraMatrix2", "distCoeffs2", "", ""}, "R", "T"},
+    {{"M1", "D1", "", ""}, {"M2", "D2", "", ""}, "R", "T"},
+    {{"cam_int", "cam_dist", "", "img_shape"},
+     {"proj_int", "proj_dist", "", ""},
+     "roration",  // so spelt by the tool
+     "translation"},
+    {{"camK", "camKc", "camW", "camH"}, {"prjK", "prjKc", "prjW", "prjH"}, "R", "T"},
+    {{"intrinsic_mat", "lens_distortion", "resolution_x", "resolution_y"},
+     {"the projector's intrinsic_mat", "the projector's lens_distortion",
+      "the projector's resolution_x", "the projector's resolution_y"},
+     "extrinsic_rot",
+     "extrinsic_trans"},
+    {{"camera_matrix", "distortion_coefficients", "image_width", "image_height"},
+     {"the projector's camera_matrix", "the projector's distortion_coefficients",
+      "the projector's image_width", "the projector's image_height"},
+     "",
+     ""},
 }};
+
+std::array<std::string_view, 10> names_of(const Layout& layout) {
+  const auto& [camera, projector, rotation, translation] = layout;
+  return {camera.matrix,    camera.distortion,    camera.width,    camera.height,
+          projector.matrix, projector.distortion, projector.width, projector.height,
+          rotation,         translation};
+}
 
 // The layout with projection matrices; its sizes have slipstream's names.
 constexpr std::array<std::string_view, 2> projections{"camera_projection", "projector_projection"};
@@ -130,11 +161,30 @@ bool has(const Entries& entries, std::string_view name) {
   return !name.empty() && entries.contains(std::string(name));
 }
 
+/// The layout that has most of its names in the file.
 const Layout& layout_of(const Entries& entries) {
-  for (const Layout& layout : layouts) {
-    if (has(entries, layout.camera.matrix) || has(entries, layout.projector.matrix)) return layout;
-  }
-  throw Error("no camera matrix; expected camera_matrix, Kc, cam_K, M1 or camera_projection");
+  const auto count = [&](const Layout& layout) -> std::ptrdiff_t {
+    if (!has(entries, layout.camera.matrix) && !has(entries, layout.projector.matrix)) return 0;
+    return std::ranges::count_if(names_of(layout), [&](auto name) { return has(entries, name); });
+  };
+  const Layout& best = *std::ranges::max_element(layouts, {}, count);
+  if (count(best) > 0) return best;
+  std::set<std::string_view> matrices{projections[0]};
+  for (const Layout& layout : layouts) matrices.insert(layout.camera.matrix);
+  throw Error(fmt::format("no camera matrix; expected one of {}", fmt::join(matrices, ", ")));
+}
+
+/// Throws Error with the likely cause if the entry is missing.
+void require_present(const Entries& entries, std::string_view name) {
+  if (has(entries, name)) return;
+  const bool is_one_file = std::ranges::none_of(
+      entries, [](const auto& entry) { return entry.first.starts_with(of_projector); });
+  const bool is_in_second = has(entries, fmt::format("{}{}", of_projector, name));
+  throw Error(fmt::format("{} is missing{}", name,
+                          is_one_file && name.starts_with(of_projector)
+                              ? "; name its file too: --scanner CAMERA,PROJECTOR"
+                          : is_in_second ? " in the first file; name the camera's file first"
+                                         : ""));
 }
 
 /// The numbers of an existing entry.
@@ -151,7 +201,7 @@ const std::vector<double>& numbers_of(const Entries& entries, std::string_view n
 /// rows x columns numbers, row by row.
 template <int rows, int columns>
 Eigen::Matrix<double, rows, columns> matrix_of(const Entries& entries, std::string_view name) {
-  throw_if(!has(entries, name), "{} is missing", name);
+  require_present(entries, name);
   const std::vector<double>& values = numbers_of(entries, name);
   throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; expected {}x{}", name,
            values.size(), rows, columns);
@@ -175,6 +225,10 @@ std::vector<int> pixel_counts(const Entries& entries, std::string_view name, std
 }
 
 Size size_of(const Entries& entries, const LensNames& names) {
+  if (names.width.empty()) {
+    const std::vector<int> both = pixel_counts(entries, names.height, 2);
+    return {both[1], both[0]};
+  }
   if (!names.height.empty()) {
     return {pixel_counts(entries, names.width, 1)[0], pixel_counts(entries, names.height, 1)[0]};
   }
@@ -230,12 +284,8 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
 
 bool names_geometry(std::string_view entry) {
   const auto is_in = [&](const auto& names) { return std::ranges::count(names, entry) > 0; };
-  const auto is_of = [&](const LensNames& lens) {
-    return is_in(std::array{lens.matrix, lens.distortion, lens.width, lens.height});
-  };
   return is_in(projections) || std::ranges::any_of(layouts, [&](const Layout& layout) {
-           return is_of(layout.camera) || is_of(layout.projector) ||
-                  is_in(std::array{layout.rotation, layout.translation});
+           return is_in(names_of(layout));
          });
 }
 
@@ -257,6 +307,30 @@ Entries other_entries(const fs::path& path) {
   return entries;
 }
 
+/// Sets the pose of two devices calibrated as a stereo pair of ROS: rectification_matrix turns a
+/// device's frame into the rectified one, in which projection_matrix is K [I | t], t in metres.
+void set_rectified_pose(const Entries& entries, Scanner& scanner) {
+  const auto rectified = [&](std::string_view device) {
+    const auto name = [&](const char* of) { return fmt::format("{}{}", device, of); };
+    if (const auto model = entries.find(name("distortion_model")); model != entries.end()) {
+      const std::string& text = model->second.text;
+      throw_if(text != "plumb_bob" && text != "rational_polynomial",
+               "{} is {}; expected plumb_bob or rational_polynomial", model->first, text);
+    }
+    const auto projection = matrix_of<3, 4>(entries, name("projection_matrix"));
+    const Eigen::Vector3d t = projection.leftCols<3>().inverse() * projection.col(3);
+    return std::pair(matrix_of<3, 3>(entries, name("rectification_matrix")), t);
+  };
+  constexpr double mm_per_metre = 1000;
+  const auto [to_rectified, camera] = rectified("");
+  const auto [projector_to_rectified, projector] = rectified(of_projector);
+  const Eigen::Matrix3d from_rectified = projector_to_rectified.transpose();
+  scanner.rotation = from_rectified * to_rectified;
+  scanner.translation = mm_per_metre * from_rectified * (projector - camera);
+  throw_if(scanner.translation.isZero(0),
+           "the projection matrices have no baseline; calibrate both devices as a stereo pair");
+}
+
 /// The scanner's lenses and pose.
 Scanner geometry_of(const Entries& entries) {
   if (has(entries, projections[0]) || has(entries, projections[1])) {
@@ -270,6 +344,10 @@ Scanner geometry_of(const Entries& entries) {
   Scanner scanner;
   scanner.camera = lens_of(entries, names.camera);
   scanner.projector = lens_of(entries, names.projector);
+  if (names.rotation.empty()) {
+    set_rectified_pose(entries, scanner);
+    return scanner;
+  }
   scanner.rotation = matrix_of<3, 3>(entries, names.rotation);
   scanner.translation = matrix_of<3, 1>(entries, names.translation);
   return scanner;
@@ -288,10 +366,42 @@ Scanner scanner_of(const Entries& entries, const std::string& name) {
   });
 }
 
+/// The entries of two files. If both name their geometry alike, the second is the projector's.
+Entries joined(Entries first, const Entries& second) {
+  const bool are_alike = std::ranges::any_of(second, [&](const auto& entry) {
+    return names_geometry(entry.first) && has(first, entry.first);
+  });
+  const bool is_complete = std::ranges::any_of(
+      layouts, [&](const Layout& layout) { return has(first, layout.projector.matrix); });
+  throw_if(are_alike && is_complete, "the first is a complete scanner file; name it alone");
+  for (const auto& [name, entry] : second) {
+    first.emplace((are_alike ? std::string(of_projector) : "") + name, entry);
+  }
+  return first;
+}
+
 }  // namespace
 
+std::vector<fs::path> scanner_files(const fs::path& path) {
+  const std::string text = path.string();
+  const std::size_t comma = text.find(',');
+  std::error_code unknown;
+  if (comma == text.npos || fs::exists(path, unknown)) return {path};
+  return {text.substr(0, comma), text.substr(comma + 1)};
+}
+
+fs::path scanner_in(const fs::path& folder, const fs::path& path) {
+  const std::vector<fs::path> files = scanner_files(folder / path);
+  if (files.size() == 1) return files[0];
+  return fmt::format("{},{}", files[0].string(), (folder / files[1]).string());
+}
+
 Scanner read_scanner(const fs::path& path) {
-  return scanner_of(read_opencv_storage(path), path.string());
+  const std::vector<fs::path> files = scanner_files(path);
+  const Entries first = read_opencv_storage(files[0]);
+  if (files.size() == 1) return scanner_of(first, path.string());
+  const Entries second = read_opencv_storage(files[1]);
+  return scanner_of(naming(path.string(), [&] { return joined(first, second); }), path.string());
 }
 
 Scanner scanner_from(const std::string& text, const std::string& name) {

@@ -7,16 +7,22 @@
 
 namespace slipstream {
 
-/// Reads a scanner from an OpenCV FileStorage file (YAML or XML) in one of five layouts, identified
-/// by their names:
+/// The files of a scanner: one, or those of camera and projector, separated by a comma:
+/// "camera.xml,projector.xml".
+std::vector<std::filesystem::path> scanner_files(const std::filesystem::path& path);
+
+/// The same path with its relative names in `folder`.
+std::filesystem::path scanner_in(const std::filesystem::path& folder,
+                                 const std::filesystem::path& path);
+
+/// Reads a scanner from an OpenCV FileStorage file (YAML or XML), or from two, see scanner_files.
+/// Its layout is identified by its names: slipstream's,
 ///   camera_matrix camera_distortion camera_width camera_height projector_matrix
-///     projector_distortion projector_width projector_height rotation translation (slipstream's);
-///   Kc kc Kp kp Rp Tp frameWidth frameHeight screenResX screenResY;
-///   cam_K cam_kc proj_K proj_kc R T, without sizes: they remain empty;
-///   M1 D1 S M4 D4 Rlp Tlp, with only the camera's size: S, its width and height;
+///     projector_distortion projector_width projector_height rotation translation;
+/// another tool's, see the tables in docs/reference/files.md; or
 ///   camera_projection projector_projection and sizes as in slipstream's layout: 3x4 matrices from
-///   a
-///     common world frame, mm, to the pixels of either, up to scale (see scanner_of in scanner.h).
+///     a common world frame, mm, to the pixels of either, up to scale (see scanner_of in
+///     scanner.h).
 /// Distortion and sizes are optional. Rotation and translation map the camera's frame to the
 /// projector's, mm. Also reads the calibration of light and sensor, see below, and the text
 /// `measured`. Accepts a recording with a scanner. Throws Error with file and entry for a missing

@@ -137,14 +137,24 @@ class GenicamSink final : public CloudSink {
         if (resend) send_again(*resend);
         return answer;
       });
+      end_recording();
     }
+  }
+
+  /// Ends a recording that a client has started, once its control has ended.
+  void end_recording() try {
+    const std::lock_guard lock(mutex_);
+    if (!recorded_by_ || control_.ended_controls(steady_clock::now()) == *recorded_by_) return;
+    recorded_by_.reset();
+    run_.change("record", "off");
+  } catch (const std::exception&) {  // the recording reports it
   }
 
   /// Settings that change a block's layout are locked while streaming.
   GigeStatus accept(GigeRegister which, std::uint32_t value) {
     if (which >= setting) {
       return change_setting(
-          (static_cast<std::size_t>(which) - static_cast<std::size_t>(setting)) / 4, value);
+          (static_cast<std::uint32_t>(which) - static_cast<std::uint32_t>(setting)) / 4, value);
     }
     if (which == software_trigger) triggered_ = steady_clock::now();
     if (which == stream_port) number_ = 0;
@@ -217,7 +227,7 @@ class GenicamSink final : public CloudSink {
   } catch (const std::exception&) {  // the camera is shutting down
   }
 
-  GigeStatus change_setting(std::size_t i, std::uint32_t value) {
+  GigeStatus change_setting(std::uint32_t i, std::uint32_t value) {
     if (i >= settings_.size()) return invalid_address;
     const RunSetting& setting = settings_[i];
     const double number = std::bit_cast<float>(value);
@@ -226,6 +236,11 @@ class GenicamSink final : public CloudSink {
       run_.change(setting.name, setting.choices.empty()
                                     ? fmt::format("{:.6g}", number / feature_scale(setting))
                                     : setting.choices[value]);
+      if (setting.name == "record") {
+        const bool starts = value == 1 && control_.read(at(scan3d::setting, i)) == 0;
+        if (starts) recorded_by_ = control_.ended_controls(steady_clock::now());
+        if (value == 0) recorded_by_.reset();
+      }
       return success;
     } catch (const std::exception&) {
       return invalid_parameter;
@@ -351,6 +366,8 @@ class GenicamSink final : public CloudSink {
   GigeControl control_;
   std::array<std::shared_ptr<SentBlock>, 2> sent_;  ///< newest first
   steady_clock::time_point triggered_{};
+  /// Controls that had ended when a client switched `record` on.
+  std::optional<std::uint64_t> recorded_by_{};
   std::atomic<bool> fell_silent_ = false;  ///< a client
   bool told_silent_ = false;               ///< of the thread that calls news()
   std::atomic<bool> is_sending_ = false;

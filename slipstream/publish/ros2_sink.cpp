@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <regex>
 
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
@@ -37,6 +41,33 @@ Qos quality(dds_reliability_kind_t reliability, int kept,
   return qos;
 }
 
+/// The process's UDP sockets that are bound to all addresses.
+std::vector<int> open_sockets() {
+  std::vector<int> sockets;
+  std::error_code gone;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
+    const int descriptor = number_in<int>(entry.path().filename().string()).value_or(-1);
+    sockaddr_in address{};
+    int type = 0;
+    socklen_t size = sizeof(type), length = sizeof(address);
+    if (::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM &&
+        ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &length) == 0 &&
+        address.sin_family == AF_INET && address.sin_addr.s_addr == INADDR_ANY) {
+      sockets.push_back(descriptor);
+    }
+  }
+  return sockets;
+}
+
+/// Lets through only packets from this machine: Cyclone DDS binds sockets to all addresses even if
+/// given one interface. Returns false, with errno, on failure.
+bool bind_to_loopback(const std::vector<int>& sockets) {
+  return std::ranges::all_of(sockets, [](int socket) {
+    constexpr std::string_view loopback = "lo";
+    return ::setsockopt(socket, SOL_SOCKET, SO_BINDTODEVICE, loopback.data(), loopback.size()) == 0;
+  });
+}
+
 /// Joins the domain set by ROS 2's and Cyclone DDS's environment variables. Its log goes to the
 /// sink's news, not to stderr.
 class Domain {
@@ -53,14 +84,23 @@ class Domain {
     // These messages do not support shared memory.
     std::string config = "<SharedMemory><Enable>false</Enable></SharedMemory>";
     const std::string own = variable("CYCLONEDDS_URI");
+    const bool local = variable("ROS_LOCALHOST_ONLY") == "1";
     // Cyclone DDS rejects an interface named twice.
-    if (variable("ROS_LOCALHOST_ONLY") == "1" && own.find("<NetworkInterface") == own.npos) {
+    if (local && own.find("<NetworkInterface") == own.npos) {
       config +=
           "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>";
     }
     config = fmt::format("{}{}<CycloneDDS><Domain>{}</Domain></CycloneDDS>", own,
                          own.empty() ? "" : ",", config);
+    const std::vector<int> before = open_sockets();
     domain_ = dds_create_domain(*id, config.c_str());
+    std::vector<int> opened = open_sockets();
+    std::erase_if(opened, [&](int socket) { return std::ranges::count(before, socket) > 0; });
+    if (local && !bind_to_loopback(opened)) {
+      const std::string why = std::strerror(errno);
+      leave();
+      throw WorldError("ROS_LOCALHOST_ONLY: cannot bind to the loopback interface: " + why);
+    }
     const Qos qos(dds_create_qos(), &dds_delete_qos);
     constexpr std::string_view is_of_ros = "enclave=/;";
     dds_qset_userdata(qos.get(), is_of_ros.data(), is_of_ros.size());

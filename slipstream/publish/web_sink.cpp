@@ -32,8 +32,9 @@ using Failure = boost::system::error_code;
 using Request = http::request<http::string_body>;
 using SharedBytes = std::shared_ptr<const std::string>;
 
-constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body = 256,
-                      largest_message = 64;
+/// Clients at a time, and of one address those that have sent no authorised request yet.
+constexpr std::size_t most_clients = 32, most_unknown = 8;
+constexpr std::size_t largest_header = 8 << 10, largest_body = 256, largest_message = 64;
 /// Time limit for a client's request and for reading the reply.
 constexpr auto patience = 10s, answer_patience = 30s;
 constexpr std::chrono::milliseconds between_clouds{30}, between_looks{200};
@@ -122,7 +123,8 @@ class WebSink final : public CloudSink {
     return "";
   }
 
-  http::response<http::string_body> answer(const Request& request) {
+  /// `full`: only /health is answered.
+  http::response<http::string_body> answer(const Request& request, bool full) {
     http::response<http::string_body> response(http::status::ok, request.version());
     response.keep_alive(request.keep_alive());
     response.set(http::field::cache_control, "no-store");
@@ -139,6 +141,10 @@ class WebSink final : public CloudSink {
     try {
       if (const std::string why = refusal(request); !why.empty()) {
         say(http::status::forbidden, why + "\n");
+        response.keep_alive(false);
+      } else if (full && asked != "GET /health") {
+        tell(fmt::format("at most {} clients at a time; further ones are refused", most_clients));
+        say(http::status::service_unavailable, "too many clients\n");
       } else if (asked == "GET /") {
         response.set("Content-Security-Policy", page_rules);
         say(http::status::ok, std::string(web_page()), "text/html");
@@ -192,10 +198,11 @@ class WebSink final : public CloudSink {
 
   void wait_for_cloud() { anybody_waits_ = true; }
 
-  std::set<Connection*> connections{};
+  std::vector<Connection*> connections{};  ///< oldest first
 
  private:
   void accept();
+  void make_room(const asio::ip::address& address);
   void serve_waiting();
   void serve() {
     let_others_go_first();
@@ -213,7 +220,8 @@ class WebSink final : public CloudSink {
   const std::string& settings() {
     const auto now = std::chrono::steady_clock::now();
     if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
-    settings_ = nlohmann::json(run_.settings()).dump();
+    settings_ = nlohmann::json(run_.settings())
+                    .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     looked_at_ = now;
     return settings_;
   }
@@ -253,10 +261,21 @@ class WebSink final : public CloudSink {
 /// One client: sequential requests, or a page that requests clouds.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(tcp::socket socket, WebSink& sink) : stream_(std::move(socket)), sink_(sink) {
-    sink_.connections.insert(this);
+  /// `full`: answers one request, for /health.
+  Connection(tcp::socket socket, const asio::ip::address& address, WebSink& sink, bool full)
+      : stream_(std::move(socket)), address_(address), sink_(sink), full_(full) {
+    sink_.connections.push_back(this);
   }
-  ~Connection() { sink_.connections.erase(this); }
+  ~Connection() { std::erase(sink_.connections, this); }
+
+  /// Whether its last request was authorised, and it may send more.
+  [[nodiscard]] bool is_known() const { return known_ && !full_; }
+  [[nodiscard]] const asio::ip::address& address() const { return address_; }
+  /// Ends it before it has sent an authorised request.
+  void close() {
+    std::erase(sink_.connections, this);
+    stream_.close();
+  }
 
   void read_request() {
     parser_.emplace();
@@ -288,12 +307,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   void answer() {
     const Request request = parser_->release();
-    if (websocket::is_upgrade(request) && text_of(request.target()).starts_with("/clouds") &&
-        sink_.refusal(request).empty()) {
+    known_ = sink_.refusal(request).empty();
+    if (known_ && !full_ && websocket::is_upgrade(request) &&
+        text_of(request.target()).starts_with("/clouds")) {
       open_page(request);
       return;
     }
-    response_ = sink_.answer(request);
+    response_ = sink_.answer(request, full_);
+    if (full_) response_.keep_alive(false);
     stream_.expires_after(answer_patience);
     http::async_write(stream_, response_,
                       [self = shared_from_this()](Failure failure, std::size_t) {
@@ -336,7 +357,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   beast::tcp_stream stream_;
+  const asio::ip::address address_;
   WebSink& sink_;
+  const bool full_;
+  bool known_ = false;
   beast::flat_buffer buffer_{2 * largest_header};
   std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::string_body> response_;
@@ -375,13 +399,27 @@ void WebSink::accept() {
       return;
     }
     accept();
-    if (connections.size() < most_clients) {
-      socket.set_option(tcp::no_delay(true), failure);
-      std::make_shared<Connection>(std::move(socket), *this)->read_request();
-    } else {
-      tell(fmt::format("at most {} clients at a time; further ones are refused", most_clients));
-    }
+    const auto address = socket.remote_endpoint(failure).address();
+    make_room(address);
+    socket.set_option(tcp::no_delay(true), failure);
+    const bool full = connections.size() >= most_clients;
+    std::make_shared<Connection>(std::move(socket), address, *this, full)->read_request();
   });
+}
+
+/// Closes the oldest unknown client if there are too many, of this address or altogether.
+void WebSink::make_room(const asio::ip::address& address) {
+  std::vector<Connection*> unknown, of_address;
+  for (Connection* const connection : connections) {
+    if (connection->is_known()) continue;
+    unknown.push_back(connection);
+    if (connection->address() == address) of_address.push_back(connection);
+  }
+  if (of_address.size() >= most_unknown) {
+    of_address.front()->close();
+  } else if (connections.size() >= most_clients && !unknown.empty()) {
+    unknown.front()->close();
+  }
 }
 
 void WebSink::serve_waiting() {

@@ -69,7 +69,7 @@ EngineSetup as_reconstructed(EngineSetup setup) {
 struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
       : setup(of), complete(as_reconstructed(of)), corrections(phase_corrections(of)) {
-    require_reconstructible(complete);
+    has_geometry(of.scanner) ? require_reconstructible(complete) : require_valid(complete);
     raise_least_modulation(complete);
     noise = depth_noise(complete);
     const Band& band = measuring_band(complete.sequence.strategy.layout());

@@ -17,7 +17,7 @@ namespace slipstream {
 /// For one thread at a time. Copies share the tables but not the memory: make one per thread.
 class Engine {
  public:
-  /// Throws Error as require_reconstructible does.
+  /// Throws Error as require_reconstructible does; as require_valid without geometry.
   explicit Engine(const EngineSetup& setup);
   Engine(const Scanner& scanner, const Sequence& sequence,
          const ReconstructSettings& settings = {});
@@ -106,7 +106,7 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
                              const ReconstructSettings& settings);
 
 /// Projector coordinates of pixels that are lit, not saturated and confirmed by their neighbours,
-/// NaN elsewhere; with or without a scanner.
+/// NaN elsewhere; with or without a scanner. Throws Error if the frames alone give none.
 Image<double> measured_coordinates(Engine& engine, const FrameViews& frames);
 
 }  // namespace slipstream

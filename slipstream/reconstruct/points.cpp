@@ -1,5 +1,8 @@
 // Which pixels become points, where the points are, and their uncertainty.
 
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
@@ -240,26 +243,23 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
 Image<double> measured_coordinates(Engine& engine, const FrameViews& given) {
   EngineSetup setup = engine.setup();
   raise_least_modulation(setup);
+  setup.sequence = merged_sequence(std::move(setup.sequence));
   const FrameViews& frames = engine.merged(given);
-  Maps maps;
-  engine.maps(frames, maps);
-  Image<double> coordinate = converted<double>(maps.coordinate);
-  const PictureReport report = picture_report(frames, maps, setup.settings);
-  Image<std::uint8_t> left_out(frames.size()), lit(frames.size());
-  std::transform(report.validity.begin(), report.validity.end(), lit.begin(),
-                 [](Validity pixel) { return pixel == Validity::valid ? 1 : 0; });
-  if (!maps.fringe_order_doubt.empty()) {
-    const Layout layout = setup.sequence.strategy.layout();
-    left_out = unconfirmed_fringe_orders(coordinate, converted<double>(maps.fringe_order_doubt),
-                                         lit, highest_frequency(setup.sequence.strategy),
-                                         consensus_for(layout, setup.settings));
+  Maps narrow;
+  engine.maps(frames, narrow);
+  if (narrow.coordinate.empty()) {
+    throw Error(
+        fmt::format("{}: more than one period covers the field, so these frames alone give "
+                    "no coordinate, only a wrapped phase",
+                    setup.sequence.strategy.name()));
   }
-  for (std::size_t i = 0; i < coordinate.pixel_count(); ++i) {
-    if (lit.begin()[i] == 0 || left_out.begin()[i] != 0) {
-      coordinate.begin()[i] = nan;
-    }
-  }
-  return coordinate;
+  BasicMaps<double> maps;
+  convert(narrow, maps);
+  const Image<Validity> validity = judged(maps, {}, frames, setup);
+  std::transform(
+      validity.begin(), validity.end(), maps.coordinate.begin(), maps.coordinate.begin(),
+      [](Validity pixel, double y) { return pixel == Validity::valid ? y : std::nan(""); });
+  return std::move(maps.coordinate);
 }
 
 }  // namespace slipstream

@@ -283,6 +283,33 @@ TEST_F(CalibrateProgram, VerifiesAScannerAndCorrectsIt) {
   EXPECT_FALSE(fs::exists(corrected));
 }
 
+TEST_F(CalibrateProgram, VerifyTakesTheProjectorSizeFromTheScannerFile) {
+  const TemporaryFolder folder;
+  const fs::path copy = copy_to(folder);
+  const auto verify = [&](const fs::path& scanner, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "calibrate", "verify", copy,         "--scanner",      scanner,  "--corners", "7x5",
+        "--spacing", "22",     "--strategy", "dual-frequency", "--high", "8"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  };
+  Scanner scanner = read_scanner(copy / "scanner.yaml");
+  scanner.projector.size.width += 2;
+  write_scanner(folder.path() / "wider.yaml", scanner);
+  expect_bad_input(verify(folder.path() / "wider.yaml", {}),  // the scans give their own size
+                   {"the projector has", "both must match"});
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(copy)) {
+    if (entry.path().filename() == "scan.yaml") fs::remove(entry.path());
+  }
+  const ProgramRun run = verify(copy / "scanner.yaml", {});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("scanner.yaml holds"), std::string::npos) << run.out;
+  write_file(folder.path() / "sizeless.yaml",
+             std::regex_replace(read_text(copy / "scanner.yaml"),
+                                std::regex("projector_(width|height): \\d+\n"), ""));
+  expect_bad_input(verify(folder.path() / "sizeless.yaml", {}), {"--projector"});
+}
+
 // Square fringes: 16 periods across the columns, 10 down the rows.
 TEST(CalibrateLengths, InProjectorPixelsGiveTheFocalLengthsOfBothAxes) {
   const fs::path folder = shared_cases() / "01-period-pixels-along-y";

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "slipstream/io/file.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
@@ -63,6 +65,22 @@ TEST_F(Rig, PathsAreRelativeToTheFile) {
   EXPECT_EQ(reconstructed.exit_code, 0) << reconstructed.err;
   const ProgramRun live = run({"live", "--headless", "-o", path("b.ply")});
   EXPECT_EQ(live.exit_code, 0) << live.err;
+
+  // The same scanner as the two files of another tool.
+  auto entries = read_opencv_storage(path("rig/scanner.yaml"));
+  const auto take = [&](const char* name) { return entries.extract(name).mapped(); };
+  const std::map<std::string, StoredMatrix> intrinsics{{"M1", take("camera_matrix")},
+                                                       {"D1", take("camera_distortion")},
+                                                       {"M2", take("projector_matrix")},
+                                                       {"D2", take("projector_distortion")}};
+  entries["R"] = take("rotation");
+  entries["T"] = take("translation");
+  write_file(path("rig/intrinsics.yml"), new_storage(intrinsics, false));
+  write_file(path("rig/extrinsics.yml"), new_storage(entries, false));
+  write_rig("scanner: intrinsics.yml,extrinsics.yml\n");
+  const ProgramRun pair = run({"reconstruct", path("rig/scan"), "-o", path("c.ply")});
+  EXPECT_EQ(pair.exit_code, 0) << pair.err;
+  EXPECT_EQ(read_file(path("c.ply")), read_file(path("a.ply")));
 }
 
 TEST_F(Rig, WhatTheCommandLineExcludesIsPassedOver) {

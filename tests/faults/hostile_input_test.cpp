@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/stat.h>
@@ -102,6 +103,60 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
   EXPECT_FALSE(fs::exists(path("a.tiff")));
 }
 
+TEST_F(HostileInput, OutputsAreNothingThatAFolderHolds) {
+  const std::string scan = path("scan"), bare = path("bare"), poses = path("poses");
+  fs::create_directory(bare);
+  for (const char* name : {"frame_00.png", "frame_01.png"}) fs::copy(scan + "/" + name, bare);
+  fs::create_directories(poses + "/one");
+  for (const char* axis : {"x", "y"}) fs::copy(bare, poses + "/one/" + axis);
+  fs::copy(scan, path("scan-000000"), fs::copy_options::recursive);
+  fs::create_directories(path("in/folder"));
+  std::ofstream(path("in/a.ply")) << "ply";
+  const std::string input = "is an input", holds = "holds inputs";
+  const auto expect_unchanged = [&](std::vector<std::string> arguments, const std::string& output,
+                                    const std::string& part) {
+    const std::string before = fs::is_regular_file(output) ? contents(output) : "";
+    arguments.push_back(output);
+    expect_refused(arguments, part);
+    EXPECT_EQ(fs::is_regular_file(output) ? contents(output) : "", before);
+  };
+  // What a scan's folder holds besides its frames.
+  for (const char* flag : {"--depth", "--mean", "--preview"}) {
+    expect_unchanged({"reconstruct", scan, flag}, scan + "/truth/depth.tiff", input);
+  }
+  expect_unchanged({"live", "--source", "replay:" + scan, "--headless", "--screenshot"},
+                   scan + "/truth/depth.tiff", input);
+  // Pictures of a folder that nothing describes, also ones that would become frames.
+  for (const char* name : {"/frame_01.png", "/new.png"}) {
+    expect_unchanged({"reconstruct", bare, "--strategy", "pmp", "--preview"}, bare + name, input);
+    expect_unchanged({"view", bare, "--strategy", "pmp", "--snapshot"}, bare + name, input);
+  }
+  // Poses of a board.
+  for (const char* axis : {"x", "y"}) {
+    const std::string pose = poses + "/one/" + axis;
+    expect_unchanged({"calibrate", "geometry", poses, "-o", path("a.yaml"), "--report"}, pose,
+                     holds);
+    expect_unchanged({"calibrate", "geometry", poses, "-o"}, pose + "/frame_00.png", input);
+  }
+  // Placeholders.
+  expect_unchanged({"convert", path("in/a.ply"), "-o"}, path("in/{name}.ply"), input);
+  expect_unchanged({"convert", path("scan-000000"), "-o"}, path("scan-{window}"), input);
+  // Folders.
+  expect_unchanged({"simulate", "--scanner", scan + "/scanner.yaml"}, scan, holds);
+  expect_unchanged({"compare", "--mesh", path("in/a.ply"), "-o"}, path("in/a.ply"), holds);
+  EXPECT_FALSE(fs::exists(path("a.yaml")));
+  EXPECT_FALSE(fs::exists(bare + "/new.png"));
+}
+
+TEST_F(HostileInput, OutputsBesideTheScanAreWrittenAgainAndAgain) {
+  for (int run = 0; run < 3; ++run) {
+    EXPECT_EQ(run_program({"reconstruct", path("scan"), "-o", path("scan/{name}.ply"), "--preview",
+                           path("scan/preview.png"), "--mesh", path("scan/mesh.obj")})
+                  .exit_code,
+              0);
+  }
+}
+
 TEST_F(HostileInput, ARecordingThatASignalEndsLeavesNothing) {
   const std::string recording = path("large.slip");
   std::ofstream(recording) << "old";
@@ -128,6 +183,37 @@ TEST_F(HostileInput, StandardOutputThatTakesNothingIsAFailure) {
   EXPECT_TRUE(fs::exists(path("cloud.ply")));
   const std::string closed = SLIPSTREAM_PROGRAM " check " + path("scan") + " <&- >&- 2>&-";
   EXPECT_EQ(WEXITSTATUS(std::system(closed.c_str())), 1);  // NOLINT(cert-env33-c)
+}
+
+TEST_F(HostileInput, AClosedPipeEndsItQuietly) {
+  // The reader has gone before the program starts.
+  const auto run = [&](const std::string& words) {
+    const std::string command = fmt::format("bash -c 'exec 3> >(:); wait $!; {} {} >&3 2>{}'",
+                                            SLIPSTREAM_PROGRAM, words, path("err"));
+    const int status = std::system(command.c_str());  // NOLINT(cert-env33-c)
+    return WEXITSTATUS(status);
+  };
+  for (const char* words : {"--help", "--version", "live --help"}) {
+    EXPECT_EQ(run(words), 128 + SIGPIPE) << words;
+    EXPECT_EQ(contents(path("err")), "");
+  }
+  EXPECT_EQ(run("reconstruct " + path("scan") + " --json --depth " + path("depth.tiff")),
+            128 + SIGPIPE);
+  EXPECT_EQ(contents(path("err")).find("slipstream:"), std::string::npos);
+  EXPECT_EQ(run("live --source virtual --camera 64x48 --world ideal --rate 50 --headless "
+                "--duration 1 --record " +
+                path("a.slip")),
+            128 + SIGPIPE);
+  EXPECT_EQ(contents(path("err")), "");
+  EXPECT_TRUE(RecordingReader(path("a.slip")).finished());
+  for (const auto& entry : fs::directory_iterator(folder_.path())) {
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+  const std::string ignored =
+      fmt::format("bash -c 'exec 3> >(:); wait $!; trap \"\" PIPE; {} --help >&3 2>{}'",
+                  SLIPSTREAM_PROGRAM, path("err"));
+  EXPECT_EQ(WEXITSTATUS(std::system(ignored.c_str())), 1);  // NOLINT(cert-env33-c)
+  EXPECT_NE(contents(path("err")).find("standard output"), std::string::npos);
 }
 
 TEST_F(HostileInput, AFileThatMayNotGrowIsToldAndGone) {

@@ -50,6 +50,10 @@ const std::string ascii_mesh =
 const std::string ascii_pcd =
     "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
     "WIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n0 0 500 17\n1 0 nan 18\n";
+const std::string mixed_pcd =
+    "VERSION 0.7\nFIELDS t x y z _ rgb\nSIZE 8 4 8 2 1 4\nTYPE U F F I U F\nCOUNT 1 1 1 1 2 1\n"
+    "WIDTH 1\nHEIGHT 2\nPOINTS 2\nDATA ascii\n7 1 2 3 0 0 1e-40\n8 1 2 3 0 0 4210752\n";
+const std::string named_xyz = "2\n// X Y Z R G B\n1,2,3,0,100,0\n4,5,6,200,130,45\n";
 
 bool add_cloud_target(const std::string& ending, const std::vector<std::string>& more) {
   return add_fuzz_target({"cloud" + ending, [=] { return files_of_ending(ending, more); },
@@ -75,8 +79,8 @@ const std::string triangle =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\ng part\nf 1 2 3\nf -3//1 -2//1 -1//1\n";
 
 const bool knows_geometry_targets =
-    add_cloud_target(".ply", {ascii_ply}) && add_cloud_target(".pcd", {ascii_pcd}) &&
-    add_cloud_target(".xyz", {"0 0 500\n1 0 501\n"}) && add_cloud_target(".stl", {}) &&
+    add_cloud_target(".ply", {ascii_ply}) && add_cloud_target(".pcd", {ascii_pcd, mixed_pcd}) &&
+    add_cloud_target(".xyz", {"0 0 500\n1 0 501\n", named_xyz}) && add_cloud_target(".stl", {}) &&
     add_cloud_target(".obj", {triangle}) && add_cloud_target(".glb", {}) &&
     add_mesh_target(".ply", {ascii_mesh}) && add_mesh_target(".obj", {triangle});
 

@@ -30,6 +30,26 @@ std::vector<Bytes> pictures(const std::string& ending) {
   return seeds;
 }
 
+/// 6x4 pixels of grey level 77, in hexadecimal.
+constexpr std::string_view grey_jpeg =
+    "ffd8ffe000104a46494600010100000100010000ffdb00430003020203020203030303040303040508050504"
+    "04050a070706080c0a0c0c0b0a0b0b0d0e12100d0e110e0b0b1016101113141515150c0f1718161418121415"
+    "14ffc0000b080004000601011100ffc4001f0000010501010101010100000000000000000102030405060708"
+    "090a0bffc400b5100002010303020403050504040000017d0102030004110512213141061351610722711432"
+    "8191a1082342b1c11552d1f02433627282090a161718191a25262728292a3435363738393a43444546474849"
+    "4a535455565758595a636465666768696a737475767778797a838485868788898a92939495969798999aa2a3"
+    "a4a5a6a7a8a9aab2b3b4b5b6b7b8b9bac2c3c4c5c6c7c8c9cad2d3d4d5d6d7d8d9dae1e2e3e4e5e6e7e8e9ea"
+    "f1f2f3f4f5f6f7f8f9faffda0008010100003f00f9debfffd9";
+
+std::vector<Bytes> jpegs() {
+  Bytes bytes;
+  for (std::size_t i = 0; i < grey_jpeg.size(); i += 2) {
+    bytes.push_back(
+        static_cast<std::uint8_t>(std::stoi(std::string(grey_jpeg.substr(i, 2)), nullptr, 16)));
+  }
+  return {bytes};
+}
+
 bool add_picture_target(const std::string& ending) {
   return add_fuzz_target({"frame" + ending, [=] { return pictures(ending); },
                           [=](std::span<const std::uint8_t> input) {
@@ -139,6 +159,10 @@ void unpack_pixels(std::span<const std::uint8_t> input) {
 const bool knows_picture_targets =
     add_picture_target(".png") && add_picture_target(".pgm") && add_picture_target(".bmp") &&
     add_picture_target(".tiff") &&
+    add_fuzz_target({"frame.jpg", jpegs,
+                     [](std::span<const std::uint8_t> input) {
+                       (void)read_frames({file_of(input, "f.jpg")});
+                     }}) &&
     add_fuzz_target(
         {"map.npy", number_files,
          [](std::span<const std::uint8_t> input) { (void)read_map(file_of(input, "map.npy")); }}) &&

@@ -109,15 +109,16 @@ const bool rig_known = add_fuzz_target(
     {"rig",
      [] {
        return std::vector<Bytes>{
-           bytes_of("camera:\n  source: virtual\n  exposure: 8\nscanner: s.yaml\n"
-                    "cleaning:\n  low_steps: [1, 2, three]\n")};
+           bytes_of(std::string("camera:\n  source: virtual\n  exposure: 8\nscanner: s.yaml\n"
+                                "cleaning:\n  low_steps: [1, 2, three]\n"))};
      },
      [](std::span<const std::uint8_t> input) { (void)rig_from(text_of_bytes(input), "input"); }});
 
 const bool list_known = add_fuzz_target(
     {"list",
      [] {
-       return std::vector<Bytes>{bytes_of("a\nb.slip\t:\n\nc.slip\t3:9\t81000\t2\nd\t\t900\n")};
+       return std::vector<Bytes>{
+           bytes_of(std::string("a\nb.slip\t:\n\nc.slip\t3:9\t81000\t2\nd\t\t900\n"))};
      },
      [](std::span<const std::uint8_t> input) {
        std::vector<ListedScans> scans = scan_list_from(text_of_bytes(input), "input");

@@ -26,6 +26,58 @@ TEST(WriteFile, ReplacesWholeAndLeavesNothingBehind) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
+/// Which of three files existed before.
+class KeptTogether : public testing::TestWithParam<std::vector<const char*>> {};
+
+TEST_P(KeptTogether, AllOrNone) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  const auto text = [&](const char* name) {
+    return std::filesystem::exists(path(name)) ? read_text(path(name)) : "";
+  };
+  for (const char* name : GetParam()) write_file(path(name), "old");
+  const std::string before[]{text("a"), text("b"), text("c")};
+  const auto write = [&](bool fails) {
+    OutputFile a(path("a")), b(path("b")), c(path("c"));
+    for (OutputFile* file : {&a, &b, &c}) file->write({bytes_of("new")});
+    if (fails) {
+      for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        if (entry.path().filename().string().starts_with("c.")) std::filesystem::remove(entry);
+      }
+    }
+    OutputFile::keep_together({&a, &b, &c});
+  };
+  EXPECT_THROW(write(true), WorldError);
+  EXPECT_EQ(text("a"), before[0]);
+  EXPECT_EQ(text("b"), before[1]);
+  EXPECT_EQ(text("c"), before[2]);
+  EXPECT_EQ(entries_in(folder.path()), static_cast<int>(GetParam().size()));
+  write(false);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(text(name), "new");
+  EXPECT_EQ(entries_in(folder.path()), 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Before, KeptTogether,
+                         testing::Values(std::vector<const char*>{}, std::vector<const char*>{"b"},
+                                         std::vector<const char*>{"a", "b", "c"}));
+
+TEST(OutputFile, OnlyOneWritesOverTime) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "a";
+  const auto other_name = folder.path() / "link";
+  std::filesystem::create_symlink(path, other_name);
+  for (int before = 0; before < 3; ++before) {  // a new file first, then over the one before
+    OutputFile first(path, OutputFile::Writing::over_time);
+    first.write({bytes_of("first")});
+    for (const auto& again : {path, other_name, folder.path() / "." / "a"}) {
+      EXPECT_THROW(OutputFile(again, OutputFile::Writing::over_time), WorldError);
+    }
+    first.keep();
+    EXPECT_EQ(read_text(path), "first");
+    EXPECT_EQ(entries_in(folder.path()), 2);
+  }
+}
+
 TEST(WriteFile, FailsWithoutATrace) {
   const TemporaryFolder folder;
   EXPECT_THROW(write_file(folder.path() / "missing" / "note.txt", "text"), WorldError);

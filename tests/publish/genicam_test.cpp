@@ -347,6 +347,54 @@ TEST_F(GenicamSink, lets_a_silent_client_go_and_says_so_once) {
   }
 }
 
+/// A camera whose clients can record.
+class GenicamRecording : public GenicamSink {
+ protected:
+  void SetUp() override {
+    settings_.push_back({.name = "record", .help = "", .value = "off", .choices = {"off", "on"}});
+    run_.change = [this](const std::string&, const std::string& value) {
+      const std::lock_guard lock(mutex_);
+      settings_[2].value = value;
+    };
+    GenicamSink::SetUp();
+  }
+  [[nodiscard]] std::string recording() {
+    const std::lock_guard lock(mutex_);
+    return settings_[2].value;
+  }
+  void wait_for_end() {
+    while (recording() == "on") std::this_thread::sleep_for(10ms);
+  }
+};
+
+TEST_F(GenicamRecording, ends_when_its_client_gives_up_control) {
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.write(at(setting, 2), 1), success);
+  EXPECT_EQ(recording(), "on");
+  EXPECT_EQ(client.write(control_privilege, 0), success);
+  wait_for_end();
+}
+
+TEST_F(GenicamRecording, ends_when_its_client_falls_silent) {
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.write(at(setting, 2), 1), success);
+  EXPECT_EQ(client.write(heartbeat_timeout, 500), success);
+  wait_for_end();
+}
+
+TEST_F(GenicamRecording, goes_on_if_others_started_it) {
+  run_.change("record", "on");
+  const Client client;
+  client.open();
+  while (client.read(at(setting, 2)) == 0) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(client.write(at(setting, 2), 1), success);
+  EXPECT_EQ(client.write(control_privilege, 0), success);
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(recording(), "on");
+}
+
 TEST_F(GenicamSink, no_packet_ends_it_or_costs_its_client_a_block) {
   const Client client;
   client.open();

@@ -14,8 +14,11 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <net/if.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "ros2_messages.h"
@@ -275,6 +278,34 @@ TEST(Ros2, names_that_ROS_2_does_not_take_are_refused) {
   choose_domain();
   const auto sink = open_sink("ros2:scanner", {});
   EXPECT_THROW(open_sink("ros2:another", {}), Error) << "one ROS 2 namespace";
+}
+
+TEST(Ros2, only_this_machine_reaches_the_sockets_of_ROS_LOCALHOST_ONLY) {
+  choose_domain();
+  const auto sockets = [](bool bound) {
+    int count = 0;
+    for (int descriptor = 0; descriptor < 256; ++descriptor) {
+      int type = 0;
+      socklen_t size = sizeof(type);
+      std::array<char, IFNAMSIZ> device{};
+      socklen_t length = device.size();
+      if (::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_DGRAM) {
+        continue;
+      }
+      sockaddr_in address{};
+      socklen_t bytes = sizeof(address);
+      ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &bytes);
+      ::getsockopt(descriptor, SOL_SOCKET, SO_BINDTODEVICE, device.data(), &length);
+      const bool local = std::string_view(device.data()) == "lo" ||
+                         address.sin_addr.s_addr == htonl(INADDR_LOOPBACK);
+      count += local == bound ? 1 : 0;
+    }
+    return count;
+  };
+  const int others = sockets(false);
+  const auto sink = open_sink("ros2:scanner", {});
+  EXPECT_EQ(sockets(false), others);
+  EXPECT_GT(sockets(true), 1);
 }
 
 TEST(Ros2, says_why_there_is_no_network) {

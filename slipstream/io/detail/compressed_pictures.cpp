@@ -6,27 +6,33 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <optional>
 
 #include <fcntl.h>
 #include <png.h>
 #include <tiffio.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/pictures.h"
+#include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace {
 
-/// A file in memory, and the library's first error message.
+/// A file to read, or one written in memory, and the library's first error message.
 struct FileInMemory {
   std::span<const std::uint8_t> read{};
+  const InputFile* input = nullptr;    ///< instead of `read`
+  std::exception_ptr input_failure{};  ///< if reading `input` threw
   std::vector<std::uint8_t> written{};
   std::uint64_t at = 0;
   bool is_full = false;
   std::array<char, 160> fault{};
 
-  [[nodiscard]] std::uint64_t size() const { return std::max(read.size(), written.size()); }
+  [[nodiscard]] std::uint64_t size() const {
+    return input != nullptr ? input->size() : std::max(read.size(), written.size());
+  }
 };
 
 void take_png(png_structp png, png_bytep to, std::size_t count) {
@@ -128,15 +134,20 @@ FileInMemory& memory_of(thandle_t handle) {
   return *static_cast<FileInMemory*>(handle);
 }
 
-tmsize_t take(thandle_t handle, void* to, tmsize_t count) {
+tmsize_t take(thandle_t handle, void* to, tmsize_t count) try {
   FileInMemory& file = memory_of(handle);
-  // While writing, libtiff reads back only its own directory.
-  const std::span<const std::uint8_t> from = file.written.empty() ? file.read : file.written;
-  const std::uint64_t left = file.at < from.size() ? from.size() - file.at : 0;
+  const std::uint64_t left = file.at < file.size() ? file.size() - file.at : 0;
   const std::uint64_t taken = std::min(left, static_cast<std::uint64_t>(count));
-  if (taken > 0) std::memcpy(to, from.data() + file.at, taken);
+  if (file.input == nullptr) {  // while writing, libtiff reads back only its own directory
+    if (taken > 0) std::memcpy(to, file.written.data() + file.at, taken);
+  } else if (!file.input->read(file.at, {{static_cast<std::uint8_t*>(to), taken}})) {
+    return -1;
+  }
   file.at += taken;
   return static_cast<tmsize_t>(taken);
+} catch (...) {
+  memory_of(handle).input_failure = std::current_exception();
+  return -1;
 }
 
 tmsize_t put(thandle_t handle, void* from, tmsize_t count) try {
@@ -243,6 +254,40 @@ bool read_lines(TIFF* tiff, Picture& picture) {
   return true;
 }
 
+void require(bool whole, const FileInMemory& memory) {
+  if (memory.input_failure) std::rethrow_exception(memory.input_failure);
+  const std::string fault = memory.fault.data();
+  if (!whole) throw Error("incomplete TIFF file" + (fault.empty() ? "" : ": " + fault));
+}
+
+/// Whether ImageJ stored `images=N` pictures behind one directory, as it does above 4 GB.
+bool hides_pages(TIFF* tiff) {
+  const char* text = nullptr;
+  return TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) == 1 &&
+         std::string_view(text).starts_with("ImageJ=") &&
+         std::string_view(text).find("\nimages=") != std::string_view::npos;
+}
+
+std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
+  constexpr int most = 10'000;
+  constexpr std::uint32_t secondary = FILETYPE_REDUCEDIMAGE | FILETYPE_MASK;
+  std::vector<int> pages;
+  const bool hidden = hides_pages(tiff);
+  int directory = 0;
+  do {
+    throw_if(directory == most, "has more than {} pages", most);
+    if ((field<std::uint32_t>(tiff, TIFFTAG_SUBFILETYPE) & secondary) == 0) {
+      pages.push_back(directory);
+    }
+    ++directory;
+  } while (TIFFReadDirectory(tiff) == 1);
+  require(memory.fault.front() == 0, memory);
+  if (hidden && directory == 1) {
+    throw Error("an ImageJ stack with one directory for all pages; save each page as a file");
+  }
+  return pages;
+}
+
 /// Out of memory: closing must not continue to write.
 [[noreturn]] void give_up(TIFF* tiff) {
   TIFFSetMode(tiff, O_RDONLY);
@@ -271,19 +316,30 @@ std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture
   return png_of_depth(PictureView(ImageView<const std::uint8_t>(picture)), 1);
 }
 
-Picture read_tiff(std::span<const std::uint8_t> bytes, std::size_t frames) {
-  FileInMemory memory{.read = bytes};
-  const auto require = [&](bool whole) {
-    const std::string fault = memory.fault.data();
-    if (!whole) throw Error("incomplete TIFF file" + (fault.empty() ? "" : ": " + fault));
-  };
+std::vector<int> tiff_pages(const InputFile& file) {
+  FileInMemory memory{.input = &file};
   const Tiff tiff = open_tiff(memory, "rm");
-  require(tiff != nullptr);
+  require(tiff != nullptr, memory);
+  return pages_of(tiff.get(), memory);
+}
+
+Picture read_tiff(const InputFile& file, std::optional<int> page, std::size_t frames) {
+  FileInMemory memory{.input = &file};
+  const Tiff tiff = open_tiff(memory, "rm");
+  require(tiff != nullptr, memory);
+  if (!page) {
+    const std::vector<int> pages = pages_of(tiff.get(), memory);
+    throw_if(pages.size() > 1, "has {} pages, expected one picture; name a page, as in FILE[0]",
+             pages.size());
+    page = pages.empty() ? 0 : pages.front();
+  }
+  throw_if(TIFFSetDirectory(tiff.get(), static_cast<tdir_t>(*page)) != 1, "has no page {}", *page);
   const Size size = size_of(tiff.get(), TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, frames);
-  require(size.width >= 1 && size.height >= 1);
+  require(size.width >= 1 && size.height >= 1, memory);
   Picture picture(kind_of(tiff.get(), size));
   require(TIFFIsTiled(tiff.get()) != 0 ? read_tiles(tiff.get(), picture, frames)
-                                       : read_lines(tiff.get(), picture));
+                                       : read_lines(tiff.get(), picture),
+          memory);
   return picture;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -11,6 +12,8 @@
 // before allocating memory for more pixels than allowed for one of `frames` pictures. Writers
 // return no bytes for samples that their format does not support.
 namespace slipstream {
+
+class InputFile;
 
 struct PictureKind {
   Size size;         ///< in pixels
@@ -30,6 +33,8 @@ struct Picture {
   [[nodiscard]] std::uint8_t* row(int row);
 
   PictureKind kind;
+  int used_bits = kind.bits;  ///< of the highest level that the file declares
+  bool lossy = false;         ///< compressed as JPEG
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>, Image<float>, Image<double>> samples;
 };
 
@@ -56,9 +61,12 @@ std::vector<std::uint8_t> png_file_of(const PictureView& picture);
 /// A PNG file with one bit per pixel: 0 is dark, any other level bright.
 std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture);
 
-/// The first picture of a TIFF file: grey of 8 or 16 bits or 32- or 64-bit float, or colour of 8 or
-/// 16 bits.
-Picture read_tiff(std::span<const std::uint8_t> bytes, std::size_t frames);
+/// The directories of a TIFF file's pictures, from 0, without reduced copies and masks. Throws
+/// Error if they cannot all be found, as in ImageJ's files of one directory for many pictures.
+std::vector<int> tiff_pages(const InputFile& file);
+/// The picture in a directory of a TIFF file: grey of 8 or 16 bits or 32- or 64-bit float, or
+/// colour of 8 or 16 bits. nullopt: the only picture; throws Error if there are several.
+Picture read_tiff(const InputFile& file, std::optional<int> page, std::size_t frames);
 /// A lossless TIFF file.
 std::vector<std::uint8_t> tiff_file_of(const PictureView& picture);
 
@@ -66,8 +74,11 @@ std::vector<std::uint8_t> tiff_file_of(const PictureView& picture);
 Picture read_bmp(std::span<const std::uint8_t> bytes, std::size_t frames);
 std::vector<std::uint8_t> bmp_file_of(const PictureView& picture);
 
-/// A PGM or PPM file, ASCII or binary: 8 bits, or 16 if it declares more than 255 levels; levels
-/// are not rescaled.
+/// The luminance of a JPEG file.
+Picture read_jpeg(std::span<const std::uint8_t> bytes, std::size_t frames);
+
+/// A PGM or PPM file, ASCII or binary: 8 bits, or 16 if its highest level is above 255; levels are
+/// not rescaled.
 Picture read_pgm(std::span<const std::uint8_t> bytes, std::size_t frames);
 /// A binary PGM file of grey samples, 8 or 16 bits.
 std::vector<std::uint8_t> pgm_file_of(const PictureView& picture);

@@ -1,4 +1,5 @@
 // Uncompressed picture formats: BMP, PGM and NumPy.
+#include <bit>
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
@@ -137,11 +138,14 @@ Picture read_pgm(Bytes bytes, std::size_t frames) {
   throw_if(text.size() < (binary ? rows * of.row_bytes() : 2 * numbers - 1),
            "not a complete PGM file: truncated");
   Picture picture(of);
+  picture.used_bits = std::max(8, static_cast<int>(std::bit_width(levels)));
   std::uint8_t* to = picture.row(0);
   for (std::size_t n = 0; n < numbers; ++n, to += bytes_each) {
     if (binary) {  // most significant first
       std::reverse_copy(text.begin(), text.begin() + bytes_each, to);
       text.remove_prefix(static_cast<std::size_t>(bytes_each));
+      throw_if(bytes_each == 2 && number_at<std::uint16_t>({to, 2}, 0) > levels,
+               "has a level above its highest, {}", levels);
       continue;
     }
     const auto number = next_number(text);

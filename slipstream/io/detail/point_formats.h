@@ -10,8 +10,11 @@ namespace slipstream {
 /// and paints the points white, ignoring their colours; it ignores a double.
 inline constexpr const char* ply_intensity = "property double intensity\n";
 
-// Readers of mesh files, mm. They throw Error, without a file name, if the data are malformed or
-// truncated.
+// Readers of text and mesh files, mm. They throw Error, without a file name, if the data are
+// malformed or truncated.
+
+/// The lines of an XYZ file, without comments and a line of names or of the number of points.
+StoredPoints xyz_points(std::span<const std::uint8_t> bytes);
 
 /// The corners of the triangles of a binary STL file, each once, in unspecified order.
 StoredPoints stl_points(std::span<const std::uint8_t> bytes);

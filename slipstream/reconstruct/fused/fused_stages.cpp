@@ -147,6 +147,7 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   if (!layout.unwrapping->in_kernels || carrier_periods(layout) > 0) {
     return fmt::format("it does not support {}", strategy.name());
   }
+  if (!has_coordinate(layout) && !unwraps_by_depth(setup)) return "it requires a coordinate";
   if (order_source(layout) == OrderSource::neighbours && !has_fused_cue(setup)) {
     return fmt::format("it does not support these cue settings of {}", strategy.name());
   }

@@ -1,0 +1,190 @@
+// Maps without a scanner, and clouds of other programs' maps.
+#include <cmath>
+#include <numbers>
+#include <regex>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "tests/app/program.h"
+
+namespace slipstream::map_program_test {
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+class MapProgram : public testing::TestWithParam<Words> {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  [[nodiscard]] static ProgramRun run(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  }
+  void simulate(const Words& more) const {
+    const ProgramRun made =
+        run({"simulate", path("scan"), "--camera", "96x72", "--world", "ideal"}, more);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  void forget_scanner() const {
+    const std::string scan = path("scan/scan.yaml");
+    write_file(scan, std::regex_replace(contents(scan), std::regex("scanner:[^\n]*"), ""));
+  }
+  [[nodiscard]] ProgramRun reconstruct(const Words& more) const {
+    return run({"reconstruct", path("scan")}, more);
+  }
+  void expect_refused(const ProgramRun& run, const std::string& part) const {
+    EXPECT_EQ(run.exit_code, 2) << part;
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "\nlacks: " << part;
+    EXPECT_FALSE(fs::exists(path("no.tiff")));
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+class MapsAlone : public MapProgram {};
+
+TEST_P(MapsAlone, AreThoseThatTheScannerGives) {
+  simulate(GetParam());
+  const auto maps = [&](const std::string& name) {
+    Words words{"--json"};
+    for (const std::string map : {"phase", "modulation", "mean", "coordinate"}) {
+      words.insert(words.end(), {"--" + map, path(name + map + ".tiff")});
+    }
+    return reconstruct(words);
+  };
+  ASSERT_EQ(maps("with-").exit_code, 0);
+  forget_scanner();
+  const ProgramRun alone = maps("alone-");
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_EQ(nlohmann::json::parse(alone.out)["scans"][0]["points"], 0);
+  for (const char* const map : {"phase", "modulation", "mean", "coordinate"}) {
+    EXPECT_EQ(contents(path(fmt::format("with-{}.tiff", map))),
+              contents(path(fmt::format("alone-{}.tiff", map))))
+        << map;
+  }
+  expect_refused(reconstruct({"--phase", path("no.tiff"), "-o", path("cloud.ply")}), "no scanner");
+  expect_refused(reconstruct({}), "no scanner");
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, MapsAlone,
+                         testing::Values(Words{"--strategy", "dual-frequency"},
+                                         Words{"--strategy", "gray-phase", "--scene", "statue"},
+                                         Words{"--strategy", "pcmp", "--axis", "y"}));
+
+class WrappedPhase : public MapProgram {};
+
+TEST_P(WrappedPhase, NeedsNeitherScannerNorFringeOrder) {
+  simulate(GetParam());
+  const auto phase = [&](const std::string& name) {
+    return reconstruct({"--phase", path(name), "--modulation", path("modulation.tiff")});
+  };
+  ASSERT_EQ(phase("with.tiff").exit_code, 0);
+  expect_refused(reconstruct({"--coordinate", path("no.tiff")}), "no depth");
+  forget_scanner();
+  ASSERT_EQ(phase("alone.tiff").exit_code, 0);
+  EXPECT_EQ(contents(path("with.tiff")), contents(path("alone.tiff")));
+  expect_refused(reconstruct({"--coordinate", path("no.tiff")}), "only a wrapped phase");
+
+  const Image<double> wrapped = read_map(path("alone.tiff")),
+                      modulation = read_map(path("modulation.tiff")),
+                      truth = read_map(path("scan/truth/coordinate.tiff"));
+  int lit = 0, wrong = 0;
+  for (std::size_t i = 0; i < truth.pixel_count(); ++i) {
+    if (!(modulation.begin()[i] > 40) || std::isnan(truth.begin()[i])) continue;
+    ++lit;
+    const double error = wrapped.begin()[i] - 32 * std::numbers::pi * truth.begin()[i];
+    wrong += std::abs(std::remainder(error, 2 * std::numbers::pi)) > 0.3 ? 1 : 0;
+  }
+  EXPECT_GT(lit, 700);
+  EXPECT_LT(wrong, lit / 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scans, WrappedPhase,
+    testing::Values(Words{"--strategy", "pmp", "--steps", "3", "--frequency", "16"},
+                    Words{"--strategy", "pmp", "--steps", "5", "--frequency", "16", "--axis", "y"},
+                    Words{"--strategy", "double-three-step", "--frequency", "16"}));
+
+class CloudOfMap : public MapProgram {
+ protected:
+  [[nodiscard]] ProgramRun from(const std::string& form, const std::string& map,
+                                const Words& more) const {
+    return run({"reconstruct", path(map), "--from", form, "--scanner", path("scan/scanner.yaml")},
+               more);
+  }
+  void write_scaled(const std::string& name, double scale) const {
+    Image<double> map = read_map(path("coordinate.tiff"));
+    for (double& value : map) value *= scale;
+    write_map(path(name), map);
+  }
+};
+
+TEST_P(CloudOfMap, IsThatOfItsScan) {
+  simulate(GetParam());
+  // Cleaning compares modulations, which the map has not.
+  ASSERT_EQ(
+      reconstruct({"--raw", "--depth", path("depth.tiff"), "--coordinate", path("coordinate.tiff")})
+          .exit_code,
+      0);
+  const bool along_y = GetParam().back() == "y";
+  write_scaled("pixels.npy", along_y ? 800 : 1280);
+  write_scaled("phase.tiff", 32 * std::numbers::pi);
+  const Image<double> depth = read_map(path("depth.tiff"));
+  for (const auto& [form, map] : {std::pair("coordinate", "coordinate.tiff"),
+                                  {"pixels", "pixels.npy"},
+                                  {"phase:16", "phase.tiff"}}) {
+    const ProgramRun made =
+        from(form, map, {"--raw", "--depth", path("again.tiff"), "--axis", along_y ? "y" : "x"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.err, "");
+    const Image<double> again = read_map(path("again.tiff"));
+    int points = 0, other = 0;
+    for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+      const double a = depth.begin()[i], b = again.begin()[i];
+      points += std::isnan(a) ? 0 : 1;
+      other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
+    }
+    EXPECT_GT(points, 1000);
+    EXPECT_EQ(other, 0) << form;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, CloudOfMap,
+                         testing::Values(Words{"--scene", "sphere"}, Words{"--scene", "statue"},
+                                         Words{"--scene", "sphere", "--axis", "y"}));
+
+class RefusedMap : public CloudOfMap {};
+
+TEST_P(RefusedMap, IsOneThatCannotBe) {
+  simulate(GetParam());
+  ASSERT_EQ(reconstruct({"--coordinate", path("coordinate.tiff"), "--phase", path("wrapped.tiff")})
+                .exit_code,
+            0);
+  write_scaled("pixels.tiff", 1280);
+  write_map(path("empty.tiff"), Image<float>({96, 72}, std::nanf("")));
+  write_map(path("small.tiff"), Image<float>({2, 1}, 0.5F));
+  const Words no{"--depth", path("no.tiff")};
+  expect_refused(from("coordinate", "pixels.tiff", no), "exceed the projector, 0 to 1");
+  expect_refused(from("pixels", "coordinate.tiff", no), "one projector pixel");
+  expect_refused(from("phase:4", "pixels.tiff", no), "exceed the projector");
+  expect_refused(from("phase:16", "wrapped.tiff", no), "slipstream unwrap");
+  expect_refused(from("coordinate", "empty.tiff", no), "no valid value");
+  expect_refused(from("coordinate", "small.tiff", no), "96x72");
+  for (const char* const form : {"depth", "phase", "phase:", "phase:0", "phase:x", "phase:-3"}) {
+    expect_refused(from(form, "coordinate.tiff", no), "phase:PERIODS");
+  }
+  const std::string map = path("coordinate.tiff");
+  expect_refused(run_program({"reconstruct", map, "--from", "coordinate", "--depth", no[1]}),
+                 "--scanner");
+  expect_refused(from("coordinate", "coordinate.tiff", {"--mean", no[1]}), "--mean");
+  expect_refused(from("coordinate", "coordinate.tiff", {"--depth", map}), "is an input");
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, RefusedMap, testing::Values(Words{}));
+
+}  // namespace slipstream::map_program_test

@@ -1,0 +1,112 @@
+// Clouds as other programs store them.
+#include <bit>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/base/numbers.h"
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/file.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream::foreign_clouds_test {
+
+/// The points (1, 2, 3) and (4, 5.5, 6) with intensities of 58.7 and 141.24, or others.
+void expect_two_points(const Cloud& cloud, float first = 58.7F, float second = 141.24F) {
+  ASSERT_EQ(cloud.size(), (Size{2, 1}));
+  const auto expect_point = [&](int i, float x, float y, float z, float intensity) {
+    EXPECT_EQ(cloud.x(i, 0), x);
+    EXPECT_EQ(cloud.y(i, 0), y);
+    EXPECT_EQ(cloud.z(i, 0), z);
+    EXPECT_NEAR(cloud.intensity(i, 0), intensity, 1e-4);
+  };
+  expect_point(0, 1, 2, 3, first);
+  expect_point(1, 4, 5.5F, 6, second);
+}
+
+Cloud cloud_of(const std::string& name, const std::string& text) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / name, text);
+  return read_cloud(folder.path() / name).cloud;
+}
+
+std::string pcd(const std::string& fields, const std::string& data) {
+  return "# made up\nVERSION .7\n" + fields +
+         "WIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA " + data;
+}
+
+constexpr std::uint32_t green = 100U << 8, bright = 0xff000000U | 200U << 16 | 130U << 8 | 45U;
+
+TEST(Pcd, HasDoubles) {
+  std::string text = pcd("FIELDS z y x\nSIZE 8 8 8\nTYPE F F F\n", "binary\n");
+  append_numbers(text, 3.0, 2.0, 1.0, 6.0, 5.5, 4.0);
+  expect_two_points(cloud_of("cloud.pcd", text), 0, 0);
+}
+
+TEST(Pcd, HasFieldsOfAllTypes) {
+  std::string text =
+      pcd("FIELDS t x _ y ring z normal intensity\nSIZE 8 4 1 8 2 4 4 2\nTYPE U F U F I I F U\n"
+          "COUNT 1 1 3 1 1 1 3 1\n",
+          "binary\n");
+  const std::array<std::uint8_t, 3> gap{};
+  for (const auto& [x, y, z, level] : {std::tuple{1.F, 2.0, 3, 40}, {4.F, 5.5, 6, 50}}) {
+    append_numbers(text, std::uint64_t{7}, x, gap[0], gap[1], gap[2], y, std::int16_t{-3}, z, 0.F,
+                   0.F, 1.F, static_cast<std::uint16_t>(level));
+  }
+  expect_two_points(cloud_of("cloud.pcd", text), 40, 50);
+  text.pop_back();
+  expect_error([&] { cloud_of("cloud.pcd", text); }, {"cloud.pcd", "truncated"});
+}
+
+TEST(Pcd, HasPackedColours) {
+  for (const std::string type : {"F", "U", "I"}) {
+    std::string text =
+        pcd("FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F " + type + "\nCOUNT 1 1 1 1\n", "binary\n");
+    append_numbers(text, 1.F, 2.F, 3.F, green, 4.F, 5.5F, 6.F, bright);
+    expect_two_points(cloud_of("cloud.pcd", text));
+  }
+  const std::string fields = "FIELDS x y z rgba\nSIZE 4 4 4 4\nTYPE F F F F\n";
+  expect_two_points(
+      cloud_of("cloud.pcd", pcd(fields, fmt::format("ascii\n1 2 3 {}\n4 5.5 6 {}\n",
+                                                    std::bit_cast<float>(green), bright))));
+}
+
+TEST(Pcd, OfUnknownTypesIsRefused) {
+  const std::string begin = "FIELDS x y z\nSIZE 4 4 4\n";
+  const auto expect_refused = [](const std::string& fields, const std::string& why) {
+    expect_error([&] { cloud_of("cloud.pcd", pcd(fields, "ascii\n1 2 3\n4 5 6\n")); },
+                 {"cloud.pcd", why});
+  };
+  expect_refused(begin + "TYPE F F X\n", "'X 4' is not a type");
+  expect_refused(begin + "TYPE F F\n", "3 FIELDS, but 2 TYPE");
+  expect_refused(begin + "TYPE F F F\nCOUNT 1 1 2\n", "no x, y and z");
+  expect_refused(begin + "TYPE F F F\nCOUNT 1 1 x\n", "'x' is not a number");
+}
+
+TEST(Xyz, HasNamesCommasAndColours) {
+  for (const char* const text :
+       {"X,Y,Z,R,G,B\n1,2,3,0,100,0\n4,5.5,6,200,130,45\n",
+        "//X Y Z nx R G B\n2\n1 2 3 0.5 0 100 0\n4 5.5 6 1 200 130 45\n\n",
+        "# a comment\n1 2 3 0 100 0\r\n# another\r\n4 5.5 6 200 130 45\r\n",
+        "\"z\";\"y\";\"x\";\"Intensity\"\n3;2;1;58.7\n6;5.5;4;141.24\n",
+        "1\t2\t3\t58.7\n4\t5.5\t6\t141.24\n", "2\n1, 2, 3, 0, 100, 0\n4, 5.5, 6, 200, 130, 45\n"}) {
+    SCOPED_TRACE(text);
+    expect_two_points(cloud_of("cloud.xyz", text));
+  }
+  expect_two_points(cloud_of("cloud.xyz", "1 2 3 0 0 1\n4 5.5 6 1 0 0\n"), 0, 0);  // normals
+  expect_two_points(cloud_of("cloud.xyz", "x y z a\n1 2 3 5\n4 5.5 6 5\n"), 0, 0);
+}
+
+TEST(Xyz, OfUnequalLinesIsRefused) {
+  const auto expect_refused = [](const std::string& text, const std::string& why) {
+    expect_error([&] { cloud_of("cloud.xyz", text); }, {"cloud.xyz", why});
+  };
+  expect_refused("x y z\n1 2 3\n4 5\n", "line 3: expected 3 numbers");
+  expect_refused("1 2 3\n4 five 6\n", "line 2: 'five' is not a number");
+  expect_refused("1 2\n3 4\n5 6\n", "no x, y and z");
+  expect_refused("x y z\n", "no points");
+}
+
+}  // namespace slipstream::foreign_clouds_test

@@ -1,0 +1,138 @@
+// White, black and repeated pictures beside those of the patterns.
+#include "slipstream/io/scan_pictures.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/io/board_scans.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream::scan_pictures_test {
+namespace fs = std::filesystem;
+
+const Scanner scanner = example_scanner({96, 72});
+
+FrameSet frames_of(const Strategy& strategy, Axis axis = Axis::x) {
+  const Sequence sequence{.strategy = strategy, .axis = axis, .projector = scanner.projector.size};
+  return take_scan(scanner, scene_named("statue", scanner), pattern_set(sequence),
+                   {.ambient = 5, .noise_variance = 1.6})
+      .frames;
+}
+
+/// The white and the black picture of the same scene.
+FrameSet white_and_black() {
+  const FrameSet code = frames_of(make_strategy("gray", {}));
+  std::vector<std::pair<double, int>> sums;
+  for (int n = 0; n < code.count(); ++n) {
+    std::vector<double> one(static_cast<std::size_t>(n) + 1);
+    one.back() = 1;
+    const Image<double> picture = weighted_sum(code, one);
+    sums.emplace_back(std::accumulate(picture.begin(), picture.end(), 0.), n);
+  }
+  const auto [black, white] = std::minmax_element(sums.begin(), sums.end());
+  std::vector<int> order(static_cast<std::size_t>(code.count()));
+  std::iota(order.begin(), order.end(), 0);
+  std::swap(order[0], order[static_cast<std::size_t>(white->second)]);
+  std::iter_swap(order.begin() + 1, std::find(order.begin(), order.end(), black->second));
+  return parts_of(reordered(code, order), code.count() / 2).front();
+}
+
+class ScanPictures : public testing::Test {
+ protected:
+  [[nodiscard]] const fs::path& folder() const { return folder_.path(); }
+
+  /// Writes further pictures, as frame_000.png and so on.
+  void add(const FrameSet& frames) {
+    std::vector<fs::path> files;
+    for (int n = 0; n < frames.count(); ++n) {
+      files.push_back(folder() / fmt::format("frame_{:03}.png", pictures_++));
+    }
+    write_frames(files, frames);
+  }
+  Scan load(const std::string& strategy, const std::string& order = "") const {
+    return load_scan(folder(), {.sequence = {.strategy = strategy}, .order = order});
+  }
+
+ private:
+  TemporaryFolder folder_;
+  int pictures_ = 0;
+};
+
+void expect_same(const FrameSet& a, const FrameSet& b) {
+  ASSERT_EQ(a.count(), b.count());
+  const std::vector<double> weights{1, 10, 100, 1000, 1e4, 1e5};
+  const Image<double> of_a = weighted_sum(a, weights), of_b = weighted_sum(b, weights);
+  EXPECT_TRUE(std::equal(of_a.begin(), of_a.end(), of_b.begin()));
+}
+
+TEST_F(ScanPictures, WhiteAndBlackAfterThePatternsAreNamedAndLeftOut) {
+  const FrameSet patterns = frames_of(DualFrequency{});
+  add(patterns);
+  add(white_and_black());
+  expect_error([&] { load("dual-frequency"); },
+               {"8 frames", "has 6", "2 too many", "frames 6 (white), 7 (black)",
+                "try --order 0,1,2,3,4,5"});
+  const Scan scan = load("dual-frequency", "0,1,2,3,4,5");
+  expect_same(scan.frames, patterns);
+  expect_same(load("dual-frequency", "2,0,1,3,4,5").frames,
+              reordered(patterns, {2, 0, 1, 3, 4, 5}));
+}
+
+TEST_F(ScanPictures, WhiteAloneBeforeThePatternsIsToo) {
+  const FrameSet patterns = frames_of(PhaseMeasuring{.steps = 4});
+  add(parts_of(white_and_black(), 2).front());
+  add(patterns);
+  expect_error([&] { load("pmp"); }, {"has 3", "2 too many", "leave them out"});
+  const ScanChanges four{.sequence = {.strategy = "pmp", .settings = {{"steps", "4"}}}};
+  expect_error([&] { load_scan(folder(), four); },
+               {"1 too many, likely frame 0 (white); try --order 1,2,3,4"});
+}
+
+TEST_F(ScanPictures, ARepeatedOneIsToo) {
+  const FrameSet patterns = frames_of(make_strategy("gray-phase", {}));
+  add(patterns);
+  add(parts_of(patterns, patterns.count()).front());
+  expect_error([&] { load("gray-phase"); }, {"1 too many, likely frame 10 (repeats frame 0)"});
+}
+
+TEST_F(ScanPictures, OfAPoseOfTheBoardAreToo) {
+  const Strategy gray = make_strategy("gray", {{"bits", "10"}, {"reference", "inverse"}});
+  add(frames_of(gray));
+  add(frames_of(gray, Axis::y));
+  add(white_and_black());
+  ScanChanges changes{
+      .sequence = {.strategy = "gray", .settings = {{"bits", "10"}, {"reference", "inverse"}}}};
+  make_folder(folder() / "poses");
+  fs::create_directory_symlink(folder(), folder() / "poses" / "pose");
+  std::string order;
+  expect_error([&] { board_scans(folder() / "poses", changes, Axis::x); },
+               {"42 frames", "has 40", "2 too many, likely frames 40 (white), 41 (black)"});
+  for (int n = 0; n < 40; ++n) order += fmt::format("{}{}", n == 0 ? "" : ",", n);
+  changes.order = order;
+  const auto poses = board_scans(folder() / "poses", changes, Axis::x);
+  expect_same(poses.front().along(Axis::y).frames, frames_of(gray, Axis::y));
+}
+
+TEST_F(ScanPictures, WrongOrdersAndMissingPicturesAreRefused) {
+  add(frames_of(DualFrequency{}));
+  for (const char* const order : {"0,1,2,3,4", "0,1,2,3,4,4", "0,1,2,3,4,6", "-1,1,2,3,4,5"}) {
+    expect_error([&] { load("dual-frequency", order); }, {"not an order of its 6 frames"});
+  }
+  expect_error([&] { load("gray-phase"); }, {"6 frames", "has 10", "missing"});
+  add(white_and_black());
+  expect_error([&] { load("dual-frequency", "0,1,2,3,4,4"); }, {"list 6 of 0 to 7 once"});
+}
+
+}  // namespace slipstream::scan_pictures_test

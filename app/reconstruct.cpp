@@ -4,7 +4,7 @@
 
 #include "app/manifest.h"
 #include "app/process.h"
-#include "app/reconstruct_flags.h"
+#include "app/reconstructed_scan.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/surface.h"
@@ -13,32 +13,9 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/coordinate_map.h"
-#include "slipstream/reconstruct/epipolar.h"
 
 namespace slipstream::app {
 namespace {
-
-/// One scan's results, ready to print.
-struct ReconstructedScan {
-  ScanName name;
-  std::string failure;  ///< reason if it failed, or empty
-  Output words{false};  ///< its lines, held until its turn
-  Cloud cloud;
-  ValidityCounts counts{};
-  Maps maps;  ///< if requested
-  Wanted wanted = Wanted::points;
-  std::optional<Uncertainty> uncertainty;
-  std::optional<EpipolarCheck> epipolar;  ///< both axes only
-  std::string backend;
-  std::vector<std::string> warnings;
-  SoundScan sound;
-  ResultFiles files;                        ///< files written
-  std::optional<double> rms, median_sigma;  ///< mm
-  double least_modulation = 0;              ///< minimum modulation of a point, grey levels of 255
-  double read = 0, tables = 0, computed = 0, written = 0;  ///< s
-  bool done_before = false;  ///< done by an earlier run; prints nothing else
-  nlohmann::json entry;      ///< its manifest entry
-};
 
 /// The manifest as it grows.
 struct ManifestLog {
@@ -54,90 +31,6 @@ struct ManifestLog {
   GrowingFile file;
   Manifest before;
 };
-
-nlohmann::json json_of(const GammaChoice& choice) {
-  nlohmann::json document = described("source", choice.source, "gamma", choice.gamma);
-  if (choice.blind) {
-    describe(document, "standard_error", choice.blind->standard_error, "pixels",
-             choice.blind->pixels);
-    if (!choice.blind->accepted()) document["refused"] = reason_of(choice.blind->refusal);
-  }
-  return document;
-}
-
-struct ScanTime {
-  const char *name, *words;
-  double seconds;
-};
-
-std::array<ScanTime, 6> times_of(const ReconstructedScan& scan) {
-  return {{{"read", "ms to read", scan.read},
-           {"gamma", "for gamma", scan.sound.choosing},
-           {"check", "to check", scan.sound.checking},
-           {"tables", "for tables", scan.tables},
-           {"reconstruct", "to reconstruct", scan.computed},
-           {"write", "to write", scan.written}}};
-}
-
-nlohmann::json document_of(const ReconstructedScan& scan) {
-  nlohmann::json seconds;
-  for (const ScanTime& time : times_of(scan)) seconds[time.name] = time.seconds;
-  std::optional<nlohmann::json> epipolar;
-  if (scan.epipolar) {
-    epipolar = described("median_px", scan.epipolar->median, "median_length_px",
-                         scan.epipolar->median_length, "median_sigma_px",
-                         scan.epipolar->median_sigma, "doubted", scan.epipolar->doubted);
-  }
-  nlohmann::json told =
-      described("scan", scan.name.path, "window", scan.name.window, "points",
-                scan.wanted == Wanted::maps ? 0 : scan.counts[0], "pixels",
-                scan.cloud.validity.pixel_count(), "counts", scan.counts, "backend", scan.backend,
-                "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma),
-                "baseline_mm", scan.sound.setup.scanner.translation.norm(), "median_depth_mm",
-                scan.sound.checked.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
-                scan.median_sigma, "rms_mm", scan.rms, "epipolar", epipolar, "warnings",
-                scan.warnings, "findings", scan.sound.checked.findings, "repairs",
-                scan.sound.checked.repairs, "seconds", seconds);
-  // Only --anyway reconstructs a refused scan.
-  if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
-  return told;
-}
-
-void tell(const ReconstructedScan& scan, Output& output) {
-  output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), scan.counts[0],
-             scan.wanted == Wanted::maps ? "measured, no points," : "points",
-             scan.cloud.validity.pixel_count(), scan.backend);
-  for (std::size_t i = 1; i < validity_count; ++i) {
-    if (scan.counts[i] == 0) continue;
-    output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), scan.counts[i]);
-  }
-  if (scan.counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
-    const auto [nearest, farthest] = depth_range(scan.sound.setup);
-    output.say("  depths kept: {:.0f} to {:.0f} mm; change with --nearest, --farthest or --raw",
-               nearest, farthest);
-  }
-  if (const double depth = scan.sound.checked.median_depth; depth > 0) {
-    output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
-               scan.sound.setup.scanner.translation.norm(), depth);
-  }
-  if (scan.rms) output.say("  RMS error against truth: {:.4g} mm", *scan.rms);
-  if (scan.epipolar) {
-    output.say(
-        "  distance from epipolar lines: median {:+.3f}, absolute {:.3f} projector pixels, "
-        "expected sigma {:.3f}; {} points rejected as too far",
-        scan.epipolar->median, scan.epipolar->median_length, scan.epipolar->median_sigma,
-        scan.epipolar->doubted);
-  }
-  if (scan.median_sigma) {
-    output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
-  }
-  std::vector<std::string> times;
-  for (const auto& [name, words, seconds] : times_of(scan)) {
-    times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, words));
-  }
-  output.say("  time: {}", fmt::join(times, ", "));
-  for (const auto& [name, path] : scan.files.named()) output.say("  {}: {}", name, path);
-}
 
 void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSetup& setup,
                                   bool two_cameras) {
@@ -276,7 +169,7 @@ void read_scan(const ScanFlags& input, const ReconstructFlags& flags, LoadedScan
   loaded.scan =
       only_maps ? load_checkable(path, input, cameras, words) : load(path, input, cameras, words);
   const Scan& scan = loaded.scan;
-  // Without a fringe order there are no points, but a phase.
+  // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
   loaded.result.warnings = scan.warnings;
@@ -302,9 +195,13 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
       if (result.done_before) return loaded;
     }
-    flags.from.empty() ? read_scan(input, flags, loaded) : load_map(flags, loaded);
+    if (!flags.from.empty()) {
+      load_map(flags, loaded);
+      result.read = watch.lap();
+      return loaded;
+    }
+    read_scan(input, flags, loaded);
     result.read = watch.lap();
-    if (!flags.from.empty()) return loaded;
     result.sound = sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
   } catch (const Error& error) {
     result.failure = error.what();
@@ -383,7 +280,8 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
     result.median_sigma = median_depth(*result.uncertainty);
   }
   if (!flags.files.coordinate.empty() && !two_cameras) {
-    result.maps.coordinate = converted<float>(measured_coordinates(*engine, scan.frames));
+    result.maps.coordinate =
+        converted<float>(measured_coordinates(*engine, scan.frames, result.maps));
   }
 }
 
@@ -401,8 +299,11 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
   ReconstructedScan& result = loaded.result;
   if (result.done_before || !result.failure.empty()) return std::move(result);
   try {
-    flags.from.empty() ? reconstruct_scan(loaded.scan, result, flags, reused)
-                       : reconstruct_map(loaded.coordinates, result, flags);
+    if (flags.from.empty()) {
+      reconstruct_scan(loaded.scan, result, flags, reused);
+    } else {
+      reconstruct_map(loaded.coordinates, result, flags);
+    }
   } catch (const Error& error) {
     result.failure = error.what();
   }
@@ -418,16 +319,6 @@ ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flag
   result.maps = {};
   result.uncertainty.reset();
   return result;
-}
-
-std::string line_of(const ReconstructedScan& scan) {
-  nlohmann::json entry = scan.entry;
-  double seconds = 0;
-  for (const ScanTime& time : times_of(scan)) seconds += time.seconds;
-  entry["seconds"] = seconds;
-  if (!scan.failure.empty()) entry["error"] = scan.failure;
-  if (scan.failure.empty()) entry["counts"] = as_json(scan.counts);
-  return app::line_of(entry);
 }
 
 /// A failure ends the program if it is the only scan.

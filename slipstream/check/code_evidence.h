@@ -18,7 +18,8 @@ struct CodeEvidence {
   /// many of the finest bits as have stripes narrower than two pixels, or blurred ones.
   double torn = 0;
   double incoherence = 0;  ///< of the phase at the code's edges: 1 - |mean exp(i phi)|
-  /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5.
+  /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5;
+  /// within the limit if blur, a tenth of a pixel, may be the cause.
   double offset = 0;
   double against = 0;      ///< share of the edges across which the phase runs against the code
   double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate

@@ -21,7 +21,8 @@ using FrameOrder = std::vector<int>;
 struct SampleReading {
   std::vector<double> phase;       ///< of each band, rad, corrected for the response
   std::vector<double> modulation;  ///< of each band, grey levels of 255
-  /// With a response: the light of each pattern there, 0 to 1, and the bands' modulations by it.
+  /// With a response: the light of each pattern there, 0 to 1, and the bands' modulations by it,
+  /// otherwise 1.
   std::vector<float> made;
   std::vector<double> expected;
   double coarse = 0;      ///< y from the cue, or from the coarsest band

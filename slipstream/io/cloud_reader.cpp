@@ -20,9 +20,9 @@ NumberType type_named(std::string_view name) {
 }
 
 /// The elements of a PLY file, in order. Throws Error if it is not a PLY file.
-std::vector<PlyElement> read_ply_header(NumberReader& reader) {
+std::vector<PointElement> read_ply_header(NumberReader& reader) {
   if (reader.line() != "ply") throw Error("it does not begin with 'ply'");
-  std::vector<PlyElement> elements;
+  std::vector<PointElement> elements;
   while (true) {
     const std::vector<std::string_view> words = words_of(reader.line());
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
@@ -46,7 +46,7 @@ std::vector<PlyElement> read_ply_header(NumberReader& reader) {
 StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
   NumberReader reader(bytes);
   StoredPoints stored;
-  for (const PlyElement& element : read_ply_header(reader)) {
+  for (const PointElement& element : read_ply_header(reader)) {
     read_element(element, reader, stored);
   }
   return stored;
@@ -76,12 +76,12 @@ PcdHeader pcd_header(NumberReader& reader) {
 }
 
 /// `name`, `type`, `size`, `count`: a word each of FIELDS, TYPE, SIZE and COUNT.
-PlyProperty pcd_field(std::string_view name, std::string_view type, std::string_view size,
-                      std::string_view count, bool binary) {
+PointProperty pcd_field(std::string_view name, std::string_view type, std::string_view size,
+                        std::string_view count, bool binary) {
   using T = NumberType;
   static const std::map<std::string, NumberType> types{
       {"I1", T::int8},    {"U1", T::uint8},  {"I2", T::int16}, {"U2", T::uint16},
-      {"I4", T::int32},   {"U4", T::uint32}, {"I8", T::i64},   {"U8", T::u64},
+      {"I4", T::int32},   {"U4", T::uint32}, {"I8", T::int64}, {"U8", T::uint64},
       {"F4", T::float32}, {"F8", T::float64}};
   const auto found = types.find(fmt::format("{}{}", type, size));
   throw_if(found == types.end(), "field {}: '{} {}' is not a type", name.substr(0, 20),
@@ -98,7 +98,7 @@ StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   throw_if(data != "binary" && data != "ascii", "its DATA is neither ascii nor binary");
   const bool binary = data == "binary";
   if (binary) reader.set_format("binary_little_endian");
-  PlyElement element{.name = "vertex", .properties = {}};
+  PointElement element{.name = "vertex", .properties = {}};
   for (std::size_t k = 0; k < header.at("FIELDS").size(); ++k) {
     element.properties.push_back(pcd_field(header.at("FIELDS")[k], header.at("TYPE")[k],
                                            header.at("SIZE")[k], header.at("COUNT")[k], binary));

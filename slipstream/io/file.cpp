@@ -185,8 +185,8 @@ OutputFile::~OutputFile() {
   if (claimed_ >= 0) ::close(claimed_);
 }
 
-/// Locks what has the name now, the new file or an earlier one, until this one is destroyed. Does
-/// nothing on file systems without locks.
+/// Locks the file that has the name, new or old, until this object is destroyed. Some file systems
+/// cannot.
 void OutputFile::claim() {
   claimed_ = descriptor_ >= 0 ? ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0)
                               : ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);

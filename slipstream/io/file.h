@@ -66,6 +66,7 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
+/// The bytes of `text`, which must outlive them.
 std::span<const std::uint8_t> bytes_of(std::string_view text);
 
 /// The bytes of a file. Throws as InputFile.

@@ -79,9 +79,8 @@ bool is_hidden(const std::filesystem::path& path);
 /// Whether a folder beside scans may be one: neither hidden nor a report, which has a report.md.
 bool is_scan_folder(const std::filesystem::path& folder);
 
-/// The pictures in a folder in natural order: frame_2 before frame_10, with each page of a TIFF
-/// file, without hidden files; JPEGs only if there are no others. Throws Error if the folder is
-/// missing or has no pictures.
+/// The pictures in a folder in natural order, frame_2 before frame_10: each page of a TIFF file, no
+/// hidden files, and JPEGs only if all pictures are. Throws Error without a folder or pictures.
 std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);
 
 }  // namespace slipstream

@@ -100,8 +100,8 @@ Entries entries_of(const PhotometricCalibration& calibration) {
   return entries;
 }
 
-/// The names of a lens's entries; "" if a layout lacks one. A width without a height is an
-/// entry with both, a height without a width one with both, height first.
+/// The names of a lens's entries; "" if a layout lacks one. Without a height, the width's entry has
+/// both; without a width, the height's has both, height first.
 struct LensNames {
   std::string_view matrix, distortion, width, height;
 };

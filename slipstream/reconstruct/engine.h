@@ -108,5 +108,7 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
 /// Projector coordinates of pixels that are lit, not saturated and confirmed by their neighbours,
 /// NaN elsewhere; with or without a scanner. Throws Error if the frames alone give none.
 Image<double> measured_coordinates(Engine& engine, const FrameViews& frames);
+/// The same from the engine's maps of these frames.
+Image<double> measured_coordinates(Engine& engine, const FrameViews& frames, const Maps& maps);
 
 }  // namespace slipstream

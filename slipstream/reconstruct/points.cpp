@@ -240,13 +240,17 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
   return report;
 }
 
-Image<double> measured_coordinates(Engine& engine, const FrameViews& given) {
+Image<double> measured_coordinates(Engine& engine, const FrameViews& frames) {
+  Maps maps;
+  engine.maps(frames, maps);
+  return measured_coordinates(engine, frames, maps);
+}
+
+Image<double> measured_coordinates(Engine& engine, const FrameViews& given, const Maps& narrow) {
   EngineSetup setup = engine.setup();
   raise_least_modulation(setup);
   setup.sequence = merged_sequence(std::move(setup.sequence));
   const FrameViews& frames = engine.merged(given);
-  Maps narrow;
-  engine.maps(frames, narrow);
   if (narrow.coordinate.empty()) {
     throw Error(
         fmt::format("{}: more than one period covers the field, so these frames alone give "

@@ -8,7 +8,7 @@ namespace slipstream {
 namespace {
 
 /// The numbers of one property: one, or a list.
-std::vector<double> read_property(const PlyProperty& property, NumberReader& reader) {
+std::vector<double> read_property(const PointProperty& property, NumberReader& reader) {
   const double count = property.count_type ? reader.number(*property.count_type)
                                            : static_cast<double>(property.count);
   throw_if(!(count >= 0 && count <= static_cast<double>(reader.left().size())),
@@ -41,7 +41,7 @@ double luminance_of_packed(double number) {
          weights[2] * (rgb & 255U);
 }
 
-Target target_of(const PlyProperty& property) {
+Target target_of(const PointProperty& property) {
   static const std::map<std::string, Target> targets{
       {"x", {&StoredPoint::x}},
       {"y", {&StoredPoint::y}},
@@ -63,10 +63,10 @@ Target target_of(const PlyProperty& property) {
 }
 
 /// The targets of an element's properties; an intensity overrides colours.
-std::vector<Target> targets_of(const PlyElement& element) {
+std::vector<Target> targets_of(const PointElement& element) {
   std::vector<Target> targets;
   bool has_intensity = false;
-  for (const PlyProperty& property : element.properties) {
+  for (const PointProperty& property : element.properties) {
     targets.push_back(target_of(property));
     const Target& target = targets.back();
     has_intensity |= target.field == &StoredPoint::intensity && target.share == 1;
@@ -101,7 +101,7 @@ std::size_t count_from(std::string_view text) {
   throw Error(fmt::format("'{}' is not a number of elements", text.substr(0, 20)));
 }
 
-void read_element(const PlyElement& element, NumberReader& reader, StoredPoints& stored) {
+void read_element(const PointElement& element, NumberReader& reader, StoredPoints& stored) {
   if (element.properties.empty()) return;
   const std::vector<Target> targets = targets_of(element);
   const bool vertices = element.name == "vertex";

@@ -13,7 +13,18 @@
 namespace slipstream {
 
 /// Those of PLY in its order, then those that only PCD has.
-enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64, i64, u64 };
+enum class NumberType {
+  int8,
+  uint8,
+  int16,
+  uint16,
+  int32,
+  uint32,
+  float32,
+  float64,
+  int64,
+  uint64
+};
 
 /// Reads lines and numbers from the front of a file of points. Throws Error, without a file name,
 /// if it is truncated.
@@ -86,23 +97,23 @@ std::vector<std::string_view> words_of(std::string_view line, const char* separa
 /// Parses a count. Throws Error for any other word.
 std::size_t count_from(std::string_view text);
 
-/// A property of a PLY element: a number or a list of numbers; or a field of PCD.
-struct PlyProperty {
+/// A property of an element: a number, `count` numbers, or a list of numbers.
+struct PointProperty {
   std::string name;
   NumberType type = NumberType::float32;
   std::optional<NumberType> count_type{};  ///< of a list
-  std::size_t count = 1;                   ///< of a field that is no list
+  std::size_t count = 1;                   ///< of numbers; not of a list
 };
 
-/// An element of a PLY file, such as "vertex".
-struct PlyElement {
+/// An element of a file, such as "vertex".
+struct PointElement {
   std::string name;
   std::size_t count = 0;
-  std::vector<PlyProperty> properties{};
+  std::vector<PointProperty> properties{};
 };
 
 /// Reads an element; stores vertices and faces, skips others. The intensity is the colours'
 /// luminance if there is none.
-void read_element(const PlyElement& element, NumberReader& reader, StoredPoints& stored);
+void read_element(const PointElement& element, NumberReader& reader, StoredPoints& stored);
 
 }  // namespace slipstream

@@ -84,7 +84,7 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
   }
   // Whole numbers that are all 0 or 1 are rather a normal.
   if (names.size() != columns) names = names_of_columns(columns, lowest >= 0 && highest > 1);
-  PlyElement element{.name = "vertex", .count = points, .properties = {}};
+  PointElement element{.name = "vertex", .count = points, .properties = {}};
   for (const std::string& name : names) element.properties.push_back({name, NumberType::float64});
   NumberReader reader(numbers);
   reader.set_format("binary_little_endian");

@@ -156,6 +156,7 @@ struct RecordFlags {
   SourceFlags source;
   std::optional<std::int64_t> frames;
   std::optional<double> duration;  ///< s
+  FileLimit limit;
 };
 
 void require_valid(const RecordFlags& flags) {
@@ -183,12 +184,14 @@ void record(const RecordFlags& flags, Output& output) {
   request.as_taken = true;
   const NamedSource opened = open(request, output);
   FrameSource& source = *opened.frames;
-  Recorder recorder(flags.file, {.format = source.format(),
-                                 .frame_rate = request.rate.value_or(0),
-                                 .sequence = opened.sequence,
-                                 .scanner = opened.scanner,
-                                 .in_colour = opened.in_colour,
-                                 .white = opened.white});
+  Recorder recorder(flags.file,
+                    {.format = source.format(),
+                     .frame_rate = request.rate.value_or(0),
+                     .sequence = opened.sequence,
+                     .scanner = opened.scanner,
+                     .in_colour = opened.in_colour,
+                     .white = opened.white},
+                    Recorder::default_memory, flags.limit);
   source.start();
   Progress progress("frames", flags.frames.value_or(0));
   const RunEnd end(flags.duration);
@@ -211,15 +214,17 @@ void record(const RecordFlags& flags, Output& output) {
   const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
   output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
              text_of(source.format().size), rate);
+  const std::string limited = recorder.limited();
+  if (!limited.empty()) output.say("{}", limited);
   if (counters.lost > 0) output.warn(fmt::format("{} frames were lost", counters.lost));
   if (counts.lost > 0) {
     output.warn(fmt::format("{} frames were dropped because the disk was too slow", counts.lost));
   }
   output.document =
       described("recording", flags.file, "findings", findings_of_recording(flags.file, output),
-                "frames", counts.written, "lost", counters.lost, "not_written", counts.lost,
-                "resent_packets", counters.resent, "reconnects", counters.reconnects, "seconds",
-                seconds, "frames_per_second", rate);
+                "frames", counts.written, "limit_reached", !limited.empty(), "lost", counters.lost,
+                "not_written", counts.lost, "resent_packets", counters.resent, "reconnects",
+                counters.reconnects, "seconds", seconds, "frames_per_second", rate);
 }
 
 }  // namespace
@@ -245,6 +250,7 @@ void add_record(const Commands& program) {
   required(command.add("--source", source.source, source_forms()));
   command.add("--frames", flags.frames, "number of frames; default: until Ctrl-C");
   command.add("--duration", flags.duration, "so long, s");
+  add_limit_flag(command.app, flags.limit);
   command.add_settings(source);
   command.add_file("--scanner", source.scanner, "scanner file to store in the recording");
   add_source_flags(command.app, source, true);

@@ -230,6 +230,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       "--model", flags.model,
       "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
   command.add_output("--record", flags.record, "record all frames, for replay:PATH");
+  add_limit_flag(command.app, flags.limit);
   command
       .add("--publish", flags.publish,
            fmt::format("publish clouds, may be repeated: {}", sink_forms()))
@@ -256,6 +257,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
 }  // namespace
 
 void live(const LiveFlags& flags, Output& output) {
+  return_memory();
   require_good(flags);
   LiveSettings settings = flags.live;
   SourceRequest request = request_from(flags.source);
@@ -290,7 +292,7 @@ void live(const LiveFlags& flags, Output& output) {
       .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt,
       .in_colour = opened.in_colour,
       .white = opened.white};
-  auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
+  auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header, flags.limit);
   RecordedSource& recorder = *source;
   settings.model = !flags.model.empty();
   Publisher publisher;
@@ -301,8 +303,14 @@ void live(const LiveFlags& flags, Output& output) {
   LivePipeline pipeline(colours_apart(std::move(source), opened), setup, settings);
 
   const RunEnd end(flags.duration);
+  std::string limited;  // as printed
   const auto is_over = [&] {
     tell_news(publisher, output);
+    const auto recording = recorder.recording();
+    if (recording && recording->limited != std::exchange(limited, recording->limited) &&
+        !limited.empty()) {
+      output.say("{}", limited);
+    }
     if (desktop.closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
     const bool at_end = flags.headless || settings.most_frames;

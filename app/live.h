@@ -30,6 +30,7 @@ struct LiveFlags {
   std::string gamma = "scanner";
   ReconstructSettings settings;
   std::string output, model, record;  ///< files; empty: not written
+  FileLimit limit;                    ///< of recordings and MCAP files
   std::vector<std::string> publish;
   ViewFlags view;
   // Of serve:

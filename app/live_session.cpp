@@ -248,6 +248,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
         .settings = [&session] { return settings_of(session); },
         .change = [&session](const std::string& setting,
                              const std::string& value) { change_setting(session, setting, value); },
+        .limit = session.flags.limit,
     };
     if (scanner.photometry.noise_variance) {
       run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };

@@ -100,6 +100,10 @@ void keep_memory() {
   std::free(first);
 }
 
+void return_memory() {
+  ::mallopt(M_MMAP_THRESHOLD, 256 << 10);  // setting it also keeps it from growing
+}
+
 void end_by_closed_pipe() {
   if (!ends_by_pipe) return;
   if (!in_run) end_program(SIGPIPE);

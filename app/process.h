@@ -22,6 +22,10 @@ void end_by_closed_pipe();
 /// costs more than reconstructing. Large pages make the first time cheaper.
 void keep_memory();
 
+/// Returns freed pictures to the system at once. Otherwise glibc keeps those of each thread, e.g. a
+/// third of an ended recording's queue.
+void return_memory();
+
 /// Notifies systemd, if it started the program as a notify service: "READY=1", "STATUS=...".
 void tell_service_manager(const std::string& state);
 

@@ -117,10 +117,13 @@ void add_camera_flags(CLI::App& command, CameraSettings& settings) {
   group.add_read<>(
       "--region", cut,
       "part of the sensor, width x height + x + y, e.g. 640x480+16+8; v4l2: only the size");
-  group.add_named("--pixel-format", settings.pixel_format, pixel_format_named,
-                  name_of(settings.pixel_format),
+  const auto read = [&settings](const std::string& text) { set_pixel_format(settings, text); };
+  group
+      .add_read<>("--pixel-format", read,
                   "Mono8, Mono10, Mono12, Mono16, or packed: Mono10p, Mono12p, Mono10Packed, "
-                  "Mono12Packed; RGB8: three patterns per colour picture; MJPG: webcams, lossy");
+                  "Mono12Packed; BayerRG8 and so on: a colour sensor's mosaic, read as grey; RGB8: "
+                  "three patterns per colour picture; MJPG: webcams, lossy")
+      ->default_str("Mono8");
   group.add("--trigger", settings.trigger,
             "camera input that starts each frame, e.g. Line1; default: free-running");
   group.add("--strobe", settings.strobe,
@@ -153,6 +156,14 @@ void add_source_flags(CLI::App& command, SourceFlags& flags, bool with_marker) {
   add_camera_flags(command, flags.camera);
   add_pattern_flags(command, flags.sequence, with_marker);
   add_virtual_flags(command, flags.virtual_scanner);
+}
+
+void add_limit_flag(CLI::App& command, FileLimit& limit) {
+  const auto read = [&limit](const std::string& text) { limit = file_limit_from(text); };
+  FlagGroup{command}.add_read<>(
+      "--limit", read,
+      "size or time of a recording or MCAP file at which it stops, e.g. 20GB or 10min; "
+      "20GB,ring keeps the newest");
 }
 
 bool is_camera(const SourceRequest& request) {

@@ -251,7 +251,7 @@ class AravisConnection {
                       region->size.height),
           arv_camera_set_region, region->x, region->y, region->size.width, region->size.height);
     }
-    const std::string pixel_format(name_of(settings.pixel_format));
+    const std::string pixel_format = pixel_format_of(settings);
     set("pixels as " + pixel_format, arv_camera_set_pixel_format_from_string, pixel_format.c_str());
     if (settings.trigger.empty()) {
       arv_camera_clear_triggers(camera_.get(), nullptr);  // fails on a camera without triggers

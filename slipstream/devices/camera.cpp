@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <regex>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -111,8 +112,9 @@ PixelFormat pixel_format_named(std::string_view name) {
   for (const FormatDescription& format : formats) {
     if (format.name == name) return format.format;
   }
-  throw Error(fmt::format("pixel format '{}' is unknown; expected one of: {}", name,
-                          fmt::join(pixel_format_names(), ", ")));
+  throw Error(
+      fmt::format("pixel format '{}' is unknown; expected one of: {}, or BayerRG8 and so on", name,
+                  fmt::join(pixel_format_names(), ", ")));
 }
 
 int bits_of(PixelFormat format) {
@@ -138,6 +140,45 @@ bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& fram
   if (bytes.size() < bytes_of(format, image.pixel_count())) return false;
   describe(format).unpack(bits_of(format), bytes.data(), {image.begin(), image.pixel_count()});
   return true;
+}
+
+void make_grey(Frame& frame) {
+  constexpr std::uint32_t clipped = 1 << 24;  // exceeds any sum of values
+  const std::uint32_t full = (1U << frame.bits) - 1;
+  std::visit(
+      [&]<class Pixel>(Image<Pixel>& image) {
+        const Image<Pixel> mosaic = image;
+        const int width = image.width(), last = image.height() - 1;
+        Image<std::uint32_t> sums(Size{width + 2, 1});  // of three rows, mirrored at the ends
+        for (int row = 0; row <= last; ++row) {
+          const Pixel* const above = mosaic.row(row > 0 ? row - 1 : std::min(1, last));
+          const Pixel* const here = mosaic.row(row);
+          const Pixel* const below = mosaic.row(row < last ? row + 1 : std::max(last - 1, 0));
+          for (int i = 0; i < width; ++i) {
+            const std::uint32_t a = above[i], b = here[i], c = below[i];
+            sums(i + 1, 0) = a + 2 * b + c + (std::max({a, b, c}) >= full ? clipped : 0);
+          }
+          sums(0, 0) = sums(std::min(2, width), 0);
+          sums(width + 1, 0) = sums(std::max(width - 1, 1), 0);
+          for (int i = 0; i < width; ++i) {
+            const std::uint32_t sum = sums(i, 0) + 2 * sums(i + 1, 0) + sums(i + 2, 0);
+            image(i, row) = static_cast<Pixel>(sum >= clipped ? full : (sum + 8) / 16);
+          }
+        }
+      },
+      frame.pixels);
+}
+
+std::string pixel_format_of(const CameraSettings& settings) {
+  const std::string name(name_of(settings.pixel_format));
+  return settings.mosaic.empty() ? name : "Bayer" + settings.mosaic + name.substr(4);
+}
+
+void set_pixel_format(CameraSettings& settings, const std::string& name) {
+  std::smatch mosaic;
+  const bool is_mosaic = std::regex_match(name, mosaic, std::regex("Bayer(RG|GR|GB|BG)(1.*|8)"));
+  settings.pixel_format = pixel_format_named(is_mosaic ? "Mono" + mosaic[2].str() : name);
+  settings.mosaic = mosaic[1].str();
 }
 
 std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSettings& settings) {

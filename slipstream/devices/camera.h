@@ -43,6 +43,10 @@ std::size_t bytes_of(PixelFormat format, std::size_t values);
 /// unchanged, if bytes are missing.
 bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& frame);
 
+/// Turns a Bayer mosaic grey: (R + 2 G + B) / 4 by the weights 1 2 1 over rows and columns, for any
+/// order of the filters. Full scale if one of the nine values is.
+void make_grey(Frame& frame);
+
 /// A GenICam node and its value as text, e.g. LineSource and ExposureActive.
 struct CameraNode {
   std::string name, value;
@@ -58,6 +62,8 @@ struct CameraSettings {
   /// V4L2: mono8 (the driver's GREY, or the luma of YUYV), mono10 (Y10), mono12 (Y12) or rgb8
   /// (RGB24). Colour frames are three times as wide as the region: see ColourSource.
   PixelFormat pixel_format = PixelFormat::mono8;
+  /// Bayer filters: "RG", "GR", "GB" or "BG"; empty for a sensor without.
+  std::string mosaic{};
   /// Empty: free-running, the only mode of V4L2; "Software": FrameSource::trigger; or a line, e.g.
   /// "Line1".
   std::string trigger;
@@ -74,6 +80,11 @@ struct CameraSettings {
   /// Patterns per scan. After a reconnection, frames are counted on from a multiple of it.
   int cycle = 1;
 };
+
+/// "Mono12p", or "BayerRG12p" with a mosaic.
+std::string pixel_format_of(const CameraSettings& settings);
+/// Sets pixel format and mosaic by that name. Throws Error if unknown.
+void set_pixel_format(CameraSettings& settings, const std::string& name);
 
 /// A camera found by a search.
 struct CameraDescription {

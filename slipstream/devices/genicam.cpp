@@ -116,6 +116,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
     if (!fits(size) || data == nullptr) return Arrival::damaged;
     if (frame.format() != format_) frame = Frame(format_);
     if (!unpack(settings_.pixel_format, {data, bytes}, frame)) return Arrival::damaged;
+    if (!settings_.mosaic.empty()) make_grey(frame);
     frame.stamp = {.sequence = count_number(arv_buffer_get_frame_id(&buffer)),
                    .pattern_index = std::nullopt,
                    .device_time = std::chrono::nanoseconds(arv_buffer_get_timestamp(&buffer)),

@@ -69,16 +69,21 @@ struct PixelLayout {
   int bits;
   int bytes;       ///< bytes between values of a pixel
   int values = 1;  ///< bytes per pixel
+  std::string_view mosaic{};
 };
 
 /// The preferred layout for each bit depth comes first.
-constexpr std::array<PixelLayout, 6> layouts{{
+constexpr std::array<PixelLayout, 10> layouts{{
     {V4L2_PIX_FMT_GREY, 8, 1},
     {V4L2_PIX_FMT_YUYV, 8, 2},
     {V4L2_PIX_FMT_Y10, 10, 2},
     {V4L2_PIX_FMT_Y12, 12, 2},
     {V4L2_PIX_FMT_RGB24, 8, 1, 3},
     {V4L2_PIX_FMT_MJPEG, 8, 1},
+    {V4L2_PIX_FMT_SRGGB8, 8, 1, 1, "RG"},
+    {V4L2_PIX_FMT_SGRBG8, 8, 1, 1, "GR"},
+    {V4L2_PIX_FMT_SGBRG8, 8, 1, 1, "GB"},
+    {V4L2_PIX_FMT_SBGGR8, 8, 1, 1, "BG"},
 }};
 
 template <class Structure>
@@ -157,8 +162,8 @@ FrameFormat format_from(const CameraSettings& settings) {
                pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8 &&
                pixels != PixelFormat::mjpg,
            "--pixel-format {}: not available on v4l2 cameras; use Mono8, Mono10, Mono12, RGB8 or "
-           "MJPG",
-           name_of(pixels));
+           "MJPG, or BayerRG8 and so on",
+           pixel_format_of(settings));
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   throw_if(region.x != 0 || region.y != 0,
            "--region {}x{}+{}+{}: v4l2 cameras have a size but no region offset; give e.g. 640x480",
@@ -179,7 +184,7 @@ class V4l2Stream {
              const CameraSettings& settings)
       : name_(std::move(name)), device_(std::move(device)) {
     throw_if(!camera_of(*device_), "{} is not a streaming camera", name_);
-    set_format(format, settings.pixel_format);
+    set_format(format, settings);
     if (settings.frame_rate) set_rate(*settings.frame_rate);
     if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
     if (settings.gain) set_control(CameraControl::gain, *settings.gain);
@@ -273,13 +278,14 @@ class V4l2Stream {
     if (device_->control(request, argument) != 0) fail(what);
   }
 
-  void set_format(const FrameFormat& frames, PixelFormat pixels) {
+  void set_format(const FrameFormat& frames, const CameraSettings& settings) {
+    const PixelFormat pixels = settings.pixel_format;
     const int values = values_of(pixels);
     const bool compressed = pixels == PixelFormat::mjpg;
     const FrameFormat wanted{{frames.size.width / values, frames.size.height}, frames.bits};
     for (const PixelLayout& layout : layouts) {
       if (layout.bits != wanted.bits || layout.values != values ||
-          (layout.code == V4L2_PIX_FMT_MJPEG) != compressed) {
+          layout.mosaic != settings.mosaic || (layout.code == V4L2_PIX_FMT_MJPEG) != compressed) {
         continue;
       }
       auto format = cleared<v4l2_format>();
@@ -303,9 +309,10 @@ class V4l2Stream {
     }
     throw Error(fmt::format("camera {} has no {} frames with {} bits ({})", name_,
                             values == 1 ? "grey" : "colour", wanted.bits,
-                            compressed    ? "MJPG"
-                            : values == 1 ? "GREY, YUYV, Y10 or Y12; many have MJPG"
-                                          : "RGB24"));
+                            compressed                 ? "MJPG"
+                            : !settings.mosaic.empty() ? pixel_format_of(settings)
+                            : values == 1              ? "GREY, YUYV, Y10 or Y12; many have MJPG"
+                                                       : "RGB24"));
   }
 
   void set_rate(double rate) const {
@@ -340,6 +347,7 @@ class V4l2Stream {
     } else {
       std::visit([&](auto& image) { copy_rows(bytes.data(), row_bytes_, pixel_bytes, image); },
                  frame.pixels);
+      if (!layout_.mosaic.empty()) make_grey(frame);
     }
     frame.stamp = {.sequence = buffer.sequence,
                    .pattern_index = std::nullopt,

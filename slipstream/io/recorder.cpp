@@ -1,12 +1,63 @@
 #include "slipstream/io/recorder.h"
 
 #include <exception>
+#include <map>
+#include <regex>
+
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/io/saved_scan.h"
 
 namespace slipstream {
 
+FileLimit file_limit_from(const std::string& text) {
+  static const std::map<std::string, double> sizes{{"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}},
+      times{{"s", 1}, {"min", 60}, {"h", 3600}};
+  std::smatch parts;
+  const bool fits = std::regex_match(text, parts, std::regex("([0-9.]+)([A-Za-z]+)(,ring)?"));
+  const std::string unit = parts[2].str();
+  const double number = number_in<double>(parts[1].str()).value_or(0);
+  throw_if(!fits || !(number > 0 && number <= 1e6) || sizes.count(unit) + times.count(unit) == 0,
+           "--limit '{}': expected a size or time, e.g. 500MB, 20GB, 90s, 10min or 20GB,ring",
+           text);
+  FileLimit limit{.ring = parts[3].matched};
+  if (times.contains(unit)) limit.seconds = number * times.at(unit);
+  if (sizes.contains(unit)) limit.bytes = static_cast<std::uint64_t>(number * sizes.at(unit));
+  return limit;
+}
+
+LimitedFile::LimitedFile(const std::filesystem::path& file, const FileLimit& limit)
+    : path(file), limit_(limit) {
+  if (!limit_.ring) return;
+  limit_.bytes /= 2;
+  limit_.seconds /= 2;
+  const std::string name = path.stem().string() + "-before" + path.extension().string();
+  before_ = free_path(path.parent_path() / name);
+}
+
+bool LimitedFile::is_full(std::uint64_t bytes) const {
+  const std::chrono::duration<double> age = std::chrono::steady_clock::now() - begun_;
+  return bytes > limit_.bytes || age.count() >= limit_.seconds;
+}
+
+bool LimitedFile::goes_on() {
+  if (!limit_.ring) return false;
+  std::filesystem::rename(path, before_);
+  begun_ = std::chrono::steady_clock::now();
+  return true;
+}
+
+std::string LimitedFile::message() const {
+  return fmt::format(
+      "{}: limit reached, {}", path.string(),
+      limit_.ring ? "older data are in " + before_.string() + " or gone" : "recording stopped");
+}
+
 Recorder::Recorder(const std::filesystem::path& path, const RecordingHeader& header,
-                   std::size_t memory)
-    : writer_(path, header),
+                   std::size_t memory, const FileLimit& limit)
+    : file_(path, limit),
+      header_(header),
+      writer_(std::in_place, path, header),
       pool_(std::clamp<std::size_t>(memory / byte_count(header.format), 8, 1024),
             [&] { return Frame(header.format); }),
       thread_([this] { write_all(); }) {}
@@ -60,6 +111,31 @@ std::string Recorder::error() const {
   return error_;
 }
 
+std::string Recorder::limited() const {
+  const std::lock_guard lock(mutex_);
+  return limited_;
+}
+
+bool Recorder::ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_;
+}
+
+/// Completes the full file; returns whether a new one has begun.
+bool Recorder::end_at_limit() {
+  writer_->finish();
+  writer_.reset();
+  const bool goes_on = file_.goes_on();
+  if (goes_on) writer_.emplace(file_.path, header_);
+  const std::lock_guard lock(mutex_);
+  limited_ = file_.message();
+  if (goes_on) return true;
+  ended_ = true;
+  waiting_.clear();
+  room_.notify_one();
+  return false;
+}
+
 void Recorder::write_all() {
   std::vector<Pooled<Frame>> taken;
   try {
@@ -67,29 +143,28 @@ void Recorder::write_all() {
       taken.clear();
       {
         std::unique_lock lock(mutex_);
-        counts_.written = writer_.count();
         changed_.wait(lock, [&] { return !waiting_.empty() || ended_; });
         if (waiting_.empty()) break;
         taken.swap(waiting_);
       }
       for (Pooled<Frame>& frame : taken) {
-        writer_.append(*frame);
+        const std::uint64_t with_this = writer_->size_of(writer_->count() + 1);
+        if (writer_->count() > 0 && file_.is_full(with_this) && !end_at_limit()) break;
+        writer_->append(*frame);
         {
           // Frees its memory for the next frame. Under the mutex: otherwise a thread that has found
           // no room and is about to wait would miss the notification.
           const std::lock_guard lock(mutex_);
+          ++counts_.written;
           frame = {};
         }
         room_.notify_one();
       }
     }
-    writer_.finish();
-    const std::lock_guard lock(mutex_);
-    counts_.written = writer_.count();
+    if (writer_) writer_->finish();
   } catch (const std::exception& failure) {
     const std::lock_guard lock(mutex_);
     error_ = failure.what();
-    counts_.written = writer_.count();
     ended_ = true;
     waiting_.clear();
     room_.notify_one();
@@ -105,7 +180,7 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
   std::int64_t frames = 0;
   std::string state;
   Frame frame(source.format());
-  while (!ends(frames) && recorder.error().empty()) {
+  while (!ends(frames) && !recorder.ended()) {
     const Arrival arrival = source.next(frame, most_wait);
     if (arrival == Arrival::ended) break;
     if (const std::string now = source.state(); now != state) {
@@ -120,8 +195,9 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
   return frames;
 }
 
-RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header)
-    : source_(std::move(source)), header_(std::move(header)) {
+RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header,
+                               const FileLimit& limit)
+    : source_(std::move(source)), limit_(limit), header_(std::move(header)) {
   header_.format = source_->format();
 }
 
@@ -137,7 +213,7 @@ void RecordedSource::record_to(const std::filesystem::path& path) {
     const std::lock_guard lock(mutex_);
     header = header_;
   }
-  auto recorder = std::make_shared<Recorder>(path, header);
+  auto recorder = std::make_shared<Recorder>(path, header, Recorder::default_memory, limit_);
   const std::lock_guard lock(mutex_);
   path_ = path;
   recorder_ = std::move(recorder);
@@ -155,7 +231,7 @@ void RecordedSource::finish_recording() {
 std::optional<RecordedSource::Recording> RecordedSource::recording() const {
   const std::lock_guard lock(mutex_);
   if (!recorder_) return std::nullopt;
-  return Recording{path_, recorder_->counts(), recorder_->error()};
+  return Recording{path_, recorder_->counts(), recorder_->error(), recorder_->limited()};
 }
 
 Arrival RecordedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
@@ -184,6 +260,7 @@ std::string text_of(const RecordedSource::Recording& recording) {
   std::string text =
       fmt::format("{}, {} frames", recording.path.string(), recording.counts.written);
   if (recording.counts.lost != 0) text += fmt::format(", {} lost", recording.counts.lost);
+  if (!recording.limited.empty()) text += ", limit reached";
   return text;
 }
 

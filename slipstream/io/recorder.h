@@ -9,6 +9,38 @@
 
 namespace slipstream {
 
+/// Bounds a file that grows during a run: a recording or an MCAP file.
+struct FileLimit {
+  std::uint64_t bytes = no_limit;
+  double seconds = std::numeric_limits<double>::infinity();
+  /// Keeps the newest data instead of stopping: at half the limit the file becomes NAME-before,
+  /// replacing the previous one of this run, and a new file begins.
+  bool ring = false;
+};
+
+/// Parses e.g. "500MB", "20GB", "2TB", "90s", "10min", "2h" or "20GB,ring". Throws Error.
+FileLimit file_limit_from(const std::string& text);
+
+/// Applies a limit to one file, which begins now.
+class LimitedFile {
+ public:
+  LimitedFile(const std::filesystem::path& path, const FileLimit& limit);
+
+  /// Whether `bytes` exceed the limit, or the time is over.
+  [[nodiscard]] bool is_full(std::uint64_t bytes) const;
+  /// Renames the complete file and returns true if a new one is to begin. Throws if that fails.
+  bool goes_on();
+  /// "scan.slip: limit reached, recording stopped".
+  [[nodiscard]] std::string message() const;
+
+  const std::filesystem::path path;
+
+ private:
+  std::filesystem::path before_;
+  FileLimit limit_;  ///< of one file
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
+
 /// Records on its own thread: record() never waits for the disk. If the disk is full, the recording
 /// ends with an error; further frames are discarded.
 class Recorder {
@@ -18,7 +50,7 @@ class Recorder {
 
   /// Throws as RecordingWriter.
   Recorder(const std::filesystem::path& path, const RecordingHeader& header,
-           std::size_t memory = default_memory);
+           std::size_t memory = default_memory, const FileLimit& limit = {});
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
   ~Recorder();  ///< finishes; ignores errors
@@ -39,36 +71,44 @@ class Recorder {
   [[nodiscard]] Counts counts() const;
   /// Why the recording ended, one line; empty while it runs or after finish().
   [[nodiscard]] std::string error() const;
+  /// LimitedFile::message once the limit has been reached; empty before.
+  [[nodiscard]] std::string limited() const;
+  /// Whether it takes no more frames.
+  [[nodiscard]] bool ended() const;
 
  private:
   void write_all();
+  bool end_at_limit();
 
-  RecordingWriter writer_;
+  LimitedFile file_;
+  const RecordingHeader header_;
+  std::optional<RecordingWriter> writer_;  ///< nullopt after the limit
   Pool<Frame> pool_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;  ///< frames are queued, or the recording has ended
   std::condition_variable room_;     ///< a frame was written, or the recording has ended
   std::vector<Pooled<Frame>> waiting_;
   Counts counts_;
-  std::string error_;
+  std::string error_, limited_;
   bool ended_ = false;  ///< no more frames are accepted
   std::thread thread_;
 };
 
 /// Records the frames of a started source until `ends` returns true, the source ends or the
-/// recording fails; returns their number. Calls `taken` after each frame, and `told` when
-/// FrameSource::state changes.
+/// recording ends by failure or limit; returns their number. Calls `taken` after each frame, and
+/// `told` when FrameSource::state changes.
 std::int64_t record_frames(FrameSource& source, Recorder& recorder,
                            const std::function<bool(std::int64_t frames)>& ends,
                            const std::function<void()>& taken,
                            const std::function<void(const std::string& state)>& told);
 
-/// A source whose frames can be recorded at any time while they pass through. If a recording fails,
-/// it ends, and frames keep coming.
+/// A source whose frames can be recorded at any time while they pass through. If a recording fails
+/// or reaches its limit, it ends, and frames keep coming.
 class RecordedSource : public FrameSource {
  public:
-  /// `header`: of future recordings, with the source's format.
-  RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header);
+  /// `header`, `limit`: of future recordings; the header gets the source's format.
+  RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header,
+                 const FileLimit& limit = {});
 
   /// Sets the strategy of future recordings, if their header has a sequence. From any thread.
   void set_strategy(const Strategy& strategy);
@@ -81,9 +121,10 @@ class RecordedSource : public FrameSource {
   struct Recording {
     std::filesystem::path path;
     Recorder::Counts counts;
-    std::string error;  ///< why it ended; empty while it runs
+    std::string error;    ///< why it ended; empty while it runs
+    std::string limited;  ///< Recorder::limited
   };
-  /// The running recording, or a failed one that is not yet finished. From any thread.
+  /// The running recording, or one that has ended and is not yet finished. From any thread.
   [[nodiscard]] std::optional<Recording> recording() const;
 
   [[nodiscard]] FrameFormat format() const override { return source_->format(); }
@@ -101,6 +142,7 @@ class RecordedSource : public FrameSource {
   [[nodiscard]] std::shared_ptr<Recorder> recorder() const;
 
   std::unique_ptr<FrameSource> source_;
+  const FileLimit limit_;
   mutable std::mutex mutex_;  ///< guards all members below
   RecordingHeader header_;
   std::filesystem::path path_;

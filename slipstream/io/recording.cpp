@@ -258,6 +258,10 @@ void RecordingWriter::append(const Frame& frame) {
   ++count_;
 }
 
+std::uint64_t RecordingWriter::size_of(std::uint64_t frames) const {
+  return header_size_ + frames * record_size(format_) + sizeof(End);
+}
+
 void RecordingWriter::finish() {
   if (!file_) throw Error(fmt::format("{}: the recording is closed", path_.string()));
   if (count_ == 0) return std::exchange(file_, nullptr)->discard();

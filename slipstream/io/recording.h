@@ -47,6 +47,8 @@ class RecordingWriter {
   void finish();
   /// Frames in the file.
   [[nodiscard]] std::uint64_t count() const { return count_; }
+  /// Bytes of a complete file with `frames` frames.
+  [[nodiscard]] std::uint64_t size_of(std::uint64_t frames) const;
 
  private:
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);

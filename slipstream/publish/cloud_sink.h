@@ -3,6 +3,7 @@
 #include "slipstream/codes/sequence.h"
 #include "slipstream/frames/pool.h"
 #include "slipstream/geometry/scanner.h"
+#include "slipstream/io/recorder.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
@@ -43,6 +44,7 @@ struct PublishedRun {
   std::function<std::vector<RunSetting>()> settings{};
   /// Sets a setting by name. Throws Error like require_settable.
   std::function<void(const std::string& name, const std::string& value)> change{};
+  FileLimit limit{};  ///< of files
 };
 
 /// A destination of clouds: a file, other programs, a browser. A Publisher runs each on its own

@@ -1,5 +1,8 @@
 #include "slipstream/publish/mcap.h"
 
+#include <atomic>
+#include <optional>
+
 #include <zstd.h>
 
 #include "slipstream/base/throw_if-inl.h"
@@ -136,9 +139,11 @@ bool read_records(const InputFile& file, Records& records) {
   }
 }
 
-class McapSink final : public DisjointCloudSink {
+/// One file of clouds.
+class McapClouds {
  public:
-  McapSink(const std::string& path, PublishedRun run) : run_(std::move(run)), writer_(path) {
+  McapClouds(const std::filesystem::path& path, const PublishedRun& run)
+      : run_(run), writer_(path) {
     add(image_topic());
     if (run_.statistics) statistics_ = add({"std_msgs/msg/String", "string data\n"}, "statistics");
     if (!run_.has_points) return;
@@ -146,7 +151,7 @@ class McapSink final : public DisjointCloudSink {
     add(camera_info_topic());
   }
 
-  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
+  void put(const Pooled<LiveCloud>& cloud, bool alone) {
     const PublishedCloud published{*cloud, run_, alone};
     if (run_.sequence && !alone) put_frames(*cloud);
     for (const auto& [channel, topic] : topics_) {
@@ -161,7 +166,8 @@ class McapSink final : public DisjointCloudSink {
     writer_.end_message_group();
   }
 
-  void finish() override { writer_.finish(); }
+  [[nodiscard]] std::uint64_t bytes() const { return writer_.bytes(); }
+  void finish() { writer_.finish(); }
 
  private:
   static constexpr std::uint64_t second = 1'000'000'000;  ///< ns
@@ -206,7 +212,7 @@ class McapSink final : public DisjointCloudSink {
     sequence_ = sequence;
   }
 
-  PublishedRun run_;
+  const PublishedRun& run_;
   McapWriter writer_;
   std::vector<std::pair<std::uint16_t, CloudTopic>> topics_;  ///< by channel
   std::uint16_t statistics_ = 0;
@@ -214,6 +220,36 @@ class McapSink final : public DisjointCloudSink {
   std::optional<Sequence> sequence_;   ///< as attached
   std::uint64_t next_statistics_ = 0;
   RosMessage message_;
+};
+
+class McapSink final : public DisjointCloudSink {
+ public:
+  McapSink(const std::string& path, PublishedRun run)
+      : run_(std::move(run)), file_(path, run_.limit), clouds_(std::in_place, path, run_) {}
+
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
+    if (clouds_ && file_.is_full(clouds_->bytes())) {
+      clouds_->finish();
+      clouds_.reset();
+      if (file_.goes_on()) clouds_.emplace(file_.path, run_);
+      reached_ = true;
+    }
+    if (clouds_) clouds_->put(cloud, alone);
+  }
+  void finish() override {
+    if (clouds_) clouds_->finish();
+  }
+  std::vector<std::string> news() override {
+    if (!reached_ || std::exchange(told_, true)) return {};
+    return {file_.message()};
+  }
+
+ private:
+  const PublishedRun run_;
+  LimitedFile file_;
+  std::optional<McapClouds> clouds_;  ///< nullopt after the limit
+  std::atomic<bool> reached_ = false;
+  bool told_ = false;  ///< of the thread that calls news()
 };
 
 }  // namespace

@@ -72,6 +72,8 @@ class McapWriter {
               std::string_view content);
   /// Ends the chunk if it is full; messages written together stay together.
   void end_message_group();
+  /// Bytes in the file, and in the current chunk before compression.
+  [[nodiscard]] std::uint64_t bytes() const { return offset_ + chunk_.size(); }
   /// Completes the file and gives it its name; without any message an existing file stays.
   void finish();
 

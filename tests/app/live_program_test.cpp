@@ -68,6 +68,29 @@ TEST(LiveProgram, records_replays_and_writes_the_last_cloud) {
   EXPECT_EQ(contents(first), contents(second));
 }
 
+TEST(LiveProgram, recordings_stop_at_their_limit) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return (folder.path() / name).string(); };
+  const ProgramRun live =
+      run_program(with(small, {"--frames", "200", "--record", path("live.slip"), "--publish",
+                               "mcap:" + path("live.mcap"), "--limit", "0.1MB"}));
+  EXPECT_EQ(live.exit_code, 0) << live.err;
+  EXPECT_EQ(number_of(live.out, "captured"), 200);
+  EXPECT_NE(live.err.find("live.slip: limit reached, recording stopped"), std::string::npos)
+      << live.err;
+  EXPECT_LE(fs::file_size(path("live.slip")), 100'000U);
+  EXPECT_TRUE(fs::exists(path("live.mcap")));
+  const ProgramRun record =
+      run_program({"record", "--source", "replay:" + path("live.slip"), "--rate", "0", "--json",
+                   "--limit", "0.03MB", "-o", path("a.slip")});
+  EXPECT_EQ(record.exit_code, 0) << record.err;
+  EXPECT_NE(record.out.find("\"limit_reached\": true"), std::string::npos) << record.out;
+  EXPECT_TRUE(RecordingReader(path("a.slip")).finished());
+  EXPECT_EQ(run_program({"record", "--source", "virtual", "--limit", "2", "-o", path("b.slip")})
+                .exit_code,
+            2);
+}
+
 TEST(LiveProgram, does_not_record_onto_what_is_replayed) {
   const TemporaryFolder folder;
   const std::string recording = (folder.path() / "frames.slip").string();

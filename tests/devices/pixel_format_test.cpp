@@ -1,3 +1,5 @@
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -63,6 +65,95 @@ TEST(PixelFormat, UnpackEveryFormat) {
           },
           frame.pixels);
       EXPECT_FALSE(unpack(format, std::span(bytes).first(bytes.size() - 1), frame)) << name;
+    }
+  }
+}
+
+TEST(PixelFormat, AMosaicIsAnyOfGrey) {
+  CameraSettings settings;
+  for (const char* name : {"BayerRG8", "BayerGR10", "BayerGB12p", "BayerBG12Packed", "Mono12p"}) {
+    set_pixel_format(settings, name);
+    EXPECT_EQ(pixel_format_of(settings), name);
+  }
+  EXPECT_EQ(settings.mosaic, "");
+  for (const char* name : {"Bayer8", "BayerRG", "BayerRGB8", "BayerRR8", "BayerRG9", "BayerRG11"}) {
+    expect_error([&] { set_pixel_format(settings, name); }, {"BayerRG8"});
+  }
+}
+
+/// A mosaic that sees `light` of column and row with these gains of red, green and blue.
+template <class Light>
+Frame mosaic_of(const FrameFormat& format, std::string_view order, const Light& light) {
+  const std::string filters = order == "RG"   ? "RGGB"
+                              : order == "GR" ? "GRBG"
+                              : order == "GB" ? "GBRG"
+                                              : "BGGR";
+  Frame frame(format);
+  std::visit(
+      [&](auto& image) {
+        for (int row = 0; row < image.height(); ++row) {
+          for (int column = 0; column < image.width(); ++column) {
+            const char filter = filters[static_cast<std::size_t>(2 * (row % 2) + column % 2)];
+            const double gain = filter == 'R' ? 0.6 : filter == 'G' ? 1 : 0.4;
+            image(column, row) = static_cast<std::remove_cvref_t<decltype(image(0, 0))>>(
+                std::lround(gain * light(column, row)));
+          }
+        }
+      },
+      frame.pixels);
+  return frame;
+}
+
+TEST(Mosaic, GivesEachColourItsShareAtEveryPixel) {
+  for (const char* order : {"RG", "GR", "GB", "BG"}) {
+    for (const FrameFormat& format : {FrameFormat{{9, 6}, 8}, FrameFormat{{6, 5}, 12}}) {
+      Frame frame = mosaic_of(format, order, [](int, int) { return 200.0; });
+      make_grey(frame);
+      std::visit(
+          [](const auto& image) {
+            for (const auto pixel : image) EXPECT_EQ(pixel, (120 + 2 * 200 + 80) / 4);
+          },
+          frame.pixels);
+    }
+  }
+  for (const Size size : {Size{1, 1}, Size{1, 3}, Size{3, 1}, Size{2, 2}}) {
+    Frame frame = mosaic_of({size, 8}, "RG", [](int, int) { return 100.0; });
+    make_grey(frame);
+    EXPECT_GE(std::get<0>(frame.pixels)(0, 0), 60);
+  }
+}
+
+TEST(Mosaic, LeavesThePhaseInPlace) {
+  constexpr int steps = 4;
+  const auto phase = [](int column, int row) { return 0.35 * column + 0.1 * row; };
+  std::vector<Frame> frames;
+  for (int n = 0; n < steps; ++n) {
+    frames.push_back(mosaic_of({{40, 30}, 12}, "GB", [&](int column, int row) {
+      return 2000 + 1500 * std::cos(phase(column, row) - n * std::numbers::pi / 2);
+    }));
+    make_grey(frames.back());
+  }
+  const auto at = [&](int n, int column, int row) {
+    return static_cast<double>(
+        std::get<1>(frames[static_cast<std::size_t>(n)].pixels)(column, row));
+  };
+  for (int row = 1; row < 29; ++row) {
+    for (int column = 1; column < 39; ++column) {
+      const double found = std::atan2(at(1, column, row) - at(3, column, row),
+                                      at(0, column, row) - at(2, column, row));
+      EXPECT_NEAR(std::remainder(found - phase(column, row), 2 * std::numbers::pi), 0, 0.001);
+    }
+  }
+}
+
+TEST(Mosaic, ASaturatedColourSaturatesThePixel) {
+  Frame frame(FrameFormat{{5, 5}, 8});
+  std::get<0>(frame.pixels)(2, 2) = 255;
+  make_grey(frame);
+  for (int row = 0; row < 5; ++row) {
+    for (int column = 0; column < 5; ++column) {
+      const bool near = std::abs(row - 2) <= 1 && std::abs(column - 2) <= 1;
+      EXPECT_EQ(std::get<0>(frame.pixels)(column, row), near ? 255 : 0);
     }
   }
 }

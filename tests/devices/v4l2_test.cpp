@@ -273,6 +273,24 @@ TEST(V4l2Source, GivesMoreBitsAsTheyAre) {
   }
 }
 
+TEST(V4l2Source, MakesAMosaicGrey) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  camera->pixel_format = V4L2_PIX_FMT_SGBRG8;
+  CameraSettings settings = small_frames();
+  set_pixel_format(settings, "BayerGB8");
+  const auto source = open_v4l2_camera("made up", opener(camera), settings);
+  source->start();
+  camera->frames_ready = 1;
+  Frame frame(source->format());
+  ASSERT_EQ(source->next(frame, 0ms), Arrival::frame);
+  // Bytes are a ramp over columns and rows, which the weights keep.
+  EXPECT_EQ(std::get<0>(frame.pixels)(2, 1), MadeUpCamera::byte(0, 8 + 2));
+  set_pixel_format(settings, "BayerRG8");
+  expect_error([&] { (void)open_v4l2_camera("made up", opener(camera), settings); }, {"BayerRG8"});
+  set_pixel_format(settings, "Mono8");
+  expect_error([&] { (void)open_v4l2_camera("made up", opener(camera), settings); }, {"GREY"});
+}
+
 TEST(V4l2Source, CountsWhatTheDriverDropped) {
   const auto camera = std::make_shared<MadeUpCamera>();
   const auto source = open_v4l2_camera("made up", opener(camera), small_frames());
@@ -401,7 +419,7 @@ TEST(V4l2Source, RefusesWhatNoSuchCameraHas) {
     (void)open_v4l2_camera("made up", opener(camera), settings);
   };
   expect_error([&] { open_with({.pixel_format = PixelFormat::mono10p}); },
-               {"Mono10p", "Mono8, Mono10, Mono12, RGB8 or MJPG"});
+               {"Mono10p", "Mono8, Mono10, Mono12, RGB8 or MJPG, or BayerRG8"});
   expect_error([&] { open_with({.region = Rectangle{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
   expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "have no trigger"});
   expect_error([&] { open_with({.gain = 1e12}); }, {"--gain"});

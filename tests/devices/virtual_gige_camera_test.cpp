@@ -366,6 +366,21 @@ TEST(GenICamCamera, GivesColoursSideBySide) {
   arv_disable_interface("Fake");
 }
 
+TEST(GenICamCamera, MakesAMosaicGrey) {
+  const auto frames = some_frames(1, {64, 48});
+  const auto camera = serve(frames);
+  REQUIRE_CAMERA(camera);
+  CameraSettings settings = settings_at(50, 1);
+  set_pixel_format(settings, "BayerRG8");
+  const auto source = open_genicam_camera(served_address, settings);
+  source->start();
+  Frame frame(source->format()), grey = frames.front();
+  ASSERT_EQ(source->next(frame, 10s), Arrival::frame);
+  source->stop();
+  make_grey(grey);
+  EXPECT_TRUE(same_pixels(frame, grey));
+}
+
 TEST(GenICamCamera, SaysWhatItCannotDo) {
   EXPECT_THROW(open_genicam_camera("no such camera", {}), WorldError);
   const auto camera = serve(some_frames(1, {160, 120}));

@@ -1,6 +1,8 @@
 #include "slipstream/io/recorder.h"
 
 #include <filesystem>
+#include <fstream>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -74,6 +76,63 @@ TEST(Recorder, FullDiskEndsTheRecordingAndIsToldOnce) {
   EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
 }
 
+TEST(FileLimit, ReadsSizesTimesAndRing) {
+  EXPECT_EQ(file_limit_from("500MB").bytes, 500'000'000U);
+  EXPECT_EQ(file_limit_from("0.5TB,ring").bytes, 500'000'000'000U);
+  EXPECT_TRUE(file_limit_from("0.5TB,ring").ring);
+  EXPECT_EQ(file_limit_from("2GB").seconds, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(file_limit_from("90s").seconds, 90);
+  EXPECT_EQ(file_limit_from("10min").bytes, no_limit);
+  EXPECT_EQ(file_limit_from("2h").seconds, 7200);
+  for (const char* text : {"", "ring", "2", "GB", "-2GB", "0s", "2gb", "2GB,", "2 GB", "nans",
+                           "1e9TB", "2GB;ring", "9999999h", "2GB,rings"}) {
+    EXPECT_THROW(file_limit_from(text), Error) << text;
+  }
+}
+
+TEST(Recorder, StopsAtItsLimit) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.slip";
+  constexpr std::uint64_t most = 4000;
+  Recorder recorder(path, {.format = some_format}, 0, {.bytes = most});
+  while (recorder.record(some_frame(0), 10s)) continue;
+  EXPECT_TRUE(recorder.ended());
+  EXPECT_EQ(recorder.error(), "");
+  EXPECT_NE(recorder.limited().find("a.slip: limit reached, recording stopped"), std::string::npos);
+  recorder.finish();
+  const RecordingReader reader(path);
+  EXPECT_TRUE(reader.finished());
+  EXPECT_EQ(reader.count(), recorder.counts().written);
+  EXPECT_LE(fs::file_size(path), most);
+  EXPECT_GT(fs::file_size(path), most - 400) << "one frame less than the limit";
+}
+
+TEST(Recorder, RingKeepsTheNewestFrames) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.slip", before = folder.path() / "a-before-2.slip";
+  std::ofstream(folder.path() / "a-before.slip") << "of another run";
+  constexpr std::uint64_t most = 8000;
+  Recorder recorder(path, {.format = some_format}, 0, {.bytes = most, .ring = true});
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(recorder.record(some_frame(i), 10s));
+  recorder.finish();
+  EXPECT_EQ(recorder.counts().written, 100U);
+  EXPECT_NE(recorder.limited().find("a-before-2.slip"), std::string::npos) << recorder.limited();
+  EXPECT_EQ(fs::file_size(folder.path() / "a-before.slip"), 14U);
+  EXPECT_LE(fs::file_size(path) + fs::file_size(before), most);
+  std::vector<std::uint64_t> kept;
+  for (const fs::path& file : {before, path}) {
+    const RecordingReader reader(file);
+    EXPECT_TRUE(reader.finished());
+    Frame frame;
+    for (std::uint64_t i = 0; i < reader.count(); ++i) {
+      ASSERT_TRUE(reader.read(i, frame));
+      kept.push_back(frame.stamp.sequence);
+    }
+  }
+  ASSERT_GE(kept.size(), 10U);
+  for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(kept[i], 100 - kept.size() + i);
+}
+
 /// An endless source that loops a recording of `count` frames.
 std::unique_ptr<FrameSource> some_source(const fs::path& path, int count) {
   RecordingWriter writer(path, {.format = some_format});
@@ -105,6 +164,23 @@ TEST(RecordedSource, RecordsWhatPassesBetweenBeginningAndEnd) {
   EXPECT_EQ(second.count(), 5U);
   ASSERT_TRUE(second.read(0, frame));
   EXPECT_EQ(frame.stamp.sequence, 7U);
+}
+
+TEST(RecordedSource, GoesOnAfterTheLimit) {
+  const TemporaryFolder folder;
+  RecordedSource source(some_source(folder.path() / "played", 16), {}, {.seconds = 0.001});
+  source.start();
+  source.record_to(folder.path() / "first");
+  Frame frame(source.format());
+  while (source.recording()->limited.empty()) {
+    ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
+    std::this_thread::sleep_for(1ms);
+  }
+  ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
+  EXPECT_EQ(source.state(), "");
+  EXPECT_NE(text_of(*source.recording()).find("limit reached"), std::string::npos);
+  source.finish_recording();
+  EXPECT_TRUE(RecordingReader(folder.path() / "first").finished());
 }
 
 TEST(RecordedSource, RecordingsNameTheStrategyThatIsShownWhenTheyBegin) {

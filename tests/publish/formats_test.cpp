@@ -267,6 +267,32 @@ TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
   EXPECT_EQ(stored.uncertainty->z(60, 42), 50);
 }
 
+TEST(Mcap, stops_at_its_limit_or_keeps_the_newest) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "a.mcap", before = folder.path() / "a-before.mcap";
+  constexpr std::uint64_t most = 1'000'000, cloud = 50'000;  // bytes
+  const auto clouds_in = [&](const std::filesystem::path& file) {
+    EXPECT_TRUE(read_mcap(file).has_end);
+    return read_mcap(file).numbers.at("/points").size();
+  };
+  for (const bool ring : {false, true}) {
+    const auto sink = open_sink("mcap:" + path.string(),
+                                {.camera = camera(), .limit = {.bytes = most, .ring = ring}});
+    EXPECT_TRUE(sink->news().empty());
+    for (std::uint64_t i = 0; i < 60; ++i) sink->put(any_cloud(i), false);
+    sink->finish();
+    const auto news = sink->news();
+    ASSERT_EQ(news.size(), 1U);
+    EXPECT_NE(news.front().find("limit reached"), std::string::npos);
+    EXPECT_TRUE(sink->news().empty());
+    EXPECT_GE(clouds_in(path), 5U);
+    EXPECT_LE(std::filesystem::file_size(path), most + cloud);
+    EXPECT_EQ(std::filesystem::exists(before), ring);
+  }
+  EXPECT_GE(clouds_in(before), 5U);
+  EXPECT_LE(clouds_in(path) + clouds_in(before), 40U);
+}
+
 TEST(Mcap, is_given_clouds_that_share_no_frame) {
   const TemporaryFolder folder;
   const auto sink = open_sink("mcap:" + (folder.path() / "a.mcap").string(), {.camera = camera()});

@@ -55,12 +55,21 @@ struct MeasureFlags {
 /// The measured cloud and where to print results.
 struct Measuring {
   const StoredCloud& stored;
+  const std::string& path;
   Output& output;
+
+  void require_pixels(const std::string& what) const {
+    throw_if(!stored.organised,
+             "{}: its points are not organised by pixel, as '{}' requires; measure the scan or an "
+             "organised .pcd, or fit --plane or --sphere to all points: all",
+             path, what);
+  }
 };
 
 MeasuredPoint point_of(const Measuring& in, const std::string& text) {
   const std::vector<int> numbers = numbers_in<int>(text, ',');
   throw_if(numbers.size() != 2, "'{}' is not a pixel; give column and row, e.g. 320,240", text);
+  in.require_pixels(text);
   const int column = numbers[0], row = numbers[1];
   const Cloud& cloud = in.stored.cloud;
   if (const auto point = point_at(cloud, uncertainty_of(in.stored), column, row)) return *point;
@@ -72,9 +81,13 @@ MeasuredPoint point_of(const Measuring& in, const std::string& text) {
 }
 
 std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& text) {
-  const std::optional<Rectangle> rectangle = rectangle_of_text(text);
+  const Size size = in.stored.cloud.size();
+  const std::optional<Rectangle> rectangle =
+      text == "all" ? Rectangle{0, 0, size.width, size.height} : rectangle_of_text(text);
   throw_if(!rectangle.has_value(),
-           "'{}' is not a rectangle; give width x height + x + y, e.g. 200x100+320+240", text);
+           "'{}' is not a rectangle; give width x height + x + y, e.g. 200x100+320+240, or all",
+           text);
+  if (text != "all") in.require_pixels(text);
   return points_in(in.stored.cloud, uncertainty_of(in.stored), *rectangle);
 }
 
@@ -136,8 +149,10 @@ void measure(const MeasureFlags& flags, Output& output) {
                flags.spheres.empty(),
            "nothing to measure; give --point, --distance, --plane or --sphere");
   output.document["input"] = flags.path;
-  const StoredCloud stored = organised_cloud(flags.path, flags.input, output);
-  const Measuring in{stored, output};
+  const StoredCloud stored = is_cloud_file(flags.path)
+                                 ? read_cloud(flags.path)
+                                 : organised_cloud(flags.path, flags.input, output);
+  const Measuring in{stored, flags.path, output};
   for (const auto& pixel : flags.points) measure_point(pixel, in);
   for (const auto& pixels : flags.distances) measure_distance(pixels, in);
   for (const auto& rectangle : flags.planes) measure_plane(rectangle, in);
@@ -149,20 +164,23 @@ void measure(const MeasureFlags& flags, Output& output) {
 void add_measure(const Commands& program) {
   const auto [command, flags] = program.add(
       measure, "measure", "measure points, distances, planes and spheres in a cloud, mm");
-  required(command.add_file("input", flags.path,
-                            "a scan folder, a recording or an organised cloud, .pcd"));
+  required(command.add_file(
+      "input", flags.path,
+      "a scan folder, a recording or a cloud; pixels need an organised one, .pcd"));
   const FlagGroup group{command.app, "What to measure (each may be repeated)"};
   group.add("--point", flags.points, "the point at pixel column,row, e.g. 320,240");
   group.add("--distance", flags.distances,
             "distance between the points of two pixels, e.g. 320,240 400,250");
   group.add("--plane", flags.planes,
-            "fit to the points in a pixel rectangle, width x height + x + y, e.g. 200x100+320+240");
+            "fit to the points in a pixel rectangle, width x height + x + y, e.g. "
+            "200x100+320+240, or to all");
   group.add("--sphere", flags.spheres, "fit to the points in a pixel rectangle, as for --plane");
   add_cloud_flags(command.app, flags.input);
   command.common({"--point", "--distance", "--plane", "--sphere", "--scanner", "--min-modulation",
                   "--max-sigma", "--raw"});
   command.examples({"measure scan --point 320,240 --distance 100,200 500,210",
-                    "measure cloud.pcd --plane 200x100+320+240 --json"});
+                    "measure cloud.pcd --plane 200x100+320+240 --json",
+                    "measure cloud.ply --sphere all"});
 }
 
 void add_check(const Commands& program) {

@@ -140,6 +140,7 @@ bool measures_motion(const EngineSetup& setup) {
 struct LoadedScan {
   Scan scan;
   Image<double> coordinates;  ///< of a map, 0 to 1
+  Image<float> modulation;    ///< of a map, if given
   ReconstructedScan result;
 };
 
@@ -160,6 +161,10 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
                             setup.sequence.projector);
   loaded.coordinates =
       naming(path, [&] { return coordinates_of_map(map, flags.from, projector_length(setup)); });
+  throw_if(flags.modulation && flags.scans.size() > 1, "--from-modulation needs a single map");
+  throw_if(!flags.modulation && flags.command->count("--min-modulation") > 0,
+           "with --from, --min-modulation needs --from-modulation");
+  if (flags.modulation) loaded.modulation = converted<float>(read_map(*flags.modulation));
 }
 
 void read_scan(const ScanFlags& input, const ReconstructFlags& flags, LoadedScan& loaded) {
@@ -285,11 +290,11 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   }
 }
 
-void reconstruct_map(const Image<double>& coordinates, ReconstructedScan& result,
-                     const ReconstructFlags& flags) {
+void reconstruct_map(LoadedScan& loaded, const ReconstructFlags& flags) {
+  ReconstructedScan& result = loaded.result;
   Stopwatch watch;
-  result.cloud = cloud_of_coordinates(coordinates, result.sound.setup);
-  result.maps.coordinate = converted<float>(coordinates);
+  result.cloud = cloud_of_coordinates(loaded.coordinates, result.sound.setup, loaded.modulation);
+  result.maps.coordinate = converted<float>(loaded.coordinates);
   result.backend = "reference";
   judge(flags, result);
   result.computed = watch.lap();
@@ -302,7 +307,7 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
     if (flags.from.empty()) {
       reconstruct_scan(loaded.scan, result, flags, reused);
     } else {
-      reconstruct_map(loaded.coordinates, result, flags);
+      reconstruct_map(loaded, flags);
     }
   } catch (const Error& error) {
     result.failure = error.what();
@@ -425,12 +430,15 @@ void add_reconstruct(const Commands& program) {
               fmt::format("read maps of another program, .tiff or .npy, NaN where invalid, instead "
                           "of scans: {}",
                           map_forms));
-  command.exclude(
-      "--from",
-      {"--windows",   "--strategy",    "--steps",          "--high",           "--low",
-       "--frequency", "--periods",     "--order",          "--exposures",      "--motion",
-       "--gamma",     "--camera-bits", "--min-modulation", "--keep-saturated", "--uncertainty",
-       "--phase",     "--modulation",  "--mean",           "--epipolar",       "--motion-map"});
+  command
+      .add_file("--from-modulation", flags.modulation,
+                "with --from: the map's modulation, grey levels of 255, for --min-modulation and "
+                "cleaning")
+      ->needs("--from");
+  command.exclude("--from", {"--windows", "--strategy", "--steps", "--high", "--low", "--frequency",
+                             "--periods", "--order", "--exposures", "--motion", "--gamma",
+                             "--camera-bits", "--keep-saturated", "--uncertainty", "--phase",
+                             "--modulation", "--mean", "--epipolar", "--motion-map"});
   command.common({"--output", "--mesh", "--depth", "--preview", "--scanner", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples({"reconstruct scan -o cloud.ply --depth depth.tiff --preview preview.png",

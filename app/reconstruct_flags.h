@@ -28,10 +28,11 @@ struct ReconstructFlags {
   ResultFiles files;
   std::string manifest;  ///< output file; empty: not written
   bool resume = false;
-  std::string from;                   ///< one of map_forms: the paths are maps; empty: scans
-  std::vector<ScanName> scans;        ///< outputs requested by the paths
-  std::vector<std::string> settings;  ///< Arguments::settings of the command
-  const CLI::App* command = nullptr;  ///< the command that owns the flags
+  std::string from;                    ///< one of map_forms: the paths are maps; empty: scans
+  std::optional<fs::path> modulation;  ///< with `from`: the map's modulation
+  std::vector<ScanName> scans;         ///< outputs requested by the paths
+  std::vector<std::string> settings;   ///< Arguments::settings of the command
+  const CLI::App* command = nullptr;   ///< the command that owns the flags
 };
 
 /// Adds the flags that select scans.

@@ -55,7 +55,7 @@ ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSet
   const Strategy& strategy = scan.sequence.strategy;
   PhaseCorrections corrections;
   if (settings.response) {
-    corrections = phase_corrections(settings.response->response, step_counts(strategy));
+    corrections = phase_corrections(settings.response->response, strategy.layout());
   }
   const Decoder decode(strategy.layout(), length_along(scan.sequence.axis, scan.sequence.projector),
                        PhaseMethod::equation, corrections, {.light = scan.sequence.light});

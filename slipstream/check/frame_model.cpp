@@ -63,15 +63,14 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       identity_(static_cast<std::size_t>(layout_.frames)),
       complement_(complement_of(sequence.strategy, layout_)) {
   std::iota(identity_.begin(), identity_.end(), 0);
-  for (std::size_t b = 0; photometry.response && b < layout_.bands.size(); ++b) {
+  if (photometry.response) {
     constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
+    corrections_ = phase_corrections(photometry.response->response, layout_, accuracy);
+  }
+  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
     const auto run = bent_run(layout_.bands[b]);
-    if (!run) continue;
-    if (!corrections_.contains(run->steps)) {
-      corrections_[run->steps] =
-          phase_correction(photometry.response->response, run->steps, accuracy);
-    }
-    corrected_steps_[b] = run->steps;
+    const int steps = run ? run->steps : 1;
+    if (corrections_.contains(steps)) corrected_steps_[b] = steps;
   }
   if (photometry.response) {
     constexpr int steps = 512;  // accurate to 1e-5 of the range
@@ -100,7 +99,8 @@ std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameO
   const double S = dot(band.sine, levels, order);
   const double modulation = std::hypot(C, S), phase = wrapped_angle(S, C);
   if (steps == 0) return {modulation, phase};
-  const Shifts shifts = bent_run(band)->shifts;
+  const auto bent = bent_run(band);
+  const Shifts shifts = bent ? bent->shifts : Shifts{};
   const double shifted = unshifted_phase({}, shifted_phase(shifts, phase));
   return {modulation, unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted))};
 }

@@ -105,6 +105,7 @@ class Mistakes {
     const bool likely_shifts = shifts_said() || !layout.single_frames.empty() || as_given.all();
     if (likely_shifts) add_usual_shifts();
     if (const auto& code = layout.code) add_codes(*code);
+    if (!layout.single_frames.empty()) add_signs();
     if (!periods_proven()) add_periods();
     add_orders();
     const std::size_t of_frames = list.size();
@@ -244,6 +245,13 @@ class Mistakes {
     for (int i = 0; i < parts; ++i) {
       for (const bool backwards : {said, !said}) add_shift(i * two_pi / parts, backwards, false);
     }
+  }
+
+  void add_signs() {
+    const SettingValue other = !is_on("alternating");
+    add_settings({{"alternating", other}}, "single frames of another sign");
+    add_settings({{"alternating", other}, {"backwards", !is_on("backwards")}},
+                 "single frames of another sign and phases that shift in the other direction");
   }
 
   void add_codes(const Code& code) {

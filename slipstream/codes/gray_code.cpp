@@ -110,10 +110,10 @@ void GrayPhase::require_valid() const {
 
 Layout GrayPhase::layout() const {
   const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
-  const int frames = steps + frame_count(shown, reference);
+  const int first = runs().front().frames(), frames = first + frame_count(shown, reference);
   Layout layout{
       .frames = frames, .bands = {band_of(runs().front(), frames)}, .unwrapping = Unwrapping::code};
-  layout.code = code_in_frames(frames, steps, shown, reference);
+  layout.code = code_in_frames(frames, first, shown, reference);
   layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
   if (reference == "mean" || reference == "none")
     layout.code->reference = layout.bands.front().mean;

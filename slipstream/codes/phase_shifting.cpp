@@ -68,41 +68,65 @@ void require_count(std::string_view name, const std::vector<double>& periods, st
       fmt::format("{}: {} periods given; expected {} to {}", name, periods.size(), least, most));
 }
 
+/// How many angles, degrees, differ from all before them; 0 if one is not finite.
+int different(const std::vector<double>& angles) {
+  constexpr double least = 1;
+  int count = 0;
+  for (auto angle = angles.begin(); angle != angles.end(); ++angle) {
+    if (!std::isfinite(*angle)) return 0;
+    count += std::all_of(angles.begin(), angle, [&](double other) {
+      return std::abs(std::remainder(*angle - other, 360)) >= least;
+    });
+  }
+  return count;
+}
+
 constexpr int micro_steps = 3;
 
 }  // namespace
 
 double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y) {
-  const auto& [N, f, shifts] = sinusoid;
-  return 0.5 + 0.5 * std::cos(shifted_phase(shifts, 2 * pi * f * y) - 2 * pi * n / N);
+  const auto& [N, f, shifts, angles] = sinusoid;
+  const double turns = angles.empty() ? 1.0 * n / N : angles[static_cast<std::size_t>(n)] / 360;
+  return 0.5 + 0.5 * std::cos(shifted_phase(shifts, 2 * pi * f * y) - 2 * pi * turns);
 }
 
 double intensity_of(const std::vector<Sinusoid>& runs, int n, double y) {
   auto run = runs.begin();
-  while (n >= run->steps) n -= run++->steps;
+  while (n >= run->frames()) n -= run++->frames();
   return sinusoid_intensity(*run, n, y);
 }
 
 Layout layout_of(const std::vector<Sinusoid>& runs, Unwrapping unwrapping) {
   Layout layout{.unwrapping = unwrapping};
-  for (const Sinusoid& run : runs) layout.frames += run.steps;
+  for (const Sinusoid& run : runs) layout.frames += run.frames();
   int first = 0;
   for (const Sinusoid& run : runs) {
     layout.bands.push_back(band_of(run, layout.frames, first));
-    first += run.steps;
+    first += run.frames();
   }
   return layout;
 }
 
 Band band_of(const Sinusoid& sinusoid, int frames, int first, double share) {
-  const auto& [N, f, shifts] = sinusoid;
-  return phase_shifted_band(frames, first, N, f, 1, share, shifts);
+  const auto& [N, f, shifts, angles] = sinusoid;
+  if (angles.empty()) return phase_shifted_band(frames, first, N, f, 1, share, shifts);
+  Band band = fitted_bands({shown_in_frames(f, share, angles, shifts)}, "shifts").front();
+  for (std::vector<double>* const weights : {&band.cosine, &band.sine, &band.mean}) {
+    weights->insert(weights->begin(), static_cast<std::size_t>(first), 0);
+    weights->resize(static_cast<std::size_t>(frames));
+  }
+  return band;
 }
 
 void require_valid(const Sinusoid& sinusoid, const char* name) {
-  throw_if(sinusoid.steps < 3 || sinusoid.steps > most_steps,
-           "{}: {} steps are out of range; a sinusoid takes 3 to {}", name, sinusoid.steps,
-           most_steps);
+  const int frames = sinusoid.frames();
+  throw_if(frames < 3 || frames > most_steps,
+           "{}: {} steps are out of range; a sinusoid takes 3 to {}", name, frames, most_steps);
+  throw_if(
+      !sinusoid.angles.empty() && different(sinusoid.angles) < 3,
+      "{}: shifts {} are out of range; at least 3 must differ, by 1 degree or more, modulo 360",
+      name, fmt::join(sinusoid.angles, ","));
   throw_if(!std::isfinite(sinusoid.frequency) || sinusoid.frequency <= 0,
            "{}: frequency {} is out of range; expected a positive number of periods", name,
            sinusoid.frequency);
@@ -183,7 +207,7 @@ void DualFrequency::require_valid() const {
 std::vector<Sinusoid> MultiFrequency::runs() const {
   std::vector<Sinusoid> runs;
   for (std::size_t i = 0; i < periods.size(); ++i) {
-    runs.push_back({steps.size() == 1 ? steps.front() : steps[i], periods[i], shifts});
+    runs.push_back({steps.size() == 1 ? steps.front() : steps[i], periods[i], shifts, angles});
   }
   return runs;
 }
@@ -215,7 +239,8 @@ void MicroPhaseShifting::require_valid() const {
 double MicroPhaseShifting::shape(int n, double y) const {
   const int after = std::max(n - micro_steps + 1, 0);  // index of the period
   const Sinusoid shown{micro_steps, periods[static_cast<std::size_t>(after)], shifts};
-  return sinusoid_intensity(shown, after > 0 ? 0 : n, y);
+  const double intensity = sinusoid_intensity(shown, after > 0 ? 0 : n, y);
+  return alternating && after % 2 == 1 ? 1 - intensity : intensity;
 }
 
 Layout MicroPhaseShifting::layout() const {
@@ -224,8 +249,8 @@ Layout MicroPhaseShifting::layout() const {
                 .bands = {band_of({micro_steps, periods.front(), shifts}, frames)},
                 .unwrapping = Unwrapping::single_frames};
   for (std::size_t i = 1; i < periods.size(); ++i) {
-    layout.single_frames.push_back(
-        {micro_steps + static_cast<int>(i) - 1, periods[i], shifts.origin});
+    layout.single_frames.push_back({micro_steps + static_cast<int>(i) - 1, periods[i],
+                                    shifts.origin + (alternating && i % 2 == 1 ? pi : 0)});
   }
   return layout;
 }

@@ -14,30 +14,44 @@ struct Sinusoid {
   int steps = 3;
   double frequency = 1;
   Shifts shifts{};
+  std::vector<double> angles{};  ///< shift of each pattern, degrees; empty: 360 n / N
+
+  [[nodiscard]] int frames() const {
+    return angles.empty() ? steps : static_cast<int>(angles.size());
+  }
 };
 
 /// More frames than this for one sinusoid are a mistake in a settings file.
 inline constexpr int most_steps = 4096;
 
 /// Intensity of pattern n at y, in [0, 1]: the bracket of Liu 2010, Eq. (3.1), 1/2 + 1/2 cos(2 pi f
-/// y - 2 pi n / N), with the phase modified by Shifts; Eq. (1.1) up to scale if A^p = B^p.
+/// y - 2 pi n / N), with the phase modified by Shifts, or with the given angle in place of 2 pi n /
+/// N; Eq. (1.1) up to scale if A^p = B^p.
 double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y);
 
 /// Intensity of pattern n of consecutive runs, and the layout of their frames.
 double intensity_of(const std::vector<Sinusoid>& runs, int n, double y);
 Layout layout_of(const std::vector<Sinusoid>& runs, Unwrapping unwrapping);
 
-/// Throws Error, beginning with `name`, unless 3 <= steps <= most_steps and frequency is finite and
-/// positive.
+/// Throws Error, beginning with `name`, unless 3 <= steps <= most_steps, frequency is finite and
+/// positive, and three of the angles, if given, differ by a degree or more, modulo 360.
 void require_valid(const Sinusoid& sinusoid, const char* name);
 
-/// Its first phase channel, in frames from `first` on out of `frames`.
+/// Its first phase channel, in frames from `first` on out of `frames`. Given angles have the
+/// weights of least squares of mean, cosine and sine, which have the least noise.
 Band band_of(const Sinusoid& sinusoid, int frames, int first = 0, double share = 1);
 
 /// Settings shared by all codings of sinusoids, for patterns made elsewhere: see Strategy.
 void visit_shifts(auto& shifts, const auto& visit) {
   visit("origin", "phase of the first frame at the edge of the field, rad", shifts.origin);
   visit("backwards", "reverse the phase shifts from frame to frame", shifts.backwards);
+}
+
+/// The frames of a sinusoid: `angles`, or `steps` without them.
+void visit_steps(auto& coding, const auto& visit) {
+  if (coding.angles.empty()) visit("steps", "frames per sinusoid (N >= 3)", coding.steps);
+  visit("shifts", "in place of steps: shift of each frame, degrees, e.g. 0,90,180,270",
+        coding.angles);
 }
 
 /// A sinusoid in the frames, alone or multiplexed with others.
@@ -70,14 +84,15 @@ struct PhaseMeasuring {
   int steps = 3;         ///< N, >= 3
   double frequency = 1;  ///< f, periods across the projector field, > 0
   Shifts shifts{};
+  std::vector<double> angles{};  ///< degrees; replace `steps`: see Sinusoid
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit("steps", "frames per sinusoid (N >= 3)", self.steps);
+    visit_steps(self, visit);
     visit("frequency", "periods across the projector field", self.frequency);
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const { slipstream::require_valid(runs().front(), "pmp"); }
-  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, frequency, shifts}}; }
+  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, frequency, shifts, angles}}; }
   [[nodiscard]] Layout layout() const { return layout_of(runs(), Unwrapping::none); }
 };
 
@@ -91,17 +106,19 @@ struct DualFrequency {
   double high = 16;  ///< f_h, a whole multiple of f_l, so that both ends of the field meet
   double low = 1;    ///< f_l, in (0, 1]
   Shifts shifts{};
+  std::vector<double> angles{};  ///< degrees; replace `steps`: see Sinusoid
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit("steps", "frames per sinusoid (N >= 3)", self.steps);
-    visit("low_steps", "frames of the low frequency; default: as steps", self.low_steps);
+    visit_steps(self, visit);
+    if (self.angles.empty())
+      visit("low_steps", "frames of the low frequency; default: as steps", self.low_steps);
     visit("high", "high frequency, periods across the field", self.high);
     visit("low", "low frequency, periods across the field", self.low);
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const;
   [[nodiscard]] std::vector<Sinusoid> runs() const {
-    return {{steps, high, shifts}, {low_steps.value_or(steps), low, shifts}};
+    return {{steps, high, shifts, angles}, {low_steps.value_or(steps), low, shifts, angles}};
   }
   [[nodiscard]] Layout layout() const { return layout_of(runs(), Unwrapping::hierarchical); }
 };
@@ -117,9 +134,10 @@ struct MultiFrequency {
   /// six standard deviations of the noise, otherwise the most robust.
   std::string unwrapping{};
   Shifts shifts{};
+  std::vector<double> angles{};  ///< degrees; replace `steps`: see Sinusoid
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit("steps", "frames per sinusoid (N >= 3)", self.steps);
+    visit_steps(self, visit);
     visit("periods", "periods of each sinusoid across the field", self.periods);
     visit("unwrapping", "hierarchical, heterodyne or number-theory; default: automatic",
           self.unwrapping);
@@ -137,10 +155,12 @@ struct MicroPhaseShifting {
   static constexpr std::string_view name = "micro";
 
   std::vector<double> periods{64, 61, 59, 57, 53};  ///< of the steps, then of each further frame
+  bool alternating = false;  ///< inverts the further frames 0, 2, 4, ..., as SLStudio does
   Shifts shifts{};
 
   static void for_each_setting(auto& self, const auto& visit) {
     visit("periods", "periods of each sinusoid across the field", self.periods);
+    visit("alternating", "invert every second single frame, from the first on", self.alternating);
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const;
@@ -312,9 +332,10 @@ struct GrayPhase {
   /// As in GrayCode, but "mean" and "none" are those of the sinusoids.
   std::string reference = "mean";
   Shifts shifts{};
+  std::vector<double> angles{};  ///< degrees; replace `steps`: see Sinusoid
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit("steps", "frames per sinusoid (N >= 3)", self.steps);
+    visit_steps(self, visit);
     visit("periods", "periods of each sinusoid across the field", self.periods);
     visit("bits", "bits of the code, one frame each", self.bits);
     visit("complementary", "add a bit with stripes of half a period: true or false",
@@ -323,7 +344,7 @@ struct GrayPhase {
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const;
-  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, periods, shifts}}; }
+  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, periods, shifts, angles}}; }
   [[nodiscard]] Layout layout() const;
 };
 

@@ -56,7 +56,8 @@ Strategy configured(Coding coding, const StrategySettings& settings) {
       set(target, wanted, value);
       found = true;
     });
-    throw_if(!found, "strategy {} has no setting '{}'; it has {}", Coding::name, wanted,
+    throw_if(!found, "strategy {}{} has no setting '{}'; it has {}", Coding::name,
+             settings.contains("shifts") && wanted != "shifts" ? " with shifts" : "", wanted,
              setting_names(coding));
   }
   return coding;

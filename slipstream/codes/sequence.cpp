@@ -153,6 +153,14 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   StrategySettings settings = replaced ? StrategySettings{} : known.strategy.settings();
   Sequence sequence = known;
   if (replaced) sequence.lengths.clear();
+  const auto is_given = [&](const char* name) {
+    return changes.settings.contains(name) && changes.settings.at(name);
+  };
+  // Either replaces the other; make_strategy refuses both.
+  if (is_given("steps")) settings.erase("shifts");
+  for (const char* const name : {"steps", "low_steps"}) {
+    if (is_given("shifts")) settings.erase(name);
+  }
   for (const auto& [name, value] : changes.settings) {
     if (!value) continue;
     settings[name] = *value;

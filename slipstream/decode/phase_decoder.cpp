@@ -68,9 +68,10 @@ constexpr std::array<ClosedForm, 3> closed_forms{{
 }  // namespace
 
 void require_valid(const PhaseCorrection& correction, int steps) {
-  throw_if(correction.steps != steps || steps < 3,
-           "the phase correction of {} steps is given for {}; both must be the same N, 3 or more",
-           correction.steps, steps);
+  throw_if(
+      correction.steps != steps || steps < 1 || steps == 2,
+      "the phase correction of {} steps is given for {}; both must be the same N, 1, 3 or more",
+      correction.steps, steps);
   const bool finite = std::all_of(correction.added.begin(), correction.added.end(),
                                   [](double added) { return std::isfinite(added); });
   throw_if(correction.added.empty() || !finite,
@@ -219,15 +220,16 @@ PhaseMaps PhaseDecoder::sinusoid(const FrameViews& frames, const Band& band) con
   PhaseMaps maps{weighted_sum(frames, band.mean), weighted_sum(frames, band.cosine),
                  weighted_sum(frames, band.sine)};
   const auto bent = bent_run(band);
-  const PhaseCorrection* correction = bent ? correction_for(bent->steps) : nullptr;
+  const PhaseCorrection* correction = correction_for(bent ? bent->steps : 1);
+  const Shifts shifts = bent ? bent->shifts : Shifts{};
   for_each_pixel(frames.size(), [&](int column, int row) {
     const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);
     maps.modulation(column, row) = std::sqrt(S * S + C * C);  // (1.4)
     double& phi = maps.wrapped_phase(column, row);
     phi = wrapped_angle(S, C);  // (1.7)
     if (correction == nullptr) return;
-    const double seen = unshifted_phase({}, shifted_phase(bent->shifts, phi));
-    phi = unshifted_phase(bent->shifts, corrected_phase(*correction, seen));
+    const double seen = unshifted_phase({}, shifted_phase(shifts, phi));
+    phi = unshifted_phase(shifts, corrected_phase(*correction, seen));
   });
   return maps;
 }

@@ -11,14 +11,14 @@ namespace slipstream {
 /// Correction added to the wrapped phase of N steps for the projector's response: minus Delta phi
 /// of Liu 2010, Eqs. (4.45), (4.56), with N periods over the measured phase's circle.
 struct PhaseCorrection {
-  int steps = 0;              ///< N, >= 3
+  int steps = 0;              ///< N, >= 3; 1: for the whole circle of other frames
   std::vector<double> added;  ///< rad, at measured phase 2 pi i / (N added.size()); interpolated
 };
 
 /// One correction for each N that needs one; other N are not corrected.
 using PhaseCorrections = std::map<int, PhaseCorrection>;
 
-/// Throws Error unless the correction is for that many steps, N >= 3, and has finite entries.
+/// Throws Error unless the correction is for that many steps, N >= 3 or 1, and has finite entries.
 void require_valid(const PhaseCorrection& correction, int steps);
 
 /// `phi` without the effect of the projector's response; both in [0, 2 pi).
@@ -105,7 +105,7 @@ class PhaseDecoder {
 
   /// Mean, modulation and wrapped phase from the `steps` frames that start at `first`.
   [[nodiscard]] PhaseMaps operator()(const FrameViews& frames, int first, int steps) const;
-  /// The same for a band. Only a run of steps is corrected.
+  /// The same for a band. Without a run of steps, the correction for 1 step applies.
   [[nodiscard]] PhaseMaps operator()(const FrameViews& frames, const Band& band) const;
 
  private:

@@ -54,11 +54,19 @@ Image<double> coordinates_of_map(Image<double> map, const std::string& form, int
   return map;
 }
 
-Cloud cloud_of_coordinates(const Image<double>& coordinates, const EngineSetup& setup) {
+Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
+                           const Image<float>& modulation) {
   require_valid(setup);
   const Size camera = setup.scanner.camera.size;
   throw_if(coordinates.size() != camera, "the map is {}, the scanner's camera has {}",
            text_of(coordinates.size()), text_of(camera));
+  throw_if(!modulation.empty() && modulation.size() != camera,
+           "the modulation is {}, the scanner's camera has {}", text_of(modulation.size()),
+           text_of(camera));
+  for (std::size_t i = 0; i < modulation.pixel_count(); ++i) {
+    if (!(modulation.begin()[i] >= setup.settings.minimum_modulation))
+      coordinates.begin()[i] = std::numeric_limits<double>::quiet_NaN();
+  }
   Image<Validity> validity(camera);
   std::transform(coordinates.begin(), coordinates.end(), validity.begin(),
                  [](double y) { return std::isfinite(y) ? Validity::valid : Validity::too_dark; });
@@ -67,7 +75,7 @@ Cloud cloud_of_coordinates(const Image<double>& coordinates, const EngineSetup& 
   convert(triangulated(coordinates, std::move(validity), triangulate, setup), cloud);
   std::fill(cloud.intensity.begin(), cloud.intensity.end(), 255.F);
   Cleaner clean(setup.settings.clean);
-  clean(cloud);
+  clean(cloud, modulation.empty() ? nullptr : &modulation);
   return cloud;
 }
 

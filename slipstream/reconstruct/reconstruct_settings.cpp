@@ -109,7 +109,7 @@ CueSettings cue_settings(const EngineSetup& setup) {
 PhaseCorrections phase_corrections(const EngineSetup& setup) {
   const auto& measured = setup.scanner.photometry.response;
   if (!measured) return {};
-  return phase_corrections(measured->response, step_counts(setup.sequence.strategy));
+  return phase_corrections(measured->response, setup.sequence.strategy.layout());
 }
 
 DepthNoise depth_noise(const EngineSetup& setup) {

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include <Eigen/Dense>
+
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -96,6 +98,32 @@ void require_steps(int steps) {
 double added_at(const Response& response, int steps, double place) {
   const double measured = 2 * pi * place / steps;
   return true_phase(response, steps, measured) - measured;
+}
+
+/// The matrix 1, cos, sin with a row per frame whose pseudo-inverse the band's weights of least
+/// squares are: its own pseudo-inverse. Rows outside the band's frames are 0.
+Eigen::MatrixX3d frames_of(const Band& band) {
+  Eigen::Matrix3Xd weights(3, std::ssize(band.mean));
+  for (int row = 0; const auto* const part : {&band.mean, &band.cosine, &band.sine}) {
+    std::copy(part->begin(), part->end(), weights.row(row++).begin());
+  }
+  return weights.transpose() * (weights * weights.transpose()).inverse();
+}
+
+/// Whether each row has an angle, or is constant light alone: not so with other weights.
+bool has_angles(const Eigen::MatrixX3d& frames) {
+  constexpr double rounding = 1e-6;
+  const auto is_near = [](double a, double b) { return std::abs(a - b) < rounding; };
+  const auto rows = frames.rowwise();
+  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) {
+    const double length = row.template tail<2>().norm();
+    return row.isZero() || (is_near(row[0], 1) && (is_near(length, 0) || is_near(length, 1)));
+  });
+}
+
+bool are_near(const PhaseCorrection& a, const PhaseCorrection& b) {
+  return std::ranges::equal(a.added, b.added,
+                            [](double x, double y) { return std::abs(x - y) < 1e-9; });
 }
 
 }  // namespace
@@ -323,10 +351,57 @@ PhaseCorrection phase_correction(const Response& response, int steps, double acc
   return correction;
 }
 
-PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts) {
+std::optional<PhaseCorrection> phase_correction(const Response& response, const Band& band) {
+  constexpr int count = 8192;  // of samples and entries: accurate to 1e-6 rad
+  const Eigen::MatrixX3d frames = frames_of(band);
+  if (!has_angles(frames) || band.share < 1 || band.carrier > 0) return std::nullopt;
+  std::vector<double> measured;
+  for (int i = 0; i <= count; ++i) {
+    const double phi = 2 * pi * i / count;
+    const Eigen::VectorXd sinusoid =
+        frames.rightCols<2>() * Eigen::Vector2d(std::cos(phi), std::sin(phi));
+    Complex sum = 0;
+    for (Eigen::Index n = 0; n < sinusoid.size(); ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      sum += light_at(response, 0.5 + 0.5 * sinusoid[n]) * Complex(band.cosine[at], band.sine[at]);
+    }
+    measured.push_back(phi + std::arg(sum * std::polar(1.0, -phi)));
+    if (i > 0 && !(measured.back() > measured.end()[-2])) return std::nullopt;
+  }
+  PhaseCorrection correction{.steps = 1, .added = {}};
+  for (int i = 0; i < count; ++i) {
+    const double entry = 2 * pi * i / count;
+    const double sought = entry + 2 * pi * std::ceil((measured.front() - entry) / (2 * pi));
+    const auto after = std::upper_bound(measured.begin() + 1, measured.end() - 1, sought);
+    const double part = (sought - after[-1]) / (*after - after[-1]);
+    const double phi = 2 * pi / count * (static_cast<double>(after - measured.begin()) - 1 + part);
+    correction.added.push_back(phi - sought);
+  }
+  return correction;
+}
+
+PhaseCorrections phase_corrections(const Response& response, const Layout& layout,
+                                   double accuracy) {
+  PhaseCorrections corrections = phase_corrections(response, step_counts(layout), accuracy);
+  for (const Band& band : layout.bands) {
+    if (bent_run(band)) continue;
+    const auto found = phase_correction(response, band);
+    const bool is_shared =
+        found && are_near(corrections.try_emplace(1, *found).first->second, *found);
+    if (!is_shared) {
+      corrections.erase(1);
+      return corrections;
+    }
+  }
+  return corrections;
+}
+
+PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts,
+                                   double accuracy) {
   PhaseCorrections corrections;
   for (const int steps : step_counts) {
-    if (!corrections.contains(steps)) corrections[steps] = phase_correction(response, steps);
+    if (!corrections.contains(steps))
+      corrections[steps] = phase_correction(response, steps, accuracy);
   }
   return corrections;
 }

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -119,8 +120,17 @@ double noise_gain(const Response& response, int steps, double phi);
 /// Throws Error if N < 3 or gamma is out of range.
 PhaseCorrection phase_correction(const Response& response, int steps, double accuracy = 2e-7);
 
+/// The same for the frames of one sinusoid at any angles, which the band's least-squares weights
+/// imply, for phases around the whole circle: `steps` is 1. nullopt for other bands, and if the
+/// measured phase does not rise with the true one.
+std::optional<PhaseCorrection> phase_correction(const Response& response, const Band& band);
+
 /// One correction per distinct step count.
-PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts);
+PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts,
+                                   double accuracy = 2e-7);
+/// Also one for the bands without a run of steps, as 1 step, if they share one.
+PhaseCorrections phase_corrections(const Response& response, const Layout& layout,
+                                   double accuracy = 2e-7);
 
 /// The images that a projector with that response turns into the light of `patterns`: the inverse
 /// response is applied before projection. The alternative to correcting the phase; it costs grey

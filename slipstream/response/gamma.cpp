@@ -147,6 +147,10 @@ BlindGamma surest_gamma(const Layout& layout, const FrameViews& frames) {
 }
 
 GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
+  if (step_runs(layout).empty()) {
+    return {.source = "blind",
+            .sentence = "phase not corrected: --gamma blind requires a run of equal phase steps"};
+  }
   const BlindGamma found = surest_gamma(layout, frames);
   const std::string value = fmt::format("gamma {:.5g}, standard error {:.2g}, from {} pixels",
                                         found.gamma, found.standard_error, found.pixels);

@@ -154,6 +154,31 @@ TEST_P(CloudOfMap, IsThatOfItsScan) {
   }
 }
 
+TEST_P(CloudOfMap, IsCleanedByItsModulation) {
+  simulate(GetParam());
+  ASSERT_EQ(reconstruct({"--raw", "--coordinate", path("coordinate.tiff"), "--modulation",
+                         path("modulation.tiff")})
+                .exit_code,
+            0);
+  for (const char* const least : {"15", "40"}) {
+    ASSERT_EQ(reconstruct({"--min-modulation", least, "--depth", path("depth.tiff")}).exit_code, 0);
+    const ProgramRun made =
+        from("coordinate", "coordinate.tiff",
+             {"--from-modulation", path("modulation.tiff"), "--min-modulation", least, "--depth",
+              path("again.tiff"), "--axis", GetParam().back() == "y" ? "y" : "x"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const Image<double> depth = read_map(path("depth.tiff")), again = read_map(path("again.tiff"));
+    int points = 0, other = 0;
+    for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+      const double a = depth.begin()[i], b = again.begin()[i];
+      points += std::isnan(a) ? 0 : 1;
+      other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
+    }
+    EXPECT_GT(points, 500);
+    EXPECT_EQ(other, 0) << least;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Scans, CloudOfMap,
                          testing::Values(Words{"--scene", "sphere"}, Words{"--scene", "statue"},
                                          Words{"--scene", "sphere", "--axis", "y"}));
@@ -182,6 +207,11 @@ TEST_P(RefusedMap, IsOneThatCannotBe) {
   expect_refused(run_program({"reconstruct", map, "--from", "coordinate", "--depth", no[1]}),
                  "--scanner");
   expect_refused(from("coordinate", "coordinate.tiff", {"--mean", no[1]}), "--mean");
+  expect_refused(from("coordinate", "coordinate.tiff", {"--min-modulation", "9", no[0], no[1]}),
+                 "--from-modulation");
+  expect_refused(from("coordinate", "coordinate.tiff",
+                      {"--from-modulation", path("small.tiff"), no[0], no[1]}),
+                 "the modulation is 2x1");
   expect_refused(from("coordinate", "coordinate.tiff", {"--depth", map}), "is an input");
 }
 

@@ -1,5 +1,6 @@
 // Runs `slipstream measure` and `reconstruct --mesh`.
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -73,7 +74,37 @@ TEST_F(MeasureProgram, RefusesWhatItCannotMeasure) {
   expect_refused({"measure", scan, "--plane", "12"}, "'12' is not a rectangle");
   expect_refused({"measure", scan, "--sphere", "3x1+0+0"}, "too few");
   ASSERT_EQ(run_program({"reconstruct", scan, "-o", path("cloud.ply")}).exit_code, 0);
-  expect_refused({"measure", path("cloud.ply"), "--point", "1,1"}, "organised .pcd");
+  for (const char* const what : {"--point", "--plane", "--sphere"}) {
+    const std::string where = what == std::string("--point") ? "1,1" : "9x9+1+1";
+    expect_refused({"measure", path("cloud.ply"), what, where}, "organised .pcd");
+  }
+}
+
+TEST_F(MeasureProgram, FitsToAllPointsOfWhateverReconstructWrites) {
+  const nlohmann::json scan = measured({path("scan"), "--raw", "--plane", "all"})["planes"][0];
+  for (const char* const name :
+       {"c.pcd", "c.ply", "c.xyz", "mesh.ply", "mesh.stl", "mesh.obj", "mesh.glb"}) {
+    const bool is_mesh = std::string(name).starts_with("mesh");
+    ASSERT_EQ(
+        run_program({"reconstruct", path("scan"), "--raw", is_mesh ? "--mesh" : "-o", path(name)})
+            .exit_code,
+        0);
+    const nlohmann::json found = measured({path(name), "--plane", "all"});
+    if (is_mesh) continue;  // leaves out points without a triangle
+    for (const char* const key : {"points", "rms_mm"}) {
+      EXPECT_NEAR(found["planes"][0][key].get<double>() / scan[key].get<double>(), 1, 1e-4) << name;
+    }
+  }
+  for (const char* const name : {"c.pcd", "c.ply", "c.xyz", "mesh.stl", "mesh.obj", "mesh.glb"}) {
+    const ProgramRun run = run_program({"convert", path(name), "-o", path("converted.ply")});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  }
+  // One row of points, as other programs write clouds without a grid.
+  std::ofstream(path("row.pcd"))
+      << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 4\nHEIGHT 1\n"
+         "POINTS 4\nDATA ascii\n0 0 5\n1 0 5\n0 1 5\n1 1 5\n";
+  EXPECT_NEAR(measured({path("row.pcd"), "--plane", "all"})["planes"][0]["centre_mm"][2], 5, 1e-9);
+  expect_refused({"measure", path("row.pcd"), "--distance", "0,0", "1,0"}, "organised .pcd");
 }
 
 TEST_F(MeasureProgram, ReconstructWritesMeshesByTheirEnding) {

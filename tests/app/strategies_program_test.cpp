@@ -144,6 +144,99 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesRefused, testing::Values("multi-frequency"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
+class ShiftsProgram : public StrategiesRefused {};
+
+TEST_P(ShiftsProgram, ShowsAndReadsAnyShifts) {
+  const std::string shifts = "0,45,120,200,310";
+  const auto run = [&](std::vector<std::string> arguments, std::vector<std::string> more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  };
+  const std::vector<std::string> told{"--strategy", GetParam(), "--shifts", shifts};
+  // Patterns are rounded to 8 bits: 1.6e-3 of a period.
+  const double bound = 1.6e-3 / highest_frequency(make_strategy(GetParam(), {}));
+  ASSERT_EQ(run({"patterns", path("patterns"), "--projector", "640x480"}, told).exit_code, 0);
+  const Image<std::uint16_t> second = read_grey_image(path("patterns/pattern_01.png"));
+  EXPECT_NEAR(second(0, 0), 255 * (0.5 + 0.5 * std::sqrt(0.5)), 0.51);
+  for (const char* const gamma : {"1", "1.6"}) {
+    ASSERT_EQ(
+        run({"simulate", path("scan"), "--world", "ideal", "--scene", "sphere", "--camera",
+             "160x120", "--virtual-noise", "0.01", "--camera-bits", "16", "--virtual-gamma", gamma},
+            told)
+            .exit_code,
+        0);
+    EXPECT_NE(contents(path("scan/scan.yaml")).find(shifts), std::string::npos);
+    for (const char* const backend : {"fused", "equation"}) {
+      const ProgramRun made =
+          run_program({"reconstruct", path("scan"), "--gamma", gamma, "--backend", backend, "--raw",
+                       "--coordinate", path("coordinate.tiff")});
+      ASSERT_EQ(made.exit_code, 0) << made.err;
+      EXPECT_EQ(made.err, "");
+      const Image<double> found = read_map(path("coordinate.tiff")),
+                          truth = read_map(path("scan/truth/coordinate.tiff"));
+      int points = 0, far = 0;
+      for (std::size_t i = 0; i < found.pixel_count(); ++i) {
+        if (std::isnan(found.begin()[i]) || std::isnan(truth.begin()[i])) continue;
+        ++points;
+        far += std::abs(found.begin()[i] - truth.begin()[i]) > bound ? 1 : 0;
+      }
+      EXPECT_GT(points, 5000);
+      EXPECT_LE(far, points / 500) << gamma << ' ' << backend;
+    }
+  }
+  expect_line({"patterns", path("new"), "--strategy", GetParam(), "--shifts", "0,90"}, "2 steps");
+  expect_line({"patterns", path("new"), "--strategy", GetParam(), "--shifts", "0,180,360"},
+              "at least 3 must differ");
+  expect_line(
+      {"patterns", path("new"), "--strategy", GetParam(), "--shifts", "0,90,180", "--steps", "3"},
+      "with shifts has no setting 'steps'");
+  expect_line({"patterns", path("new"), "--strategy", "micro", "--shifts", "0,90,180"},
+              "micro has no setting 'shifts'");
+  // Either on the command line replaces the other of the scan.
+  EXPECT_EQ(run_program({"reconstruct", path("scan"), "--steps", "5", "--coordinate",
+                         path("coordinate.tiff"), "--anyway"})
+                .exit_code,
+            0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, ShiftsProgram,
+                         testing::Values("pmp", "dual-frequency", "multi-frequency", "gray-phase"),
+                         [](const auto& info) { return without_hyphens(info.param); });
+
+class MicroProgram : public StrategiesRefused {};
+
+TEST_P(MicroProgram, ReadsFramesOfAlternatingSign) {
+  std::vector<std::string> words{"simulate",      path("scan"),  "--strategy", GetParam(),
+                                 "--alternating", "--backwards", "--scene",    "sphere",
+                                 "--camera",      "160x120",     "--periods",  "25,23,22,19"};
+  ASSERT_EQ(run_program(words).exit_code, 0);
+  EXPECT_EQ(run_program({"check", path("scan")}).exit_code, 0);
+  ASSERT_EQ(
+      run_program({"reconstruct", path("scan"), "--raw", "--coordinate", path("coordinate.tiff")})
+          .exit_code,
+      0);
+  const Image<double> found = read_map(path("coordinate.tiff")),
+                      truth = read_map(path("scan/truth/coordinate.tiff"));
+  int points = 0, far = 0;
+  for (std::size_t i = 0; i < found.pixel_count(); ++i) {
+    if (std::isnan(found.begin()[i]) || std::isnan(truth.begin()[i])) continue;
+    ++points;
+    far += std::abs(found.begin()[i] - truth.begin()[i]) > 0.002 ? 1 : 0;
+  }
+  EXPECT_GT(points, 5000);
+  EXPECT_LE(far, points / 100);
+  // Read otherwise, the check names the settings.
+  const ProgramRun other = run_program({"check", path("scan"), "--no-alternating"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.out.find("try --alternating"), std::string::npos) << other.out;
+  const ProgramRun both =
+      run_program({"check", path("scan"), "--no-alternating", "--no-backwards"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.out.find("try --alternating --backwards"), std::string::npos) << both.out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, MicroProgram, testing::Values("micro"));
+
 TEST(StripesInPixels, AreOfThatWidthAlongBothAxes) {
   const TemporaryFolder folder;
   const ProgramRun run = run_program({"patterns", folder.path() / "out", "--strategy", "gray",

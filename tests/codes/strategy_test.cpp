@@ -1,8 +1,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -37,6 +39,89 @@ TEST(Strategy, RefusesWhatItDoesNotKnow) {
   EXPECT_THROW(make_strategy("dual-frequency", {{"low", 2}}), Error);
   EXPECT_THROW(make_strategy("dual-frequency", {{"high", 15.5}}), Error);
   EXPECT_THROW(make_strategy("dual-frequency", {{"low_steps", 2}}), Error);
+}
+
+TEST(Shifts, ReplaceTheSteps) {
+  const Strategy made = make_strategy("dual-frequency", {{"shifts", "0,45,120,200,310"}});
+  EXPECT_EQ(made, Strategy(DualFrequency{.angles = {0, 45, 120, 200, 310}}));
+  EXPECT_EQ(frame_count(made), 10);
+  EXPECT_EQ(label_of(made), "dual-frequency, high 16, low 1, shifts 0,45,120,200,310");
+  EXPECT_EQ(strategy_labelled(label_of(made)), made);
+  EXPECT_TRUE(step_counts(made).empty());
+  const Strategy quarters = PhaseMeasuring{.angles = {0, 90, 180, 270}};
+  EXPECT_EQ(step_counts(quarters), std::vector{4});
+}
+
+TEST(Shifts, GiveThePhaseOfAllStrategiesThatHaveThem) {
+  const Shifts elsewhere{.origin = 2.1, .backwards = true};
+  for (const std::vector<double>& angles :
+       {std::vector<double>{0, 90, 180, 270}, {0, 90, 180, 270, 360}, {0, 45, 120, 200, 310}}) {
+    for (const Strategy& strategy :
+         {Strategy(PhaseMeasuring{.angles = angles}),
+          Strategy(PhaseMeasuring{.frequency = 3, .shifts = elsewhere, .angles = angles}),
+          Strategy(DualFrequency{.angles = angles}),
+          Strategy(MultiFrequency{.shifts = elsewhere, .angles = angles}),
+          Strategy(GrayPhase{.periods = 8, .angles = angles})}) {
+      for (const double y : {0.0, 0.21, 0.8}) {
+        for (const Band& band : strategy.layout().bands) {
+          double A = 0, C = 0, S = 0;
+          for (int n = 0; n < frame_count(strategy); ++n) {
+            const auto i = static_cast<std::size_t>(n);
+            A += band.mean[i] * strategy.shape(n, y);
+            C += band.cosine[i] * strategy.shape(n, y);
+            S += band.sine[i] * strategy.shape(n, y);
+          }
+          const double phi = 2 * std::numbers::pi * band.periods * y;
+          EXPECT_NEAR(A, 0.5, 1e-10) << label_of(strategy);
+          EXPECT_NEAR(C, 0.5 * std::cos(phi), 1e-10) << label_of(strategy);
+          EXPECT_NEAR(S, 0.5 * std::sin(phi), 1e-10) << label_of(strategy);
+        }
+      }
+    }
+  }
+}
+
+TEST(Shifts, AreRefusedUnlessThreeDiffer) {
+  for (const char* shifts : {"0,90", "0,0,0", "0,180,360,540", "0,90,90.5,450", "0,x,90"}) {
+    EXPECT_THROW(make_strategy("pmp", {{"shifts", shifts}}), Error) << shifts;
+  }
+  EXPECT_THROW(Strategy(PhaseMeasuring{.angles = {0, 90, 180, std::nan("")}}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"shifts", "0,90,180"}, {"steps", 3}}), Error);
+  EXPECT_THROW(make_strategy("micro", {{"shifts", "0,90,180"}}), Error);
+}
+
+TEST(Shifts, AndStepsReplaceEachOtherInASequence) {
+  using Settings = std::map<std::string, std::optional<std::string>>;
+  const Sequence known{.strategy = DualFrequency{.low_steps = 5}};
+  const auto with = [](const Sequence& sequence, const Settings& settings) {
+    return changed(sequence, {.settings = settings});
+  };
+  const Sequence shifted = with(known, Settings{{"shifts", "0,90,180"}});
+  EXPECT_EQ(shifted.strategy, Strategy(DualFrequency{.angles = {0, 90, 180}}));
+  EXPECT_EQ(with(shifted, Settings{{"steps", "4"}}).strategy, Strategy(DualFrequency{.steps = 4}));
+  EXPECT_THROW(with(known, Settings{{"shifts", "0,90,180"}, {"steps", "3"}}), Error);
+}
+
+TEST(MicroPhaseShifting, InvertsEverySecondSingleFrame) {
+  // As SLStudio draws them: cos(2 pi x / p + 2 pi n / 3), then -cos and cos in turn.
+  const std::vector<double> pixels{75.02, 70.00, 71.32, 72.47};
+  MicroPhaseShifting coding{.periods = {}, .alternating = true, .shifts = {.backwards = true}};
+  for (const double length : pixels) coding.periods.push_back(1824 / length);
+  const Strategy strategy = coding;
+  ASSERT_EQ(frame_count(strategy), 6);
+  for (const double x : {0.0, 300.0, 1707.0}) {
+    for (int n = 0; n < 6; ++n) {
+      const double length = pixels[static_cast<std::size_t>(std::max(n - 2, 0))];
+      const double angle = n < 3 ? 2 * std::numbers::pi * n / 3 : n % 2 * std::numbers::pi;
+      EXPECT_NEAR(strategy.shape(n, x / 1824),
+                  0.5 + 0.5 * std::cos(2 * std::numbers::pi * x / length + angle), 1e-12);
+      for (const SingleFrame& single : strategy.layout().single_frames) {
+        if (single.frame != n) continue;
+        const double phi = 2 * std::numbers::pi * single.periods * x / 1824 + single.origin;
+        EXPECT_NEAR(strategy.shape(n, x / 1824), 0.5 + 0.5 * std::cos(phi), 1e-12);
+      }
+    }
+  }
 }
 
 TEST(Strategy, KnowsWhetherItGivesACoordinate) {

@@ -232,6 +232,23 @@ TEST_P(FusedPhase, IsCorrected) {
   }
 }
 
+TEST_P(FusedPhase, IsCorrectedForUnevenShifts) {
+  const OnlyVectorTarget only(GetParam());
+  const Size size{33, 24};
+  const Strategy strategy = PhaseMeasuring{.angles = {0, 45, 120, 200, 310}};
+  const PhaseCorrections corrections = phase_corrections(PowerLaw{1.6}, strategy.layout());
+  const FrameSet frames(hard_frames<std::uint8_t>(5, size, 8, 11));
+  const Maps decoding = maps_of(*fused(size, strategy, Axis::x, corrections), frames);
+  const PhaseMaps expected =
+      PhaseDecoder(PhaseMethod::equation, {}, corrections)(frames, strategy.layout().bands.front());
+  for (std::size_t i = 0; i < expected.mean.pixel_count(); ++i) {
+    EXPECT_NEAR(decoding.mean.begin()[i], expected.mean.begin()[i], 1e-3);
+    if (expected.modulation.begin()[i] < 1) continue;
+    ASSERT_LE(apart_on_circle(decoding.wrapped_phase.begin()[i], expected.wrapped_phase.begin()[i]),
+              phase_bound * (1 + steepest(corrections.at(1))));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(VectorTarget, FusedPhase, testing::ValuesIn(vector_targets()),
                          [](const auto& info) { return info.param; });
 

@@ -47,6 +47,40 @@ TEST(PhaseCorrection, LeavesLessThanAMillionthOfARadian) {
   }
 }
 
+TEST(PhaseCorrection, IsFoundForAnyShifts) {
+  for (const Strategy& strategy :
+       {Strategy(PhaseMeasuring{.angles = {0, 90, 180, 270, 360}}),
+        Strategy(DualFrequency{.shifts = {2.1, true}, .angles = {0, 45, 120, 200, 310}}),
+        Strategy(GrayPhase{.periods = 8, .angles = {0, 60, 180, 250}}), Strategy(DoubleThreeStep{}),
+        Strategy(TwoPlusOne{})}) {
+    const Response response = PowerLaw{1.6};
+    const PhaseCorrections corrections = phase_corrections(response, strategy.layout());
+    ASSERT_EQ(corrections.size(), 1U) << strategy.name();
+    const Band& band = strategy.layout().bands.front();
+    double before = 0;
+    for (double y = 0; y < 1 / band.periods; y += 0.003 / band.periods) {
+      double C = 0, S = 0;
+      for (int n = 0; n < frame_count(strategy); ++n) {
+        const double light = light_at(response, strategy.shape(n, y));
+        C += band.cosine[static_cast<std::size_t>(n)] * light;
+        S += band.sine[static_cast<std::size_t>(n)] * light;
+      }
+      const double phi = 2 * pi * band.periods * y, measured = wrapped(std::atan2(S, C));
+      before = std::max(before, std::abs(std::remainder(measured - phi, 2 * pi)));
+      const double corrected = corrected_phase(corrections.at(1), measured);
+      ASSERT_NEAR(std::remainder(corrected - phi, 2 * pi), 0, 1e-5) << strategy.name();
+    }
+    EXPECT_GT(before, 5e-4) << strategy.name();  // double-three-step: 0.001
+  }
+}
+
+TEST(PhaseCorrection, IsNoneForFramesOfSeveralSinusoids) {
+  for (const Strategy& strategy : {Strategy(TwoFrequency2N{}), Strategy(TwoFrequency4N{}),
+                                   Strategy(GrayCode{}), Strategy(FourierProfilometry{})}) {
+    EXPECT_TRUE(phase_corrections(PowerLaw{1.6}, strategy.layout()).empty()) << strategy.name();
+  }
+}
+
 TEST(PhaseCorrection, TakesAMeasuredCurveToo) {
   // No power law: a straight line and a cube in equal parts.
   std::vector<double> values, intensities;

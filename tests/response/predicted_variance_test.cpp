@@ -62,6 +62,33 @@ double multiplexed_coordinate_variance(int steps, double alpha, double share, do
                              frequency);
 }
 
+/// Uneven shifts: the mean over all phases.
+TEST(PredictedVariance, OfShiftsByLeastSquares) {
+  constexpr double B = 40;
+  for (const std::vector<double>& angles :
+       {std::vector<double>{0, 90, 180, 270}, {0, 90, 180, 270, 360}, {0, 45, 120, 200, 310}}) {
+    const Layout layout = PhaseMeasuring{.frequency = 1, .angles = angles}.layout();
+    const Band& band = layout.bands.front();
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> w(0, std::sqrt(sigma_w2));
+    Moments errors;
+    for (int trial = 0; trial < trials; ++trial) {
+      const double phi = 2 * pi * trial / trials;
+      double C = 0, S = 0;
+      for (std::size_t n = 0; n < angles.size(); ++n) {
+        const double I = 100 + B * std::cos(phi - angles[n] * pi / 180) + w(random);
+        C += band.cosine[n] * I;
+        S += band.sine[n] * I;
+      }
+      errors.add(std::remainder(std::atan2(S, C) - phi, 2 * pi));
+    }
+    EXPECT_NEAR(errors.variance() / phase_variance(band, B, sigma_w2), 1, 0.03);
+    EXPECT_NEAR(errors.mean(), 0, 1e-3);
+    EXPECT_NEAR(coordinate_variance(layout, B, sigma_w2),
+                coordinate_variance(phase_variance(band, B, sigma_w2), 1), 1e-12);
+  }
+}
+
 TEST(PredictedVariance, OfMeanReflectivityAndAmbientLight) {
   for (const int N : {3, 4, 7}) {
     for (const double alpha : {0.3, 0.8}) {

@@ -143,16 +143,18 @@ std::vector<float> wave_of(const PhaseCorrection& correction) {
   return wave;
 }
 
-/// Appends the table's N periods, and the first entry again for a turn of 1.
-void add_correction(SinusoidStage& stage, const PhaseCorrections& corrections) {
-  const auto found = corrections.find(stage.steps);
+/// Appends the table's `periods`, N of a run of steps, and the first entry again for a turn of 1.
+void add_correction(SinusoidStage& stage, const PhaseCorrections& corrections, int periods) {
+  const auto found = corrections.find(periods);
   if (found == corrections.end()) return;
   const PhaseCorrection& correction = found->second;
-  stage.folded = folded_phase(correction);
-  stage.correction_wave = wave_of(correction);
+  if (periods == stage.steps) {
+    stage.folded = folded_phase(correction);
+    stage.correction_wave = wave_of(correction);
+  }
   if (!stage.correction_wave.empty()) return;
   const std::size_t count = correction.added.size();
-  const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
+  const std::size_t segments = count * static_cast<std::size_t>(periods);
   const auto turns_at = [&](std::size_t i) { return correction.added[i % count] / two_pi; };
   stage.segments = static_cast<float>(segments);
   for (std::size_t i = 0; i <= segments; ++i) {
@@ -164,7 +166,7 @@ void add_correction(SinusoidStage& stage, const PhaseCorrections& corrections) {
 /// Stage of N phase-shifted frames.
 SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
   SinusoidStage stage{SinusoidNumbers{.steps = steps}};
-  add_correction(stage, corrections);
+  add_correction(stage, corrections, steps);
   const auto weigh = [&](double sine_square, double divisor) {
     stage.sine_weight = static_cast<float>(std::sqrt(sine_square));
     stage.sine_square = static_cast<float>(sine_square);
@@ -249,7 +251,7 @@ FusedStages::BandStage window_stage(Band band, const PhaseCorrections& correctio
     band.sine[n] = shifts.backwards ? -turned.imag() : turned.imag();
   }
   FusedStages::BandStage stage = weighted_stage(band);
-  add_correction(stage.sinusoid, corrections);
+  add_correction(stage.sinusoid, corrections, stage.sinusoid.steps);
   return stage;
 }
 
@@ -283,6 +285,7 @@ FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corr
                                           .first_frame = run->first}
                  : weighted_stage(band);
   stage.periods = band.periods;
+  if (!run) add_correction(stage.sinusoid, corrections, 1);
   if (!run || run->shifts == Shifts{}) return stage;
   stage.sinusoid.direction = run->shifts.backwards ? -1 : 1;
   stage.sinusoid.offset = static_cast<float>(-run->shifts.origin / two_pi);

@@ -39,6 +39,9 @@ inline constexpr const char* common_options = "Common options";
 /// Lays out --help, wrapped to the terminal's width.
 std::shared_ptr<CLI::FormatterBase> help_layout();
 
+/// What the program prints without arguments: commands to begin with.
+std::string greeting();
+
 /// Why the text is not a valid number; empty if it is one. NaN is not.
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
 
@@ -152,7 +155,7 @@ struct FlagGroup {
     }
   }
 
-  /// Ends the help with example commands (without "slipstream") and optional text.
+  /// Adds example commands (without "slipstream") and optional text to the help.
   void examples(const std::vector<std::string>& commands, const std::string& words = {}) const {
     app.footer(
         fmt::format("{}:\n  slipstream {}{}{}", commands.size() == 1 ? "Example" : "Examples",

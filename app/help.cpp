@@ -18,22 +18,49 @@ std::size_t text_width() {
   return std::clamp<std::size_t>(size.ws_col, 60, 120);
 }
 
+/// The text's words in lines that start at `margin`. With `ending`, which ends all lines but the
+/// last, values stay beside their flags.
+std::string wrapped(const std::string& text, std::size_t margin, std::string_view ending = "") {
+  std::vector<std::string> pieces;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const bool is_value = !ending.empty() && !pieces.empty() && pieces.back().starts_with('-');
+    if (is_value && !word.starts_with('-')) {
+      pieces.back() += ' ' + word;
+    } else {
+      pieces.push_back(word);
+    }
+  }
+  std::string lines;
+  std::size_t column = margin;
+  for (const std::string& word : pieces) {
+    if (column > margin && column + 1 + word.size() + ending.size() > text_width()) {
+      lines += fmt::format("{}\n{:{}}", ending, "", margin);
+      column = margin;
+    }
+    if (column++ > margin) lines += ' ';
+    lines += word;
+    column += word.size();
+  }
+  return lines;
+}
+
 /// "  term   description", the description wrapped and indented.
 std::string entry(const std::string& term, const std::string& description) {
-  const std::string next_line = '\n' + std::string(indent, ' ');
   const bool fits = term.size() + 4 <= indent;
-  std::string text = fits ? fmt::format("  {:<{}}", term, indent - 2) : "  " + term + next_line;
-  std::size_t column = indent;
-  std::istringstream words(description);
-  for (std::string word; words >> word; column += word.size()) {
-    if (column > indent && column + 1 + word.size() > text_width()) {
-      text += next_line;
-      column = indent;
-    }
-    if (column++ > indent) text += ' ';
-    text += word;
+  return fmt::format("  {:<{}}{}\n", fits ? term : fmt::format("{}\n{:{}}", term, "", indent),
+                     fits ? indent - 2 : 0, wrapped(description, indent));
+}
+
+/// The examples, their commands broken as a shell reads them.
+std::string examples_of(const CLI::App& app) {
+  std::string text;
+  std::istringstream lines(app.get_footer());
+  for (std::string line; std::getline(lines, line);) {
+    text += line.starts_with("  ") ? fmt::format("  {}\n", wrapped(line, 6, " \\"))
+                                   : wrapped(line, 0) + '\n';
   }
-  return text + '\n';
+  return text.empty() ? "" : '\n' + text;
 }
 
 std::string entry(const CLI::Option& option) {
@@ -67,9 +94,10 @@ std::string options_of(const CLI::App& app, const std::string& group) {
   return entries;
 }
 
-/// Usage, arguments, commands, common options, the other groups, and examples.
+/// Usage, examples, arguments, commands and common options; with --help-all, and where no options
+/// are common, all options in groups.
 struct HelpLayout : CLI::Formatter {
-  std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override {
+  std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode mode) const override {
     std::string called = app->get_name(), usage, arguments, commands, group;
     for (const CLI::App* at = app->get_parent(); at != nullptr; at = at->get_parent()) {
       called = at->get_name() + " " + called;
@@ -86,24 +114,33 @@ struct HelpLayout : CLI::Formatter {
       usage += option->get_required() ? " " + shown : " [" + shown + "]";
       arguments += entry(name, option->get_description());
     }
-    const std::string others = "Options";  // CLI11's group for options without one
-    std::map<std::string, std::string> common;
-    std::string groups;
-    for (const std::string& name : app->get_groups()) {
-      if (name.starts_with(common_options)) {
-        common[name] = options_of(*app, name);
-      } else if (name != others) {
-        groups += section(name, options_of(*app, name));
-      }
-    }
-    std::string first;
-    for (const auto& [name, options] : common) first += options;
-    const std::string examples = app->get_footer();
     return fmt::format("{}: {}\n\nUsage: {}{} [OPTION]...{}\n", called, app->get_description(),
                        called, commands.empty() ? "" : " COMMAND", usage) +
-           section("Arguments", arguments) + commands + section(common_options, first) + groups +
-           section(first.empty() ? others : "Other options", options_of(*app, others)) +
-           (examples.empty() ? "" : "\n" + examples + "\n");
+           examples_of(*app) + section("Arguments", arguments) + commands +
+           options_in_groups(*app, called, mode == CLI::AppFormatMode::All);
+  }
+
+ private:
+  static std::string options_in_groups(const CLI::App& app, const std::string& called, bool all) {
+    const std::string others = "Options";  // CLI11's group for options without one
+    std::map<std::string, std::string> common;
+    std::string groups, first;
+    for (const std::string& name : app.get_groups()) {
+      if (name.starts_with(common_options)) {
+        common[name] = options_of(app, name);
+      } else if (name != others) {
+        groups += section(name, options_of(app, name));
+      }
+    }
+    for (const auto& [name, options] : common) first += options;
+    if (!first.empty() && !all) {
+      const bool patterned = app.get_option_no_throw("--strategy") != nullptr;
+      return section(common_options, first) +
+             fmt::format("\nAll options: {} --help-all{}\n", called,
+                         patterned ? "; those of the patterns: slipstream help patterns" : "");
+    }
+    return section(common_options, first) + groups +
+           section(first.empty() ? others : "Other options", options_of(app, others));
   }
 };
 
@@ -111,6 +148,22 @@ struct HelpLayout : CLI::Formatter {
 
 std::shared_ptr<CLI::FormatterBase> help_layout() {
   return std::make_shared<HelpLayout>();
+}
+
+std::string greeting() {
+  return "slipstream: 3-D reconstruction by structured light\n\nTo begin:\n" +
+         entry("slipstream demo",
+               "scan the virtual world: a scan and its cloud, without hardware") +
+#ifdef SLIPSTREAM_VIEW
+         entry("slipstream view demo", "see it in a window; drop your own scans there") +
+#endif
+         entry("slipstream patterns", "write the pictures that your projector shows") +
+         entry("slipstream reconstruct", "make clouds out of your pictures") +
+#ifdef SLIPSTREAM_ALL_COMMANDS
+         entry("slipstream live",
+               "clouds in real time; from the virtual scanner without a camera") +
+#endif
+         "\nAll commands: slipstream --help; one of them: slipstream help COMMAND";
 }
 
 }  // namespace slipstream::app

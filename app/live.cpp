@@ -267,11 +267,6 @@ void live(const LiveFlags& flags, Output& output) {
   if (desktop.projector != nullptr && !request.sequence.projector) {
     request.sequence.projector = desktop.projector->size();
   }
-  if (request.world && !flags.headless) {
-    output.say(
-        "rendering the virtual camera's frames: seconds with --world ideal, otherwise about a "
-        "minute");
-  }
   NamedSource opened = open(request, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   EngineSetup setup = setup_from(opened, flags, output);
@@ -445,6 +440,8 @@ void add_serve(const Commands& program) {
     app.parse(std::vector<std::string>(rig.arguments));
     return read;
   };
+  command.common({"--source", "--scanner", "--strategy", "--steps", "--rate", "--publish",
+                  "--record", "--exposure"});
   command.examples({"serve rig.yaml"});
 }
 

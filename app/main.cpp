@@ -163,7 +163,7 @@ void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arg
 }
 
 /// In CLI11's order, the last word first. "--backwards true" becomes "--backwards=true", "help
-/// live" "live --help", "version" "--version", and no words "--help".
+/// live" "live --help" and "version" "--version".
 std::vector<std::string> reversed(std::span<char* const> arguments) {
   std::vector<std::string> words;
   for (const std::string word : arguments) {
@@ -174,28 +174,37 @@ std::vector<std::string> reversed(std::span<char* const> arguments) {
       words.push_back(word);
     }
   }
-  if (words.empty() || words.front() == "help") {
-    if (!words.empty()) words.erase(words.begin());
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
     words.push_back("--help");
-  } else if (words.front() == "version") {
+  } else if (!words.empty() && words.front() == "version") {
     words.front() = "--version";
   }
   std::reverse(words.begin(), words.end());
   return words;
 }
 
+int print(const std::string& text) {
+  Output words(false);
+  words.say("{}", text);
+  words.finish();
+  return 0;
+}
+
 int run_program(std::span<char* const> arguments, Output& output) {
+  if (arguments.size() < 2) return print(greeting());
   CLI::App program("3-D reconstruction by structured light", "slipstream");
   program.formatter(help_layout());
   program.require_subcommand(1);
-  program.get_help_ptr()->description("print this help");
+  program.get_help_ptr()->description("print the common options");
+  program.set_help_all_flag("--help-all", "print all options");
   program.set_version_flag("-V,--version", program_version)->description("print the version");
   Command chosen;
   SharedFlags shared;
   add_commands(program, chosen, arguments);
   add_shared_flags(program, program, shared, chosen.rig);
 
-  chosen.rig.arguments = reversed(arguments.subspan(arguments.empty() ? 0 : 1));
+  chosen.rig.arguments = reversed(arguments.subspan(1));
   try {
     program.parse(std::vector<std::string>(chosen.rig.arguments));
   } catch (const CLI::ParseError& error) {
@@ -206,10 +215,7 @@ int run_program(std::span<char* const> arguments, Output& output) {
     program.exit(error, text, text);
     std::string words = text.str();
     words.erase(words.find_last_not_of('\n') + 1);
-    Output help(false);
-    help.say("{}", words);
-    help.finish();
-    return 0;
+    return print(words);
   }
   try {
     require_distinct_files(chosen_command(program));

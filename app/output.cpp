@@ -92,22 +92,23 @@ void Progress::finish() {
 void Progress::advance(bool already) {
   ++done_;
   if (already) ++done_before_;
-  const auto patience = std::chrono::seconds(1);
-  if (!terminal_ || done_ == done_before_ || std::chrono::steady_clock::now() - start_ < patience)
-    return;
-  drawn_ = true;
-  draw();
+  const auto pause = std::chrono::milliseconds(100);
+  if (terminal_ && total_ > 1 && std::chrono::steady_clock::now() - drawn_at_ > pause) draw();
 }
 
-void Progress::draw() const {
+void Progress::draw() {
   constexpr int width = 30;
+  drawn_ = true;
+  drawn_at_ = std::chrono::steady_clock::now();
   const auto filled =
       static_cast<int>(width * static_cast<double>(done_) / static_cast<double>(total_));
-  const std::chrono::duration<double> past = std::chrono::steady_clock::now() - start_;
+  const std::chrono::duration<double> past = drawn_at_ - start_;
   const double rate = static_cast<double>(done_ - done_before_) / past.count();
-  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}, {:.3g}/s, {:.0f} s left\033[K", label_, "",
-             filled, "", width - filled, done_, total_, rate,
-             static_cast<double>(total_ - done_) / rate);
+  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}{}\033[K", label_, "", filled, "", width - filled,
+             done_, total_,
+             rate == 0 ? ""
+                       : fmt::format(", {:.3g}/s, {:.0f} s left", rate,
+                                     static_cast<double>(total_ - done_) / rate));
   std::fflush(stderr);
 }
 

@@ -125,6 +125,8 @@ class Output {
   }
   /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message);
+  /// A line on stderr before work of seconds.
+  void tell_wait(std::string_view work) { write_line(stderr, fmt::format("{} ...", work)); }
 
   /// The document that `--json` prints. Values are built before they are inserted, here and by list
   /// and object, as [] and push_back leave broken values when out of memory.
@@ -162,13 +164,14 @@ class Output {
   std::vector<std::pair<std::FILE*, std::string>> held_{};
 };
 
-/// A progress bar on stderr: shown only on a terminal and after one second of work. The destructor
-/// removes it.
+/// A progress bar on stderr, shown only on a terminal. The destructor removes it.
 class Progress {
  public:
   template <class Count>
   Progress(std::string label, Count total)
-      : label_(std::move(label)), total_(static_cast<std::int64_t>(total)) {}
+      : label_(std::move(label)), total_(static_cast<std::int64_t>(total)) {
+    if (terminal_ && total_ > 1) draw();
+  }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { finish(); }
@@ -181,13 +184,13 @@ class Progress {
   void finish();
 
  private:
-  void draw() const;
+  void draw();
 
   std::string label_;
   std::int64_t total_, done_ = 0, done_before_ = 0;
   bool terminal_ = ::isatty(STDERR_FILENO) == 1;
   bool drawn_ = false;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), drawn_at_;
 };
 
 /// The JSON in one line; bytes that are not UTF-8, as paths may hold, become U+FFFD.

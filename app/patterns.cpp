@@ -201,8 +201,6 @@ void add_patterns(const Commands& program) {
   command.exclude("--binary", {"--pattern-bits", "--precompensate", "--colour", "--uniform"});
   command.exclude("--pattern-bits", {"--colour", "--uniform"});
   command.exclude("--uniform", {"--precompensate", "--sheet"});
-  command.common({"--strategy", "--steps", "--high", "--low", "--axis", "--projector",
-                  "--exposures", "--colour", "--sheet", "--uniform"});
   command.examples(
       {"patterns patterns --strategy dual-frequency --steps 3 --high 16 --low 1 --axis x "
        "--projector 1824x1140"});

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <string_view>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -43,6 +44,8 @@ void handle_ends(void (*handler)(int)) {
 
 void end_program(int signal) {
   remove_temporary_files();
+  constexpr std::string_view words = "slipstream: stopped\n";
+  [[maybe_unused]] const auto said = ::write(STDERR_FILENO, words.data(), words.size());
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

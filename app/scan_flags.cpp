@@ -38,8 +38,21 @@ std::string numbers_only(const std::string& text) {
   }
 }
 
+/// The strategies, those that others replace at the end.
+std::string strategies_in_help() {
+  constexpr std::string_view of_literature[] = {"two-plus-one",      "fast-three-step",
+                                                "double-three-step", "two-frequency-2n",
+                                                "two-frequency-4n",  "pcps"};
+  std::vector<std::string_view> names = strategy_names();
+  const auto older = std::stable_partition(names.begin(), names.end(), [&](auto name) {
+    return std::ranges::find(of_literature, name) == std::end(of_literature);
+  });
+  return fmt::format("{}; of the literature: {}", fmt::join(names.begin(), older, ", "),
+                     fmt::join(older, names.end(), ", "));
+}
+
 void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
-  group.add("--strategy", changes.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
+  group.add("--strategy", changes.strategy, strategies_in_help());
   for (const SettingDescription& setting : strategy_settings()) {
     const std::string flag = flag_of(setting.name),
                       help = fmt::format("{} [{}]", setting.help, setting.strategies);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes shell completions and man pages from the program's --help.
+"""Writes shell completions and man pages from the program's --help-all.
 
 command_pages.py PROGRAM FOLDER: completions for bash, zsh and fish, and a man page, made by
 help2man, for the program and for each command.
@@ -18,7 +18,7 @@ def output_of(program, *words):
 
 def commands_of(program, *words):
     """Yields each command as (words, flags, subcommands), with the description of each."""
-    text = re.sub(r"\n {20,}", "  ", output_of(program, *words, "--help"))  # wrapped descriptions
+    text = re.sub(r"\n {20,}", "  ", output_of(program, *words, "--help-all"))  # wrapped descriptions
     entries = re.findall(r"^  (\S.*?) {2,}(\S.*)$", text, re.MULTILINE)
     below, flags = {}, {}
     for term, said in entries:
@@ -91,7 +91,7 @@ def main():
     for words, _, _ in commands:
         page = folder / ("-".join(("slipstream", *words)) + ".1")
         said = helps[words[-1]] if words else "3-D reconstruction by structured light"
-        made = subprocess.run(["help2man", "--no-info", f"--version-string={version}", "-n", said,
+        made = subprocess.run(["help2man", "--no-info", "--help-option=--help-all", f"--version-string={version}", "-n", said,
                                " ".join((program, *words))], capture_output=True, text=True,
                               check=True)
         page.write_text(made.stdout.replace(path_of(words) + " \\-", page.stem + " \\-", 1))

@@ -44,6 +44,8 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
            "--projector {} differs from the scanner's, {}", text_of(opened.sequence.projector),
            text_of(scanner.projector.size));
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
+  require_valid(photometry);
+  request.before_rendering();
   opened.frames = std::make_unique<VirtualCamera>(
       virtual_frames(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count)),
       request.rate == 0.0 ? std::nullopt : request.rate);

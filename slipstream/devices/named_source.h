@@ -21,6 +21,8 @@ struct SourceRequest {
   CameraSettings camera{};                         ///< for `aravis` and `v4l2`
   /// Delivers colour pictures whole, with their channels side by side.
   bool as_taken = false;
+  /// Called before `virtual` renders its frames for seconds.
+  std::function<void()> before_rendering = [] {};
 
   /// Settings shared by flags and keywords.
   template <class Self, class Visit>

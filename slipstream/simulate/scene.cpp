@@ -84,15 +84,10 @@ std::optional<Hit> hit(const std::shared_ptr<const MeshTree>& tree, const Ray& r
   return tree->first_hit(ray);
 }
 
-Eigen::Affine3d pose_at(const Body& body, double time) {
-  if (body.motion.is_none()) return Eigen::Affine3d(body.pose);
-  return body.motion.at(time) * body.pose;
-}
-
-std::optional<Hit> hit(const Body& body, const Ray& ray, double time) {
-  const Eigen::Affine3d to_body = pose_at(body, time).inverse();
+std::optional<Hit> hit(const PlacedBody& placed, const Ray& ray) {
+  const Eigen::Affine3d& to_body = placed.to_body;
   const Ray in_body{to_body * ray.origin, to_body.linear() * ray.direction};
-  return std::visit([&](const auto& shape) { return hit(shape, in_body); }, body.shape);
+  return std::visit([&](const auto& shape) { return hit(shape, in_body); }, placed.body->shape);
 }
 
 constexpr float white = 255;
@@ -247,33 +242,42 @@ std::optional<double> frames_of_a_turn(const Scene& scene) {
   return frames;
 }
 
-std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time) {
-  const Body* nearest = nullptr;
-  Hit first{.distance = std::numeric_limits<double>::infinity(), .normal = {}};
+std::vector<PlacedBody> placed_at(const Scene& scene, double time) {
+  std::vector<PlacedBody> placed;
   for (const Body& body : scene) {
-    const std::optional<Hit> found = hit(body, ray, time);
+    Eigen::Affine3d pose(body.pose);
+    if (!body.motion.is_none()) pose = body.motion.at(time) * body.pose;
+    placed.push_back({&body, pose, pose.inverse()});
+  }
+  return placed;
+}
+
+std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies, const Ray& ray) {
+  const PlacedBody* nearest = nullptr;
+  Hit first{.distance = std::numeric_limits<double>::infinity(), .normal = {}};
+  for (const PlacedBody& body : bodies) {
+    const std::optional<Hit> found = hit(body, ray);
     if (!found || found->distance >= first.distance) continue;
     nearest = &body;
     first = *found;
   }
   if (nearest == nullptr) return std::nullopt;
 
-  const Eigen::Affine3d pose = pose_at(*nearest, time);
+  const Body& met = *nearest->body;
   const Eigen::Vector3d point = ray.origin + first.distance * ray.direction;
-  Eigen::Vector3d normal = (pose.linear() * first.normal).normalized();
+  Eigen::Vector3d normal = (nearest->pose.linear() * first.normal).normalized();
   if (normal.dot(ray.direction) > 0) normal = -normal;
-  return SurfacePoint{first.distance,   point,
-                      normal,           nearest->texture(pose.inverse() * point),
-                      nearest->shading, nearest->gloss};
+  return SurfacePoint{first.distance, point,    normal, met.texture(nearest->to_body * point),
+                      met.shading,    met.gloss};
 }
 
-bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
-               double time) {
+bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& point,
+               const Eigen::Vector3d& light) {
   // From the light towards the point; its own surface is at distance 1, within rounding.
   constexpr double own_surface = 1 - 1e-6;
   const Ray ray{light, point - light};
-  return std::any_of(scene.begin(), scene.end(), [&](const Body& body) {
-    const std::optional<Hit> found = hit(body, ray, time);
+  return std::any_of(bodies.begin(), bodies.end(), [&](const PlacedBody& body) {
+    const std::optional<Hit> found = hit(body, ray);
     return found && found->distance < own_surface;
   });
 }

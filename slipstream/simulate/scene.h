@@ -151,11 +151,23 @@ bool is_moving(const Scene& scene);
 /// Frames per full turn if the scene only rotates; nullopt otherwise.
 std::optional<double> frames_of_a_turn(const Scene& scene);
 
-/// The first surface in the scene at `time`, in frames (0 at the first).
-std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time);
+/// A body where it is at one moment. Borrows the body.
+struct PlacedBody {
+  const Body* body;
+  Eigen::Affine3d pose;     ///< own frame to camera frame
+  Eigen::Affine3d to_body;  ///< its inverse
+};
+
+/// The scene at `time`, in frames (0 at the first). Borrows the scene.
+std::vector<PlacedBody> placed_at(const Scene& scene, double time);
+
+std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies, const Ray& ray);
+inline std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time) {
+  return first_surface(placed_at(scene, time), ray);
+}
 
 /// Whether anything other than the surface at `point` blocks `light`.
-bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
-               double time);
+bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& point,
+               const Eigen::Vector3d& light);
 
 }  // namespace slipstream

@@ -19,8 +19,9 @@ double off_centre(const Eigen::Vector2d& pixel, Size size) {
 }
 
 /// The projector pixel that lights a point; nullopt in shadow or outside the field.
-std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scene& scene,
-                                              const SurfacePoint& surface, double time) {
+std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner,
+                                              const std::vector<PlacedBody>& bodies,
+                                              const SurfacePoint& surface) {
   const Lens& projector = scanner.projector;
   const Vector centre = projector_centre(scanner);
   const Vector point = in_projector_frame(scanner, surface.point);
@@ -35,7 +36,7 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scen
     const Vector ray = ray_through(projector, pixel);
     if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;
   }
-  if (in_shadow(scene, surface.point, centre, time)) return std::nullopt;
+  if (in_shadow(bodies, surface.point, centre)) return std::nullopt;
   return pixel;
 }
 
@@ -73,11 +74,13 @@ struct Onlooker {
   double working_distance = (working_place - light).norm();  ///< from the projector
   /// Distance at which the light is nominal.
   double bright_distance = working_distance - working_volume(scanner).extent / 4;
+  std::vector<PlacedBody> bodies = placed_at(scene, time);
 
   [[nodiscard]] std::optional<Met> along(const Eigen::Vector2d& pixel) const {
     const Vector direction = ray_through(scanner.camera, pixel + residue(pixel));
     if (!direction.allFinite()) return std::nullopt;
-    return met({Vector::Zero(), direction}, time_of(pixel));
+    const Ray ray{Vector::Zero(), direction};
+    return at_row_of(pixel, [&](const auto& placed) { return met(ray, placed); });
   }
 
   /// Adds the light that other surfaces reflect onto a pixel's surface.
@@ -85,15 +88,16 @@ struct Onlooker {
                    std::vector<LitSample>& samples) const {
     const auto key = static_cast<std::uint64_t>(pixel.y() * 65536 + pixel.x());
     const double turn = uniform(key);
-    for (int i = 0; i < physics.bounces; ++i) {
-      const double u = (i + 0.5) / physics.bounces;
-      const Vector direction = diffuse_direction(from.normal, u, turn + i / std::numbers::phi);
-      const Ray ray{from.point + 1e-4 * from.normal, direction};
-      const std::optional<Met> other = met(ray, time_of(pixel));
-      if (!other || !other->light) continue;
-      samples.push_back(*other->light);
-      samples.back().strength *= from.alpha / physics.bounces;
-    }
+    at_row_of(pixel, [&](const auto& placed) {
+      for (int i = 0; i < physics.bounces; ++i) {
+        const double u = (i + 0.5) / physics.bounces;
+        const Vector direction = diffuse_direction(from.normal, u, turn + i / std::numbers::phi);
+        const std::optional<Met> other = met({from.point + 1e-4 * from.normal, direction}, placed);
+        if (!other || !other->light) continue;
+        samples.push_back(*other->light);
+        samples.back().strength *= from.alpha / physics.bounces;
+      }
+    });
   }
 
   /// The camera's blur, pixels.
@@ -101,9 +105,13 @@ struct Onlooker {
     return physics.camera.at(std::isnan(depth) ? 1 : depth / working_place.z());
   }
 
-  [[nodiscard]] double time_of(const Eigen::Vector2d& pixel) const {
+  /// Calls `use` with the bodies as they are when the pixel's row is exposed.
+  template <class Use>
+  std::invoke_result_t<Use, const std::vector<PlacedBody>&> at_row_of(const Eigen::Vector2d& pixel,
+                                                                      const Use& use) const {
+    if (!physics.rolling_shutter) return use(bodies);
     const double rolled = shutter_rolls * pixel.y() / scanner.camera.size.height;
-    return physics.rolling_shutter ? time + rolled : time;
+    return use(placed_at(scene, time + rolled));
   }
 
   /// A smooth error that no lens polynomial fits.
@@ -128,13 +136,14 @@ struct Onlooker {
                std::pow(std::max(0.0, surface.normal.dot(half_way)), sharpness);
   }
 
-  [[nodiscard]] std::optional<Met> met(const Ray& ray, double time) const {
-    const std::optional<SurfacePoint> surface = first_surface(scene, ray, time);
+  [[nodiscard]] std::optional<Met> met(const Ray& ray,
+                                       const std::vector<PlacedBody>& placed) const {
+    const std::optional<SurfacePoint> surface = first_surface(placed, ray);
     if (!surface) return std::nullopt;
     const double distance = (surface->point - light).norm();
     Met result{*surface, reflectivity(*surface, ray.origin)};
     const double share = physics.fall_off ? std::pow(bright_distance / distance, 2) : 1;
-    if (const auto pixel = lighting_pixel(scanner, scene, *surface, time)) {
+    if (const auto pixel = lighting_pixel(scanner, placed, *surface)) {
       const double lens_loss = 1 - physics.vignetting * off_centre(*pixel, scanner.projector.size);
       result.light = {*pixel, share * lens_loss * result.reflectivity,
                       physics.projector.at(distance / working_distance),
@@ -205,18 +214,24 @@ MetByCentres meet(const Onlooker& onlooker, Size size) {
 Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
                       int down) {
   Image<double> result(picture.size());
-  for_each_pixel(picture.size(), [&](int column, int row) {
-    const double sigma = std::max(deviation(column, row), 1e-3);
-    const int reach = static_cast<int>(std::ceil(4 * sigma));
-    double sum = 0, weights = 0;
-    for (int i = -reach; i <= reach; ++i) {
-      const int x = std::clamp(column + i * right, 0, picture.width() - 1);
-      const int y = std::clamp(row + i * down, 0, picture.height() - 1);
-      const double weight = std::exp(-0.5 * i * i / (sigma * sigma));
-      sum += weight * picture(x, y);
-      weights += weight;
+  for_each_row(picture.height(), [&](int row) {
+    std::vector<double> weight;  // by distance
+    for (int column = 0; column < picture.width(); ++column) {
+      const double sigma = std::max(deviation(column, row), 1e-3);
+      const int reach = static_cast<int>(std::ceil(4 * sigma));
+      weight.resize(static_cast<std::size_t>(reach) + 1);
+      for (int i = 0; i <= reach; ++i) {
+        weight[static_cast<std::size_t>(i)] = std::exp(-0.5 * i * i / (sigma * sigma));
+      }
+      double sum = 0, weights = 0;
+      for (int i = -reach; i <= reach; ++i) {
+        const int x = std::clamp(column + i * right, 0, picture.width() - 1);
+        const int y = std::clamp(row + i * down, 0, picture.height() - 1);
+        sum += weight[static_cast<std::size_t>(std::abs(i))] * picture(x, y);
+        weights += weight[static_cast<std::size_t>(std::abs(i))];
+      }
+      result(column, row) = sum / weights;
     }
-    result(column, row) = sum / weights;
   });
   return result;
 }

@@ -82,8 +82,9 @@ ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photom
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen);
 
-/// Adds the sensor's noise to frame n, grey levels of 8 bits; deterministic for a seed.
-void add_noise(Image<double>& frame, int n, const Photometry& photometry);
+/// Adds the sensor's noise to frames of one size, the first with number n, grey levels of 8 bits;
+/// deterministic for a seed.
+void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& photometry);
 
 /// The frames rounded and clipped to `bits`; unchanged without `bits`.
 FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits);

@@ -212,7 +212,7 @@ Arrival VirtualRig::next(Frame& frame, std::chrono::milliseconds) {
   std::vector<Image<double>> exposures;
   const int number = static_cast<int>(taken_);
   exposures.push_back(exposed(seen_, photometry_, number, 1, light));
-  add_noise(exposures.back(), number, photometry_);
+  add_noise(exposures, number, photometry_);
   frame = first_frame(digitised(std::move(exposures), photometry_.bits));
   frame.stamp = {.sequence = taken_++,
                  .pattern_index = std::nullopt,

@@ -71,29 +71,35 @@ std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
 
 }  // namespace
 
-void add_noise(Image<double>& frame, int n, const Photometry& photometry) {
+void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& photometry) {
   const Physics& physics = photometry.physics;
-  const auto number = static_cast<std::uint64_t>(n);
   const double level = physics.full_well > 0 ? 255 / physics.full_well : 0;  // of an electron
   const double constant = photometry.noise_variance + std::pow(level * physics.read_noise, 2);
   const bool differing = physics.dark_spread > 0 || physics.sensitivity_spread > 0;
   if (constant == 0 && level == 0 && physics.row_noise == 0 && !differing) return;
-  for_each_row(frame.height(), [&](int row) {
-    const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(frame.width());
-    const double of_row =
-        physics.row_noise == 0
-            ? 0
-            : physics.row_noise * gaussian(photometry.seed, number + of_rows, first);
-    for (int column = 0; column < frame.width(); ++column) {
+  const Size size = frames.front().size();
+  for_each_row(size.height, [&](int row) {
+    const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(size.width);
+    std::vector<double> of_row(frames.size(), 0);
+    for (std::size_t i = 0; i < frames.size() && physics.row_noise != 0; ++i) {
+      const std::uint64_t number = static_cast<std::uint64_t>(n) + i + of_rows;
+      of_row[i] = physics.row_noise * gaussian(photometry.seed, number, first);
+    }
+    for (int column = 0; column < size.width; ++column) {
       const std::uint64_t pixel = first + static_cast<std::uint64_t>(column);
-      double& intensity = frame(column, row);
+      double sensitivity = 1, offset = 0;
       if (differing) {
-        intensity *= 1 + physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
-        intensity += physics.dark_spread * gaussian(0, of_offsets, pixel);
+        sensitivity += physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
+        offset = physics.dark_spread * gaussian(0, of_offsets, pixel);
       }
-      const double shot = level * std::max(intensity, 0.0);
-      intensity +=
-          of_row + std::sqrt(constant + shot) * gaussian(photometry.seed, number, pixel);  // (3.10)
+      for (std::size_t i = 0; i < frames.size(); ++i) {
+        const std::uint64_t number = static_cast<std::uint64_t>(n) + i;
+        double& intensity = frames[i](column, row);
+        intensity = intensity * sensitivity + offset;
+        const double shot = level * std::max(intensity, 0.0);
+        intensity += of_row[i] + std::sqrt(constant + shot) *
+                                     gaussian(photometry.seed, number, pixel);  // (3.10)
+      }
     }
   });
 }
@@ -136,9 +142,9 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
       std::transform(frame.begin(), frame.end(), exposure.begin(), frame.begin(),
                      [=](double sum, double more) { return sum + share * more; });
     }
-    add_noise(frame, n, photometry);
     exposures.push_back(std::move(frame));
   }
+  add_noise(exposures, 0, photometry);
   const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
   const double middle = time + 0.5 * (patterns.count - 1 + exposure);
   const SeenScene truth =
@@ -161,8 +167,8 @@ FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
     exposures.push_back(
         exposed(*scan.seen, photometry, n, patterns.exposure(n),
                 projected_light(patterns, n, scan.projector, photometry, *scan.seen)));
-    add_noise(exposures.back(), n, photometry);
   }
+  add_noise(exposures, 0, photometry);
   return digitised(std::move(exposures), photometry.bits);
 }
 
@@ -181,12 +187,11 @@ VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const P
     lights.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
       if constexpr (std::is_same_v<Pixel, double>) {
         for (std::size_t n = 0; n < frames.size(); n += channels) {
-          for (Image<double>& channel :
-               mixed({frames[n], frames[n + 1], frames[n + 2]}, scan, scanner.camera, devices)) {
-            add_noise(channel, first_noise + static_cast<int>(exposures.size()), photometry);
-            exposures.push_back(std::move(channel));
-          }
+          std::vector<Image<double>> picture =
+              mixed({frames[n], frames[n + 1], frames[n + 2]}, scan, scanner.camera, devices);
+          std::move(picture.begin(), picture.end(), std::back_inserter(exposures));
         }
+        add_noise(exposures, first_noise, photometry);
       }
     });
     return digitised(std::move(exposures), photometry.bits);

@@ -34,10 +34,12 @@ class Program : public testing::Test {
     return run_program(arguments);
   }
 
-  /// Expects this exit code, one line on stderr with all `parts`, and no output.
+  /// Expects this exit code, one line on stderr with all `parts`, after one that tells of a wait,
+  /// and no output.
   void expect_refused(const ProgramRun& run, int exit_code, const std::vector<std::string>& parts) {
     EXPECT_EQ(run.exit_code, exit_code) << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    const auto waits = run.err.starts_with("rendering") ? 1 : 0;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1 + waits) << run.err;
     EXPECT_EQ(run.out, "");
     for (const std::string& part : parts) {
       EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "lacks: " << part;
@@ -331,19 +333,33 @@ TEST_F(Program, SaysWhichItIs) {
 }
 
 TEST_F(Program, HasHelpWithExamples) {
-  for (const char* command : {"patterns", "simulate", "reconstruct"}) {
-    const ProgramRun run = run_program({command, "--help"});
+  for (const char* command : {"simulate", "reconstruct"}) {
+    const ProgramRun run = run_program({command, "--help-all"});
     EXPECT_EQ(run.exit_code, 0);
+    EXPECT_LT(run.out.find("Example"), run.out.find("Common options:"));
     EXPECT_LT(run.out.find("Common options:"), run.out.find("Other options:"));
-    EXPECT_LT(run.out.find("Other options:"), run.out.find("Example"));
     EXPECT_NE(run.out.find("--json"), std::string::npos);
     EXPECT_NE(run.out.find("--threads"), std::string::npos);
-    EXPECT_EQ(run_program({"help", command}).out, run.out);
+    EXPECT_EQ(run_program({"help", command}).out, run_program({command, "--help"}).out);
+  }
+  EXPECT_NE(run_program({"help", "patterns"}).out.find("--period-pixels"), std::string::npos);
+}
+
+TEST_F(Program, HelpIsShort) {
+  for (const char* command : {"reconstruct", "check", "measure", "simulate", "capture", "live"}) {
+    const ProgramRun run = run_program({command, "--help"});
+    std::istringstream lines(run.out);
+    std::ptrdiff_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count) {
+      EXPECT_LE(line.size(), 100u) << command << ": " << line;
+    }
+    EXPECT_LE(count, 40) << command;
+    EXPECT_NE(run.out.find("--help-all"), std::string::npos) << command;
   }
 }
 
 TEST_F(Program, ListsItsCommandsInGroups) {
-  const ProgramRun run = run_program({});
+  const ProgramRun run = run_program({"--help"});
   EXPECT_EQ(run.exit_code, 0);
   std::size_t at = 0;
   for (const char* text : {"Usage: slipstream COMMAND", "Scan:", "  reconstruct",
@@ -351,8 +367,16 @@ TEST_F(Program, ListsItsCommandsInGroups) {
     at = run.out.find(text, at);
     ASSERT_NE(at, std::string::npos) << text;
   }
-  EXPECT_EQ(run_program({"--help"}).out, run.out);
   EXPECT_EQ(run_program({"help"}).out, run.out);
+}
+
+TEST_F(Program, GreetsWithCommandsToBeginWith) {
+  const ProgramRun run = run_program({});
+  EXPECT_EQ(run.exit_code, 0);
+  for (const char* text : {"slipstream demo", "slipstream reconstruct", "slipstream --help"}) {
+    EXPECT_NE(run.out.find(text), std::string::npos) << text;
+  }
+  EXPECT_LT(std::ranges::count(run.out, '\n'), 15);
 }
 
 TEST_F(Program, MissingFrame) {

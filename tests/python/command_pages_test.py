@@ -1,6 +1,7 @@
 """What shells are told of the program is what it has."""
 
 import importlib.util
+import re
 import shutil
 import subprocess
 
@@ -28,6 +29,9 @@ def test_commands_and_flags_are_found(commands):
     assert "--source" in found[("record",)]
     assert {"--help", "--strategy", "--json", "--output"} <= set(found[("reconstruct",)])
     assert all(said for flags in found.values() for said in flags.values())
+    named = {flag for file in (SOURCES / "app").glob("*.cpp")
+             for flag in re.findall(r'add\w*(?:<[^"]*>)?\(\s*"(--[\w-]+)"', file.read_text())}
+    assert len(named) > 150 and named <= {flag for flags in found.values() for flag in flags}
 
 
 OFFERED = pytest.mark.parametrize("typed, offered", [

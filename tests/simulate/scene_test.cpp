@@ -67,10 +67,11 @@ TEST(Scene, TheNearestBodyIsSeenAndShadesTheOthers) {
                     Body{.shape = Sphere{50}, .pose = at({0, 0, 500})}};
   EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 0)->distance, 450);
   const Vector light(300, 0, 0);
+  const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   // The shadow of the sphere's centre falls on the board at x = -180.
-  EXPECT_TRUE(in_shadow(scene, {-180, 0, 800}, light, 0));
-  EXPECT_FALSE(in_shadow(scene, {100, 0, 800}, light, 0));
-  EXPECT_FALSE(in_shadow(scene, {0, 0, 450}, light, 0));
+  EXPECT_TRUE(in_shadow(bodies, {-180, 0, 800}, light));
+  EXPECT_FALSE(in_shadow(bodies, {100, 0, 800}, light));
+  EXPECT_FALSE(in_shadow(bodies, {0, 0, 450}, light));
 }
 
 TEST(Scene, BodiesMoveFromFrameToFrame) {

@@ -40,6 +40,8 @@ void check(const CheckFlags& flags, Output& output) {
       const double baseline = scan.scanner->translation.norm(), depth = checked.median_depth;
       output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
       describe(output.list("scans").back(), "baseline_mm", baseline, "median_depth_mm", depth);
+    } else if (!scan.further_cameras.empty()) {
+      output.say("{}: two cameras, no projector: the calibration is not checked", folder);
     }
     progress.advance();
   }

@@ -9,10 +9,12 @@
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/surface.h"
 #include "slipstream/decode/frame_motion.h"
+#include "slipstream/io/camera_pair.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/coordinate_map.h"
+#include "slipstream/reconstruct/coordinate_matcher.h"
 
 namespace slipstream::app {
 namespace {
@@ -44,6 +46,15 @@ void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSet
 void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
                    ReconstructedScan& result) {
   const Scan& second = scan.further_cameras.front();
+  if (!scan.scanner) {
+    CoordinateMatcher::Result matched =
+        CoordinateMatcher(setup.scanner, setup.sequence, setup.settings)(scan);
+    result.cloud = std::move(matched.cloud);
+    result.maps = std::move(matched.maps);
+    if (flags.uncertainty) result.uncertainty = std::move(matched.uncertainty);
+    result.backend = "coordinates";
+    return;
+  }
   const PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
                            flags.match);
   PhaseMatcher::Result matched = match(scan.frames, second.frames);
@@ -139,8 +150,9 @@ bool measures_motion(const EngineSetup& setup) {
 /// A scan or a map that was read, and its results so far.
 struct LoadedScan {
   Scan scan;
-  Image<double> coordinates;  ///< of a map, 0 to 1
-  Image<float> modulation;    ///< of a map, if given
+  Image<double> coordinates;     ///< of a map, 0 to 1
+  Image<float> modulation;       ///< of a map, if given
+  std::optional<fs::path> pair;  ///< file of two cameras without a projector
   ReconstructedScan result;
 };
 
@@ -167,13 +179,36 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   if (flags.modulation) loaded.modulation = converted<float>(read_map(*flags.modulation));
 }
 
+/// Checks a scan of two cameras without a projector; the setup's scanner is then the pair.
+SoundScan sound_pair(Scan& scan, const ScanName& name, const fs::path& file, CloudFlags flags,
+                     Output& output) {
+  const Scanner pair =
+      completed(read_camera_pair(file), file.string() + ", the second camera as the projector",
+                scan.frames.size(), scan.further_cameras.front().frames.size());
+  PhotometricCalibration& known = flags.photometry;
+  known.ambient = known.ambient ? known.ambient : pair.photometry.ambient;
+  if (!known.noise_variance) {
+    known.noise_variance = pair.photometry.noise_variance;
+    known.noise_gain = pair.photometry.noise_gain;
+  }
+  SoundScan sound = sound_scan(scan, text_of(name), flags, output, Wanted::maps);
+  sound.setup.scanner = pair;
+  sound.setup.scanner.photometry = known;
+  output.say("{}: two cameras, no projector: the calibration is not checked with the frames",
+             text_of(name));
+  return sound;
+}
+
 void read_scan(const ScanFlags& input, const ReconstructFlags& flags, LoadedScan& loaded) {
   const auto& [path, window] = loaded.result.name;
-  Output& words = loaded.result.words;
   const bool cameras = !flags.one_camera, only_maps = flags.files.only_maps() && !flags.uncertainty;
-  loaded.scan =
-      only_maps ? load_checkable(path, input, cameras, words) : load(path, input, cameras, words);
+  loaded.scan = load_checkable(path, input, cameras, loaded.result.words);
   const Scan& scan = loaded.scan;
+  if (!only_maps && !scan.scanner && !scan.further_cameras.empty()) {
+    loaded.pair = scan_files_in(path, input).scanner;
+  }
+  throw_if(!only_maps && !scan.scanner && !loaded.pair,
+           "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
@@ -207,7 +242,10 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     }
     read_scan(input, flags, loaded);
     result.read = watch.lap();
-    result.sound = sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
+    result.sound =
+        loaded.pair
+            ? sound_pair(loaded.scan, name, *loaded.pair, flags.cloud, result.words)
+            : sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
   } catch (const Error& error) {
     result.failure = error.what();
   } catch (const WorldError& error) {  // an unreadable file fails only its own scan
@@ -252,7 +290,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   Stopwatch watch;
   const EngineSetup& setup = result.sound.setup;
   const bool two_cameras = !scan.further_cameras.empty() && result.wanted == Wanted::points;
-  require_uncertainty_possible(flags, setup, two_cameras);
+  require_uncertainty_possible(flags, setup, two_cameras && scan.scanner);
   throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
            "--epipolar needs one camera and patterns along both axes: --axis both");
   throw_if(!flags.files.motion.empty() && (two_cameras || !measures_motion(setup)),
@@ -281,7 +319,9 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   judge(flags, result);
   result.computed = watch.lap();
   if (flags.uncertainty) {
-    result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
+    if (!result.uncertainty) {
+      result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
+    }
     result.median_sigma = median_depth(*result.uncertainty);
   }
   if (!flags.files.coordinate.empty() && !two_cameras) {

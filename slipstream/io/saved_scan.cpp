@@ -6,6 +6,7 @@
 
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
+#include "slipstream/io/camera_pair.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scan_pictures.h"
@@ -183,13 +184,17 @@ void add_camera(Scan& scan, const ScanFiles& files) {
 }
 
 Scan load_scan(const fs::path& path, const ScanChanges& changes) {
-  const ScanFiles files = scan_files_in(path, changes);
-  Scan scan = load_scan(files);
-  if (files.second_camera) {
-    add_camera(scan, scan_files_in(*files.second_camera, {.sequence = changes.sequence,
-                                                          .order = changes.order,
-                                                          .window = changes.window}));
+  ScanFiles files = scan_files_in(path, changes);
+  if (!files.second_camera) return load_scan(files);
+  ScanFiles second = scan_files_in(
+      *files.second_camera,
+      {.sequence = changes.sequence, .order = changes.order, .window = changes.window});
+  if (files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
+    files.scanner.reset();
+    second.scanner.reset();
   }
+  Scan scan = load_scan(files);
+  add_camera(scan, second);
   return scan;
 }
 

@@ -10,6 +10,7 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/geometry/triangulator.h"
+#include "slipstream/io/camera_pair.h"
 #include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/file.h"
 #include "slipstream/response/response_fit.h"
@@ -114,7 +115,7 @@ struct Layout {
 /// Begins the names of the second of two files that use the same names.
 constexpr std::string_view of_projector = "the projector's ";
 
-constexpr std::array<Layout, 10> layouts{{
+constexpr std::array<Layout, 11> layouts{{
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
      "rotation",
@@ -142,7 +143,19 @@ constexpr std::array<Layout, 10> layouts{{
       "the projector's image_width", "the projector's image_height"},
      "",
      ""},
+    {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
+     {"second_camera_matrix", "second_camera_distortion", "second_camera_width",
+      "second_camera_height"},
+     "rotation",
+     "translation"},
 }};
+
+/// Whether a layout's second device is a camera or, with `if_either`, only numbered as the second.
+bool is_camera_pair(const Layout& layout, bool if_either) {
+  const std::string_view second = layout.projector.matrix;
+  const bool is_numbered = second.ends_with('2') || second.starts_with(of_projector);
+  return second == layouts.back().projector.matrix || (if_either && is_numbered);
+}
 
 std::array<std::string_view, 10> names_of(const Layout& layout) {
   const auto& [camera, projector, rotation, translation] = layout;
@@ -331,8 +344,8 @@ void set_rectified_pose(const Entries& entries, Scanner& scanner) {
            "the projection matrices have no baseline; calibrate both devices as a stereo pair");
 }
 
-/// The scanner's lenses and pose.
-Scanner geometry_of(const Entries& entries) {
+/// The lenses and pose of a camera and a projector or, as a `pair`, a second camera.
+Scanner geometry_of(const Entries& entries, bool pair) {
   if (has(entries, projections[0]) || has(entries, projections[1])) {
     const Size projector_size = size_of(entries, layouts.front().projector);
     const auto projector = matrix_of<3, 4>(entries, projections[1]);
@@ -341,6 +354,10 @@ Scanner geometry_of(const Entries& entries) {
     return scanner_of(camera, camera_size, projector, projector_size);
   }
   const Layout& names = layout_of(entries);
+  throw_if(pair != is_camera_pair(names, pair), "{}",
+           pair ? "calibrates a projector, not a second camera"
+                : "calibrates two cameras and no projector; only slipstream reconstruct reads it, "
+                  "for scans of both cameras");
   Scanner scanner;
   scanner.camera = lens_of(entries, names.camera);
   scanner.projector = lens_of(entries, names.projector);
@@ -353,9 +370,9 @@ Scanner geometry_of(const Entries& entries) {
   return scanner;
 }
 
-Scanner scanner_of(const Entries& entries, const std::string& name) {
+Scanner scanner_of(const Entries& entries, const std::string& name, bool pair = false) {
   return naming(name, [&] {
-    Scanner scanner = geometry_of(entries);
+    Scanner scanner = geometry_of(entries, pair);
     scanner.photometry = photometric_calibration_of(entries);
     if (has(entries, depths_entry)) {
       const auto depths = matrix_of<1, 2>(entries, depths_entry);
@@ -380,6 +397,14 @@ Entries joined(Entries first, const Entries& second) {
   return first;
 }
 
+Entries entries_in(const fs::path& path) {
+  const std::vector<fs::path> files = scanner_files(path);
+  const Entries first = read_opencv_storage(files[0]);
+  if (files.size() == 1) return first;
+  const Entries second = read_opencv_storage(files[1]);
+  return naming(path.string(), [&] { return joined(first, second); });
+}
+
 }  // namespace
 
 std::vector<fs::path> scanner_files(const fs::path& path) {
@@ -397,11 +422,17 @@ fs::path scanner_in(const fs::path& folder, const fs::path& path) {
 }
 
 Scanner read_scanner(const fs::path& path) {
-  const std::vector<fs::path> files = scanner_files(path);
-  const Entries first = read_opencv_storage(files[0]);
-  if (files.size() == 1) return scanner_of(first, path.string());
-  const Entries second = read_opencv_storage(files[1]);
-  return scanner_of(naming(path.string(), [&] { return joined(first, second); }), path.string());
+  return scanner_of(entries_in(path), path.string());
+}
+
+Scanner read_camera_pair(const fs::path& path) {
+  return scanner_of(entries_in(path), path.string(), true);
+}
+
+bool is_camera_pair(const fs::path& path, bool if_either) {
+  const Entries entries = entries_in(path);
+  return !has(entries, projections[0]) &&
+         naming(path.string(), [&] { return is_camera_pair(layout_of(entries), if_either); });
 }
 
 Scanner scanner_from(const std::string& text, const std::string& name) {

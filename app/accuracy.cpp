@@ -2,6 +2,7 @@
 
 #include "app/source_flags.h"
 #include "slipstream/codes/registry.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/plot.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/simulate/comparison.h"
@@ -68,21 +69,26 @@ nlohmann::json json_of(const Row& row) {
                    row.compared.decode_ms);
 }
 
-std::vector<std::string> table_of(const std::vector<Row>& rows) {
-  std::vector<std::string> lines{
-      "| scene | world | strategy | frames | complete | RMS | noise | error / sigma | beyond 5 "
-      "sigma | flying | wrong order | decoding |",
-      "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"};
-  for (const Row& row : rows) {
-    const CloudErrors& errors = row.compared.errors;
-    lines.push_back(fmt::format(
-        "| {} | {} | {} | {} | {:.1f} % | {:.3f} mm | {:.3f} mm | {:.2f} | {:.3f} % | {:.3f} % | "
-        "{:.3f} % | {:.2f} ms |",
-        row.scene, row.world, row.strategy, row.frames, 100 * errors.completeness, errors.rms,
-        row.compared.repeatability, errors.normalised_rms, 100 * errors.beyond_5,
-        100 * errors.flying, 100 * errors.wrong_order, row.compared.decode_ms));
-  }
-  return lines;
+const std::vector<std::string> columns{"scene",          "world",  "strategy",    "frames",
+                                       "complete",       "RMS",    "noise",       "error / sigma",
+                                       "beyond 5 sigma", "flying", "wrong order", "decoding"};
+
+std::vector<std::string> cells_of(const Row& row) {
+  const CloudErrors& errors = row.compared.errors;
+  const auto percent = [](double share) { return fmt::format("{:.3f} %", 100 * share); };
+  const auto mm = [](double length) { return fmt::format("{:.3f} mm", length); };
+  return {row.scene,
+          row.world,
+          row.strategy,
+          std::to_string(row.frames),
+          fmt::format("{:.1f} %", 100 * errors.completeness),
+          mm(errors.rms),
+          mm(row.compared.repeatability),
+          fmt::format("{:.2f}", errors.normalised_rms),
+          percent(errors.beyond_5),
+          percent(errors.flying),
+          percent(errors.wrong_order),
+          fmt::format("{:.2f} ms", row.compared.decode_ms)};
 }
 
 /// RMS over strategies in the table's order, one line per scene and world.
@@ -103,27 +109,32 @@ LinePlot plot_of(const std::vector<Row>& rows) {
   return plot;
 }
 
-void write_comparison(const fs::path& folder, const std::vector<Row>& rows,
-                      const std::vector<std::string>& table) {
+void write_comparison(const fs::path& folder, const std::vector<Row>& rows) {
   make_folder(folder);
   write_plot(folder / "rms.png", plot_of(rows));
-  std::string page = fmt::format("{}\n\n![RMS error of depth](rms.png)\n", fmt::join(table, "\n"));
+  Page page("Comparison of strategies");
+  page.table(columns);
+  for (const Row& row : rows) page.row(cells_of(row));
+  page.picture("RMS error of depth", "rms.png");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string picture = fmt::format("cloud-{:02}.png", i + 1);
     write_depth_preview(folder / picture, rows[i].compared.cloud);
-    page += fmt::format("\n{}, {}, {}: ![cloud]({})\n", rows[i].scene, rows[i].world,
-                        rows[i].strategy, picture);
+    page.picture(fmt::format("{}, {}, {}", rows[i].scene, rows[i].world, rows[i].strategy),
+                 picture);
   }
-  write_file(folder / "comparison.md", page);
+  write_page(folder / "comparison.html", page);
 }
 
 void compare_strategies(const CompareFlags& flags, Output& output) {
   const std::vector<Row> rows = compared_rows(flags);
-  const std::vector<std::string> table = table_of(rows);
-  for (const std::string& line : table) output.say("{}", line);
-  for (const Row& row : rows) output.list("rows").push_back(json_of(row));
+  output.say("| {} |", fmt::join(columns, " | "));
+  output.say("|{}", fmt::join(std::vector<std::string>(columns.size(), " --- |"), ""));
+  for (const Row& row : rows) {
+    output.say("| {} |", fmt::join(cells_of(row), " | "));
+    output.list("rows").push_back(json_of(row));
+  }
   if (flags.folder.empty()) return;
-  write_comparison(flags.folder, rows, table);
+  write_comparison(flags.folder, rows);
   output.document["folder"] = flags.folder;
   output.say("table, plot and pictures are in {}", flags.folder);
 }
@@ -201,7 +212,7 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   if (!flags.report) return;
   write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
   output.document["report"] = *flags.report;
-  output.say("the report is {}/report.md", *flags.report);
+  output.say("the report is {}/report.html", *flags.report);
 }
 
 }  // namespace

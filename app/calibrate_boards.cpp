@@ -249,14 +249,14 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   }
   const CalibrationReport report{calibration, captures.unused, board,
                                  comparison ? &*comparison : nullptr, findings};
-  if (flags.report) write_page(*flags.report, calibration_report(report));
+  if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, report);
   output.say("{}", text_of(report));
   output.warn(findings);
   output.say("scanner file: {}", flags.scanner);
   if (flags.report) {
-    output.say("report: {}", (fs::path(*flags.report) / "report.md").string());
+    output.say("report: {}", (fs::path(*flags.report) / "report.html").string());
   }
   if (!kept.empty()) output.say("kept from the existing file: {}", fmt::join(kept, ", "));
 }

@@ -94,8 +94,8 @@ std::string options_of(const CLI::App& app, const std::string& group) {
   return entries;
 }
 
-/// Usage, examples, arguments, commands and common options; with --help-all, and where no options
-/// are common, all options in groups.
+/// Usage, examples, arguments, commands and common options; with --help-all, and for commands
+/// without common options, all options in groups.
 struct HelpLayout : CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode mode) const override {
     std::string called = app->get_name(), usage, arguments, commands, group;

@@ -125,8 +125,10 @@ class Output {
   }
   /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message);
-  /// A line on stderr before work of seconds.
-  void tell_wait(std::string_view work) { write_line(stderr, fmt::format("{} ...", work)); }
+  /// A line before work of seconds, for who watches: only on a terminal.
+  void tell_wait(std::string_view work) {
+    if (::isatty(STDERR_FILENO) == 1) write_line(stderr, fmt::format("{} ...", work));
+  }
 
   /// The document that `--json` prints. Values are built before they are inserted, here and by list
   /// and object, as [] and push_back leave broken values when out of memory.

@@ -45,7 +45,8 @@ void handle_ends(void (*handler)(int)) {
 void end_program(int signal) {
   remove_temporary_files();
   constexpr std::string_view words = "slipstream: stopped\n";
-  [[maybe_unused]] const auto said = ::write(STDERR_FILENO, words.data(), words.size());
+  [[maybe_unused]] const auto said =
+      signal == SIGPIPE ? 0 : ::write(STDERR_FILENO, words.data(), words.size());
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

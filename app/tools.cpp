@@ -5,6 +5,7 @@
 #include "bench/bench_rows.h"
 #include "paper/reproduction.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/plot.h"
 #include "slipstream/reconstruct/gpu.h"
 
@@ -121,18 +122,18 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
     output.document[kind] = nlohmann::json::array();
   }
   output.document["seed"] = flags.seed;
-  std::string report = "# Published and recomputed\n\n";
+  Page report("Published and recomputed");
   Progress progress("reproduce", items.size());
   for (const Reproducible& item : items) {
     const Reproduced done = run(item, flags);
     output.list(std::string(item.kind) + "s").push_back(json_of(done));
-    report += markdown_of(done, fs::path(flags.report).parent_path());
+    add_to(report, done, fs::absolute(flags.report).parent_path());
     progress.advance();
     output.say("{}", text_of(done));
   }
   progress.finish();
   if (!flags.report.empty()) {
-    write_file(flags.report, report);
+    write_page(flags.report, report);
     output.say("report: {}", flags.report);
   }
 }
@@ -147,9 +148,10 @@ void add_reproduce(const Commands& program) {
               "what to recompute, e.g. table-4.1 figure-4.7 section-4.5, or all");
   command.add("--list", flags.list, "list tables, figures and sections");
   command.add_output("--plots", flags.plots, "folder for the figures (PNG)", output_folder_type);
-  command.add_output("--report", flags.report, "Markdown report: .md");
+  command.add_output("--report", flags.report, "report with all plots: .html");
   command.add("--seed", flags.seed, "seed of the simulated noise");
-  command.examples({"reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report report.md"});
+  command.examples(
+      {"reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report report.html"});
 }
 
 void add_bench(const Commands& program) {

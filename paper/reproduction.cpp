@@ -22,16 +22,6 @@ std::string text_of(const std::vector<std::pair<std::string, double>>& parameter
   return text;
 }
 
-std::string markdown_of(const std::vector<ReproducedCell>& cells) {
-  std::string text =
-      "| quantity | of | published | recomputed | improved |\n| --- | --- | --- | --- | --- |\n";
-  for (const ReproducedCell& cell : cells) {
-    text += fmt::format("| {} | {} | {} | {} | {} |\n", cell.quantity, text_of(cell.parameters),
-                        text_of(cell.published), text_of(cell.recomputed), text_of(cell.improved));
-  }
-  return text + "\n";
-}
-
 }  // namespace
 
 std::vector<Reproducible> reproducibles() {
@@ -81,16 +71,20 @@ std::string text_of(const Reproduced& reproduced) {
   return text;
 }
 
-std::string markdown_of(const Reproduced& reproduced, const fs::path& folder) {
+void add_to(Page& page, const Reproduced& reproduced, const fs::path& folder) {
   const auto& [item, result, plots] = reproduced;
-  std::string text = fmt::format("## {}: {}\n\n", item.name(), item.title);
-  if (!result.cells.empty()) text += markdown_of(result.cells);
-  for (const std::string& note : result.notes) text += note + "\n\n";
-  for (const fs::path& plot : plots) {
-    const fs::path near = fs::absolute(plot).lexically_proximate(fs::current_path() / folder);
-    text += fmt::format("![{}]({})\n\n", plot.stem().string(), near.string());
+  page.heading(fmt::format("{}: {}", item.name(), item.title));
+  if (!result.cells.empty()) {
+    page.table({"quantity", "of", "published", "recomputed", "improved"});
   }
-  return text;
+  for (const ReproducedCell& cell : result.cells) {
+    page.row({cell.quantity, text_of(cell.parameters), text_of(cell.published),
+              text_of(cell.recomputed), text_of(cell.improved)});
+  }
+  for (const std::string& note : result.notes) page.paragraph("{}", note);
+  for (const fs::path& plot : plots) {
+    page.picture(plot.stem().string(), fs::absolute(plot).lexically_proximate(folder).string());
+  }
 }
 
 }  // namespace slipstream

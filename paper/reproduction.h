@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "slipstream/base/page.h"
 #include "slipstream/io/plot.h"
 
 namespace slipstream {
@@ -76,8 +77,8 @@ struct Reproduced {
 /// Text for a terminal: name, then a line for each cell, note and plot.
 std::string text_of(const Reproduced& reproduced);
 
-/// Section of a Markdown report in `folder`; paths of pictures are relative to it.
-std::string markdown_of(const Reproduced& reproduced, const std::filesystem::path& folder);
+/// Adds a section to a page in `folder`, an absolute path.
+void add_to(Page& page, const Reproduced& reproduced, const std::filesystem::path& folder);
 
 /// Figures 1.43 to 1.45: harmonics of a distorted sinusoid.
 std::vector<Reproducible> harmonic_reproducibles();

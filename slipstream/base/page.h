@@ -6,49 +6,52 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
 
 namespace slipstream {
 
-/// A Markdown report, built part by part.
+/// A report as a web page, built part by part; it prints well. All texts are escaped.
 class Page {
  public:
-  explicit Page(std::string_view title) : text_(fmt::format("# {}\n", title)) {}
+  explicit Page(std::string_view title);
 
-  void heading(std::string_view text) { text_ += fmt::format("\n## {}\n", text); }
+  /// The answer in a line, in the colour of `mood`: "good", "usable" or "bad".
+  void verdict(std::string_view mood, std::string_view text);
+  void heading(std::string_view text) { add("h2", text); }
   template <class... Values>
   void paragraph(fmt::format_string<Values...> format, Values&&... values) {
-    text_ += fmt::format("\n{}\n", fmt::format(format, std::forward<Values>(values)...));
+    add("p", fmt::format(format, std::forward<Values>(values)...));
   }
   /// Starts a table with those columns; rows follow.
-  void table(const std::vector<std::string>& columns) {
-    text_ += '\n';
-    row(columns);
-    row(std::vector<std::string>(columns.size(), "---"));
-  }
-  void row(const std::vector<std::string>& cells) {
-    text_ += fmt::format("| {} |\n", fmt::join(cells, " | "));
-  }
+  void table(const std::vector<std::string>& columns);
+  void row(const std::vector<std::string>& cells) { cells_in("td", cells); }
   /// `file` is relative to the page's folder.
-  void picture(std::string_view says, std::string_view file) {
-    text_ += fmt::format("\n![{}]({})\n", says, file);
-  }
-  void picture(std::string_view says, std::string file, Image<Colour> pixels) {
+  void picture(std::string_view says, const std::string& file);
+  void picture(std::string_view says, const std::string& file, Image<Colour> pixels) {
     picture(says, file);
-    pictures_.emplace_back(std::move(file), std::move(pixels));
+    drawn_.emplace_back(file, std::move(pixels));
   }
-  [[nodiscard]] const std::string& text() const { return text_; }
+
+  /// The document so far, with pictures named by their files.
+  [[nodiscard]] std::string text() const;
+  /// The files of all pictures.
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
   /// File names and pixels of the pictures added with pixels.
-  [[nodiscard]] const std::vector<std::pair<std::string, Image<Colour>>>& pictures() const {
-    return pictures_;
+  [[nodiscard]] const std::vector<std::pair<std::string, Image<Colour>>>& drawn() const {
+    return drawn_;
   }
 
  private:
+  void add(std::string_view element, std::string_view text);
+  void cells_in(std::string_view element, const std::vector<std::string>& cells);
+  void end_table();
+
   std::string text_;
-  std::vector<std::pair<std::string, Image<Colour>>> pictures_;
+  bool in_table_ = false;
+  std::vector<std::string> files_;
+  std::vector<std::pair<std::string, Image<Colour>>> drawn_;
 };
 
 }  // namespace slipstream

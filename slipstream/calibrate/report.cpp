@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/statistics.h"
@@ -137,7 +138,12 @@ std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
 }
 
 void write_findings(Page& page, const std::vector<Finding>& findings) {
-  if (findings.empty()) return page.paragraph("No problems found with this calibration.");
+  if (findings.empty()) return page.verdict("good", "Good: no problems found.");
+  if (any_wrong(findings)) {
+    page.verdict("bad", "Do again: " + findings.front().what + ". " + findings.front().advice);
+  } else {
+    page.verdict("usable", "Usable, but look at this: " + findings.front().what);
+  }
   page.heading("Diagnostics");
   page.table({"symptom", "evidence", "likely cause", "remedy"});
   for (const Finding& finding : findings) {
@@ -162,7 +168,7 @@ void write_poses(Page& page, const CalibrationReport& report) {
   for (const CalibratedPose& pose : report.calibration.poses) {
     row(pose.name, std::to_string(pose.corners), std::to_string(pose.lit), pose.rms);
   }
-  row("**all**", "", "", report.calibration.rms);
+  row("all", "", "", report.calibration.rms);
   for (const UnusedPose& pose : report.unused) {
     page.paragraph("{} was not used: {}.", pose.name, pose.why);
   }
@@ -201,7 +207,7 @@ void write_left_out(Page& page, const CalibrationReport& report) {
     const CalibratedPose& pose = calibration.poses[i];
     row(pose.name, pose.left_out, other != nullptr ? other->poses[i] : std::nullopt);
   }
-  row("**root mean square**", overall(left_out_qualities(calibration)),
+  row("root mean square", overall(left_out_qualities(calibration)),
       other != nullptr ? std::optional(overall(other->poses)) : std::nullopt);
 }
 

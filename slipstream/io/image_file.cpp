@@ -262,6 +262,19 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
   return loaded;
 }
 
+std::string in_base64(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::string_view digits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) { return i + k < bytes.size() ? bytes[i + k] : 0U; };
+    const unsigned three = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (const int shift : {18, 12, 6, 0}) text += digits[three >> shift & 63];
+  }
+  const std::size_t missing = (3 - bytes.size() % 3) % 3;
+  return text.replace(text.size() - missing, missing, missing, '=');
+}
+
 }  // namespace
 
 Picture::Picture(const PictureKind& of) : kind(of) {
@@ -331,10 +344,18 @@ void write_image(const fs::path& path, const Image<Colour>& image) {
   write_picture(path, PictureView(samples, 3));
 }
 
-void write_page(const fs::path& folder, const Page& page) {
+void write_page(const fs::path& path, const Page& page) {
+  const fs::path folder = fs::absolute(path).parent_path();
   make_folder(folder);
-  for (const auto& [file, picture] : page.pictures()) write_image(folder / file, picture);
-  write_file(folder / "report.md", page.text());
+  for (const auto& [file, picture] : page.drawn()) write_image(folder / file, picture);
+  std::string text = page.text();
+  for (const std::string& file : page.files()) {
+    const std::string source = "src=\"" + file + '"';
+    const std::string inside = "src=\"data:image/png;base64," + in_base64(read_file(folder / file));
+    const auto at = text.find(source);
+    if (at != std::string::npos) text.replace(at, source.size(), inside + '"');
+  }
+  write_file(path, text);
 }
 
 void write_one_bit_image(const fs::path& path, const Image<std::uint8_t>& image) {

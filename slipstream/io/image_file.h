@@ -51,8 +51,9 @@ void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 /// Writes a PNG with one bit per pixel, whatever the ending: 0 is dark, any other level bright.
 void write_one_bit_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
 
-/// Writes report.md and the page's pictures to a folder; creates it if missing.
-void write_page(const std::filesystem::path& folder, const Page& page);
+/// Writes a page, .html, with its PNG pictures inside, and those with pixels also beside it; creates
+/// its folder if missing. The files of the others are there already.
+void write_page(const std::filesystem::path& path, const Page& page);
 
 /// A grey picture as the bytes of a PNG file.
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);

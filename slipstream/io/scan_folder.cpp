@@ -385,7 +385,7 @@ bool is_hidden(const fs::path& path) {
 }
 
 bool is_scan_folder(const fs::path& folder) {
-  return !is_hidden(folder) && !fs::exists(folder / "report.md");
+  return !is_hidden(folder) && !fs::exists(folder / "report.html");
 }
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {

@@ -76,7 +76,7 @@ bool before_in_order(const std::string& a, const std::string& b);
 /// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
 bool is_hidden(const std::filesystem::path& path);
 
-/// Whether a folder beside scans may be one: neither hidden nor a report, which has a report.md.
+/// Whether a folder beside scans may be one: neither hidden nor a report, which has a report.html.
 bool is_scan_folder(const std::filesystem::path& folder);
 
 /// The pictures in a folder in natural order, frame_2 before frame_10: each page of a TIFF file, no

@@ -12,6 +12,7 @@
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 
+#include "slipstream/base/colour.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -150,6 +151,10 @@ class WebSink final : public CloudSink {
         say(http::status::ok, std::string(web_page()), "text/html");
       } else if (asked == "GET /rays") {
         say(http::status::ok, rays_, "application/octet-stream");
+      } else if (asked == "GET /palette") {
+        const ColourMap colours = depth_colours();
+        const auto* const bytes = reinterpret_cast<const char*>(colours.data());
+        say(http::status::ok, std::string(bytes, sizeof(colours)), "application/octet-stream");
       } else if (asked == "GET /statistics") {
         say(http::status::ok, run_.statistics(), "application/json");
       } else if (asked == "GET /metrics") {

@@ -9,6 +9,7 @@
 #include "slipstream/cloud/cleaner.h"
 #include "slipstream/cloud/measure.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/plot.h"
 #include "slipstream/io/rig_file.h"
 
@@ -359,7 +360,7 @@ void write_accuracy_report(const fs::path& folder, const std::string& subject,
   write_figures(page, accuracy, diagonal);
   write_shapes(page, accuracy);
   write_pictures(page, folder, accuracy);
-  write_file(folder / "report.md", page.text());
+  write_page(folder / "report.html", page);
 }
 
 }  // namespace slipstream

@@ -76,7 +76,7 @@ using CloudOfScan = std::function<Cloud(const std::string& scan)>;
 /// if an artefact is not found or repeated scans are copies.
 Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_of);
 
-/// Writes report.md and its pictures: the figures in mm and per mille of the measured volume's
+/// Writes report.html and its pictures: the figures in mm and per mille of the measured volume's
 /// diagonal (mm), each sphere and plane, and maps of the worst. `subject`: one line that describes
 /// the test. Throws WorldError if it cannot be written.
 void write_accuracy_report(const std::filesystem::path& folder, const std::string& subject,

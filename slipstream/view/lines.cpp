@@ -150,9 +150,9 @@ std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
       lines.push_back({place(from_x, from_y), place(to_x, to_y), colour, 1});
     }
   };
-  add({1, 0, 0}, letter_x, blue);
+  add({1, 0, 0}, letter_x, red);
   add({0, 1, 0}, letter_y, green);
-  add({0, 0, 1}, letter_z, red);
+  add({0, 0, 1}, letter_z, blue);
   return lines;
 }
 

@@ -82,7 +82,7 @@ float spacing_of(const PointImages& cloud, const Box& box) {
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
 /// Indexed by PointColour.
-constexpr std::array<std::string_view, 3> colour_names{"reflectivity", "modulation", "depth"};
+constexpr std::array<std::string_view, 3> colour_names{"depth", "reflectivity", "modulation"};
 
 /// Intensities shown black and white, grey levels of 255: black at reflectivity 0, whose mean is
 /// `ambient`, beta, by Liu 2010, Eq. (3.3); white at `range.high` divided by the brightness.
@@ -115,7 +115,7 @@ PointColour point_colour_named(std::string_view name) {
   const auto found = std::find(colour_names.begin(), colour_names.end(), name);
   if (found != colour_names.end()) return static_cast<PointColour>(found - colour_names.begin());
   throw Error(
-      fmt::format("unknown point colour '{}'; expected reflectivity, modulation or depth", name));
+      fmt::format("unknown point colour '{}'; expected depth, reflectivity or modulation", name));
 }
 
 std::vector<std::string_view> point_colour_names() {

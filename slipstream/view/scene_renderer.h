@@ -56,8 +56,8 @@ class LineRenderer {
   opengl::Resource vertex_array_, buffer_;
 };
 
-/// The scanner's axes at the box's lower left front corner, X blue, Y green and Z red as in Liu
-/// 2010, Fig. 2.3, with letters facing the eye.
+/// The scanner's axes at the box's lower left front corner, X red, Y green and Z blue, with letters
+/// facing the eye.
 std::vector<Line> axes(const Box& box, const OrbitCamera& camera);
 
 /// Spacing of the floor's grid: a round number of millimetres.
@@ -68,18 +68,18 @@ std::vector<Line> floor_grid(const Box& box, float height);
 
 /// Quantity shown by a point's colour.
 enum class PointColour {
+  depth,         ///< Z
   reflectivity,  ///< alpha, from the mean without ambient light, Liu 2010, Eq. (3.3)
   modulation,    ///< B^c
-  depth,         ///< Z
 };
 
-/// Parses "reflectivity", "modulation" or "depth"; throws Error for any other name.
+/// Parses "depth", "reflectivity" or "modulation"; throws Error for any other name.
 PointColour point_colour_named(std::string_view name);
 std::vector<std::string_view> point_colour_names();
 
 /// Drawing options of a cloud.
 struct ViewSettings {
-  PointColour colour = PointColour::reflectivity;
+  PointColour colour = PointColour::depth;
   float point_size = 1.5F;  ///< point size relative to the point spacing: no gaps from 1
   float brightness = 1;     ///< of grey levels; at 1 the brightest 1 % is white
   bool shaded = true;       ///< shades by slope, if the cloud is a camera's grid

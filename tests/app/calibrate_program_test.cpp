@@ -74,7 +74,7 @@ TEST_F(CalibrateProgram, GivesAScannerFileAReportAndADocument) {
   const Scanner found = read_scanner(out.path() / "scanner.yaml");
   const Scanner truth = read_scanner(poses() + "/scanner.yaml");
   EXPECT_NEAR(found.translation.norm(), truth.translation.norm(), 5);
-  for (const char* file : {"report.md", "residuals_camera.png", "residuals_projector.png",
+  for (const char* file : {"report.html", "residuals_camera.png", "residuals_projector.png",
                            "scatter_camera.png", "scatter_projector.png"}) {
     EXPECT_TRUE(fs::exists(out.path() / "report" / file)) << file;
   }
@@ -125,7 +125,7 @@ TEST_F(CalibrateProgram, TakesPosesInOrderAndNoReportForAPose) {
   const fs::path copy = copy_to(folder);
   fs::rename(copy / "board01", copy / "board10");
   fs::create_directory(copy / "a report");
-  std::ofstream(copy / "a report" / "report.md") << "figures";
+  std::ofstream(copy / "a report" / "report.html") << "figures";
   const ProgramRun run = calibrate(copy, folder.path() / "scanner.yaml",
                                    {"--camera-distortion", "2", "--projector-distortion", "2"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -238,7 +238,7 @@ TEST_F(CalibrateProgram, FramesInTheWrongOrderAndAPrintOfTheWrongSizeAreToldByTh
     EXPECT_NE(run.out.find(part), std::string::npos) << part << "\n" << run.out;
   }
   EXPECT_NE(run.err.find("likely the frames have slipped"), std::string::npos) << run.err;
-  std::ifstream report(folder.path() / "report" / "report.md");
+  std::ifstream report(folder.path() / "report" / "report.html");
   const std::string text{std::istreambuf_iterator<char>(report), {}};
   EXPECT_NE(text.find("the frames have slipped"), std::string::npos) << text;
   const std::optional<DepthRange> depths = read_scanner(file).calibrated_depths;

@@ -34,12 +34,10 @@ class Program : public testing::Test {
     return run_program(arguments);
   }
 
-  /// Expects this exit code, one line on stderr with all `parts`, after one that tells of a wait,
-  /// and no output.
+  /// Expects this exit code, one line on stderr with all `parts`, and no output.
   void expect_refused(const ProgramRun& run, int exit_code, const std::vector<std::string>& parts) {
     EXPECT_EQ(run.exit_code, exit_code) << run.err;
-    const auto waits = run.err.starts_with("rendering") ? 1 : 0;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1 + waits) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_EQ(run.out, "");
     for (const std::string& part : parts) {
       EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "lacks: " << part;

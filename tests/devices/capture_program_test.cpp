@@ -73,7 +73,7 @@ TEST_F(CaptureProgram, LeadsFromNothingToACloud) {
           camera + board + patterns,
       "12 of 12: board12 captured");
   expect_near(read_scanner(scanner), read_scanner(truth));
-  EXPECT_TRUE(fs::exists(poses + "/report/report.md"));
+  EXPECT_TRUE(fs::exists(poses + "/report/report.html"));
   expect_runs(Arguments{"calibrate", "geometry", poses, "-o", in_folder("again.yaml")} + board);
   EXPECT_EQ(read_scanner(in_folder("again.yaml")).translation, read_scanner(scanner).translation);
 

@@ -104,7 +104,7 @@ def wrong_in(words, commands, tasks):
     if words[0] not in ("slipstream", "build/slipstream"):
         return [word for word in words[:1] if "/" in word and not word.startswith("build/")
                 and not (SOURCES / word).exists()]
-    path, words = (), words[1:]
+    path, words = (), words[2:] if words[1:2] == ["help"] else words[1:]
     while words and words[0] in commands[path][1]:
         path, words = (*path, words[0]), words[1:]
     flags, below = commands[path]

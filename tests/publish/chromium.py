@@ -72,12 +72,10 @@ class Chromium:
             raise RuntimeError(answer["exceptionDetails"])
         return answer["result"].get("value")
 
-    def look_like(self, width, height, colours="light", phone=False):
+    def look_like(self, width, height, phone=False):
         self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height,
                  deviceScaleFactor=2 if phone else 1, mobile=phone)
         self.ask("Emulation.setTouchEmulationEnabled", enabled=phone)
-        self.ask("Emulation.setEmulatedMedia",
-                 features=[{"name": "prefers-color-scheme", "value": colours}])
 
     def screenshot(self, path):
         data = self.ask("Page.captureScreenshot", format="png")["data"]

@@ -50,7 +50,7 @@ def test_geometry_as_the_program(tmp_path):
     assert found.scanner.translation == pytest.approx(theirs.translation, abs=1e-9)
     assert found.rms["stereo"] < 0.5
     assert found.poses == ["board01", "board02", "board03", "board04"] and found.unused == {}
-    assert (tmp_path / "report" / "report.md").exists()
+    assert (tmp_path / "report" / "report.html").exists()
     assert "RMS" in found.text
 
 

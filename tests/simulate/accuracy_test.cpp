@@ -191,11 +191,11 @@ TEST(AccuracyReport, IsAPageBesideItsPictures) {
       measure_accuracy(artefacts, [](const std::string&) { return cast_cloud(bar_scene()); });
   const TemporaryFolder folder;
   write_accuracy_report(folder.path() / "report", "a bar", found, 400);
-  std::ifstream file(folder.path() / "report/report.md");
+  std::ifstream file(folder.path() / "report/report.html");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(text.find("sphere-spacing error"), std::string::npos);
-  EXPECT_NE(text.find("| bar 1 |"), std::string::npos);
-  EXPECT_NE(text.find("![deviations: bar 1](sphere.png)"), std::string::npos);
+  EXPECT_NE(text.find("<td>bar 1</td>"), std::string::npos);
+  EXPECT_NE(text.find("alt=\"deviations: bar 1\" src=\"data:image/png;base64,iVBOR"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "report/sphere.png"));
 }
 

@@ -107,6 +107,7 @@ TEST_F(SceneRendererTest, ShowsBrightSurfacesBrightAndOnTheirSide) {
   const MadeUpCloud cloud = wall({160, 120}, 600);
   for (const Size size : {picture, Size{400, 700}, Size{801, 333}}) {
     ViewSettings settings = bare();
+    settings.colour = PointColour::reflectivity;
     const CloudExtent extent = extent_of(cloud.images());
     settings.camera = fitted(settings.camera, extent.box, size);
     settings.point_size = 2;

@@ -112,8 +112,9 @@ TEST(StillSource, HasThePicturesOfItsFramesBesideTheCloud) {
   const EngineSetup setup = statue_setup();
   const ViewSource source = still_source(statue_frames(setup), setup);
   try {
-    const Image<Colour> bare = render_screen(source, {}, {900, 700}, Surround::nothing);
-    const Image<Colour> whole = render_screen(source, {}, {900, 700}, Surround::panel);
+    const ViewSettings grey{.colour = PointColour::reflectivity};
+    const Image<Colour> bare = render_screen(source, grey, {900, 700}, Surround::nothing);
+    const Image<Colour> whole = render_screen(source, grey, {900, 700}, Surround::panel);
     EXPECT_GT(coloured_pixels(whole), coloured_pixels(bare) + 1000) << "phases have hues";
   } catch (const WorldError& error) {
     GTEST_SKIP() << error.what();

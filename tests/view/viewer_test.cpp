@@ -57,8 +57,10 @@ TEST(RenderScreen, HasTheCloudWithAndWithoutPanel) {
   const ViewSource source = source_of(plate, shown);
   Image<Colour> bare, whole;
   try {
-    bare = render_screen(source, {}, {480, 360}, Surround::nothing);
-    whole = render_screen(source, {}, {480, 360}, Surround::panel);
+    bare =
+        render_screen(source, {.colour = PointColour::reflectivity}, {480, 360}, Surround::nothing);
+    whole =
+        render_screen(source, {.colour = PointColour::reflectivity}, {480, 360}, Surround::panel);
   } catch (const WorldError& error) {
     GTEST_SKIP() << error.what();
   }
@@ -93,7 +95,7 @@ class CloudScreenTest : public testing::Test {
 };
 
 TEST_F(CloudScreenTest, IsDrawnInWindowsOfAnySize) {
-  CloudScreen clouds(source_, {}, nullptr);
+  CloudScreen clouds(source_, {.colour = PointColour::reflectivity}, nullptr);
   EXPECT_TRUE(clouds.take_newest());
   for (const Size size : {Size{640, 480}, Size{1280, 800}, Size{200, 900}, Size{1, 1}}) {
     EXPECT_EQ(drawn(clouds, screen(size)).size(), size);
@@ -136,7 +138,7 @@ TEST_F(CloudScreenTest, LosesNoKeyBetweenTwoPictures) {
   }
   drawn(clouds, screen({640, 480}));
   const PanelState& state = clouds.state();
-  EXPECT_EQ(state.view.colour, PointColour::depth);
+  EXPECT_EQ(state.view.colour, PointColour::modulation);
   EXPECT_TRUE(state.paused);
   EXPECT_GT(state.view.camera.elevation, 1.5F) << "from above";
   EXPECT_TRUE(state.measures);
@@ -219,6 +221,7 @@ TEST(Viewer, ShowsMovingCloudsIsResizedAndClosesWhileTheyStream) {
   ViewerSettings settings;
   settings.size = {640, 480};
   settings.keep_last = true;
+  settings.view.colour = PointColour::reflectivity;
   settings.ends = [&] {
     GLFWwindow* const window = glfwGetCurrentContext();
     if (++asked == 5) glfwSetWindowSize(window, 800, 500);

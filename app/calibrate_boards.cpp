@@ -10,6 +10,7 @@
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/print_file.h"
 
 namespace slipstream::app {
 namespace {
@@ -29,8 +30,12 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
   const int pixels_per_spacing =
       static_cast<int>(std::lround(board.spacing / mm_per_inch * flags.dots_per_inch));
   const Image<std::uint8_t> picture = draw_board(board, pixels_per_spacing);
-  write_image(flags.file, picture);
   const double mm_per_pixel = board.spacing / pixels_per_spacing;
+  if (is_print_file(flags.file)) {
+    write_print(flags.file, picture, mm_per_pixel);
+  } else {
+    write_image(flags.file, picture);
+  }
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
   output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
              flags.file, text_of(picture.size()));
@@ -264,10 +269,12 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
 void add_calibrate_board(const Commands& calibrate) {
   const auto [command, flags] =
       calibrate.add(write_board, "board", "draw a calibration board to print");
-  required(command.add_output("-o,--output", flags.file, "the picture: .png, .tiff, .bmp or .pgm"));
+  required(command.add_output("-o,--output", flags.file,
+                              "the board at true size with a ruler: .pdf or .svg; as a picture: "
+                              ".png, .tiff, .bmp or .pgm"));
   command.add("--dpi", flags.dots_per_inch, "pixels for each inch of paper");
   add_board_flags(command.app, flags.board);
-  command.examples({"calibrate board --board chessboard --corners 13x9 --spacing 15 -o board.png"});
+  command.examples({"calibrate board --board chessboard --corners 13x9 --spacing 15 -o board.pdf"});
 }
 
 void add_calibrate_verify(const Commands& calibrate) {

@@ -228,10 +228,10 @@ void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& 
   CleanSettings& clean = state.setup.settings.clean;
   bool trusted = clean.largest_sigma != off.largest_sigma;
   bool connected = clean.smallest_component != off.smallest_component;
-  bool changed = draw_filter("too noisy", trusted, state, Validity::low_trust);
-  changed |= draw_filter("mixed at edges", clean.drop_mixed, state, Validity::mixed);
+  bool changed = draw_filter("low trust", trusted, state, Validity::low_trust);
+  changed |= draw_filter("mixed pixels", clean.drop_mixed, state, Validity::mixed);
   changed |= draw_filter("outliers", clean.drop_outliers, state, Validity::outlier);
-  changed |= draw_filter("floating specks", connected, state, Validity::small_component);
+  changed |= draw_filter("small components", connected, state, Validity::small_component);
   if (!changed) return;
   const auto limit = [&](bool wanted, auto CleanSettings::*of) {
     if (!wanted) return off.*of;
@@ -262,7 +262,7 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
     requests.change_setup = true;
   }
   auto threshold = static_cast<float>(settings.minimum_modulation);
-  if (ImGui::SliderFloat("least light", &threshold, 1, 100, "%.0f of 127")) {
+  if (ImGui::SliderFloat("min modulation", &threshold, 1, 100, "%.0f of 127")) {
     settings.minimum_modulation = static_cast<double>(threshold);
   }
   // Every change rebuilds tables, so a dragged slider applies on release.

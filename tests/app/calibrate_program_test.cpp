@@ -336,6 +336,24 @@ TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("240.00 mm x 180.00 mm"), std::string::npos) << run.out;
   EXPECT_EQ(read_grey_image(file).size(), (Size{2400, 1800}));
+  const auto picture = read_file(file);  // 10,000 pixels per metre
+  EXPECT_EQ(std::string(picture.begin() + 33, picture.begin() + 50),
+            std::string("\0\0\0\x09pHYs\0\0\x27\x10\0\0\x27\x10\x01", 17));
+  for (const char* ending : {"svg", "pdf"}) {
+    const fs::path print = out.path() / fmt::format("board.{}", ending);
+    ASSERT_EQ(run_program({"calibrate", "board", "-o", print, "--corners", "9x6", "--spacing", "20",
+                           "--dpi", "254"})
+                  .exit_code,
+              0);
+    const auto bytes = read_file(print);
+    const std::string text(bytes.begin(), bytes.end());
+    const bool svg = print.extension() == ".svg";
+    // A square of 20 mm, the ruler, and the page: the board and a strip of 12 mm.
+    EXPECT_NE(text.find(svg ? "h20.0000v20.0000" : "20.0000 20.0000 re"), std::string::npos);
+    EXPECT_NE(text.find(svg ? ">100 mm<" : "(100 mm) Tj"), std::string::npos);
+    EXPECT_NE(text.find(svg ? "240.0000mm\" height=\"192.0000mm" : "[0 0 680.3150 544.2520]"),
+              std::string::npos);
+  }
   expect_bad_input(
       run_program({"calibrate", "board", "-o", file, "--corners", "9", "--spacing", "20"}),
       {"--corners"});

@@ -31,13 +31,13 @@ struct ManifestLog {
   Manifest before;
 };
 
-void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSetup& setup,
-                                  bool two_cameras) {
-  if (!flags.uncertainty) return;
+void require_uncertainty_possible(const EngineSetup& setup, bool two_cameras, Output& output) {
   throw_if(two_cameras, "--uncertainty works with one camera and the projector; add --one-camera");
-  throw_if(!setup.scanner.photometry.noise_variance.has_value(),
-           "--uncertainty needs a noise variance, and the scanner file has none; measure it with "
-           "slipstream calibrate noise, or give --noise-variance");
+  if (!setup.scanner.photometry.noise_variance) {
+    output.warn(
+        "--uncertainty: noise variance unknown, 1.6 assumed; measure it with slipstream calibrate "
+        "noise, or give --noise-variance");
+  }
 }
 
 void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
@@ -179,7 +179,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   Stopwatch watch;
   const EngineSetup& setup = result.sound.setup;
   const bool two_cameras = !scan.further_cameras.empty() && result.wanted == Wanted::points;
-  require_uncertainty_possible(flags, setup, two_cameras && scan.scanner);
+  if (flags.uncertainty) require_uncertainty_possible(setup, two_cameras && scan.scanner, output);
   throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
            "--epipolar needs one camera and patterns along both axes: --axis both");
   throw_if(!flags.files.motion.empty() && (two_cameras || !measures_motion(setup)),

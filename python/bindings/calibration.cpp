@@ -126,7 +126,8 @@ py::object calibrated(const fs::path& folder, const std::optional<fs::path>& rep
   CalibrationReport report{found, captures.unused, board};
   report.findings = captures.findings;
   report.findings.insert(report.findings.end(), found.findings.begin(), found.findings.end());
-  if (report_folder) write_page(*report_folder, calibration_report(report));
+  if (report_folder)
+    write_page(fs::path(*report_folder) / "report.html", calibration_report(report));
   py::list poses;
   for (const CalibratedPose& pose : found.poses) poses.append(pose.name);
   const auto [camera, projector, stereo] = found.rms;

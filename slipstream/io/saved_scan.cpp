@@ -69,6 +69,18 @@ std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& fram
   return names;
 }
 
+/// Removes the frames of a longer scan that was here before.
+void remove_other_frames(const fs::path& folder, const std::vector<fs::path>& names) {
+  for (int n = 0;; ++n) {
+    bool any = false;
+    for (const char* ending : {"png", "tiff"}) {
+      const fs::path name = folder / fmt::format("frame_{:02}.{}", n, ending);
+      any |= std::ranges::find(names, name) != names.end() || fs::remove(name);
+    }
+    if (!any) return;
+  }
+}
+
 FrameSet white_of(const ScanFiles& files) {
   if (files.recording) return files.recording->header().white;
   return files.white ? read_colour_frames({*files.white}) : FrameSet();
@@ -235,6 +247,7 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
     write_scanner(*files.scanner, *scanner);
   }
   write_scan_files(path / "scan.yaml", files);
+  remove_other_frames(path, files.frames);
   return files;
 }
 

@@ -32,10 +32,11 @@ void add_camera(Scan& scan, const ScanFiles& files);
 /// Loads the complete scan in a folder or recording, with any second camera; see scan_files_in.
 Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
 
-/// Writes a scan to a new folder: frames as frame_00.png and so on (.tiff if unquantised),
-/// scan.yaml, and scanner.yaml if the scanner is known, or a reference to the existing
-/// `scanner_file`. If the path ends in .slip, writes a recording of one cycle. `in_colour`: three
-/// frames per picture, see colour_channels.h, plus a white picture if given. Returns the files.
+/// Writes a scan to a folder, instead of one that is there: frames as frame_00.png and so on (.tiff
+/// if unquantised), scan.yaml, and scanner.yaml if the scanner is known, or a reference to the
+/// existing `scanner_file`. If the path ends in .slip, writes a recording of one cycle.
+/// `in_colour`: three frames per picture, see colour_channels.h, plus a white picture if given.
+/// Returns the files.
 /// Throws Error for a recording of unquantised frames, and as require_as_taken, before writing.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,

@@ -377,6 +377,16 @@ TEST_F(Program, GreetsWithCommandsToBeginWith) {
   EXPECT_LT(std::ranges::count(run.out, '\n'), 15);
 }
 
+TEST_F(Program, AShorterScanLeavesNoFrameOfTheOneBefore) {
+  fs::copy(path("scan/frame_00.png"), path("scan/frame_mine.png"));
+  const ProgramRun run = run_program(
+      {"simulate", path("scan"), "--camera", "96x72", "--strategy", "pmp", "--steps", "3"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("replacing its scan"), std::string::npos) << run.out;
+  EXPECT_TRUE(fs::exists(path("scan/frame_02.png")) && fs::exists(path("scan/frame_mine.png")));
+  EXPECT_FALSE(fs::exists(path("scan/frame_03.png")) || fs::exists(path("scan/frame_05.png")));
+}
+
 TEST_F(Program, MissingFrame) {
   fs::remove(path("scan/frame_03.png"));
   expect_refused(reconstruct(), 2, {"frame_03.png", "no such file"});

@@ -19,7 +19,8 @@ namespace {
 
 double light_shown(const Sequence& sequence, int n, double y) {
   const auto& [alpha_p, beta_p] = sequence.light;
-  return std::max(0.0, (alpha_p * sequence.strategy.shape(n, y, 0) + beta_p) / 255);
+  const int pattern = sequence.motion > 0 ? n % frame_count(sequence.strategy) : n;
+  return std::max(0.0, (alpha_p * sequence.strategy.shape(pattern, y, 0) + beta_p) / 255);
 }
 
 /// Phase error of the measuring band, RMS, rad, for one unit of gamma - 1, to first order.

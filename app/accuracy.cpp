@@ -69,9 +69,9 @@ nlohmann::json json_of(const Row& row) {
                    row.compared.decode_ms);
 }
 
-const std::vector<std::string> columns{"scene",          "world",  "strategy",    "frames",
-                                       "complete",       "RMS",    "noise",       "error / sigma",
-                                       "beyond 5 sigma", "flying", "wrong order", "decoding"};
+const std::vector<std::string> columns_of_comparison{
+    "scene", "world",         "strategy",       "frames", "complete",    "RMS",
+    "noise", "error / sigma", "beyond 5 sigma", "flying", "wrong order", "decoding"};
 
 std::vector<std::string> cells_of(const Row& row) {
   const CloudErrors& errors = row.compared.errors;
@@ -113,7 +113,7 @@ void write_comparison(const fs::path& folder, const std::vector<Row>& rows) {
   make_folder(folder);
   write_plot(folder / "rms.png", plot_of(rows));
   Page page("Comparison of strategies");
-  page.table(columns);
+  page.table(columns_of_comparison);
   for (const Row& row : rows) page.row(cells_of(row));
   page.picture("RMS error of depth", "rms.png");
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -127,8 +127,9 @@ void write_comparison(const fs::path& folder, const std::vector<Row>& rows) {
 
 void compare_strategies(const CompareFlags& flags, Output& output) {
   const std::vector<Row> rows = compared_rows(flags);
-  output.say("| {} |", fmt::join(columns, " | "));
-  output.say("|{}", fmt::join(std::vector<std::string>(columns.size(), " --- |"), ""));
+  output.say("| {} |", fmt::join(columns_of_comparison, " | "));
+  output.say("|{}",
+             fmt::join(std::vector<std::string>(columns_of_comparison.size(), " --- |"), ""));
   for (const Row& row : rows) {
     output.say("| {} |", fmt::join(cells_of(row), " | "));
     output.list("rows").push_back(json_of(row));

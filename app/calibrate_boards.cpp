@@ -31,11 +31,7 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
       static_cast<int>(std::lround(board.spacing / mm_per_inch * flags.dots_per_inch));
   const Image<std::uint8_t> picture = draw_board(board, pixels_per_spacing);
   const double mm_per_pixel = board.spacing / pixels_per_spacing;
-  if (is_print_file(flags.file)) {
-    write_print(flags.file, picture, mm_per_pixel);
-  } else {
-    write_image(flags.file, picture);
-  }
+  write_print(flags.file, picture, mm_per_pixel);
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
   output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
              flags.file, text_of(picture.size()));

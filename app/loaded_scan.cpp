@@ -52,21 +52,25 @@ SoundScan sound_pair(Scan& scan, const ScanName& name, const fs::path& file, Clo
   return sound;
 }
 
-void read_scan(const ScanFlags& input, const ReconstructFlags& flags, LoadedScan& loaded) {
+/// Returns the file of two cameras without a projector, if the scan has no scanner but that.
+std::optional<fs::path> read_scan(const ScanFlags& input, const ReconstructFlags& flags,
+                                  LoadedScan& loaded) {
   const auto& [path, window] = loaded.result.name;
   const bool cameras = !flags.one_camera, only_maps = flags.files.only_maps() && !flags.uncertainty;
   loaded.scan = load_checkable(path, input, cameras, loaded.result.words);
   const Scan& scan = loaded.scan;
+  std::optional<fs::path> pair;
   if (!only_maps && !scan.scanner && !scan.further_cameras.empty()) {
-    loaded.pair = scan_files_in(path, input).scanner;
+    pair = scan_files_in(path, input).scanner;
   }
-  throw_if(!only_maps && !scan.scanner && !loaded.pair,
+  throw_if(!only_maps && !scan.scanner && !pair,
            "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
   loaded.result.warnings = scan.warnings;
   loaded.result.wanted = only_maps && (!scan.scanner || only_phase) ? Wanted::maps : Wanted::points;
+  return pair;
 }
 
 }  // namespace
@@ -95,12 +99,11 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       result.read = watch.lap();
       return loaded;
     }
-    read_scan(input, flags, loaded);
+    const std::optional<fs::path> pair = read_scan(input, flags, loaded);
     result.read = watch.lap();
     result.sound =
-        loaded.pair
-            ? sound_pair(loaded.scan, name, *loaded.pair, flags.cloud, result.words)
-            : sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
+        pair ? sound_pair(loaded.scan, name, *pair, flags.cloud, result.words)
+             : sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
   } catch (const Error& error) {
     result.failure = error.what();
   } catch (const WorldError& error) {  // an unreadable file fails only its own scan

@@ -8,9 +8,8 @@ namespace slipstream::app {
 /// A scan or a map that was read, and its results so far.
 struct LoadedScan {
   Scan scan;
-  Image<double> coordinates;     ///< of a map, 0 to 1
-  Image<float> modulation;       ///< of a map, if given
-  std::optional<fs::path> pair;  ///< file of two cameras without a projector
+  Image<double> coordinates;  ///< of a map, 0 to 1
+  Image<float> modulation;    ///< of a map, if given
   ReconstructedScan result;
 };
 

@@ -19,8 +19,7 @@ namespace {
 
 double light_shown(const Sequence& sequence, int n, double y) {
   const auto& [alpha_p, beta_p] = sequence.light;
-  const int pattern = sequence.motion > 0 ? n % frame_count(sequence.strategy) : n;
-  return std::max(0.0, (alpha_p * sequence.strategy.shape(pattern, y, 0) + beta_p) / 255);
+  return std::max(0.0, (alpha_p * sequence.strategy.shape(n, y, 0) + beta_p) / 255);
 }
 
 /// Phase error of the measuring band, RMS, rad, for one unit of gamma - 1, to first order.
@@ -205,9 +204,6 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, d
   }
   if (ratios.size() < ScanSamples::fewest_groups) return std::nullopt;
   const double ratio = deviation_from_median(quantile(ratios, 0.5));
-  if (getenv("SS_DEBUG"))
-    fmt::print(stderr, "NOISE {} {} noise {} pixel {}\n", label_of(scan.sequence.strategy), ratio,
-               noise / read[0].modulation[band], pixel);
   if (ratio <= most) return std::nullopt;
   return Finding{
       .what =

@@ -11,6 +11,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/check/explanations.h"
 
 namespace slipstream {
@@ -119,6 +120,9 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   if (sequence.strategy.is_spectral()) {
     return {.findings = scanner ? check_scanner(*scanner) : std::vector<Finding>(), .order = {}};
   }
+  const int count = sequence.strategy.layout().frames;
+  throw_if(frames.count() != count, "{} frames; the check takes {} merged ones", frames.count(),
+           count);
   const double least = settings.minimum_modulation;
   const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
   const FrameModel model(sequence, photometry);

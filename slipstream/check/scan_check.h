@@ -38,12 +38,13 @@ struct ScanFindings {
 
 /// Checks that the frames fit the sequence, the scanner and each other, using several hundred lit
 /// pixels spread over the picture: see docs/reference/scan-validation.md. Finds less without a
-/// scanner. Corrects phases for the response in the scanner, or in the settings.
+/// scanner. Corrects phases for the response in the scanner, or in the settings. `sequence`: of
+/// merged frames, see merged_sequence. Throws Error if it has another number of frames.
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner,
                           const CheckSettings& settings = {});
 
-/// check_frames for a scan's first camera. Each further camera is a scan of its own.
+/// check_frames for the first camera of a merged scan. Each further camera is a scan of its own.
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
 
 /// Checks that a scanner is plausible: finds files in metres, swapped devices, another picture

@@ -133,14 +133,10 @@ std::vector<std::uint8_t> png_of(const Image<std::uint8_t>& picture, double mm_p
 
 }  // namespace
 
-bool is_print_file(const fs::path& path) {
-  const std::string ending = lower_case_extension(path);
-  return ending == ".pdf" || ending == ".svg" || ending == ".png";
-}
-
 void write_print(const fs::path& path, const Image<std::uint8_t>& picture, double mm_per_pixel) {
   const std::string ending = lower_case_extension(path);
   if (ending == ".png") return write_file(path, png_of(picture, mm_per_pixel));
+  if (ending != ".pdf" && ending != ".svg") return write_image(path, picture);
   const Sheet sheet = sheet_of(picture, mm_per_pixel);
   write_file(path, ending == ".pdf" ? pdf_of(sheet) : svg_of(sheet));
 }

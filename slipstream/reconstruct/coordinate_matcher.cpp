@@ -199,6 +199,60 @@ class CellIndex {
   Eigen::AlignedBox2d all_;
 };
 
+/// Projector coordinates that both cameras see: along the axis to match and, if the scan has it,
+/// the other.
+struct SeenByBoth {
+  Decoded first, second;
+  std::optional<std::pair<Decoded, Decoded>> other{};
+};
+
+/// Matches the axis whose coordinate changes more along the epipolar lines.
+SeenByBoth seen_by_both(const Scan& scan, const Scan& further, const EngineSetup& setup) {
+  SeenByBoth seen{decoded(scan, setup), decoded(further, setup)};
+  if (scan.other_axis.empty() || further.other_axis.empty()) return seen;
+  seen.other.emplace(decoded(scan.other_axis.front(), setup),
+                     decoded(further.other_axis.front(), setup));
+  const Eigen::Vector3d along = setup.scanner.translation.cwiseAbs();
+  const auto change = [&](const Decoded& camera) {
+    return median_step(camera.maps.coordinate, along.x() >= along.y());
+  };
+  if (change(seen.other->second) > change(seen.second)) {
+    std::swap(seen.first, seen.other->first);
+    std::swap(seen.second, seen.other->second);
+  }
+  return seen;
+}
+
+/// Whether the other axis excludes a place for pixel i of the first camera.
+bool contradicts(const SeenByBoth& seen, const Place& place, int i) {
+  if (!seen.other) return false;
+  const auto& [first, second] = *seen.other;
+  const double apart =
+      place.weights.dot(place.of(second.maps.coordinate)) - first.maps.coordinate.begin()[i];
+  return std::abs(apart) > 2 * second.step + 5 * std::sqrt(2 * first.variance.begin()[i]);
+}
+
+/// Where a pixel of the first camera is seen in the second, or why nowhere.
+struct Match {
+  Validity validity = Validity::no_point;
+  Place place{};
+
+  /// Takes one more place, of depth Z.
+  void take(const Place& other, double Z, const DepthRange& depths) {
+    if (!(Z > 0) || validity == Validity::doubtful_order) return;
+    if (Z < depths.nearest || Z > depths.farthest) {
+      if (validity == Validity::no_point) validity = Validity::out_of_range;
+      return;
+    }
+    // Noise makes a coordinate turn back, but within a few pixels.
+    const bool is_other = std::abs(other.cotangent - place.cotangent) > 3 * other.reach;
+    validity = is_other ? Validity::doubtful_order : Validity::valid;
+    const double before = std::isnan(place.cotangent) ? other.cotangent : place.cotangent;
+    place = other;
+    place.cotangent = (before + other.cotangent) / 2;
+  }
+};
+
 }  // namespace
 
 CoordinateMatcher::CoordinateMatcher(const Scanner& pair, const Sequence& sequence,
@@ -224,21 +278,8 @@ CoordinateMatcher::Result CoordinateMatcher::operator()(const Scan& scan) const 
   const Scan& further = scan.further_cameras.front();
   require_size(scan.frames, first_.size());
   require_size(further.frames, second_.size());
-  Decoded first = decoded(scan, setup_), second = decoded(further, setup_);
-  Decoded first_other, second_other;
-  const bool two_axes = !scan.other_axis.empty() && !further.other_axis.empty();
-  if (two_axes) {
-    first_other = decoded(scan.other_axis.front(), setup_);
-    second_other = decoded(further.other_axis.front(), setup_);
-    const Eigen::Vector3d along = setup_.scanner.translation.cwiseAbs();
-    const auto change = [&](const Decoded& camera) {  // along the epipolar lines
-      return median_step(camera.maps.coordinate, along.x() >= along.y());
-    };
-    if (change(second_other) > change(second)) {
-      std::swap(first, first_other);
-      std::swap(second, second_other);
-    }
-  }
+  const SeenByBoth seen = seen_by_both(scan, further, setup_);
+  const Decoded &first = seen.first, &second = seen.second;
   const CellIndex cells(second_, second.maps.coordinate, steepest * second.step);
   const double baseline = setup_.scanner.translation.norm();
   const DepthRange depths = depth_range(setup_);
@@ -252,38 +293,23 @@ CoordinateMatcher::Result CoordinateMatcher::operator()(const Scan& scan) const 
     Validity& validity = cloud.validity(column, row) = first.validity(column, row);
     cloud.intensity(column, row) = static_cast<float>(first.maps.mean(column, row) / grey_level);
     if (validity != Validity::valid) return;
-    validity = Validity::no_point;
     const double angle = first_(column, row).angle, cotangent = first_(column, row).cotangent;
     // The ray's point at 1 mm from the baseline.
     const Eigen::Vector3d at_1 =
         frame_.transpose() * Eigen::Vector3d(cotangent, std::cos(angle), std::sin(angle));
     const double scale = baseline * at_1.z();  // depth, times the difference of the cotangents
-    Place found;
+    Match match;
     cells.for_each_place({angle, first.maps.coordinate(column, row)}, [&](const Place& place) {
-      const double Z = scale / (cotangent - place.cotangent);
-      if (!(Z > 0) || validity == Validity::doubtful_order) return;
-      if (two_axes) {
-        const double apart = place.weights.dot(place.of(second_other.maps.coordinate)) -
-                             first_other.maps.coordinate(column, row);
-        const double sigma = std::sqrt(2 * first_other.variance(column, row));
-        if (std::abs(apart) > 2 * second_other.step + 5 * sigma) return;
-      }
-      if (Z < depths.nearest || Z > depths.farthest) {
-        if (validity == Validity::no_point) validity = Validity::out_of_range;
-        return;
-      }
-      // Noise makes a coordinate turn back, but within a few pixels.
-      const bool is_other = std::abs(place.cotangent - found.cotangent) > 3 * place.reach;
-      validity = is_other ? Validity::doubtful_order : Validity::valid;
-      const double before = std::isnan(found.cotangent) ? place.cotangent : found.cotangent;
-      found = place;
-      found.cotangent = (before + place.cotangent) / 2;
+      if (contradicts(seen, place, row * first_.width() + column)) return;
+      match.take(place, scale / (cotangent - place.cotangent), depths);
     });
+    validity = match.validity;
     if (validity != Validity::valid) return;
-    const double Z = scale / (cotangent - found.cotangent);
+    const Place& place = match.place;
+    const double Z = scale / (cotangent - place.cotangent);
     const double variance =
-        first.variance(column, row) + found.weights.cwiseAbs2().dot(found.of(second.variance));
-    const double sigma = Z / scale * std::abs(found.slope) * std::sqrt(variance);  // of Z, over Z
+        first.variance(column, row) + place.weights.cwiseAbs2().dot(place.of(second.variance));
+    const double sigma = Z / scale * std::abs(place.slope) * std::sqrt(variance);  // of Z, over Z
     if (sigma * Z > setup_.settings.clean.largest_sigma.value_or(0.03 * Z)) {
       validity = Validity::low_trust;
       return;

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <regex>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -319,62 +317,6 @@ TEST_F(Program, ShowsWhatItDoes) {
   for (const char* const file : {"scan/scan.yaml", "cloud.ply", "depth.tiff", "preview.png"}) {
     EXPECT_TRUE(fs::exists(path("demo") + "/" + file)) << file;
   }
-}
-
-TEST_F(Program, SaysWhichItIs) {
-  const ProgramRun run = run_program({"--version"});
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_EQ(run_program({"version"}).out, run.out);
-  EXPECT_EQ(run_program({"-V"}).out, run.out);
-  EXPECT_TRUE(std::regex_match(run.out, std::regex("[0-9.]+(\\+g[0-9a-f]{7,}(-dirty)?)?\\s*")))
-      << run.out;
-}
-
-TEST_F(Program, HasHelpWithExamples) {
-  for (const char* command : {"simulate", "reconstruct"}) {
-    const ProgramRun run = run_program({command, "--help-all"});
-    EXPECT_EQ(run.exit_code, 0);
-    EXPECT_LT(run.out.find("Example"), run.out.find("Common options:"));
-    EXPECT_LT(run.out.find("Common options:"), run.out.find("Other options:"));
-    EXPECT_NE(run.out.find("--json"), std::string::npos);
-    EXPECT_NE(run.out.find("--threads"), std::string::npos);
-    EXPECT_EQ(run_program({"help", command}).out, run_program({command, "--help"}).out);
-  }
-  EXPECT_NE(run_program({"help", "patterns"}).out.find("--period-pixels"), std::string::npos);
-}
-
-TEST_F(Program, HelpIsShort) {
-  for (const char* command : {"reconstruct", "check", "measure", "simulate", "capture", "live"}) {
-    const ProgramRun run = run_program({command, "--help"});
-    std::istringstream lines(run.out);
-    std::ptrdiff_t count = 0;
-    for (std::string line; std::getline(lines, line); ++count) {
-      EXPECT_LE(line.size(), 100u) << command << ": " << line;
-    }
-    EXPECT_LE(count, 40) << command;
-    EXPECT_NE(run.out.find("--help-all"), std::string::npos) << command;
-  }
-}
-
-TEST_F(Program, ListsItsCommandsInGroups) {
-  const ProgramRun run = run_program({"--help"});
-  EXPECT_EQ(run.exit_code, 0);
-  std::size_t at = 0;
-  for (const char* text : {"Usage: slipstream COMMAND", "Scan:", "  reconstruct",
-                           "Calibrate:", "Live:", "Files:", "Measure:", "Learn:", "  simulate"}) {
-    at = run.out.find(text, at);
-    ASSERT_NE(at, std::string::npos) << text;
-  }
-  EXPECT_EQ(run_program({"help"}).out, run.out);
-}
-
-TEST_F(Program, GreetsWithCommandsToBeginWith) {
-  const ProgramRun run = run_program({});
-  EXPECT_EQ(run.exit_code, 0);
-  for (const char* text : {"slipstream demo", "slipstream reconstruct", "slipstream --help"}) {
-    EXPECT_NE(run.out.find(text), std::string::npos) << text;
-  }
-  EXPECT_LT(std::ranges::count(run.out, '\n'), 15);
 }
 
 TEST_F(Program, AShorterScanLeavesNoFrameOfTheOneBefore) {

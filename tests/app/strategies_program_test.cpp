@@ -144,6 +144,19 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesRefused, testing::Values("multi-frequency"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
+/// Number of measured coordinates, and of those that differ by more than `bound` from the scan's
+/// truth.
+std::pair<int, int> points_and_far(const std::string& file, const std::string& scan, double bound) {
+  const Image<double> found = read_map(file), truth = read_map(scan + "/truth/coordinate.tiff");
+  int points = 0, far = 0;
+  for (std::size_t i = 0; i < found.pixel_count(); ++i) {
+    if (std::isnan(found.begin()[i]) || std::isnan(truth.begin()[i])) continue;
+    ++points;
+    far += std::abs(found.begin()[i] - truth.begin()[i]) > bound ? 1 : 0;
+  }
+  return {points, far};
+}
+
 class ShiftsProgram : public StrategiesRefused {};
 
 TEST_P(ShiftsProgram, ShowsAndReadsAnyShifts) {
@@ -172,14 +185,7 @@ TEST_P(ShiftsProgram, ShowsAndReadsAnyShifts) {
                        "--coordinate", path("coordinate.tiff")});
       ASSERT_EQ(made.exit_code, 0) << made.err;
       EXPECT_EQ(made.err, "");
-      const Image<double> found = read_map(path("coordinate.tiff")),
-                          truth = read_map(path("scan/truth/coordinate.tiff"));
-      int points = 0, far = 0;
-      for (std::size_t i = 0; i < found.pixel_count(); ++i) {
-        if (std::isnan(found.begin()[i]) || std::isnan(truth.begin()[i])) continue;
-        ++points;
-        far += std::abs(found.begin()[i] - truth.begin()[i]) > bound ? 1 : 0;
-      }
+      const auto [points, far] = points_and_far(path("coordinate.tiff"), path("scan"), bound);
       EXPECT_GT(points, 5000);
       EXPECT_LE(far, points / 500) << gamma << ' ' << backend;
     }
@@ -215,14 +221,7 @@ TEST_P(MicroProgram, ReadsFramesOfAlternatingSign) {
       run_program({"reconstruct", path("scan"), "--raw", "--coordinate", path("coordinate.tiff")})
           .exit_code,
       0);
-  const Image<double> found = read_map(path("coordinate.tiff")),
-                      truth = read_map(path("scan/truth/coordinate.tiff"));
-  int points = 0, far = 0;
-  for (std::size_t i = 0; i < found.pixel_count(); ++i) {
-    if (std::isnan(found.begin()[i]) || std::isnan(truth.begin()[i])) continue;
-    ++points;
-    far += std::abs(found.begin()[i] - truth.begin()[i]) > 0.002 ? 1 : 0;
-  }
+  const auto [points, far] = points_and_far(path("coordinate.tiff"), path("scan"), 0.002);
   EXPECT_GT(points, 5000);
   EXPECT_LE(far, points / 100);
   // Read otherwise, the check names the settings.

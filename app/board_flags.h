@@ -11,7 +11,7 @@
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/codes/response.h"
 #include "slipstream/io/scan_folder.h"
-#include "slipstream/simulate/scene.h"
+#include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream::app {
 
@@ -48,6 +48,11 @@ void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags)
 PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
                              const std::optional<MeasuredResponse>& response, Output& output);
 
+/// A board held in `count` poses, so many cycles each, under patterns along x, then along y.
+/// Throws Error as board_from and poses_of.
+Reel shown_boards(const BoardFlags& board, int count, int still_cycles, const VirtualWorld& world,
+                  const Sequence& sequence);
+
 /// The board as a flat sheet in the scene, printed finer than any camera resolves.
 Body sheet_of(const CalibrationBoard& board, const Scanner& scanner);
 
@@ -68,7 +73,7 @@ struct CalibrateGeometryFlags {
 };
 
 /// Calibrates from board scans in several poses; writes and reports the scanner file and the
-/// report.
+/// report. The document's `verdict` is the report's.
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output);
 
 }  // namespace slipstream::app

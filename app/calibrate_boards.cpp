@@ -205,6 +205,7 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       std::array{scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest});
   add_quality(told, overall(left_out_qualities(calibration)));
   told["findings"] = report.findings;
+  told["verdict"] = verdict_of(report.findings).words;
   if (report.comparison != nullptr) {
     told["compared"] = described("scanner", report.comparison->name);
     add_quality(told["compared"], overall(report.comparison->poses));
@@ -255,6 +256,7 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   output.document = document(flags, report);
   output.say("{}", text_of(report));
   output.warn(findings);
+  output.say("{}", verdict_of(findings).words);
   output.say("scanner file: {}", flags.scanner);
   if (flags.report) {
     output.say("report: {}", (fs::path(*flags.report) / "report.html").string());

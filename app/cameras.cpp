@@ -65,23 +65,11 @@ struct ServeFlags {
   SequenceChanges scan;
 };
 
-/// Acts like someone calibrating: holds the board in one pose after another, each under patterns
-/// along x, then along y.
-Reel boards_for(const ServeFlags& flags, const VirtualWorld& world, const Sequence& sequence) {
-  require_in_range(flags.still >= 1 && flags.still <= 1000, "--still", flags.still, "1 to 1000");
-  const Body sheet = sheet_of(board_from(flags.board), world.scanner);
-  const auto poses = poses_of(sheet, *flags.boards, world.scanner);
-  Progress progress("boards", *flags.boards);
-  Reel reel = moved_board(world, misprinted(sheet, world.photometry.physics), poses,
-                          along_both_axes(sequence), flags.still, [&] { progress.advance(); });
-  progress.finish();
-  return reel;
-}
-
 void require_good(const ServeFlags& flags) {
   require_duration(flags.duration);
   require_in_range(flags.packet_loss >= 0 && flags.packet_loss <= 1, "--packet-loss",
                    flags.packet_loss, "0 to 1");
+  require_in_range(flags.still >= 1 && flags.still <= 1000, "--still", flags.still, "1 to 1000");
   require_in_range(flags.cycles >= 1 && flags.cycles <= 1000, "--cycles", flags.cycles,
                    "1 to 1000");
   throw_if(flags.scene.bits != 8, "--camera-bits {}: the served camera has 8 bits",
@@ -93,7 +81,8 @@ void serve_camera(const ServeFlags& flags, Output& output) {
   const VirtualWorld world = world_from(flags.scene);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
   std::vector<Reel> reels;
-  if (flags.boards) reels.push_back(boards_for(flags, world, sequence));
+  if (flags.boards)
+    reels.push_back(shown_boards(flags.board, *flags.boards, flags.still, world, sequence));
   reels.push_back(
       reel_of(virtual_frames(world.scanner, world.scene, pattern_set(cycle_of(sequence)),
                              world.photometry, flags.cycles)));

@@ -1,5 +1,5 @@
-#include "app/board_flags.h"
-#include "app/live.h"
+#include "app/capture.h"
+
 #include "app/process.h"
 #include "slipstream/calibrate/pose_guide.h"
 #include "slipstream/codes/registry.h"
@@ -11,32 +11,17 @@
 namespace slipstream::app {
 namespace {
 
-struct CaptureFlags {
-  std::string output;
-  SourceFlags source;
-  std::optional<int> monitor;
-  double settle = 100;  ///< ms
-  std::optional<int> poses;
-  BoardFlags board;
-  bool headless = false;
-  Size size{1280, 800};
-  std::string screenshot;
-};
-
 void require_good(const CaptureFlags& flags) {
   constexpr int most_poses = 1000;
   const SourceFlags& source = flags.source;
-  const bool sees_monitor = is_camera(source);
   const int poses = flags.poses.value_or(0);
   require_in_range(poses >= 0 && poses <= most_poses, "--poses", poses,
                    "1 to 1000, or no number to stop automatically");
   require_in_range(flags.settle >= 0 && flags.settle <= 10000, "--settle", flags.settle,
                    "0 to 10000 ms");
   if (flags.monitor) require_sees_monitor(source, *flags.monitor);
-  throw_if(flags.poses && !sees_monitor,
-           "--poses: {} has no moving board; `slipstream camera serve --boards 12` serves one as a "
-           "camera",
-           source.source);
+  throw_if(flags.poses && scheme_of(source.source) == "replay",
+           "--poses: {} has no moving board; use a camera, or virtual", source.source);
   throw_if(
       !flags.monitor && source.camera.trigger == "Software",
       "--trigger Software: no trigger source; add --monitor, or name the camera's trigger line");
@@ -71,6 +56,19 @@ std::vector<std::vector<Image<std::uint8_t>>> pictures_of(const Sequence& sequen
     pictures.push_back(patterns_in_8_bits(set, sequence.projector));
   }
   return pictures;
+}
+
+/// The virtual scanner, and a board held in front of it in one pose after another.
+NamedSource virtual_boards(const CaptureFlags& flags, const SourceRequest& request) {
+  constexpr int several = 12, still_cycles = 6;
+  const VirtualWorld& world = *request.world;
+  NamedSource boards{.sequence = sequence_for(request.sequence, world.scanner),
+                     .scanner_name = "the virtual scanner"};
+  const int poses = *flags.poses == 0 ? several : *flags.poses;
+  boards.frames = std::make_unique<VirtualCamera>(
+      shown_boards(flags.board, poses, still_cycles, world, boards.sequence),
+      request.rate == 0.0 ? std::nullopt : request.rate);
+  return boards;
 }
 
 std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSource& opened,
@@ -123,7 +121,8 @@ view::Guide guide_of(const PoseProgress& progress, int wanted) {
            "to do (orange)"}};
 }
 
-void calibrate_taken(const CaptureFlags& flags, Output& output) {
+/// Returns the verdict.
+std::string calibrate_taken(const CaptureFlags& flags, Output& output) {
   const fs::path folder = flags.output;
   CalibrateGeometryFlags calibration;
   calibration.boards.folder = folder;
@@ -131,55 +130,56 @@ void calibrate_taken(const CaptureFlags& flags, Output& output) {
   calibration.scanner = folder / "scanner.yaml";
   calibration.report = folder / "report";
   calibrate_boards(calibration, output);
+  return output.document["verdict"];
 }
 
-void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera& camera,
-                CaptureDesktop& desktop, Output& output) {
+/// Returns the calibration's verdict. `show` may be empty.
+std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
+                       const std::function<void(view::Guide)>& show,
+                       const std::function<bool()>& ends, Output& output) {
+  const auto& [projector, opened, camera] = rig;
   throw_if(opened.sequence.projector == Size{},
            "--projector is missing: give the projector's size in pixels, e.g. 1280x800");
   const CalibrationBoard board = board_from(flags.board);
-  const RunEnd end(std::nullopt);
   const auto tell_news = news_of(*opened.frames, output);
   PoseState told = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
-    if (desktop.show) desktop.show(guide_of(progress, *flags.poses));
+    if (show) show(guide_of(progress, *flags.poses));
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
     output.say("{}", line_of(progress, *flags.poses));
   };
-  const auto ends = [&] {
+  const auto watch = [&] {
     tell_news();
-    return end.reached() || desktop.closed();
+    return ends();
   };
   const auto save = [](const fs::path& folder, const Scan& scan) {
     save_scan(folder, scan.frames, scan.sequence, std::nullopt);
   };
   const std::size_t taken =
-      take_guided_poses(camera, flags.output, board, opened.sequence,
-                        {.save = save, .wanted = *flags.poses, .told = tell, .ends = ends})
+      take_guided_poses(*camera, flags.output, board, opened.sequence,
+                        {.save = save, .wanted = *flags.poses, .told = tell, .ends = watch})
           .size();
   opened.frames->stop();
-  if (!flags.screenshot.empty() && desktop.picture) {
-    write_image(flags.screenshot, desktop.picture());
-  }
   throw_if(taken == 0, "no pose was taken");
-  calibrate_taken(flags, output);
+  std::string verdict = calibrate_taken(flags, output);
   output.add("poses_taken", taken, "folder", flags.output);
+  return verdict;
 }
 
 /// The frames of one scan, taken once the scene is still.
-FrameSet still_frames(ScanCamera& camera, const NamedSource& opened, CaptureDesktop& desktop,
-                      Output& output) {
+FrameSet still_frames(const CaptureRig& rig, Output& output) {
+  const auto& [projector, opened, camera] = rig;
   constexpr double patience = 10;  // s
   const RunEnd end(patience);
   const auto tell_news = news_of(*opened.frames, output);
   bool seen = false;
-  while (!end.reached() && !desktop.closed()) {
+  while (!end.reached() && !projector.closed()) {
     tell_news();
-    const std::optional<Glimpse> glimpse = camera.look(std::chrono::milliseconds(200));
+    const std::optional<Glimpse> glimpse = camera->look(std::chrono::milliseconds(200));
     seen |= glimpse.has_value();
     if (!glimpse || !glimpse->still) continue;
-    if (auto frames = camera.take()) return std::move(frames->front());
+    if (auto frames = camera->take()) return std::move(frames->front());
   }
   if (end.seconds() < patience) throw Error("stopped before a scan was taken");
   throw WorldError(seen
@@ -189,11 +189,10 @@ FrameSet still_frames(ScanCamera& camera, const NamedSource& opened, CaptureDesk
                                      opened.scanner_name, patience));
 }
 
-void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera& camera,
-               CaptureDesktop& desktop, Output& output) {
-  Scan scan{.frames = still_frames(camera, opened, desktop, output),
-            .sequence = opened.sequence,
-            .scanner = opened.scanner};
+void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output) {
+  const NamedSource& opened = rig.opened;
+  Scan scan{
+      .frames = still_frames(rig, output), .sequence = opened.sequence, .scanner = opened.scanner};
   opened.frames->stop();
   scan.sequence.marker = false;  // null: not among the frames
   if (scan.scanner) {
@@ -219,25 +218,85 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
                               "findings", checked.findings);
 }
 
+/// Opens and starts all.
+CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
+  require_good(flags);
+  CaptureRig rig{.projector = open_projector(flags.monitor)};
+  PatternSink* const projector = rig.projector.sink;
+  const SourceRequest request =
+      request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
+  const bool boards = flags.poses && scheme_of(request.source) == "virtual";
+  rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
+  rig.opened.frames->start();
+  rig.camera = scan_camera(flags, rig.opened, projector);
+  return rig;
+}
+
+/// Takes poses while a window shows the guide; closing it ends them.
+void take_poses_in_window(const CaptureFlags& flags, Output& output) {
+#ifdef SLIPSTREAM_VIEW
+  GuidedPoses poses(flags, output);
+  const RunEnd end(std::nullopt);
+  const auto last = view::run_viewer({.title = "slipstream capture",
+                                      .newest = [] { return view::ShownCloud{}; },
+                                      .guide = [&poses] { return poses.newest(); }},
+                                     {.size = flags.size,
+                                      .ends = [&] { return end.reached() || poses.over(); },
+                                      .keep_last = !flags.screenshot.empty()});
+  if (last) write_image(flags.screenshot, *last);
+  poses.finish();
+#endif
+}
+
 void capture(const CaptureFlags& flags, Output& output) {
   require_good(flags);
-  CaptureDesktop desktop = open_desktop(
-      {.monitor = flags.monitor, .guides = flags.poses && !flags.headless, .size = flags.size});
-  PatternSink* const projector = desktop.projector;
-  const NamedSource opened =
-      open(request_for(flags, projector != nullptr ? projector->size() : std::nullopt), output);
-  opened.frames->start();
-  const std::unique_ptr<ScanCamera> camera = scan_camera(flags, opened, projector);
-  flags.poses ? take_poses(flags, opened, *camera, desktop, output)
-              : take_scan(flags, opened, *camera, desktop, output);
+  if (flags.poses && !flags.headless) {
+    require_desktop();
+    return take_poses_in_window(flags, output);
+  }
+  const CaptureRig rig = open_rig(flags, output);
+  if (!flags.poses) return take_scan(flags, rig, output);
+  const RunEnd end(std::nullopt);
+  take_poses(
+      flags, rig, {}, [&] { return end.reached() || rig.projector.closed(); }, output);
 }
 
 }  // namespace
 
+GuidedPoses::GuidedPoses(CaptureFlags flags, Output& output)
+    : flags_(std::move(flags)),
+      rig_(open_rig(flags_, output)),
+      work_(std::async(std::launch::async, [this, &output] {
+        const auto show = [this](view::Guide guide) {
+          const std::lock_guard lock(mutex_);
+          newest_ = std::move(guide);
+        };
+        return take_poses(
+            flags_, rig_, show, [this] { return ending_.load(); }, output);
+      })) {}
+
+std::optional<view::Guide> GuidedPoses::newest() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(newest_, std::nullopt);
+}
+
+bool GuidedPoses::over() const {
+  return work_.wait_for(std::chrono::seconds(0)) == std::future_status::ready ||
+         rig_.projector.closed();
+}
+
+std::string GuidedPoses::finish() {
+  ending_ = true;
+  return work_.get();
+}
+
 #ifndef SLIPSTREAM_VIEW
-CaptureDesktop open_desktop(const DesktopWishes& wishes) {
-  if (wishes.monitor) throw Error("--monitor: this build has no monitor support");
-  if (wishes.guides) throw Error("this build has no window support; add --headless");
+void require_desktop() {
+  throw Error("this build has no window support; add --headless");
+}
+
+MonitorProjector open_projector(std::optional<int> monitor) {
+  if (monitor) throw Error("--monitor: this build has no monitor support");
   return {};
 }
 #endif

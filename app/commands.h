@@ -242,7 +242,7 @@ AddCommand add_demo, add_patterns, add_design, add_reconstruct, add_check, add_m
 AddCommand add_simulate, add_calibrate, add_batch, add_convert, add_unwrap, add_height, add_verify;
 AddCommand add_compare, add_assist, add_live, add_serve, add_capture, add_record, add_camera;
 AddCommand add_reproduce, add_bench, add_gpu;
-AddCommand add_project, add_view;  // with SLIPSTREAM_VIEW
+AddCommand add_project, add_view, add_studio;  // with SLIPSTREAM_VIEW
 // To `slipstream calibrate`:
 AddCommand add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_ambient,
     add_calibrate_colour, add_calibrate_gamma, add_calibrate_height, add_calibrate_noise;

@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "app/process.h"
-#include "slipstream/frames/stepped_source.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/publish/cloud_sink.h"
@@ -154,12 +153,12 @@ void write_results(LiveSession& session, const Publisher& publisher, Output& out
 
 /// Puts the camera in step with the patterns on a monitor. Exposures become whole refreshes: a
 /// projector's light changes within each.
-const SteppedSource& step_with(const CaptureDesktop& desktop, bool triggered, NamedSource& opened,
-                               Output& output) {
+const SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
+                               NamedSource& opened, Output& output) {
   CameraControls* const controls = opened.frames->controls();
   const auto exposure = controls ? controls->control(CameraControl::exposure) : std::nullopt;
   if (exposure) {
-    const double refresh = 1e3 / desktop.refresh_hz;
+    const double refresh = 1e3 / projector.refresh_hz;
     const double refreshes = std::max(1.0, std::round(exposure->value / refresh));
     if (std::abs(exposure->value - refreshes * refresh) > 0.01 * refresh) {
       controls->set_control(CameraControl::exposure, refreshes * refresh);
@@ -167,7 +166,7 @@ const SteppedSource& step_with(const CaptureDesktop& desktop, bool triggered, Na
                  refreshes);
     }
   }
-  auto stepped = std::make_unique<SteppedSource>(*desktop.projector, std::move(opened.frames),
+  auto stepped = std::make_unique<SteppedSource>(*projector.sink, std::move(opened.frames),
                                                  pictures_to_show(opened.sequence), triggered);
   const SteppedSource& source = *stepped;
   opened.frames = std::move(stepped);
@@ -207,9 +206,10 @@ void require_good(const LiveFlags& flags) {
 #ifdef SLIPSTREAM_VIEW
   require_good(flags.view);
 #else
-  if (!flags.headless) throw Error("this build has no viewer; add --headless");
 #endif
 }
+
+}  // namespace
 
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   SourceFlags& source = flags.source;
@@ -254,18 +254,15 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_camera_flags(command.app, source.camera);
 }
 
-}  // namespace
-
-void live(const LiveFlags& flags, Output& output) {
-  return_memory();
+LiveScan::LiveScan(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
   require_good(flags);
   LiveSettings settings = flags.live;
   SourceRequest request = request_from(flags.source);
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
-  CaptureDesktop desktop = open_desktop({.monitor = flags.monitor});
-  if (desktop.projector != nullptr && !request.sequence.projector) {
-    request.sequence.projector = desktop.projector->size();
+  projector = open_projector(flags.monitor);
+  if (projector.sink != nullptr && !request.sequence.projector) {
+    request.sequence.projector = projector.sink->size();
   }
   NamedSource opened = open(request, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
@@ -275,10 +272,8 @@ void live(const LiveFlags& flags, Output& output) {
                               !request.sequence.motion && setup.sequence.motion == 0 &&
                               takes_motion(setup.sequence);
   if (settings.motion_when_seen) setup.sequence.motion = 2;
-
-  const SteppedSource* stepped = nullptr;
   if (flags.monitor) {
-    stepped = &step_with(desktop, request.camera.trigger == "Software", opened, output);
+    stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);
   }
   const RecordingHeader header{
       .format = opened.frames->format(),
@@ -290,64 +285,79 @@ void live(const LiveFlags& flags, Output& output) {
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header, flags.limit);
   RecordedSource& recorder = *source;
   settings.model = !flags.model.empty();
-  Publisher publisher;
   if (!flags.publish.empty()) {
     settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
-    settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
+    settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
   }
-  LivePipeline pipeline(colours_apart(std::move(source), opened), setup, settings);
+  pipeline =
+      std::make_unique<LivePipeline>(colours_apart(std::move(source), opened), setup, settings);
+  session = std::unique_ptr<LiveSession>(
+      new LiveSession{.flags = flags,
+                      .pipeline = *pipeline,
+                      .recorder = recorder,
+                      .setup = setup,
+                      .is_over = [] { return false; },
+                      .patterns_can_change = is_camera(request) && !flags.monitor,
+                      .motion_when_seen = settings.motion_when_seen,
+                      .strategy = setup.sequence.strategy});
+}
 
+LiveScan::~LiveScan() {
+  publisher.finish();  // before the session that its sinks use
+}
+
+void LiveScan::start() {
+  open_sinks(
+      *session, [this] { return document_of(*session, publisher); }, publisher);
+  tell_news(publisher, output);
+  if (!flags.record.empty()) session->recorder.record_to(flags.record);
+  {
+    const std::lock_guard lock(session->mutex);  // sinks may already change it
+    pipeline->start();
+  }
+  if (stepped != nullptr) tell_steps(*stepped, output);
+}
+
+void live(const LiveFlags& flags, Output& output) {
+  return_memory();
+  if (!flags.headless) require_desktop();
+  LiveScan scan(flags, output);
+  LiveSession* const session = scan.session.get();
+  LivePipeline* const pipeline = scan.pipeline.get();
+  Publisher& publisher = scan.publisher;
   const RunEnd end(flags.duration);
   std::string limited;  // as printed
-  const auto is_over = [&] {
+  session->is_over = [&] {
     tell_news(publisher, output);
-    const auto recording = recorder.recording();
+    const auto recording = session->recorder.recording();
     if (recording && recording->limited != std::exchange(limited, recording->limited) &&
         !limited.empty()) {
       output.say("{}", limited);
     }
-    if (desktop.closed()) return true;
+    if (scan.projector.closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
-    const bool at_end = flags.headless || settings.most_frames;
-    return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
+    const bool at_end = flags.headless || flags.live.most_frames;
+    return end.reached() || pipeline->failure() || (at_end && !pipeline->running());
   };
-  LiveSession session{.flags = flags,
-                      .pipeline = pipeline,
-                      .recorder = recorder,
-                      .setup = setup,
-                      .is_over = is_over,
-                      .patterns_can_change = is_camera(request) && !flags.monitor,
-                      .motion_when_seen = settings.motion_when_seen,
-                      .strategy = setup.sequence.strategy};
-  const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
-      &publisher, [](Publisher* ending) { ending->finish(); });
-  const auto document = [&] { return document_of(session, publisher); };
-  open_sinks(session, document, publisher);
-  tell_news(publisher, output);
-  if (!flags.record.empty()) recorder.record_to(flags.record);
-  {
-    const std::lock_guard lock(session.mutex);  // sinks may already change it
-    pipeline.start();
-  }
-  if (stepped != nullptr) tell_steps(*stepped, output);
+  scan.start();
   tell_service_manager("READY=1");
   if (flags.begun) flags.begun();
   output.document["files"] = nlohmann::json::object();
   ToldNews news;
-  run_session(session, news, output);
-  pipeline.stop();
+  run_session(*session, news, output);
+  pipeline->stop();
   publisher.finish();
   tell_news(publisher, output);
-  tell_news(pipeline, news, output);
+  tell_news(*pipeline, news, output);
 
   std::exception_ptr unfinished;
   try {
-    recorder.finish_recording();  // before anything that may end the program; also started from the
-                                  // window
+    session->recorder.finish_recording();  // before anything that may end the program; also started
+                                           // from the window
   } catch (const WorldError&) {
     unfinished = std::current_exception();
   }
-  write_results(session, publisher, output);
+  write_results(*session, publisher, output);
   if (unfinished) std::rethrow_exception(unfinished);
   for (const SinkStatistics& sink : publisher.statistics()) {
     if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));

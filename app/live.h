@@ -2,8 +2,9 @@
 
 #include <atomic>
 
+#include "app/scan_flags.h"
 #include "app/source_flags.h"
-#include "slipstream/frames/frame_source.h"
+#include "slipstream/frames/stepped_source.h"
 #include "slipstream/io/recorder.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/publish/cloud_sink.h"
@@ -40,8 +41,47 @@ struct LiveFlags {
   std::function<bool()> hung_up;     ///< at SIGHUP: whether to end
 };
 
+/// Adds the flags of `live` except --headless.
+void add_live_flags(const FlagGroup& command, LiveFlags& flags);
+
 /// Runs from source to clouds until the source or a signal ends it.
 void live(const LiveFlags& flags, Output& output);
+
+/// Throws WorldError without a desktop, Error for a build without windows; before work of seconds.
+void require_desktop();
+
+/// A monitor that shows the patterns.
+struct MonitorProjector {
+  PatternSink* sink = nullptr;  ///< null: none was requested
+  double refresh_hz = 0;
+  /// Whether its window was closed. Processes window events; main thread.
+  std::function<bool()> closed = [] { return false; };
+};
+
+/// Throws Error for a missing monitor or a build without windows, WorldError without a desktop.
+MonitorProjector open_projector(std::optional<int> monitor);
+
+struct LiveSession;
+
+/// A live scan, from its source to its sinks.
+struct LiveScan {
+  /// Opens projector, source and pipeline. Throws like these.
+  LiveScan(LiveFlags given, Output& output);
+  LiveScan(const LiveScan&) = delete;
+  LiveScan& operator=(const LiveScan&) = delete;
+  ~LiveScan();
+
+  /// Opens the sinks and starts.
+  void start();
+
+  LiveFlags flags;
+  Output& output;
+  MonitorProjector projector{};
+  const SteppedSource* stepped = nullptr;  ///< in step with the projector; null without one
+  Publisher publisher;
+  std::unique_ptr<LivePipeline> pipeline;
+  std::unique_ptr<LiveSession> session;
+};
 
 /// A running live scan, as a display sees it.
 struct LiveSession {
@@ -102,24 +142,17 @@ void show_in_window(LiveSession& session, Output& output);
 /// without a cloud.
 void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
 
-/// The windows of `capture`, and the projector of `live`.
-struct DesktopWishes {
-  std::optional<int> monitor{};  ///< the projector
-  bool guides = false;           ///< the window that guides the user with a board
-  Size size{};                   ///< of the guide window
-};
+/// The session as a source of clouds; borrows it.
+view::ViewSource view_source_of(LiveSession& session);
 
-/// The projector, if it is a monitor, and the guide window, as requested.
-struct CaptureDesktop {
-  PatternSink* projector = nullptr;
-  double refresh_hz = 0;                          ///< the projector's
-  std::function<void(view::Guide guide)> show{};  ///< in the window that guides; empty without
-  /// Whether a window was closed. Answers the desktop meanwhile.
-  std::function<bool()> closed = [] { return false; };
-  std::function<Image<Colour>()> picture{};  ///< the guide window's last picture
-};
+/// A scan, a recording or a cloud, named `path`.
+view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
+                                const ViewFlags& view, Output& output);
 
-/// Throws Error for a missing monitor or a build without windows, WorldError without a desktop.
-CaptureDesktop open_desktop(const DesktopWishes& wishes);
+/// Viewable scan folders and files in a folder, newest first.
+std::vector<std::string> viewable_in(const fs::path& folder);
+
+/// One window from camera and projector to a cloud; the flags are its first choices.
+void studio(const LiveFlags& flags, Output& output);
 
 }  // namespace slipstream::app

@@ -112,6 +112,7 @@ constexpr ProgramCommand program_commands[] = {
     {"demo", add_demo, "Scan"},
     {"patterns", add_patterns, "Scan"},
 #ifdef SLIPSTREAM_VIEW
+    {"studio", add_studio, "Scan"},
     {"project", add_project, "Scan"},
 #endif
 #ifdef SLIPSTREAM_ALL_COMMANDS

@@ -6,6 +6,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/response/exposure_advice.h"
 #include "slipstream/response/gamma.h"
 #include "slipstream/view/viewer.h"
 
@@ -31,7 +32,8 @@ void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool
   draw(source, flags, view::Surround::panel, "screenshot", flags.screenshot, output);
 }
 
-/// Borrows the session.
+}  // namespace
+
 view::ViewSource view_source_of(LiveSession& session) {
   const std::string& name = session.flags.source.source;
   view::ViewSource source =
@@ -57,10 +59,13 @@ view::ViewSource view_source_of(LiveSession& session) {
     const auto recording = session.recorder.recording();
     return recording ? text_of(*recording) : std::string();
   };
+  source.best_exposure = [&session](const view::ShownCloud& cloud, double exposure) {
+    Sequence sequence = setup_of(session).sequence;
+    sequence.exposures = {exposure};
+    return exposure_advice(cloud.frames, sequence).proposed.front().exposures.front();
+  };
   return source;
 }
-
-}  // namespace
 
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   const FlagGroup group{subcommand, "Drawing"};
@@ -96,29 +101,21 @@ void draw_newest(LiveSession& session, bool screenshot_too, Output& output) {
   write_pictures(view_source_of(session), session.flags.view, screenshot_too, output);
 }
 
-CaptureDesktop open_desktop(const DesktopWishes& wishes) {
-  if (!wishes.monitor && !wishes.guides) return {};
-  struct Windows {
+void require_desktop() {
+  const opengl::WindowSystem desktop;
+}
+
+MonitorProjector open_projector(std::optional<int> monitor) {
+  if (!monitor) return {};
+  struct Window {
     opengl::WindowSystem system;
-    std::optional<monitor::MonitorSink> projector;
-    std::optional<view::GuideWindow> guide;
+    std::optional<monitor::MonitorSink> sink;
   };
-  const auto windows = std::make_shared<Windows>();
-  auto& [system, projector, guide] = *windows;
-  CaptureDesktop desktop;
-  if (wishes.monitor) {
-    desktop.projector = &projector.emplace(system, *wishes.monitor);
-    desktop.refresh_hz = projector->refresh_hz();
-  }
-  desktop.closed = [windows] {
-    return (windows->guide && windows->guide->closed()) ||
-           (windows->projector && windows->projector->closed());
-  };
-  if (!wishes.guides) return desktop;
-  guide.emplace(system, "slipstream capture", wishes.size);
-  desktop.show = [windows](view::Guide shown) { windows->guide->show(std::move(shown)); };
-  desktop.picture = [windows] { return windows->guide->picture(); };
-  return desktop;
+  const auto window = std::make_shared<Window>();
+  monitor::MonitorSink& sink = window->sink.emplace(window->system, *monitor);
+  return {.sink = &sink, .refresh_hz = sink.refresh_hz(), .closed = [window] {
+            return window->sink->closed();
+          }};
 }
 
 namespace {
@@ -132,11 +129,11 @@ struct ViewPathFlags {
   std::string web;  ///< [ADDRESS:]PORT; empty: in a window
 };
 
-view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
-  const CloudFlags& asked = flags.cloud;
+view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked,
+                                const std::string& save_to, Output& output) {
   require_valid(asked.settings.clean);
-  Scan scan = load(flags.path, asked, false, output);
-  const SoundScan sound = sound_scan(scan, flags.path, asked, output);
+  Scan scan = load(path, asked, false, output);
+  const SoundScan sound = sound_scan(scan, path, asked, output);
   const EngineSetup& setup = sound.setup;
   const auto given = sound.gamma.response;
   const auto blind =
@@ -146,25 +143,11 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},
                    {"from the frames", blind}};
-  source.save = [parent = flags.view.save_to, remarks = doubts(sound.checked.findings)](
-                    const view::ShownCloud& cloud, const EngineSetup& used) {
-    return save_in_new_folder(cloud.frames, used, parent, remarks);
+  source.save = [save_to, remarks = doubts(sound.checked.findings)](const view::ShownCloud& cloud,
+                                                                    const EngineSetup& used) {
+    return save_in_new_folder(cloud.frames, used, save_to, remarks);
   };
   return source;
-}
-
-/// Viewable scan folders and files in a folder, by name.
-std::vector<std::string> viewable_in(const fs::path& folder) {
-  std::vector<std::string> paths;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none)) {
-    const bool file = is_cloud_file(entry.path()) || lower_case_extension(entry.path()) == ".slip";
-    if (file || fs::exists(entry.path() / "scan.yaml", none)) {
-      paths.push_back(entry.path().lexically_normal().string());
-    }
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
 }
 
 bool is_scan(const std::string& path) {
@@ -174,20 +157,6 @@ bool is_scan(const std::string& path) {
 view::ViewSource source_of_cloud(const std::string& path) {
   StoredCloud stored = read_cloud(path);
   return view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
-}
-
-view::ViewSource source_of(const ViewPathFlags& flags, Output& output) {
-  view::ViewSource source =
-      is_scan(flags.path) ? source_of_scan(flags, output) : source_of_cloud(flags.path);
-  source.title = flags.path;
-  return source;
-}
-
-/// An empty scene with a list of files to open.
-view::ViewSource source_of_nothing() {
-  return {.title = "slipstream view",
-          .newest = [] { return view::ShownCloud{}; },
-          .waits_for = "Drop a scan folder or a cloud here, or choose one at the left."};
 }
 
 /// A page instead of a window: loops the frames as live does.
@@ -217,27 +186,51 @@ void view_path(const ViewPathFlags& flags, Output& output) {
     throw_if(!(scan || of_rig || option->count() == 0 || !fs::exists(flags.path)),
              "{}: {} applies to scans only", flags.path, option->get_name());
   }
-  view::ViewSource source = flags.path.empty() ? source_of_nothing() : source_of(flags, output);
+  if (flags.path.empty()) {
+    LiveFlags choices;
+    choices.settings = flags.cloud.settings;
+    choices.view = flags.view;
+    return studio(choices, output);
+  }
+  view::ViewSource source = view_source_of(flags.path, flags.cloud, flags.view, output);
   output.document = described("path", flags.path, "files", nlohmann::json::object());
   if (scan) output.document["findings"] = source.findings;
   write_pictures(source, flags.view, true, output);
   if (!output.document["files"].empty()) return;
   const fs::path beside = fs::absolute(flags.path / fs::path()).parent_path().parent_path();
-  source.openable = [beside = flags.path.empty() ? fs::current_path() : beside] {
-    return viewable_in(beside);
-  };
-  source.open = [view = flags.view, settings = flags.cloud.settings,
-                 &output](const std::string& path) {
-    ViewPathFlags other;
-    other.path = path;
-    other.view = view;
-    other.cloud.settings = settings;
-    return source_of(other, output);
+  source.openable = [beside] { return viewable_in(beside); };
+  source.open = [&flags, &output](const std::string& path) {
+    CloudFlags other;
+    other.settings = flags.cloud.settings;
+    return view_source_of(path, other, flags.view, output);
   };
   view::run_viewer(source, {.view = flags.view.settings, .size = flags.view.size});
 }
 
 }  // namespace
+
+view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
+                                const ViewFlags& view, Output& output) {
+  view::ViewSource source =
+      is_scan(path) ? source_of_scan(path, flags, view.save_to, output) : source_of_cloud(path);
+  source.title = path;
+  return source;
+}
+
+std::vector<std::string> viewable_in(const fs::path& folder) {
+  std::vector<std::pair<fs::file_time_type, std::string>> found;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const bool file = is_cloud_file(entry.path()) || lower_case_extension(entry.path()) == ".slip";
+    if (file || fs::exists(entry.path() / "scan.yaml", none)) {
+      found.emplace_back(entry.last_write_time(none), entry.path().lexically_normal().string());
+    }
+  }
+  std::sort(found.rbegin(), found.rend());
+  std::vector<std::string> paths;
+  for (auto& [time, path] : found) paths.push_back(std::move(path));
+  return paths;
+}
 
 void add_view(const Commands& program) {
   const auto [command, flags] = program.add(

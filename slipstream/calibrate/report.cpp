@@ -138,12 +138,9 @@ std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
 }
 
 void write_findings(Page& page, const std::vector<Finding>& findings) {
-  if (findings.empty()) return page.verdict("good", "Good: no problems found.");
-  if (any_wrong(findings)) {
-    page.verdict("bad", "Do again: " + findings.front().what + ". " + findings.front().advice);
-  } else {
-    page.verdict("usable", "Usable, but look at this: " + findings.front().what);
-  }
+  const auto [grade, words] = verdict_of(findings);
+  page.verdict(grade, words);
+  if (findings.empty()) return;
   page.heading("Diagnostics");
   page.table({"symptom", "evidence", "likely cause", "remedy"});
   for (const Finding& finding : findings) {
@@ -303,6 +300,13 @@ void write_field(Page& page, const GeometryCalibration& calibration) {
 }
 
 }  // namespace
+
+Verdict verdict_of(const std::vector<Finding>& findings) {
+  if (findings.empty()) return {"good", "Good: no problems found."};
+  const Finding& first = findings.front();
+  if (any_wrong(findings)) return {"bad", "Do again: " + first.what + ". " + first.advice};
+  return {"usable", "Usable, but look at this: " + first.what};
+}
 
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
                                 const BoardViews& views, const CalibrationBoard& board) {

@@ -36,7 +36,7 @@ struct SourceRequest {
 
 /// An opened source and its sequence and scanner, if known.
 struct NamedSource {
-  std::unique_ptr<FrameSource> frames;
+  std::unique_ptr<FrameSource> frames{};
   Sequence sequence{};
   std::optional<Scanner> scanner{};
   std::string scanner_name{};  ///< name used in messages

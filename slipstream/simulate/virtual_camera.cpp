@@ -117,14 +117,17 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
     }
     rendered();
   }
+  for (std::size_t k = 0; k < reel.order.size(); ++k) {
+    reel.frames[reel.order[k]].stamp.pattern_index = static_cast<int>(k % cycle.size());
+  }
   return reel;
 }
 
-VirtualCamera::VirtualCamera(std::vector<Frame> loop, std::optional<double> rate)
-    : loop_(std::move(loop)), rate_(rate) {
-  if (loop_.empty()) throw Error("a virtual camera without frames; expected at least one");
-  for (const Frame& frame : loop_) {
-    throw_if(frame.format() != loop_.front().format(),
+VirtualCamera::VirtualCamera(Reel reel, std::optional<double> rate)
+    : reel_(std::move(reel)), rate_(rate) {
+  if (reel_.frames.empty()) throw Error("a virtual camera without frames; expected at least one");
+  for (const Frame& frame : reel_.frames) {
+    throw_if(frame.format() != format(),
              "a virtual camera with frames of several sizes or bits; all must have one format");
   }
   if (rate_ && !(*rate_ > 0 && std::isfinite(*rate_))) {
@@ -160,7 +163,7 @@ std::optional<VirtualCamera::Clock::time_point> VirtualCamera::wait_until(Clock:
 Arrival VirtualCamera::next(Frame& frame, std::chrono::milliseconds timeout) {
   const auto whole = wait_until(Clock::now() + timeout);
   if (!whole) return Arrival::nothing;
-  const Frame& seen = loop_[sequence_ % loop_.size()];
+  const Frame& seen = reel_.frames[reel_.order[sequence_ % reel_.order.size()]];
   frame = seen;
   frame.stamp = {.sequence = sequence_++,
                  .pattern_index = seen.stamp.pattern_index,

@@ -39,12 +39,15 @@ class VirtualCamera : public FrameSource {
   /// Frames buffered by a camera with its own pace; beyond these it loses the oldest.
   static constexpr int waiting_frames = 8;
 
-  /// `loop`: frames of one format, which keep the pattern index of their stamps. `rate`: Hz;
+  /// `reel`: frames of one format, which keep the pattern index of their stamps. `rate`: Hz;
   /// without it, frames arrive as fast as they are requested. Throws Error without frames, if their
   /// formats differ or if the rate is not positive.
-  explicit VirtualCamera(std::vector<Frame> loop, std::optional<double> rate = std::nullopt);
+  explicit VirtualCamera(Reel reel, std::optional<double> rate = std::nullopt);
+  /// Each frame once.
+  explicit VirtualCamera(std::vector<Frame> loop, std::optional<double> rate = std::nullopt)
+      : VirtualCamera(reel_of(std::move(loop)), rate) {}
 
-  [[nodiscard]] FrameFormat format() const override { return loop_.front().format(); }
+  [[nodiscard]] FrameFormat format() const override { return reel_.frames.front().format(); }
   [[nodiscard]] bool has_own_pace() const override { return rate_.has_value(); }
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
@@ -61,7 +64,7 @@ class VirtualCamera : public FrameSource {
   std::optional<Clock::time_point> wait_until(Clock::time_point end);
   [[nodiscard]] Clock::time_point due(std::uint64_t sequence) const;
 
-  std::vector<Frame> loop_;
+  Reel reel_;
   std::optional<double> rate_;
   Clock::time_point start_;
   std::uint64_t sequence_ = 0;

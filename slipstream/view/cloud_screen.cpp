@@ -14,6 +14,8 @@ namespace slipstream::view {
 namespace {
 
 constexpr int picture_width = 480, large_picture_width = 1920;
+constexpr int most_exposures =
+    4;  // tried until the best: saturated pixels hide how bright they are
 
 PointImages images_of(const Cloud& cloud) {
   return {cloud.x, cloud.y, cloud.z, cloud.intensity};
@@ -58,6 +60,7 @@ bool CloudScreen::take_newest() {
   told_shown_ = false;
   uncertainty_.reset();
   set_cloud(cloud_);
+  expose();
   return true;
 }
 
@@ -143,6 +146,8 @@ void CloudScreen::draw_scene(const Pane& pane, const Screen& screen) {
 }
 
 void CloudScreen::draw_over(const Area& area, const Screen& screen) const {
+  if (beginning_ != nullptr) return draw_note(beginning_->name + " ...", area, screen.unit());
+  if (source_.guide) return draw_guide(guide_, guide_picture_, area);
   if (!cloud_) return draw_note(source_.waits_for, area, screen.unit());
   if (pictures_alone(source_)) return draw_picture(pictures_.at(state_.picture), area);
   if (!state_.shown) return;
@@ -162,6 +167,7 @@ void CloudScreen::draw(const Screen& screen) {
   gui_.begin_frame(screen);
   hear_of_saving();
   hear_of_changes();
+  hear_of_guide();
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
   const Area area = area_between(widths, screen);
   draw_over(area, screen);
@@ -173,6 +179,7 @@ void CloudScreen::draw(const Screen& screen) {
     if (!ImGui::GetIO().WantTextInput) take_key(key, requests);
   }
   gui_.end_frame();
+  if (beginning_ != nullptr) next_ = beginning_->begin;
   answer(requests);
   count_drawn();
 }
@@ -245,6 +252,12 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
   if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
   if (key == GLFW_KEY_TAB) state_.shown = !state_.shown;
   if (key == GLFW_KEY_F) requests.fit = true;
+  if (source_.steps) {
+    for (const ViewStep& step : source_.steps->buttons) {
+      if (step.key == key) requests.step = &step;
+    }
+  }
+  if (key == GLFW_KEY_E && source_.best_exposure) requests.expose = true;
   if (key == GLFW_KEY_M) state_.measures = !state_.measures;
   if (key == GLFW_KEY_S && source_.save) requests.save = true;
   if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
@@ -269,6 +282,8 @@ void CloudScreen::answer(const PanelRequests& requests) {
   if (requests.change_setup) change_setup();
   if (requests.save) save();
   if (!requests.open.empty()) open(requests.open);
+  if (requests.step != nullptr) beginning_ = requests.step;
+  if (requests.expose) exposures_to_set_ = most_exposures;
   if (requests.toggle_recording) {
     attempt([&] { source_.record(!source_.recording || source_.recording().empty()); });
   }
@@ -314,6 +329,29 @@ void CloudScreen::hear_of_changes() {
   }
 }
 
+void CloudScreen::hear_of_guide() {
+  auto newest = source_.guide ? source_.guide() : std::nullopt;
+  if (!newest) return;
+  guide_ = *std::move(newest);
+  guide_picture_.upload(guide_.picture);
+}
+
+void CloudScreen::expose() {
+  const auto now = std::chrono::steady_clock::now();
+  if (exposures_to_set_ == 0 || now < exposed_at_ + std::chrono::milliseconds(500)) return;
+  const auto present = source_.camera->control(CameraControl::exposure);
+  if (!present) return;
+  const double best =
+      std::clamp(source_.best_exposure(cloud_, present->value), present->least, present->most);
+  constexpr double alike = 1.05;
+  const bool found = best < alike * present->value && alike * best > present->value;
+  exposures_to_set_ = found ? 0 : exposures_to_set_ - 1;
+  if (found) return;
+  attempt([&] { source_.camera->set_control(CameraControl::exposure, best); });
+  exposed_at_ = now;
+  ask_camera();
+}
+
 void CloudScreen::ask_camera() {
   state_.camera.clear();
   if (source_.camera == nullptr) return;
@@ -325,9 +363,12 @@ void CloudScreen::ask_camera() {
 void CloudScreen::open(const std::string& path) {
   if (!source_.open) return;
   attempt([&] {
-    opened_ = source_.open(path);
-    opened_->open = source_.open;
-    opened_->openable = source_.openable;
+    auto opened = source_.open(path);
+    if (!opened) return;
+    opened->open = source_.open;
+    opened->openable = source_.openable;
+    opened->steps = source_.steps;
+    next_ = [source = *std::move(opened)] { return source; };
   });
 }
 
@@ -343,7 +384,9 @@ void CloudScreen::hear_of_saving() {
   if (!saving_.valid()) return;
   if (saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
-    state_.message = fmt::format("saved: {}", saving_.get());
+    const std::string path = saving_.get();
+    if (source_.opens_saved) return open(path);
+    state_.message = fmt::format("saved: {}", path);
   } catch (const std::exception& error) {
     state_.message = fmt::format("not saved: {}", error.what());
   }

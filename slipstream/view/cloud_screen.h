@@ -94,6 +94,8 @@ struct PanelRequests {
   bool change_setup = false;                  ///< PanelState::setup has changed
   std::optional<ShownControl> set_control{};  ///< camera setting changed
   std::string open{};                         ///< path; empty: none
+  const ViewStep* step = nullptr;             ///< the step to begin
+  bool expose = false;                        ///< choose the best exposure
 };
 
 /// Whether the source has only pictures: frames without a scanner.
@@ -135,8 +137,8 @@ class CloudScreen {
 
   /// Opens a file instead of the source, see ViewSource::open; shows errors in the panel.
   void open(const std::string& path);
-  /// The source opened since the last call, if any.
-  std::optional<ViewSource> take_opened() { return std::exchange(opened_, std::nullopt); }
+  /// Makes the source to show instead; call it once this one is gone. Empty: none.
+  std::function<ViewSource()> take_next() { return std::exchange(next_, nullptr); }
   [[nodiscard]] PanelState& state() { return state_; }
   /// Whether the key to close the window was pressed.
   [[nodiscard]] bool closed() const { return closed_; }
@@ -162,6 +164,8 @@ class CloudScreen {
   /// Returns false and shows the reason in the panel if `work` throws.
   template <class Action>
   bool attempt(const Action& action);
+  void hear_of_guide();
+  void expose();
   void change_setup();
   void hear_of_changes();
   void ask_camera();
@@ -179,7 +183,10 @@ class CloudScreen {
   Image<Validity> validity_;      ///< for pictures without points
   Image<float> shading_;
   std::optional<Uncertainty> uncertainty_;  ///< of the displayed cloud
-  std::optional<ViewSource> opened_;
+  std::function<ViewSource()> next_;
+  const ViewStep* beginning_ = nullptr;  ///< after it is drawn once more
+  Guide guide_;
+  opengl::PictureTexture guide_picture_;
   PanelState state_;
   std::pair<std::size_t, std::size_t> accepted_;  ///< the setup's strategy and gamma
   ShownCloud cloud_;
@@ -195,6 +202,8 @@ class CloudScreen {
   std::vector<int> keys_;
   bool closed_ = false;
   std::future<std::string> saving_;  ///< awaited on destruction
+  int exposures_to_set_ = 0;         ///< until the best one
+  std::chrono::steady_clock::time_point exposed_at_;
   std::chrono::steady_clock::time_point counted_since_;
   int counted_ = 0;
 };

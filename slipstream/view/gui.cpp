@@ -188,6 +188,28 @@ void draw_ends(const std::vector<MeasuredPoint>& ends, const glm::mat4& clip, co
   if (places.size() == 2) list.AddLine(places[0], places[1], marked, 2 * unit);
 }
 
+void draw_guide(const Guide& guide, const opengl::PictureTexture& picture, const Area& area) {
+  // Text is larger than elsewhere, and grows with the window.
+  const float size = std::max(1.2F * ImGui::GetFontSize(), area.height / 40);
+  const float margin = 0.5F * size, wrap = area.width - 2 * margin;
+  std::vector<std::pair<const std::string*, float>> texts{{&guide.headline, 1.5F * size}};
+  for (const std::string& line : guide.lines) texts.emplace_back(&line, size);
+  const auto height_of = [&](const std::string& text, float font) {
+    return margin / 2 + ImGui::GetFont()->CalcTextSizeA(font, wrap, wrap, text.c_str()).y;
+  };
+  float height = area.height - margin;
+  for (const auto& [text, font] : texts) height -= height_of(*text, font);
+  draw_picture(picture, {area.left, area.top, area.width, height});
+  float y = area.top + height;
+  const auto [red, green, blue] = guide.colour;
+  for (const auto& [text, font] : texts) {
+    const ImU32 colour = text == &guide.headline ? IM_COL32(red, green, blue, 255) : ink;
+    ImGui::GetBackgroundDrawList()->AddText(ImGui::GetFont(), font, {area.left + margin, y}, colour,
+                                            text->c_str(), nullptr, wrap);
+    y += height_of(*text, font);
+  }
+}
+
 void draw_picture(const opengl::PictureTexture& picture, const Area& area) {
   const auto width = static_cast<float>(picture.size().width);
   const auto height = static_cast<float>(picture.size().height);

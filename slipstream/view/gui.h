@@ -67,6 +67,17 @@ void draw_rectangle(const ImVec2& corner, const ImVec2& opposite);
 void draw_ends(const std::vector<MeasuredPoint>& ends, const glm::mat4& clip, const Area& area,
                float unit);
 
+/// A picture and instructions below it, readable from a calibration board's distance.
+struct Guide {
+  Image<Colour> picture;
+  std::string headline{};            ///< large, below the picture
+  Colour colour{255, 255, 255};      ///< of the headline
+  std::vector<std::string> lines{};  ///< below it
+};
+
+/// The guide's picture as uploaded, and its text.
+void draw_guide(const Guide& guide, const opengl::PictureTexture& picture, const Area& area);
+
 /// A picture scaled to fit.
 void draw_picture(const opengl::PictureTexture& picture, const Area& area);
 

@@ -213,6 +213,34 @@ void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& sou
   ImGui::PopAllowKeyboardFocus();
 }
 
+/// Choices and buttons that lead to another source.
+void draw_steps(PanelRequests& requests, const ViewSource& source) {
+  if (!source.steps || !section("Scanner")) return;
+  for (ViewChoice& choice : source.steps->choices) {
+    if (choice.options.empty()) {
+      std::array<char, 1024> text{};
+      choice.value.copy(text.data(), text.size() - 1);
+      ImGui::PushAllowKeyboardFocus(true);
+      ImGui::InputText(choice.name.c_str(), text.data(), text.size());
+      ImGui::PopAllowKeyboardFocus();
+      choice.value = text.data();
+    } else if (ImGui::BeginCombo(choice.name.c_str(), choice.value.c_str())) {
+      for (const std::string& option : choice.options) {
+        if (ImGui::Selectable(option.c_str(), option == choice.value)) choice.value = option;
+      }
+      ImGui::EndCombo();
+    }
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", choice.help.c_str());
+  }
+  for (const ViewStep& step : source.steps->buttons) {
+    if (ImGui::Button(step.name.c_str())) requests.step = &step;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", step.help.c_str());
+    ImGui::SameLine();
+  }
+  ImGui::NewLine();
+  if (!source.steps->message.empty()) say(doubtful, "{}", source.steps->message);
+}
+
 /// A filter and the number of points it removed.
 bool draw_filter(const char* name, bool& on, const PanelState& state, Validity kind) {
   const std::size_t count = state.counts[static_cast<std::size_t>(kind)];
@@ -287,6 +315,10 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
     }
     if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
   }
+  const bool has_exposure = state.camera.front().which == CameraControl::exposure;
+  if (source.best_exposure && has_exposure) {
+    requests.expose |= ImGui::Button("Best exposure (E)");
+  }
   if (!source.camera_region.empty()) say(quiet, "region {}", source.camera_region);
 }
 
@@ -297,7 +329,7 @@ void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& 
   }
   if (source.save) {
     if (source.statistics) ImGui::SameLine();
-    requests.save |= ImGui::Button("Save (S)");
+    requests.save |= ImGui::Button(source.opens_saved ? "Capture (S)" : "Save (S)");
   }
   if (source.record) {
     const std::string recording = source.recording ? source.recording() : std::string();
@@ -338,7 +370,7 @@ std::string why_no_points(const PanelState& state) {
 }
 
 PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen) {
-  if (!state.shown) return {};
+  if (!state.shown || (source.guide && !source.steps)) return {};
   const auto width = static_cast<float>(screen.window.width);
   const float left = std::min(286 * screen.unit(), 0.5F * width);
   const float right = std::min(300 * screen.unit(), 0.3F * width);
@@ -354,10 +386,11 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
     ImGui::PushItemWidth(-86 * screen.unit());
     ImGui::PushAllowKeyboardFocus(false);  // Tab would start typing into the next slider
+    draw_steps(requests, source);
     draw_status(state, source, statistics);
     if (pictures_alone(source)) {
       draw_picture_choice(state);
-    } else {
+    } else if (state.pixels != 0) {
       draw_view_settings(state, requests);
       draw_filters(state, requests, source);
       draw_measuring(state);

@@ -50,34 +50,6 @@ ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
           .captured = cloud->newest.host_time};
 }
 
-void draw_text(const Guide& guide) {
-  const auto part = [](std::uint8_t value) { return static_cast<float>(value) / 255; };
-  ImGui::SetWindowFontScale(1.5F);
-  ImGui::PushStyleColor(ImGuiCol_Text, {part(guide.colour.red), part(guide.colour.green),
-                                        part(guide.colour.blue), 1});
-  ImGui::TextWrapped("%s", guide.headline.c_str());
-  ImGui::PopStyleColor();
-  ImGui::SetWindowFontScale(1);
-  for (const std::string& line : guide.lines) ImGui::TextWrapped("%s", line.c_str());
-}
-
-/// The whole window: the picture, and below it two lines of headline and all others.
-void draw_guide(const Guide& guide, const opengl::PictureTexture& texture, const Screen& screen) {
-  ImGui::SetNextWindowPos({0, 0});
-  ImGui::SetNextWindowSize(
-      {static_cast<float>(screen.window.width), static_cast<float>(screen.window.height)});
-  ImGui::Begin("guide", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground |
-                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
-  const float lines = 3 + static_cast<float>(guide.lines.size());
-  const ImVec2 at = ImGui::GetCursorPos(), room = ImGui::GetContentRegionAvail();
-  const float height = room.y - lines * ImGui::GetTextLineHeightWithSpacing();
-  draw_picture(texture, {at.x, at.y, room.x, height});
-  ImGui::SetCursorPosY(at.y + height);
-  draw_text(guide);
-  ImGui::End();
-}
-
 using Clock = std::chrono::steady_clock;
 
 /// Window events since the last picture; without events nothing is redrawn.
@@ -176,45 +148,6 @@ ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool pa
           .gammas = gammas_beside(setup.scanner.photometry.response)};
 }
 
-GuideWindow::GuideWindow(const opengl::WindowSystem& system, const std::string& title, Size size)
-    : window_(system, {.title = title, .size = size}), gui_(&window_) {}
-
-GuideWindow::~GuideWindow() {
-  glfwMakeContextCurrent(window_.get());
-}
-
-void GuideWindow::draw() {
-  glfwMakeContextCurrent(window_.get());
-  Screen screen = screen_of(window_);
-  constexpr float usual_height = 640;  // text scale grows above this size
-  const float grown = static_cast<float>(screen.framebuffer.height) / usual_height;
-  screen.content_scale = std::max(screen.content_scale, grown);
-  glViewport(0, 0, screen.framebuffer.width, screen.framebuffer.height);
-  glClear(GL_COLOR_BUFFER_BIT);
-  gui_.begin_frame(screen);
-  draw_guide(last_, texture_, screen);
-  gui_.end_frame();
-}
-
-void GuideWindow::show(Guide guide) {
-  glfwMakeContextCurrent(window_.get());
-  texture_.upload(guide.picture);
-  last_ = std::move(guide);
-  draw();
-  glfwSwapBuffers(window_.get());
-}
-
-bool GuideWindow::closed() const {
-  glfwPollEvents();
-  return glfwWindowShouldClose(window_.get()) == GLFW_TRUE ||
-         glfwGetKey(window_.get(), GLFW_KEY_ESCAPE) == GLFW_PRESS;
-}
-
-Image<Colour> GuideWindow::picture() {
-  draw();
-  return opengl::read_pixels(window_.framebuffer_size());
-}
-
 std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings) {
   const opengl::WindowSystem system;
   const opengl::Window window(system, {.title = source.title, .size = settings.size});
@@ -229,10 +162,12 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   while (open) {
     for (const int key : std::exchange(events.keys, {})) clouds->press(key);
     if (!events.dropped.empty()) clouds->open(std::exchange(events.dropped, {}));
-    if (auto opened = clouds->take_opened()) {
+    if (const auto begin = clouds->take_next()) {
       const ViewSettings kept = clouds->state().view;
       clouds.reset();  // there is one at a time
-      shown = std::move(*opened);
+      shown = {};      // frees its camera
+      shown = begin();
+      glfwMakeContextCurrent(window.get());  // a projector's window may have come or gone
       glfwSetWindowTitle(window.get(), shown.title.c_str());
       clouds.emplace(shown, kept, &window);
     }

@@ -34,6 +34,31 @@ struct ShownCloud {
   [[nodiscard]] bool is(const ShownCloud& other) const { return cloud == other.cloud; }
 };
 
+struct ViewSource;
+
+/// A choice in the panel: one of `options`, or any text if there are none.
+struct ViewChoice {
+  std::string name;
+  std::string help{};
+  std::vector<std::string> options{};
+  std::string value{};
+};
+
+/// A button that ends the source and begins the returned one.
+struct ViewStep {
+  std::string name;
+  int key = 0;  ///< GLFW's
+  std::string help{};
+  std::function<ViewSource()> begin{};
+};
+
+/// How to get to another source. Sources share it, so that choices stay.
+struct ViewSteps {
+  std::vector<ViewChoice> choices{};
+  std::vector<ViewStep> buttons{};  ///< apply the choices
+  std::string message{};            ///< result of the last step, or why it failed
+};
+
 /// Content and functions of a viewer. Only `newest` is required; without another function the
 /// viewer omits its button, key or panel section. The viewer calls `save` from another thread, all
 /// others from its own.
@@ -59,10 +84,13 @@ struct ViewSource {
   std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas{};
 
   CameraControls* camera = nullptr;  ///< camera controls; null if none
-  std::string camera_region{};       ///< region of its sensor, as text
+  /// The exposure, ms, that measures most pixels of such a scene.
+  std::function<double(const ShownCloud&, double exposure)> best_exposure{};
+  std::string camera_region{};  ///< region of its sensor, as text
 
-  /// Opens a file or a folder to show instead. Throws if it cannot be opened.
-  std::function<ViewSource(const std::string& path)> open{};
+  /// Opens a file or a folder to show instead; nullopt if it only changes a choice of `steps`.
+  /// Throws if it cannot be opened.
+  std::function<std::optional<ViewSource>(const std::string& path)> open{};
   std::function<std::vector<std::string>()> openable{};  ///< paths offered to open
 
   /// Writes the cloud's frames and results; returns the folder, as text.
@@ -70,6 +98,11 @@ struct ViewSource {
   std::function<void(bool on)> record{};  ///< starts or stops a recording
   /// Status of the recording in a few words; empty if there is none.
   std::function<std::string()> recording{};
+  bool opens_saved = false;  ///< Save opens what it wrote, and its button is called Capture
+
+  std::shared_ptr<ViewSteps> steps{};  ///< null if there is only this source
+  /// Instructions shown in place of the cloud, if they are new; see Guide.
+  std::function<std::optional<Guide>()> guide{};
 };
 
 /// A static cloud, with its uncertainty if known.
@@ -84,7 +117,7 @@ ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool pa
 
 /// Options of the viewer.
 struct ViewerSettings {
-  ViewSettings view;
+  ViewSettings view{};
   Size size{1280, 800};          ///< initial window size
   double most_per_second = 60;   ///< pictures per second; a slow one is followed by a pause
   std::function<bool()> ends{};  ///< polled: whether to close; empty: only the user closes it
@@ -102,35 +135,5 @@ enum class Surround { nothing, panel };
 /// size out of range, WorldError without OpenGL.
 Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settings, Size size,
                             Surround surround);
-
-/// Content of the guide window.
-struct Guide {
-  Image<Colour> picture;
-  std::string headline;            ///< headline, large, below the picture
-  Colour colour{255, 255, 255};    ///< of the headline
-  std::vector<std::string> lines;  ///< below it
-};
-
-/// A window with a picture and instructions, readable from the board's distance. Main thread only.
-class GuideWindow {
- public:
-  /// Throws WorldError if the desktop or its OpenGL cannot open a window.
-  GuideWindow(const opengl::WindowSystem& system, const std::string& title, Size size);
-  ~GuideWindow();
-
-  void show(Guide guide);
-  /// Whether it was closed or Esc pressed. Processes window events.
-  [[nodiscard]] bool closed() const;
-  /// The last picture shown.
-  [[nodiscard]] Image<Colour> picture();
-
- private:
-  void draw();
-
-  opengl::Window window_;
-  Gui gui_;
-  opengl::PictureTexture texture_;
-  Guide last_;
-};
 
 }  // namespace slipstream::view

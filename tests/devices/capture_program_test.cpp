@@ -119,7 +119,7 @@ TEST_F(CaptureProgram, RefusesInOneLine) {
     EXPECT_NE(run.err.find(named), std::string::npos) << run.err;
     EXPECT_FALSE(fs::exists(in_folder("out")));
   };
-  expect_refused({"--source", "virtual", "--poses", "3"}, 2, "camera serve --boards");
+  expect_refused({"--source", "replay:scan", "--poses", "3"}, 2, "no moving board");
   expect_refused({"--source", "virtual", "--monitor", "0"}, 2, "cannot see a monitor");
   expect_refused({"--source", "v4l2:0", "--poses", "-1"}, 2, "--poses -1");
   expect_refused({"--source", "v4l2:0", "--settle", "-1"}, 2, "--settle -1");

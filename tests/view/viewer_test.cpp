@@ -184,14 +184,15 @@ TEST_F(CloudScreenTest, OpensAnotherFileOrSaysWhyNot) {
   };
   CloudScreen clouds(source_, {}, nullptr);
   clouds.open("missing");
-  EXPECT_FALSE(clouds.take_opened());
+  EXPECT_FALSE(clouds.take_next());
   EXPECT_EQ(clouds.state().message, "missing: there is none");
   clouds.open("other");
-  const auto opened = clouds.take_opened();
-  ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->title, "other");
-  EXPECT_TRUE(opened->open) << "and another from there";
-  EXPECT_FALSE(clouds.take_opened());
+  const auto next = clouds.take_next();
+  ASSERT_TRUE(next);
+  const ViewSource opened = next();
+  EXPECT_EQ(opened.title, "other");
+  EXPECT_TRUE(opened.open) << "and another from there";
+  EXPECT_FALSE(clouds.take_next());
 }
 
 TEST_F(CloudScreenTest, TellsOnceThatACloudIsShown) {

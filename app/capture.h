@@ -1,0 +1,55 @@
+#pragma once
+
+#include <atomic>
+#include <future>
+
+#include "app/board_flags.h"
+#include "app/live.h"
+#include "slipstream/frames/scan_camera.h"
+
+namespace slipstream::app {
+
+struct CaptureFlags {
+  std::string output;
+  SourceFlags source;
+  std::optional<int> monitor;
+  double settle = 100;  ///< ms
+  std::optional<int> poses;
+  BoardFlags board;
+  bool headless = false;
+  Size size{1280, 800};
+  std::string screenshot;
+};
+
+/// A camera and a projector that take scans.
+struct CaptureRig {
+  MonitorProjector projector{};
+  NamedSource opened{};
+  std::unique_ptr<ScanCamera> camera{};
+};
+
+/// Guided poses of a board, and the calibration from them, on a thread of its own, so that a window
+/// can show the guide.
+class GuidedPoses {
+ public:
+  /// Opens projector and camera, and begins. Throws like these.
+  GuidedPoses(CaptureFlags flags, Output& output);
+  ~GuidedPoses() { ending_ = true; }
+
+  /// What to show, if it is new.
+  std::optional<view::Guide> newest();
+  /// Whether it has calibrated or failed, or the projector's window was closed. Main thread.
+  [[nodiscard]] bool over() const;
+  /// Takes no more poses and waits for the calibration. Returns its verdict; throws what failed.
+  std::string finish();
+
+ private:
+  const CaptureFlags flags_;
+  CaptureRig rig_;
+  std::mutex mutex_;  ///< guards newest_
+  std::optional<view::Guide> newest_;
+  std::atomic<bool> ending_ = false;
+  std::future<std::string> work_;  ///< uses the members above; awaited first
+};
+
+}  // namespace slipstream::app

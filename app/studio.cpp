@@ -1,0 +1,230 @@
+// One window from camera and projector to a cloud.
+#include <algorithm>
+
+#include "app/capture.h"
+#include "app/process.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/devices/camera.h"
+#include "slipstream/io/result_files.h"
+#include "slipstream/view/viewer.h"
+
+namespace slipstream::app {
+namespace {
+
+constexpr const char* by_itself = "runs in step by itself";
+
+enum Choice : std::size_t { camera, projector, patterns, scanner, corners, spacing };
+
+struct Studio {
+  LiveFlags flags;  ///< all that the choices leave open
+  Output& output;
+  std::string given_patterns;  ///< those of the flags
+  std::shared_ptr<view::ViewSteps> steps = std::make_shared<view::ViewSteps>();
+  std::future<std::vector<CameraDescription>> cameras{};  ///< being searched for
+
+  [[nodiscard]] std::string& chosen(Choice choice) const { return steps->choices[choice].value; }
+};
+
+/// "monitor 1: NAME, 1280x800".
+std::vector<std::string> projectors() {
+  std::vector<std::string> names{by_itself};
+  const opengl::WindowSystem system;
+  for (const auto& monitor : system.monitors()) {
+    names.push_back(
+        fmt::format("monitor {}: {}, {}", names.size() - 1, monitor.name, text_of(monitor.size)));
+  }
+  return names;
+}
+
+/// The flags of the source, as chosen.
+void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& monitor) {
+  source.source = studio.chosen(camera);
+  const std::vector<std::string>& names = studio.steps->choices[projector].options;
+  const auto place = std::ranges::find(names, studio.chosen(projector)) - names.begin();
+  monitor = place > 0 ? std::optional(static_cast<int>(place) - 1) : std::nullopt;
+  const std::string& label = studio.chosen(patterns);
+  if (label != studio.given_patterns) {
+    source.sequence.known = Sequence{.strategy = strategy_labelled(label)};
+    source.sequence.strategy = source.sequence.known->strategy.name();
+    source.sequence.settings.clear();
+  }
+  source.loop = true;
+  constexpr double virtual_rate = 60;  // otherwise as fast as possible: no processor is left
+  if (source.source == "virtual" && !source.rate) source.rate = virtual_rate;
+  const std::string& file = studio.chosen(scanner);
+  source.scanner = file.empty() ? std::nullopt : std::optional<fs::path>(file);
+}
+
+view::ViewSource dressed(Studio& studio, view::ViewSource source) {
+  source.steps = studio.steps;
+  source.openable = [&studio] { return viewable_in(studio.flags.view.save_to); };
+  source.open = [&studio](const std::string& path) -> std::optional<view::ViewSource> {
+    if (const std::string type = lower_case_extension(path); type == ".yaml" || type == ".xml") {
+      read_scanner(path);  // throws what is wrong with it
+      studio.chosen(scanner) = path;
+      return std::nullopt;
+    }
+    CloudFlags flags;
+    flags.settings = studio.flags.settings;
+    return view_source_of(path, flags, studio.flags.view, studio.output);
+  };
+  return source;
+}
+
+view::ViewSource idle(Studio& studio) {
+  return dressed(
+      studio,
+      {.title = "slipstream studio",
+       .newest =
+           [&studio] {
+             if (studio.cameras.valid() &&
+                 studio.cameras.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+               for (const auto& found : studio.cameras.get()) {
+                 studio.steps->choices[camera].options.push_back(found.name);
+               }
+             }
+             return view::ShownCloud{};
+           },
+       .waits_for =
+           "Choose camera, projector and patterns at the left, then press Live; virtual needs "
+           "no hardware.\n\nWithout a scanner file, press Calibrate first and follow the "
+           "guide.\n\nOr drop a scan, a recording, a cloud or a scanner file here."});
+}
+
+/// The source that `begin` opens; the idle one, with the reason, if it fails.
+view::ViewStep step(Studio& studio, const char* name, char key, const char* help,
+                    view::ViewSource (*begin)(Studio&)) {
+  return {name, key, help, [&studio, begin] {
+            studio.steps->message.clear();
+            try {
+              return dressed(studio, begin(studio));
+            } catch (const std::exception& error) {
+              studio.steps->message = error.what();
+              return idle(studio);
+            }
+          }};
+}
+
+view::ViewSource show_live(Studio& studio) {
+  LiveFlags flags = studio.flags;
+  set_source(studio, flags.source, flags.monitor);
+  const auto scan = std::make_shared<LiveScan>(std::move(flags), studio.output);
+  scan->start();
+  view::ViewSource source = view_source_of(*scan->session);
+  source.title = "slipstream studio: " + studio.chosen(camera);
+  source.opens_saved = has_geometry(scan->session->setup.scanner);
+  source.newest = [scan, &studio, newest = std::move(source.newest)] {
+    if (const auto failure = scan->pipeline->failure()) {
+      try {
+        std::rethrow_exception(failure);
+      } catch (const std::exception& error) {
+        studio.steps->message = error.what();
+      }
+    }
+    return newest();
+  };
+  return source;
+}
+
+/// Instructions of the poses, then the verdict; chooses the new scanner file.
+std::optional<view::Guide> guide_of(GuidedPoses& poses, const std::string& folder, Studio& studio,
+                                    view::Guide& last, bool& told) {
+  if (auto newest = poses.newest()) return last = *std::move(newest);
+  if (told || !poses.over()) return std::nullopt;
+  told = true;
+  try {
+    last.headline = poses.finish();
+    const std::string report = folder + "/report/report.html";
+    studio.chosen(scanner) = folder + "/scanner.yaml";
+    last.lines = {"scanner file: " + studio.chosen(scanner), "report: " + report,
+                  "next: Live, then Capture"};
+    last.colour = {128, 217, 140};
+  } catch (const std::exception& error) {
+    last.headline = error.what();
+    last.colour = {255, 128, 107};
+    last.lines = {"Calibrate again, or take another scanner file."};
+  }
+  return last;
+}
+
+view::ViewSource calibrate(Studio& studio) {
+  CaptureFlags flags;
+  flags.source = studio.flags.source;
+  set_source(studio, flags.source, flags.monitor);
+  const auto [columns, rows] = size_from(studio.chosen(corners), "corners");
+  flags.board.board.columns = columns;
+  flags.board.board.rows = rows;
+  const auto spaces = number_in<double>(studio.chosen(spacing));
+  throw_if(!spaces, "square '{}': expected a length in mm", studio.chosen(spacing));
+  flags.board.board.spacing = *spaces;
+  flags.board.has_spacing = true;
+  flags.poses = 0;
+  flags.output = path_named_by_time(studio.flags.view.save_to, "poses", "").string();
+  const auto poses = std::make_shared<GuidedPoses>(flags, studio.output);
+  return {
+      .title = "slipstream studio: calibrate",
+      .newest = [] { return view::ShownCloud{}; },
+      .guide = [poses, &studio, folder = flags.output, last = view::Guide{},
+                told = false]() mutable { return guide_of(*poses, folder, studio, last, told); }};
+}
+
+/// The options begin with what was given.
+view::ViewChoice one_of(const char* name, const char* help, const std::string& given,
+                        const std::vector<std::string>& options) {
+  view::ViewChoice choice{.name = name, .help = help, .options = {given}, .value = given};
+  for (const std::string& option : options) {
+    if (option != given) choice.options.push_back(option);
+  }
+  return choice;
+}
+
+}  // namespace
+
+void studio(const LiveFlags& flags, Output& output) {
+  const std::vector<std::string> monitors = projectors();  // throws without a desktop
+  const auto monitor = static_cast<std::size_t>(flags.monitor.value_or(-1) + 1);
+  throw_if(monitor >= monitors.size(), "--monitor {} does not exist", flags.monitor.value_or(0));
+  const std::string given = label_of(default_sequence({1280, 800}, flags.source.sequence).strategy);
+  std::vector<std::string> usual;
+  for (const Strategy& strategy : usual_strategies()) usual.push_back(label_of(strategy));
+  Studio studio{.flags = flags, .output = output, .given_patterns = given};
+  if (!flags.source.sequence.strategy)
+    studio.flags.source.sequence.strategy = default_strategy().name();
+  studio.flags.source.virtual_scanner.idle_step.setZero();  // renders one cycle, not seconds
+  studio.cameras = std::async(std::launch::async, list_cameras);
+  auto& [choices, buttons, message] = *studio.steps;
+  choices = {
+      one_of("camera", "as for --source", flags.source.source, {"virtual"}),
+      {.name = "projector",
+       .help = "a monitor shows the patterns; otherwise the projector and the camera run "
+               "in step by themselves",
+       .options = monitors,
+       .value = monitors[monitor]},
+      one_of("patterns", "see docs: choose a strategy", given, usual),
+      {.name = "scanner",
+       .help = "scanner file, from Calibrate; may be dropped here. The virtual one needs "
+               "none",
+       .value = flags.source.scanner.value_or("").string()},
+      {.name = "corners", .help = "inner corners of the chessboard", .value = "13x9"},
+      {.name = "square mm", .help = "side of a square, as measured on the print", .value = "15"}};
+  buttons = {
+      step(studio, "Live (L)", 'L', "show live clouds, or pictures without a scanner file",
+           show_live),
+      step(studio, "Calibrate (C)", 'C', "hold a board in several poses, guided", calibrate)};
+  const RunEnd end(std::nullopt);
+  view::run_viewer(idle(studio), {.view = flags.view.settings,
+                                  .size = flags.view.size,
+                                  .ends = [&end] { return end.reached(); }});
+}
+
+void add_studio(const Commands& program) {
+  const auto [command, flags] =
+      program.add(studio, "studio", "one window from camera and projector to a cloud");
+  add_live_flags(command, flags);
+  command.common({"--source", "--monitor", "--scanner", "--strategy", "--steps", "--exposure",
+                  "--size", "--save-to"});
+  command.examples({"studio", "studio --source aravis: --monitor 1 --exposure 15"});
+}
+
+}  // namespace slipstream::app

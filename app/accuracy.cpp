@@ -63,14 +63,14 @@ nlohmann::json json_of(const Row& row) {
   const CloudErrors& errors = row.compared.errors;
   return described("scene", row.scene, "world", row.world, "strategy", row.strategy, "frames",
                    row.frames, "points", errors.points, "completeness", errors.completeness,
-                   "rms_mm", errors.rms, "repeatability_mm", row.compared.repeatability,
-                   "normalised_rms", errors.normalised_rms, "beyond_5_sigma", errors.beyond_5,
-                   "flying", errors.flying, "wrong_order", errors.wrong_order, "decode_ms",
-                   row.compared.decode_ms);
+                   "rms_mm", errors.rms, "predicted_mm", errors.predicted, "repeatability_mm",
+                   row.compared.repeatability, "normalised_rms", errors.normalised_rms,
+                   "beyond_5_sigma", errors.beyond_5, "flying", errors.flying, "wrong_order",
+                   errors.wrong_order, "decode_ms", row.compared.decode_ms);
 }
 
 const std::vector<std::string> columns_of_comparison{
-    "scene", "world",         "strategy",       "frames", "complete",    "RMS",
+    "scene", "world",         "strategy",       "frames", "complete",    "RMS (predicted)",
     "noise", "error / sigma", "beyond 5 sigma", "flying", "wrong order", "decoding"};
 
 std::vector<std::string> cells_of(const Row& row) {
@@ -82,7 +82,7 @@ std::vector<std::string> cells_of(const Row& row) {
           row.strategy,
           std::to_string(row.frames),
           fmt::format("{:.1f} %", 100 * errors.completeness),
-          mm(errors.rms),
+          fmt::format("{:.3f} ({:.3f}) mm", errors.rms, errors.predicted),
           mm(row.compared.repeatability),
           fmt::format("{:.2f}", errors.normalised_rms),
           percent(errors.beyond_5),

@@ -2,6 +2,7 @@
 #include "slipstream/codes/sequence.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/comparison.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_files.h"
 #include "slipstream/simulate/virtual_world.h"
@@ -25,18 +26,26 @@ void demo(const DemoFlags& flags, Output& output) {
   save_virtual_scan(scan, sequence, world, taken);
 
   Cloud cloud;
-  Engine(as_calibrated(world), sequence).cloud(taken.frames, cloud);
+  Maps maps;
+  Engine engine(as_calibrated(world), sequence);
+  engine.cloud_and_maps(taken.frames, cloud, maps);
+  const Uncertainty sigma = engine.uncertainty(cloud, maps, taken.frames);
+  const CloudErrors errors =
+      cloud_errors(cloud, sigma, maps.coordinate, sequence.strategy.layout(), taken, world);
   const ResultFiles files{.cloud = folder / "cloud.ply",
                           .depth = folder / "depth.tiff",
                           .preview = folder / "preview.png"};
   write_results(files, cloud, {});
-  output.say("reconstructed a cloud of {} points", point_count(cloud));
+  output.say(
+      "reconstructed a cloud of {} points; RMS error {:.2f} mm, predicted from noise: {:.2f} mm",
+      point_count(cloud), errors.rms, errors.predicted);
   for (const auto& [name, path] : files.named()) {
     output.say("  {}: {}", name, path);
     output.object("files")[name] = path;
   }
   output.say("do it yourself: slipstream reconstruct {} -o cloud.ply", scan.string());
-  output.add("scan", scan.string(), "points", point_count(cloud));
+  output.add("scan", scan.string(), "points", point_count(cloud), "rms_mm", errors.rms,
+             "predicted_mm", errors.predicted);
 }
 
 }  // namespace

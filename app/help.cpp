@@ -155,7 +155,7 @@ std::string greeting() {
          entry("slipstream demo",
                "scan the virtual world: a scan and its cloud, without hardware") +
 #ifdef SLIPSTREAM_VIEW
-         entry("slipstream view demo", "see it in a window; drop your own scans there") +
+         entry("slipstream studio", "camera, projector and cloud in one window; or all virtual") +
 #endif
          entry("slipstream patterns", "write the pictures that your projector shows") +
          entry("slipstream reconstruct", "make clouds out of your pictures") +

@@ -134,7 +134,8 @@ void write_results(LiveSession& session, const Publisher& publisher, Output& out
   const LiveStatistics statistics = session.pipeline.statistics();
   output.say("{}", text_of(statistics));
   for (const SinkStatistics& sink : publisher.statistics()) {
-    output.say("{}: {} clouds, {} dropped", sink.name, sink.published, sink.dropped);
+    output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
+               sink.dropped == 0 ? "" : "; the others came while four waited for it");
   }
   output.document.update(document_of(session, publisher));
   if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);

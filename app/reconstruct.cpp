@@ -155,6 +155,20 @@ void judge(const ReconstructFlags& flags, ReconstructedScan& result) {
   result.rms = error_against_truth(result.name.path, result.cloud);
 }
 
+/// The RMS of depth that the noise of the frames predicts, mm. Only the virtual scanner's scans,
+/// whose error is known, are worth the time.
+std::optional<double> predicted_rms(const Scan& scan, Engine& engine,
+                                    const ReconstructedScan& result) {
+  if (!result.rms || !engine.setup().scanner.photometry.noise_variance) return std::nullopt;
+  Maps maps;
+  engine.maps(scan.frames, maps);
+  double squares = 0;
+  for (const float sigma : engine.uncertainty(result.cloud, maps, scan.frames).z) {
+    if (std::isfinite(sigma)) squares += static_cast<double>(sigma) * sigma;
+  }
+  return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(result.counts[0], 1)));
+}
+
 /// State passed from one scan to the next.
 struct Reused {
   std::optional<Engine> engine;
@@ -207,6 +221,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
     add_finding(contradiction(*result.epipolar), result);
   judge(flags, result);
   result.computed = watch.lap();
+  if (engine) result.predicted = predicted_rms(scan, *engine, result);
   if (flags.uncertainty) {
     if (!result.uncertainty) {
       result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);

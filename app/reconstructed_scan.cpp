@@ -47,9 +47,9 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                 "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma),
                 "baseline_mm", scan.sound.setup.scanner.translation.norm(), "median_depth_mm",
                 scan.sound.checked.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
-                scan.median_sigma, "rms_mm", scan.rms, "epipolar", epipolar, "warnings",
-                scan.warnings, "findings", scan.sound.checked.findings, "repairs",
-                scan.sound.checked.repairs, "seconds", seconds);
+                scan.median_sigma, "rms_mm", scan.rms, "predicted_mm", scan.predicted, "epipolar",
+                epipolar, "warnings", scan.warnings, "findings", scan.sound.checked.findings,
+                "repairs", scan.sound.checked.repairs, "seconds", seconds);
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   return told;
@@ -82,7 +82,11 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
                scan.sound.setup.scanner.translation.norm(), depth);
   }
-  if (scan.rms) output.say("  RMS error against truth: {:.4g} mm", *scan.rms);
+  if (scan.rms) {
+    output.say(
+        "  RMS error against truth: {:.4g} mm{}", *scan.rms,
+        scan.predicted ? fmt::format("; predicted from noise: {:.4g} mm", *scan.predicted) : "");
+  }
   if (scan.epipolar) {
     output.say(
         "  distance from epipolar lines: median {:+.3f}, absolute {:.3f} projector pixels, "

@@ -19,9 +19,9 @@ struct ReconstructedScan {
   std::string backend;
   std::vector<std::string> warnings;
   SoundScan sound;
-  ResultFiles files;                        ///< files written
-  std::optional<double> rms, median_sigma;  ///< mm
-  double least_modulation = 0;              ///< minimum modulation of a point, grey levels of 255
+  ResultFiles files;                                   ///< files written
+  std::optional<double> rms, predicted, median_sigma;  ///< mm
+  double least_modulation = 0;  ///< minimum modulation of a point, grey levels of 255
   double read = 0, tables = 0, computed = 0, written = 0;  ///< s
   bool done_before = false;  ///< done by an earlier run; prints nothing else
   nlohmann::json entry;      ///< its manifest entry

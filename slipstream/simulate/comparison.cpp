@@ -96,7 +96,7 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
   const double periods = measuring_band(layout).periods;
   CloudErrors errors;
   std::size_t lit = 0, measured = 0, on_surface = 0, within_5 = 0, flying = 0, wrong = 0;
-  double squares = 0, normalised_squares = 0;
+  double squares = 0, predicted_squares = 0, normalised_squares = 0;
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     const double y = truth.coordinate(column, row);
     if (std::isfinite(y)) ++lit;
@@ -122,15 +122,19 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
     } else {
       ++on_surface;
       squares += off * off;
+      predicted_squares += sigma * sigma;
     }
   });
   const auto share = [](std::size_t part, std::size_t whole) {
     return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
   };
   errors.completeness = share(measured, lit);
-  errors.rms = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(on_surface, 1)));
-  errors.normalised_rms =
-      std::sqrt(normalised_squares / static_cast<double>(std::max<std::size_t>(within_5, 1)));
+  const auto root_mean = [](double sum, std::size_t count) {
+    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
+  };
+  errors.rms = root_mean(squares, on_surface);
+  errors.predicted = root_mean(predicted_squares, on_surface);
+  errors.normalised_rms = root_mean(normalised_squares, within_5);
   errors.beyond_5 = share(errors.points - within_5, errors.points);
   errors.flying = share(flying, errors.points);
   errors.wrong_order = share(wrong, errors.points);

@@ -15,6 +15,7 @@ struct CloudErrors {
   std::size_t points = 0;     ///< in the cloud
   double completeness = 0;    ///< share of the pixels with a lit surface that have a point
   double rms = 0;             ///< of depth, mm, without flying points
+  double predicted = 0;       ///< the RMS that sigma predicts for these points, mm
   double normalised_rms = 0;  ///< RMS of depth error / sigma, over points within 5 sigma
   double beyond_5 = 0;        ///< share of points with a depth error above 5 sigma
   double flying = 0;          ///< share off every surface by more than 5 sigma and 1 mm

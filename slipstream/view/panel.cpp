@@ -323,7 +323,6 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
 }
 
 void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& source) {
-  ImGui::Separator();
   if (source.statistics) {
     state.paused ^= ImGui::Button(state.paused ? "Resume (Space)" : "Pause (Space)");
   }
@@ -387,6 +386,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
     ImGui::PushItemWidth(-86 * screen.unit());
     ImGui::PushAllowKeyboardFocus(false);  // Tab would start typing into the next slider
     draw_steps(requests, source);
+    draw_actions(state, requests, source);
     draw_status(state, source, statistics);
     if (pictures_alone(source)) {
       draw_picture_choice(state);
@@ -397,7 +397,6 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
     }
     draw_camera(state, requests, source);
     draw_scan_settings(state, requests, source);
-    draw_actions(state, requests, source);
     draw_open(state, requests, source);
     if (source.statistics && section("Speed")) {
       table("rates", 2, ImGuiTableFlags_SizingStretchProp, [&] { draw_rates(state, statistics); });
@@ -405,7 +404,9 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
       draw_stages(statistics);
     }
     say(quiet, "{}Tab: hide this; Esc: close",
-        pictures_alone(source) ? "" : "drag: turn; right drag: move; wheel: zoom; ");
+        pictures_alone(source) || state.pixels == 0
+            ? ""
+            : "drag: turn; right drag: move; wheel: zoom; ");
     ImGui::PopAllowKeyboardFocus();
     ImGui::PopItemWidth();
   }

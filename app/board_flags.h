@@ -48,7 +48,7 @@ void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags)
 PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
                              const std::optional<MeasuredResponse>& response, Output& output);
 
-/// A board held in `count` poses, so many cycles each, under patterns along x, then along y.
+/// A board held in `count` poses, `still_cycles` each, under patterns along x, then along y.
 /// Throws Error as board_from and poses_of.
 Reel shown_boards(const BoardFlags& board, int count, int still_cycles, const VirtualWorld& world,
                   const Sequence& sequence);

@@ -61,7 +61,7 @@ view::ViewSource dressed(Studio& studio, view::ViewSource source) {
   source.openable = [&studio] { return viewable_in(studio.flags.view.save_to); };
   source.open = [&studio](const std::string& path) -> std::optional<view::ViewSource> {
     if (const std::string type = lower_case_extension(path); type == ".yaml" || type == ".xml") {
-      read_scanner(path);  // throws what is wrong with it
+      read_scanner(path);  // throws if it is none
       studio.chosen(scanner) = path;
       return std::nullopt;
     }
@@ -169,7 +169,7 @@ view::ViewSource calibrate(Studio& studio) {
                 told = false]() mutable { return guide_of(*poses, folder, studio, last, told); }};
 }
 
-/// The options begin with what was given.
+/// A choice whose first option is `given`.
 view::ViewChoice one_of(const char* name, const char* help, const std::string& given,
                         const std::vector<std::string>& options) {
   view::ViewChoice choice{.name = name, .help = help, .options = {given}, .value = given};

@@ -137,7 +137,7 @@ class CloudScreen {
 
   /// Opens a file instead of the source, see ViewSource::open; shows errors in the panel.
   void open(const std::string& path);
-  /// Makes the source to show instead; call it once this one is gone. Empty: none.
+  /// Makes the source to show instead; call it after this one is gone. Empty without one.
   std::function<ViewSource()> take_next() { return std::exchange(next_, nullptr); }
   [[nodiscard]] PanelState& state() { return state_; }
   /// Whether the key to close the window was pressed.

@@ -98,7 +98,7 @@ struct ViewSource {
   std::function<void(bool on)> record{};  ///< starts or stops a recording
   /// Status of the recording in a few words; empty if there is none.
   std::function<std::string()> recording{};
-  bool opens_saved = false;  ///< Save opens what it wrote, and its button is called Capture
+  bool opens_saved = false;  ///< Save also opens the saved scan; its button is called Capture
 
   std::shared_ptr<ViewSteps> steps{};  ///< null if there is only this source
   /// Instructions shown in place of the cloud, if they are new; see Guide.

@@ -236,9 +236,13 @@ int run_program(std::span<char* const> arguments, Output& output) {
 int main(int argc, char** argv) {
   using namespace slipstream;
   app::prepare_process();
-  const auto is_json = [](const char* argument) { return std::string_view(argument) == "--json"; };
-  app::Output output(std::any_of(argv, argv + argc, is_json));  // also if flags cannot be parsed
+  const auto given = [&](std::string_view word) {
+    return std::find(argv, argv + argc, word) != argv + argc;
+  };
+  const bool json = given("--json"), piped = given(standard_output);
+  app::Output output(json, piped);  // also if flags cannot be parsed
   try {
+    throw_if(json && piped, "--json and '-' both write to standard output; give a file");
     return app::run_program({argv, static_cast<std::size_t>(argc)}, output);
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());

@@ -91,15 +91,16 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
-/// A subcommand's output: text on stdout, or on stderr if stdout carries the JSON document. Control
+/// A subcommand's output: text on stdout, or on stderr if stdout carries data. Control
 /// characters are shown as "\x1b".
 class Output {
  public:
-  explicit Output(bool json) : json_(json) {}
+  /// `piped`: stdout carries a file, so that text goes to stderr.
+  explicit Output(bool json, bool piped = false) : json_(json), aside_(json || piped) {}
 
   /// An output of the same kind whose lines wait for `release` on this one.
   [[nodiscard]] Output held() const {
-    Output output(json_);
+    Output output(json_, aside_);
     output.holds_ = true;
     return output;
   }
@@ -112,7 +113,7 @@ class Output {
   /// A line of text.
   template <class... Values>
   void say(fmt::format_string<Values...> format, Values&&... values) {
-    write_line(json_ ? stderr : stdout, fmt::format(format, std::forward<Values>(values)...));
+    write_line(aside_ ? stderr : stdout, fmt::format(format, std::forward<Values>(values)...));
   }
 
   /// A line on stderr, prefixed with "warning:".
@@ -161,7 +162,7 @@ class Output {
  private:
   void write_line(std::FILE* stream, std::string_view line);
 
-  bool json_;
+  bool json_, aside_;
   bool holds_ = false;
   std::vector<std::pair<std::FILE*, std::string>> held_{};
 };

@@ -11,7 +11,8 @@ namespace {
 void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   const FlagGroup group{command, "What to write"};
   ResultFiles& files = flags.files;
-  group.add_output("-o,--output", files.cloud, "point cloud: .ply, .pcd or .xyz");
+  group.add_output("-o,--output", files.cloud,
+                   "point cloud: .ply, .pcd or .xyz; - writes .ply to standard output");
   group.add_output("--mesh", files.mesh,
                    "triangle mesh textured with the camera's picture: .ply, .stl, .obj or .glb");
   group.add_output("--depth", files.depth, "depth map, mm: .tiff");

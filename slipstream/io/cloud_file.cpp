@@ -133,12 +133,12 @@ std::string xyz_file(const Cloud& cloud, const std::vector<Extra>& extras) {
 }  // namespace
 
 void require_cloud_ending(const fs::path& path) {
-  require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
+  if (path != standard_output) require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
 }
 
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
-  const std::string extension = lower_case_extension(path);
+  const std::string extension = path == standard_output ? ".ply" : lower_case_extension(path);
   const std::vector<Extra> columns = extras_of(extras);
   write_file(path, extension == ".ply"   ? ply_file(cloud, columns, extras.remarks)
                    : extension == ".pcd" ? pcd_file(cloud, columns, extras.remarks)

@@ -19,7 +19,8 @@ struct CloudExtras {
 /// Throws Error unless write_cloud supports the file's ending.
 void require_cloud_ending(const std::filesystem::path& path);
 
-/// Writes the cloud in the format of the file's ending, coordinates in mm, 32-bit float:
+/// Writes the cloud in the format of the file's ending, or as PLY to standard_output, coordinates
+/// in mm, 32-bit float:
 ///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
 ///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the
 ///         intensity is 64-bit float, the colours are the intensity in 8 bits;

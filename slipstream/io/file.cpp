@@ -335,6 +335,11 @@ void GrowingFile::require(bool done) const {
 }
 
 void write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  if (path == standard_output) {
+    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size();
+    if (!written || std::fflush(stdout) != 0) throw WorldError("cannot write to standard output");
+    return;
+  }
   OutputFile file(path);
   file.write({bytes});
   file.keep();

@@ -162,7 +162,10 @@ class GrowingFile {
   Descriptor descriptor_;
 };
 
-/// Writes a file atomically. Throws as OutputFile.
+/// The path that stands for standard output.
+inline constexpr const char* standard_output = "-";
+
+/// Writes a file atomically, or to standard_output. Throws as OutputFile.
 void write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);
 

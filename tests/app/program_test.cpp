@@ -310,6 +310,20 @@ TEST_F(Program, TakesTheFringeOrderFromARangeOfDepth) {
   EXPECT_EQ(run_program({"check", path("fine")}).exit_code, 0);
 }
 
+TEST_F(Program, ADashIsStandardOutput) {
+  const std::string scan = path("scan"), cloud = path("cloud.ply");
+  ASSERT_EQ(run_program({"reconstruct", scan, "-o", cloud}).exit_code, 0);
+  const ProgramRun run = run_program({"reconstruct", scan, "-o", "-"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out, contents(cloud));
+  EXPECT_NE(run.err.find("points of"), std::string::npos) << run.err;
+  const ProgramRun both = run_program({"reconstruct", scan, "-o", "-", "--json"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.err.find("standard output"), std::string::npos) << both.err;
+  const ProgramRun two = run_program({"reconstruct", scan, scan, "-o", "-"});
+  EXPECT_EQ(two.exit_code, 2) << two.err;
+}
+
 TEST_F(Program, ShowsWhatItDoes) {
   const ProgramRun run = run_program({"demo", path("demo"), "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;

@@ -2,7 +2,7 @@
 
 #include "app/scan_flags.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/board_scans.h"
+#include "slipstream/io/saved_scan.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {

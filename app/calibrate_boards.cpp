@@ -10,7 +10,6 @@
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/print_file.h"
 
 namespace slipstream::app {
 namespace {

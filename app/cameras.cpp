@@ -196,24 +196,23 @@ void record(const RecordFlags& flags, Output& output) {
   recorder.finish();
 
   const SourceCounters counters = source.counters();
-  const Recorder::Counts counts = recorder.counts();
+  const Recorder::Status counts = recorder.status();
   if (counts.written == 0) {
     throw WorldError(fmt::format("{}: received no frame to record", flags.file));
   }
   const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
   output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
              text_of(source.format().size), rate);
-  const std::string limited = recorder.limited();
-  if (!limited.empty()) output.say("{}", limited);
+  if (!counts.limited.empty()) output.say("{}", counts.limited);
   if (counters.lost > 0) output.warn(fmt::format("{} frames were lost", counters.lost));
   if (counts.lost > 0) {
     output.warn(fmt::format("{} frames were dropped because the disk was too slow", counts.lost));
   }
   output.document =
       described("recording", flags.file, "findings", findings_of_recording(flags.file, output),
-                "frames", counts.written, "limit_reached", !limited.empty(), "lost", counters.lost,
-                "not_written", counts.lost, "resent_packets", counters.resent, "reconnects",
-                counters.reconnects, "seconds", seconds, "frames_per_second", rate);
+                "frames", counts.written, "limit_reached", !counts.limited.empty(), "lost",
+                counters.lost, "not_written", counts.lost, "resent_packets", counters.resent,
+                "reconnects", counters.reconnects, "seconds", seconds, "frames_per_second", rate);
 }
 
 }  // namespace

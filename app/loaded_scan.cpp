@@ -1,7 +1,6 @@
 #include "app/loaded_scan.h"
 
 #include "app/process.h"
-#include "slipstream/io/camera_pair.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/coordinate_map.h"

@@ -36,7 +36,7 @@ DesignGoal goal_from(const DesignFlags& flags) {
   return goal;
 }
 
-Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
+LinePlot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
   PlotLine noise{fmt::format("PCMP, {} % unwrapped", 100 * goal.success)};
   PlotLine unit{"PMP of unit frequency"};
   for (const Design& design : designs) {
@@ -46,11 +46,11 @@ Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
         std::sqrt(coordinate_variance(
             phase_variance(goal.steps, goal.alpha, design.light.alpha_p, goal.noise_variance), 1)));
   }
-  return LinePlot{fmt::format("Noise of the coordinate, {} steps", goal.steps),
-                  "f_h",
-                  "standard deviation of y",
-                  PlotScale::logarithmic,
-                  {std::move(noise), std::move(unit)}};
+  return {fmt::format("Noise of the coordinate, {} steps", goal.steps),
+          "f_h",
+          "standard deviation of y",
+          PlotScale::logarithmic,
+          {std::move(noise), std::move(unit)}};
 }
 
 /// Compares strategies of every kind.

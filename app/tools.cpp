@@ -100,9 +100,9 @@ nlohmann::json json_of(const Reproduced& done) {
 Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
   Reproduced done{item, item.run(flags.seed)};
   if (flags.plots.empty()) return done;
-  for (const auto& [name, plot] : done.result.plots) {
+  for (const auto& [name, write] : done.result.plots) {
     done.plots.push_back(fs::path(flags.plots) / (name + ".png"));
-    write_plot(done.plots.back(), plot);
+    write(done.plots.back());
   }
   return done;
 }

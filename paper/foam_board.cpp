@@ -181,12 +181,12 @@ Reproduction figure_312(std::uint64_t seed) {
   result.add("mode of beta", {{"N", steps}}, -7, found.mode);
   result.add("variance of beta", {{"N", steps}}, 0.63, found.variance);
   const Histogram counted = histogram(map, -11, -3, 80);
-  result.plots.push_back({"figure-3.12", BarPlot{"Ambient light of every pixel",
-                                                 "beta, grey levels",
-                                                 "pixels",
-                                                 counted.low,
-                                                 counted.high,
-                                                 {counted.counts.begin(), counted.counts.end()}}});
+  result.draw("figure-3.12", BarPlot{"Ambient light of every pixel",
+                                     "beta, grey levels",
+                                     "pixels",
+                                     counted.low,
+                                     counted.high,
+                                     {counted.counts.begin(), counted.counts.end()}});
   result.notes.push_back(fmt::format(
       "Virtual ambient light of -7. By Eq. (3.42) noise gives a variance of 0.013; the rest is not "
       "noise. Here the pixels' offsets have a standard deviation of {} grey levels, fitted.",

@@ -65,12 +65,17 @@ PlotLine middle_row_from_above(std::string label, const Cloud& surface) {
 void add_surface_plots(const BoardExperiment& board, const Image<double>& measured,
                        const Image<double>& corrected, const std::string& how,
                        const std::string& figure, Reproduction& result) {
-  Cloud before = board.surface(measured), after = board.surface(corrected);
+  const Cloud before = board.surface(measured), after = board.surface(corrected);
   result.draw(figure + "-above", "Middle row of the surface from above", "X, mm", "Z, mm",
               PlotScale::linear,
               {middle_row_from_above("measured", before), middle_row_from_above(how, after)});
-  result.plots.push_back({figure + "-uncorrected", ReliefPlot{std::move(before)}});
-  result.plots.push_back({figure + "-corrected", ReliefPlot{std::move(after)}});
+  for (const auto& [ending, surface] :
+       {std::pair{"-uncorrected", before}, std::pair{"-corrected", after}}) {
+    result.plots.push_back(
+        {figure + ending, [surface = surface](const std::filesystem::path& file) {
+           write_depth_preview(file, surface);
+         }});
+  }
 }
 
 /// Errors before correction, with the true gamma, and without calibration.
@@ -177,13 +182,12 @@ GammaEstimate calibrated_gamma(const BoardExperiment& board, double gamma, Repro
   if (plots != nullptr) {
     const double reach = 5 * estimate.spread;
     const Histogram counted = histogram(map, estimate.gamma - reach, estimate.gamma + reach, 60);
-    plots->plots.push_back(
-        {"figure-4.14", BarPlot{"Gamma of every pixel",
-                                "gamma",
-                                "pixels",
-                                counted.low,
-                                counted.high,
-                                {counted.counts.begin(), counted.counts.end()}}});
+    plots->draw("figure-4.14", BarPlot{"Gamma of every pixel",
+                                       "gamma",
+                                       "pixels",
+                                       counted.low,
+                                       counted.high,
+                                       {counted.counts.begin(), counted.counts.end()}});
   }
   return estimate;
 }

@@ -59,12 +59,10 @@ Reproduction board_figure(const char* figure, bool phase, std::uint64_t seed) {
       ratios.begin()[i] = lit ? std::abs(value) / at.B_1() : std::nan("");
     }
     if (k > 1 && !phase) {
-      result.add("magnitude of the harmonic over the first, median",
-                 {{"harmonic", double(k)}}, harmonic_ratios(gamma_of_figures, k).back(),
-                 median(finite_values(ratios)));
+      result.add("magnitude of the harmonic over the first, median", {{"harmonic", double(k)}},
+                 harmonic_ratios(gamma_of_figures, k).back(), median(finite_values(ratios)));
     }
-    result.plots.push_back(
-        {fmt::format("figure-{}-{}", figure, k), MapPlot{map, phase ? "rad" : "grey levels"}});
+    result.draw_map(fmt::format("figure-{}-{}", figure, k), map, phase ? "rad" : "grey levels");
   }
   result.notes.emplace_back(
       "A virtual board under 8 steps, gamma 2.2. The text has three steps, which cannot separate "

@@ -195,9 +195,8 @@ Reproduction figure_21(std::uint64_t /*seed*/) {
     const double share = 100.0 * static_cast<double>(finite_values(mlut).size()) /
                          static_cast<double>(mlut.pixel_count());
     result.add("entries with a reflectivity of at most 1, %", {{"N", steps}}, {}, share);
-    result.plots.push_back({fmt::format("figure-2.1-mlut-{}", steps), MapPlot{mlut, "alpha"}});
-    result.plots.push_back(
-        {fmt::format("figure-2.1-plut-{}", steps), MapPlot{picture_of(tables, true), "phi, rad"}});
+    result.draw_map(fmt::format("figure-2.1-mlut-{}", steps), mlut, "alpha");
+    result.draw_map(fmt::format("figure-2.1-plut-{}", steps), picture_of(tables, true), "phi, rad");
   }
   result.notes.emplace_back(
       "U runs across and V down, for N = 3, 4, 6. The valid entries of the MLUT fill an ellipse, "

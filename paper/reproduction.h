@@ -26,7 +26,7 @@ struct ReproducedCell {
 /// A plot with its file name, without extension: "figure-4.7-error".
 struct NamedPlot {
   std::string name;
-  Plot plot;
+  std::function<void(const std::filesystem::path& file)> write;
 };
 
 /// A recomputed table, figure or section.
@@ -40,11 +40,25 @@ struct Reproduction {
            std::optional<double> improved = std::nullopt) {
     cells.push_back({std::move(quantity), std::move(parameters), published, recomputed, improved});
   }
+  /// Adds a line or bar plot.
+  template <class Plot>
+  void draw(std::string name, Plot plot) {
+    plots.push_back({std::move(name), [plot = std::move(plot)](const std::filesystem::path& file) {
+                       write_plot(file, plot);
+                     }});
+  }
+  /// Adds a map in colours, with a scale.
+  void draw_map(std::string name, Image<double> map, std::string unit) {
+    plots.push_back({std::move(name), [map = std::move(map),
+                                       unit = std::move(unit)](const std::filesystem::path& file) {
+                       write_map_preview(file, map, unit);
+                     }});
+  }
   /// Adds a line plot.
   void draw(std::string name, std::string title, std::string x, std::string y, PlotScale scale,
             std::vector<PlotLine> lines) {
-    plots.push_back({std::move(name), LinePlot{std::move(title), std::move(x), std::move(y), scale,
-                                               std::move(lines)}});
+    draw(std::move(name),
+         LinePlot{std::move(title), std::move(x), std::move(y), scale, std::move(lines)});
   }
 };
 

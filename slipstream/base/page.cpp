@@ -1,5 +1,7 @@
 #include "slipstream/base/page.h"
 
+#include <map>
+
 namespace slipstream {
 namespace {
 
@@ -18,24 +20,12 @@ img { max-width: 100%; } figcaption { font-size: .85rem; opacity: .75; }
 )";
 
 std::string escaped(std::string_view text) {
+  static const std::map<char, std::string> entities{
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
   std::string safe;
   for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += letter;
-    }
+    const auto entity = entities.find(letter);
+    safe += entity == entities.end() ? std::string(1, letter) : entity->second;
   }
   return safe;
 }

@@ -1,9 +1,7 @@
 #include <map>
 #include <numbers>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/cloud/measure.h"
 #include "slipstream/cloud/surface.h"
 
@@ -54,9 +52,8 @@ std::optional<Vector> centre_by_votes(const std::vector<SurfaceElement>& element
     ++votes.count;
     votes.sum += vote;
   }
-  const auto fullest = std::max_element(cells.begin(), cells.end(), [](auto& one, auto& other) {
-    return one.second.count < other.second.count;
-  });
+  const auto fullest =
+      std::ranges::max_element(cells, {}, [](const auto& one) { return one.second.count; });
   if (fullest == cells.end()) return std::nullopt;
   return fullest->second.sum / fullest->second.count;
 }
@@ -114,10 +111,8 @@ std::vector<FittedSphere> find_spheres(const Cloud& cloud, std::span<const doubl
   std::sort(ascending.begin(), ascending.end());
   for (const double radius : ascending) {
     const auto sphere = find_sphere(cloud, elements, radius);
-    if (!sphere) {
-      throw Error(fmt::format("no sphere of diameter {:g} mm found{}", 2 * radius,
-                              spheres.empty() ? "" : " beside the first"));
-    }
+    throw_if(!sphere, "no sphere of diameter {:g} mm found{}", 2 * radius,
+             spheres.empty() ? "" : " beside the first");
     std::erase_if(elements, [&](const SurfaceElement& element) {
       return signed_distance(*sphere, element.point) < 0.2 * radius;
     });

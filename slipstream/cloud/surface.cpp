@@ -78,8 +78,8 @@ void append_block(const Block& block, double largest_step, std::vector<Triangle>
     return std::abs(block.points[i].z() - block.points[k].z());
   };
   const auto wholes = [&](const Halves& halves) {
-    return std::count_if(halves.begin(), halves.end(),
-                         [&](const Triangle& half) { return is_whole(block, half, largest_step); });
+    return std::ranges::count_if(
+        halves, [&](const Triangle& half) { return is_whole(block, half, largest_step); });
   };
   const auto by_falling = wholes(falling), by_rising = wholes(rising);
   const bool falls = by_falling == by_rising ? step(0, 3) <= step(1, 2) : by_falling > by_rising;

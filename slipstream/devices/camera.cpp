@@ -92,8 +92,7 @@ constexpr std::array<FormatDescription, 10> formats{{
 }};
 
 const FormatDescription& describe(PixelFormat format) {
-  return *std::find_if(formats.begin(), formats.end(),
-                       [&](const auto& known) { return known.format == format; });
+  return *std::ranges::find(formats, format, &FormatDescription::format);
 }
 
 }  // namespace
@@ -109,9 +108,8 @@ std::vector<std::string_view> pixel_format_names() {
 }
 
 PixelFormat pixel_format_named(std::string_view name) {
-  for (const FormatDescription& format : formats) {
-    if (format.name == name) return format.format;
-  }
+  const auto* const found = std::ranges::find(formats, name, &FormatDescription::name);
+  if (found != formats.end()) return found->format;
   throw Error(
       fmt::format("pixel format '{}' is unknown; expected one of: {}, or BayerRG8 and so on", name,
                   fmt::join(pixel_format_names(), ", ")));

@@ -50,28 +50,6 @@ bool is_discovery(std::span<const std::uint8_t> packet) {
   return packet.size() >= 4 && number_at<std::uint16_t, std::endian::big>(packet, 2) == discovery;
 }
 
-/// The process's socket on that port.
-std::optional<int> udp_socket(std::uint16_t port) {
-  std::error_code gone;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
-    const std::string name = entry.path().filename().string();
-    int descriptor = -1;
-    std::from_chars(name.data(), name.data() + name.size(), descriptor);
-    int type = 0;
-    socklen_t size = sizeof(type);
-    if (::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_DGRAM) {
-      continue;
-    }
-    sockaddr_in address{};
-    size = sizeof(address);
-    if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
-        address.sin_family == AF_INET && ntohs(address.sin_port) == port) {
-      return descriptor;
-    }
-  }
-  return std::nullopt;
-}
-
 // Instructions of the kernel's packet filter. A load past the packet's end drops the packet.
 constexpr unsigned short load_word = BPF_LD | BPF_W | BPF_ABS, load_byte = BPF_LD | BPF_B | BPF_ABS;
 constexpr unsigned short load_length = BPF_LD | BPF_W | BPF_LEN, set_offset = BPF_LDX | BPF_IMM;
@@ -164,6 +142,23 @@ void GigeControlSockets::answer(std::chrono::nanoseconds longest_wait, const Ans
   }
 }
 
+std::vector<std::pair<int, sockaddr_in>> udp_sockets() {
+  std::vector<std::pair<int, sockaddr_in>> sockets;
+  std::error_code gone;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
+    const int descriptor = number_in<int>(entry.path().filename().string()).value_or(-1);
+    sockaddr_in address{};
+    int type = 0;
+    socklen_t size = sizeof(type), length = sizeof(address);
+    if (::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM &&
+        ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &length) == 0 &&
+        address.sin_family == AF_INET) {
+      sockets.emplace_back(descriptor, address);
+    }
+  }
+  return sockets;
+}
+
 bool pass_pictures_only(const PictureStream& stream) {
   constexpr auto sender = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
   constexpr std::uint32_t udp = 8, kind = udp + 4, long_numbers = 0x80, kinds = 0x7f;
@@ -207,9 +202,11 @@ bool pass_pictures_only(const PictureStream& stream) {
                                      {give, 0, 0, 0xffffffff},
                                      {give, 0, 0, 0}}};
   const sock_fprog program{static_cast<unsigned short>(lines.size()), lines.data()};
-  const std::optional<int> socket = udp_socket(stream.port);
-  return socket &&
-         ::setsockopt(*socket, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)) == 0;
+  const auto sockets = udp_sockets();
+  const auto socket = std::ranges::find_if(
+      sockets, [&](const auto& each) { return ntohs(each.second.sin_port) == stream.port; });
+  return socket != sockets.end() &&
+         ::setsockopt(socket->first, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)) == 0;
 }
 
 }  // namespace slipstream

@@ -57,6 +57,9 @@ class GigeControlSockets {
   std::array<UdpSocket, 3> sockets_;  ///< the first belongs to the camera's own address
 };
 
+/// This process's IPv4 UDP sockets, and the addresses that they are bound to.
+std::vector<std::pair<int, sockaddr_in>> udp_sockets();
+
 /// Source and destination of a GigE Vision camera's stream.
 struct PictureStream {
   std::uint16_t port = 0;           ///< port of a UDP socket of this process

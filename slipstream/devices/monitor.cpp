@@ -180,21 +180,17 @@ ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
 
 int refreshes_for(std::optional<double> rate, std::optional<int> hold, double refresh_hz) {
   if (rate && hold) throw Error("--rate and --hold exclude each other");
-  if (hold && *hold < 1) {
-    throw Error(fmt::format("--hold {} is out of range; 1 or more refreshes", *hold));
-  }
-  if (!rate) return hold.value_or(1);
-  if (refresh_hz <= 0) {
-    throw Error(fmt::format("--rate {}: the monitor's refresh rate is unknown; use --hold", *rate));
-  }
+  const int held = hold.value_or(1);
+  throw_if(held < 1, "--hold {} is out of range; 1 or more refreshes", held);
+  if (!rate) return held;
+  throw_if(refresh_hz <= 0, "--rate {}: the monitor's refresh rate is unknown; use --hold", *rate);
   const double wanted = *rate > 0 ? refresh_hz / *rate : 0;
   const double whole = std::round(wanted);
-  if (!(whole >= 1) || std::abs(wanted - whole) > 0.02 * whole || whole > 1e6) {
-    throw Error(
-        fmt::format("{:g} patterns per second: not the monitor's {:g} Hz divided by a whole "
-                    "number; use {:g} or {:g}",
-                    *rate, refresh_hz, refresh_hz, refresh_hz / 2));
-  }
+  throw_if(
+      !(whole >= 1) || std::abs(wanted - whole) > 0.02 * whole || whole > 1e6,
+      "{:g} patterns per second: not the monitor's {:g} Hz divided by a whole number; use {:g} "
+      "or {:g}",
+      *rate, refresh_hz, refresh_hz, refresh_hz / 2);
   return static_cast<int>(whole);
 }
 

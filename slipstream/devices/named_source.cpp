@@ -139,8 +139,7 @@ std::string scheme_of(const std::string& source) {
 NamedSource open_source(const SourceRequest& request) {
   const std::string name = scheme_of(request.source);
   const std::string what = request.source.substr(std::min(name.size() + 1, request.source.size()));
-  const auto scheme =
-      std::find_if(schemes.begin(), schemes.end(), [&](const Scheme& s) { return s.name == name; });
+  const auto* const scheme = std::ranges::find(schemes, name, &Scheme::name);
   if (scheme == schemes.end()) {
     const bool is_path = fs::exists(request.source);
     throw Error(fmt::format("source '{}' is unknown; expected one of: {}{}", request.source,

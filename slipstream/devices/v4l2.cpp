@@ -16,7 +16,7 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/devices/camera_source.h"
 #ifdef SLIPSTREAM_IO
-#include "slipstream/io/jpeg.h"
+#include "slipstream/io/image_file.h"
 #endif
 
 namespace slipstream {

@@ -196,9 +196,9 @@ void VirtualGigeCamera::run(const std::stop_token& stop) {
 }
 
 void VirtualGigeCamera::set_frame_rate(double rate) {
-  if (!(rate >= 1e-3 && rate <= 1e6)) {  // the register holds the period in us, 32 bits
-    throw Error(fmt::format("rate {} Hz is out of range; expected 0.001 to 1e6", rate));
-  }
+  // The register holds the period in us, 32 bits.
+  throw_if(!(rate >= 1e-3 && rate <= 1e6), "rate {} Hz is out of range; expected 0.001 to 1e6",
+           rate);
   const std::lock_guard lock(mutex_);
   projector_period_ = std::chrono::microseconds(static_cast<std::int64_t>(1e6 / rate));
   control_.write(GigeRegister::frame_period, static_cast<std::uint32_t>(projector_period_.count()));

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/detail/point_formats.h"
+#include "slipstream/io/detail/point_elements.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {

@@ -3,7 +3,6 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/point_elements.h"
-#include "slipstream/io/detail/point_formats.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {

@@ -150,9 +150,8 @@ std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
 }
 
 void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes) {
-  if (frames <= largest_scan / frame_bytes) return;
-  throw Error(fmt::format("{} frames of {} bytes; limit of a scan: {} bytes", frames, frame_bytes,
-                          largest_scan));
+  throw_if(frames > largest_scan / frame_bytes, "{} frames of {} bytes; limit of a scan: {} bytes",
+           frames, frame_bytes, largest_scan);
 }
 
 OutputFile::OutputFile(const fs::path& path, Writing writing)
@@ -233,13 +232,18 @@ void OutputFile::keep() {
 
 void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
   for (OutputFile* const file : files) file->finish();
-  for (auto file = files.begin(); file != files.end(); ++file) {
-    if ((*file)->put_in_place(files.size() > 1)) continue;
+  for (auto place = files.begin(); place != files.end(); ++place) {
+    OutputFile& file = **place;
+    // Of several, an existing file gets the temporary name, to be put back after a failure.
+    file.swapped_ = files.size() > 1 && swap_names(file.name_, file.path_);
+    if (file.swapped_ || ::rename(file.name_.c_str(), file.path_.c_str()) == 0) continue;
     const int reason = errno;
-    OutputFile& failed = **file;
-    while (file != files.begin()) (*--file)->take_back();
+    while (place != files.begin()) {
+      const OutputFile& kept = **--place;
+      if (!kept.swapped_ || !swap_names(kept.name_, kept.path_)) ::unlink(kept.path_.c_str());
+    }
     errno = reason;
-    failed.fail();
+    file.fail();
   }
   for (OutputFile* const file : files) {
     if (file->swapped_) ::unlink(file->name_.c_str());
@@ -255,16 +259,6 @@ void OutputFile::finish() {
   const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
   if (disk_failure_ != 0) errno = disk_failure_;
   if (disk_failure_ != 0 || !closed) fail();
-}
-
-/// With `swaps`, an existing file gets the temporary name. Returns false, with errno, on failure.
-bool OutputFile::put_in_place(bool swaps) {
-  swapped_ = swaps && swap_names(name_, path_);
-  return swapped_ || ::rename(name_.c_str(), path_.c_str()) == 0;
-}
-
-void OutputFile::take_back() const {
-  if (!swapped_ || !swap_names(name_, path_)) ::unlink(path_.c_str());
 }
 
 std::string OutputFile::give_up(std::uint64_t size) {

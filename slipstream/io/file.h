@@ -124,8 +124,6 @@ class OutputFile {
   void claim();
   void pass_on();
   void finish();
-  bool put_in_place(bool swaps);
-  void take_back() const;
   void let_go() noexcept;
   [[noreturn]] void fail_to_sync();
   [[noreturn]] void fail();

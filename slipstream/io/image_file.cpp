@@ -32,9 +32,8 @@ constexpr std::array<std::pair<std::string_view, ReadPicture>, 4> picture_format
 /// Null if the bytes are not a picture.
 ReadPicture reader_of(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto* const format =
-      std::find_if(picture_formats.begin(), picture_formats.end(),
-                   [&](const auto& known) { return text.starts_with(known.first); });
+  const auto* const format = std::ranges::find_if(
+      picture_formats, [&](const auto& known) { return text.starts_with(known.first); });
   if (format == picture_formats.end()) return nullptr;
   const bool is_pgm = text.size() > 2 && text[1] >= '1' && text[1] <= '6' &&
                       std::isspace(static_cast<unsigned char>(text[2])) != 0;
@@ -243,21 +242,16 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
     const PictureKind &kind = frames.back().kind, &first = frames.front().kind;
     loaded.lossy += frames.back().lossy ? 1 : 0;
     used_bits = std::max(used_bits, frames.back().used_bits);
-    if (kind.size != first.size) {
-      throw Error(fmt::format("{} is {}, but {} is {}; all frames of a scan must have one size",
-                              paths[n].string(), text_of(kind.size), paths.front().string(),
-                              text_of(first.size)));
-    }
-    if (kind.bits != first.bits) {
-      throw Error(fmt::format("{} and {} have different pixel types; a scan must have one type",
-                              paths[n].string(), paths.front().string()));
-    }
+    throw_if(kind.size != first.size,
+             "{} is {}, but {} is {}; all frames of a scan must have one size", paths[n].string(),
+             text_of(kind.size), paths.front().string(), text_of(first.size));
+    throw_if(kind.bits != first.bits,
+             "{} and {} have different pixel types; a scan must have one type", paths[n].string(),
+             paths.front().string());
   }
   if (frames.empty()) return loaded;
-  if (bits > 8 && frames.front().kind.bits == 8) {
-    throw Error(fmt::format("{}: an 8-bit picture, but the camera bits are set to {}",
-                            paths.front().string(), bits));
-  }
+  throw_if(bits > 8 && frames.front().kind.bits == 8,
+           "{}: an 8-bit picture, but the camera bits are set to {}", paths.front().string(), bits);
   loaded.frames = frame_set_from(std::move(frames), bits == 0 ? used_bits : bits);
   return loaded;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
@@ -51,9 +52,19 @@ void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 /// Writes a PNG with one bit per pixel, whatever the ending: 0 is dark, any other level bright.
 void write_one_bit_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
 
-/// Writes a page, .html, with its PNG pictures inside, and those with pixels also beside it; creates
-/// its folder if missing. The files of the others are there already.
+/// Writes a page, .html, with its PNG pictures inside, and those with pixels also beside it;
+/// creates its folder if missing. The files of the others are there already.
 void write_page(const std::filesystem::path& path, const Page& page);
+
+/// Writes a black and white picture to print at true size: a page, .pdf or .svg, with dark pixels
+/// as rectangles and below them a ruler of up to 100 mm to check the print with; or a .png that
+/// holds its resolution; or any other picture, see write_image.
+void write_print(const std::filesystem::path& path, const Image<std::uint8_t>& picture,
+                 double mm_per_pixel);
+
+/// Decodes the luminance of a JPEG into `grey`. Returns false if the JPEG is damaged or of another
+/// size.
+bool decode_jpeg(std::span<const std::uint8_t> bytes, Image<std::uint8_t>& grey);
 
 /// A grey picture as the bytes of a PNG file.
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);

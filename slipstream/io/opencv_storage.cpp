@@ -1,11 +1,11 @@
 // Reads and writes OpenCV's FileStorage files, YAML and XML.
 #include <sstream>
 
-#include <fmt/ranges.h>
 #include <pugixml.hpp>
 #include <yaml-cpp/yaml.h>
 
 #include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
@@ -236,10 +236,8 @@ void write_entries(const std::optional<fs::path>& from, const fs::path& to,
   const auto is_of_xml = [](const fs::path& path) {
     return scanner_files(path).size() == 1 && lower_case_extension(path) == ".xml";
   };
-  if (from && is_of_xml(*from) != xml) {
-    throw Error(fmt::format("{}: {} is {}; use the same ending for the output", to.string(),
-                            from->string(), xml ? "YAML" : "XML"));
-  }
+  throw_if(from && is_of_xml(*from) != xml, "{}: {} is {}; use the same ending for the output",
+           to.string(), from.value_or("").string(), xml ? "YAML" : "XML");
   write_file(
       to, from ? with_entries(text_in(*from), entries, from->string()) : new_storage(entries, xml));
 }

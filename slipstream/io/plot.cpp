@@ -125,8 +125,8 @@ cv::Mat drawn(const LinePlot& plot) {
   }
   require_some(x, plot.title);
   require_some(y, plot.title);
-  const auto labelled = std::count_if(plot.lines.begin(), plot.lines.end(),
-                                      [](const PlotLine& line) { return !line.label.empty(); });
+  const auto labelled =
+      std::ranges::count_if(plot.lines, [](const PlotLine& line) { return !line.label.empty(); });
   Axes page(plot, round_axis(x.low, x.high, 8),
             logarithmic ? decade_axis(y.low, y.high, 10) : round_axis(y.low, y.high, 8),
             plot.y_scale, static_cast<int>(labelled));
@@ -298,16 +298,14 @@ void write_map_preview(const fs::path& path, const Image<double>& map, const std
   write_preview(path, std::move(picture), range, unit, colours);
 }
 
-void write_plot(const fs::path& path, const Plot& plot) {
+void write_plot(const fs::path& path, const LinePlot& plot) {
   require_ending(path, "plot", {".png"});
-  if (const auto* relief = std::get_if<ReliefPlot>(&plot)) {
-    return write_depth_preview(path, relief->surface);
-  }
-  if (const auto* map = std::get_if<MapPlot>(&plot)) {
-    return write_map_preview(path, map->map, map->unit);
-  }
-  const auto* lines = std::get_if<LinePlot>(&plot);
-  write_png(path, lines != nullptr ? drawn(*lines) : drawn(std::get<BarPlot>(plot)));
+  write_png(path, drawn(plot));
+}
+
+void write_plot(const fs::path& path, const BarPlot& plot) {
+  require_ending(path, "plot", {".png"});
+  write_png(path, drawn(plot));
 }
 
 }  // namespace slipstream

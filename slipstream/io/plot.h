@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <variant>
 #include <vector>
 
 #include "slipstream/base/image.h"
@@ -42,23 +41,10 @@ struct BarPlot {
   std::vector<double> heights;
 };
 
-/// A surface seen from the camera: depth in colours, shaded by its slope.
-struct ReliefPlot {
-  Cloud surface;
-};
-
-/// A map in colours, with a scale.
-struct MapPlot {
-  Image<double> map;
-  std::string unit;
-};
-
-/// Contents of a plot.
-using Plot = std::variant<LinePlot, BarPlot, ReliefPlot, MapPlot>;
-
 /// Draws a plot as a PNG. Throws Error for another ending or a plot without finite values,
 /// WorldError if it cannot be written.
-void write_plot(const std::filesystem::path& path, const Plot& plot);
+void write_plot(const std::filesystem::path& path, const LinePlot& plot);
+void write_plot(const std::filesystem::path& path, const BarPlot& plot);
 
 /// The range of values of a preview's colours.
 struct ValueRange {

@@ -1,5 +1,3 @@
-#include "slipstream/io/print_file.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -66,7 +66,7 @@ Recorder::~Recorder() {
   try {
     finish();
   } catch (const WorldError&) {
-    // error() has the reason; a destructor must not throw.
+    // status() has the reason; a destructor must not throw.
   }
 }
 
@@ -74,17 +74,17 @@ bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
   Pooled<Frame> kept;
   {
     std::unique_lock lock(mutex_);
-    room_.wait_for(lock, patience, [&] { return ended_ || (kept = pool_.take()); });
-    if (ended_) return false;
+    room_.wait_for(lock, patience, [&] { return status_.ended || (kept = pool_.take()); });
+    if (status_.ended) return false;
     if (!kept) {
-      ++counts_.lost;
+      ++status_.lost;
       return false;
     }
   }
   kept.fill() = frame;
   {
     const std::lock_guard lock(mutex_);
-    if (ended_) return false;
+    if (status_.ended) return false;
     waiting_.push_back(std::move(kept));
   }
   changed_.notify_one();
@@ -94,31 +94,16 @@ bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
 void Recorder::finish() {
   {
     const std::lock_guard lock(mutex_);
-    ended_ = true;
+    status_.ended = true;
   }
   changed_.notify_one();
   if (thread_.joinable()) thread_.join();
-  if (const std::string reason = error(); !reason.empty()) throw WorldError(reason);
+  if (const std::string reason = status().error; !reason.empty()) throw WorldError(reason);
 }
 
-Recorder::Counts Recorder::counts() const {
+Recorder::Status Recorder::status() const {
   const std::lock_guard lock(mutex_);
-  return counts_;
-}
-
-std::string Recorder::error() const {
-  const std::lock_guard lock(mutex_);
-  return error_;
-}
-
-std::string Recorder::limited() const {
-  const std::lock_guard lock(mutex_);
-  return limited_;
-}
-
-bool Recorder::ended() const {
-  const std::lock_guard lock(mutex_);
-  return ended_;
+  return status_;
 }
 
 /// Completes the full file; returns whether a new one has begun.
@@ -128,9 +113,9 @@ bool Recorder::end_at_limit() {
   const bool goes_on = file_.goes_on();
   if (goes_on) writer_.emplace(file_.path, header_);
   const std::lock_guard lock(mutex_);
-  limited_ = file_.message();
+  status_.limited = file_.message();
   if (goes_on) return true;
-  ended_ = true;
+  status_.ended = true;
   waiting_.clear();
   room_.notify_one();
   return false;
@@ -143,7 +128,7 @@ void Recorder::write_all() {
       taken.clear();
       {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return !waiting_.empty() || ended_; });
+        changed_.wait(lock, [&] { return !waiting_.empty() || status_.ended; });
         if (waiting_.empty()) break;
         taken.swap(waiting_);
       }
@@ -155,7 +140,7 @@ void Recorder::write_all() {
           // Frees its memory for the next frame. Under the mutex: otherwise a thread that has found
           // no room and is about to wait would miss the notification.
           const std::lock_guard lock(mutex_);
-          ++counts_.written;
+          ++status_.written;
           frame = {};
         }
         room_.notify_one();
@@ -164,8 +149,8 @@ void Recorder::write_all() {
     if (writer_) writer_->finish();
   } catch (const std::exception& failure) {
     const std::lock_guard lock(mutex_);
-    error_ = failure.what();
-    ended_ = true;
+    status_.error = failure.what();
+    status_.ended = true;
     waiting_.clear();
     room_.notify_one();
   }
@@ -180,7 +165,7 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
   std::int64_t frames = 0;
   std::string state;
   Frame frame(source.format());
-  while (!ends(frames) && !recorder.ended()) {
+  while (!ends(frames) && !recorder.status().ended) {
     const Arrival arrival = source.next(frame, most_wait);
     if (arrival == Arrival::ended) break;
     if (const std::string now = source.state(); now != state) {
@@ -197,7 +182,7 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
 
 RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header,
                                const FileLimit& limit)
-    : source_(std::move(source)), limit_(limit), header_(std::move(header)) {
+    : SourceOver(std::move(source)), limit_(limit), header_(std::move(header)) {
   header_.format = source_->format();
 }
 
@@ -231,7 +216,7 @@ void RecordedSource::finish_recording() {
 std::optional<RecordedSource::Recording> RecordedSource::recording() const {
   const std::lock_guard lock(mutex_);
   if (!recorder_) return std::nullopt;
-  return Recording{path_, recorder_->counts(), recorder_->error(), recorder_->limited()};
+  return Recording{recorder_->status(), path_};
 }
 
 Arrival RecordedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
@@ -243,11 +228,9 @@ Arrival RecordedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
 }
 
 std::string RecordedSource::state() const {
-  std::string state = source_->state();
-  if (state.empty()) {
-    if (const std::shared_ptr<Recorder> current = recorder()) state = current->error();
-  }
-  return state;
+  const std::string state = source_->state();
+  const std::shared_ptr<Recorder> current = recorder();
+  return state.empty() && current ? current->status().error : state;
 }
 
 std::shared_ptr<Recorder> RecordedSource::recorder() const {
@@ -257,9 +240,8 @@ std::shared_ptr<Recorder> RecordedSource::recorder() const {
 
 std::string text_of(const RecordedSource::Recording& recording) {
   if (!recording.error.empty()) return recording.error;
-  std::string text =
-      fmt::format("{}, {} frames", recording.path.string(), recording.counts.written);
-  if (recording.counts.lost != 0) text += fmt::format(", {} lost", recording.counts.lost);
+  std::string text = fmt::format("{}, {} frames", recording.path.string(), recording.written);
+  if (recording.lost != 0) text += fmt::format(", {} lost", recording.lost);
   if (!recording.limited.empty()) text += ", limit reached";
   return text;
 }

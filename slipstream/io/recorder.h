@@ -64,17 +64,14 @@ class Recorder {
   /// recording fails or has failed before.
   void finish();
 
-  struct Counts {
+  struct Status {
     std::uint64_t written = 0;
     std::uint64_t lost = 0;  ///< discarded because the queue was full; leave gaps
+    std::string error{};     ///< why it failed, one line; empty if it runs or was finished
+    std::string limited{};   ///< LimitedFile::message once the limit has been reached
+    bool ended = false;      ///< takes no more frames
   };
-  [[nodiscard]] Counts counts() const;
-  /// Why the recording ended, one line; empty while it runs or after finish().
-  [[nodiscard]] std::string error() const;
-  /// LimitedFile::message once the limit has been reached; empty before.
-  [[nodiscard]] std::string limited() const;
-  /// Whether it takes no more frames.
-  [[nodiscard]] bool ended() const;
+  [[nodiscard]] Status status() const;
 
  private:
   void write_all();
@@ -88,9 +85,7 @@ class Recorder {
   std::condition_variable changed_;  ///< frames are queued, or the recording has ended
   std::condition_variable room_;     ///< a frame was written, or the recording has ended
   std::vector<Pooled<Frame>> waiting_;
-  Counts counts_;
-  std::string error_, limited_;
-  bool ended_ = false;  ///< no more frames are accepted
+  Status status_;
   std::thread thread_;
 };
 
@@ -104,7 +99,7 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
 
 /// A source whose frames can be recorded at any time while they pass through. If a recording fails
 /// or reaches its limit, it ends, and frames keep coming.
-class RecordedSource : public FrameSource {
+class RecordedSource : public SourceOver {
  public:
   /// `header`, `limit`: of future recordings; the header gets the source's format.
   RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header,
@@ -118,30 +113,21 @@ class RecordedSource : public FrameSource {
   /// Finishes the recording, if any. From any thread. Throws WorldError if it has failed.
   void finish_recording();
 
-  struct Recording {
+  struct Recording : Recorder::Status {
     std::filesystem::path path;
-    Recorder::Counts counts;
-    std::string error;    ///< why it ended; empty while it runs
-    std::string limited;  ///< Recorder::limited
   };
   /// The running recording, or one that has ended and is not yet finished. From any thread.
   [[nodiscard]] std::optional<Recording> recording() const;
 
   [[nodiscard]] FrameFormat format() const override { return source_->format(); }
-  [[nodiscard]] bool has_own_pace() const override { return source_->has_own_pace(); }
   void start() override { source_->start(); }
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
-  void stop() override { source_->stop(); }
-  void trigger() override { source_->trigger(); }
-  [[nodiscard]] SourceCounters counters() const override { return source_->counters(); }
-  CameraControls* controls() override { return source_->controls(); }
   /// The source's state; if that is empty, why a recording failed.
   [[nodiscard]] std::string state() const override;
 
  private:
   [[nodiscard]] std::shared_ptr<Recorder> recorder() const;
 
-  std::unique_ptr<FrameSource> source_;
   const FileLimit limit_;
   mutable std::mutex mutex_;  ///< guards all members below
   RecordingHeader header_;

@@ -136,11 +136,9 @@ std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name) {
 
 ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
     : settings_(settings) {
-  if (settings.rate && !(*settings.rate >= 0 && std::isfinite(*settings.rate))) {
-    throw Error(
-        fmt::format("replay rate {} frames per second: expected 0 (as fast as possible) or more",
-                    *settings.rate));
-  }
+  const double rate = settings.rate.value_or(0);
+  throw_if(!(rate >= 0 && std::isfinite(rate)),
+           "replay rate {} frames per second: expected 0 (as fast as possible) or more", rate);
   fs::is_directory(path) ? open_folder(path) : open_recording(path);
   measure_round(path);
   ahead_ = Frame(header_.format);

@@ -6,10 +6,8 @@
 
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/camera_pair.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/io/scan_pictures.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
@@ -21,10 +19,9 @@ FrameSet recorded_frames(const ScanFiles& files) {
   if (recording.header().in_colour) {
     require_in_colour(files.sequence, files.path.string());
   }
-  if (const int bits = recording.header().format.bits; bits != files.bits) {
-    throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is only for pictures",
-                            files.path.string(), bits, files.bits));
-  }
+  const int bits = recording.header().format.bits;
+  throw_if(bits != files.bits, "{}: its frames have {} bits; --camera-bits {} is only for pictures",
+           files.path.string(), bits, files.bits);
   naming(files.path.string(), [&] {
     require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
                       byte_count(recording.header().format));
@@ -32,10 +29,9 @@ FrameSet recorded_frames(const ScanFiles& files) {
   auto frames = files.window ? window_at(recording, files.sequence, *files.window)
                              : first_cycle(recording, files.sequence);
   if (frames) return *std::move(frames);
-  if (files.window) {
-    throw Error(fmt::format("{}: frames of window {} are missing or damaged; use another window",
-                            files.path.string(), *files.window));
-  }
+  throw_if(files.window.has_value(),
+           "{}: frames of window {} are missing or damaged; use another window",
+           files.path.string(), files.window.value_or(0));
   throw Error(fmt::format("{}: {} frames, but no complete cycle of {} among the first",
                           files.path.string(), recording.count(), cycle_length(files.sequence)));
 }
@@ -147,10 +143,59 @@ void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& fi
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
-/// Checksum of a file; for a recording, of its header only.
-std::uint32_t checksum_of(const fs::path& file, std::uint32_t before) {
-  return is_recording(file) ? RecordingReader(file).checksum(0, 0, before)
-                            : checksum_of_file(file, before);
+/// The scan along `axis` in a pose's folder: x or x.slip, or an empty path.
+fs::path scan_along(const fs::path& folder, Axis axis) {
+  for (const char* ending : {"", ".slip"}) {
+    const fs::path path = folder / (std::string(name_of(axis)) + ending);
+    if (fs::is_directory(path) || is_recording(path)) return path;
+  }
+  return {};
+}
+
+ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) {
+  ScanFiles scan = scan_files_in(path, changes);
+  throw_if(scan.described && axes_of(scan.sequence) != name_of(axis),
+           "{}: has axis {}; expected {}", path.string(), axes_of(scan.sequence), name_of(axis));
+  scan.sequence = along(scan.sequence, axis);
+  if (fs::is_directory(path)) {
+    pattern_pictures(scan, frame_count(scan.sequence), "a scan with these steps");
+  }
+  return scan;
+}
+
+BoardScans scans_of(const fs::path& folder, ScanFiles x, ScanFiles y) {
+  return {folder.filename().string(), [x = std::move(x), y = std::move(y)](Axis axis) {
+            return load_frames(axis == Axis::x ? x : y);
+          }};
+}
+
+BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
+  ScanFiles both{.path = folder, .frames = images_in_folder(folder)};
+  amend(both, changes);
+  ScanFiles first = both;
+  first.sequence = along(both.sequence, first_axis);
+  const int each = frame_count(first.sequence);
+  // An order of both scans, or the same one for each.
+  std::vector<int>& of_each = std::ssize(both.order) == 2 * each ? first.order : both.order;
+  of_each.clear();
+  const std::vector<fs::path> pictures =
+      pattern_pictures(both, 2 * each, "a scan along x and one along y");
+  ScanFiles second = first;
+  second.sequence = along(both.sequence, across(first_axis));
+  first.frames.assign(pictures.begin(), pictures.begin() + each);
+  second.frames.assign(pictures.begin() + each, pictures.end());
+  if (first_axis == Axis::y) std::swap(first, second);
+  return scans_of(folder, std::move(first), std::move(second));
+}
+
+bool has_both_axes(const fs::path& folder) {
+  return !scan_along(folder, Axis::x).empty() && !scan_along(folder, Axis::y).empty();
+}
+
+BoardScans pose_in(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
+  if (!has_both_axes(folder)) return both_in_one(folder, changes, first_axis);
+  ScanFiles x = one_axis(scan_along(folder, Axis::x), changes, Axis::x);
+  return scans_of(folder, std::move(x), one_axis(scan_along(folder, Axis::y), changes, Axis::y));
 }
 
 }  // namespace
@@ -186,15 +231,6 @@ Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
   return scan;
 }
 
-void add_camera(Scan& scan, const ScanFiles& files) {
-  Scan further = load_scan(files);
-  throw_if(further.sequence.strategy != scan.sequence.strategy ||
-               further.sequence.axis != scan.sequence.axis,
-           "{}: its sequence differs from the first camera's; both must see one projector",
-           files.path.string());
-  scan.further_cameras.push_back(std::move(further));
-}
-
 Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files = scan_files_in(path, changes);
   if (!files.second_camera) return load_scan(files);
@@ -206,8 +242,32 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
     second.scanner.reset();
   }
   Scan scan = load_scan(files);
-  add_camera(scan, second);
+  scan.further_cameras.push_back(load_scan(second));
+  const Sequence& further = scan.further_cameras.front().sequence;
+  throw_if(further.strategy != scan.sequence.strategy || further.axis != scan.sequence.axis,
+           "{}: its sequence differs from the first camera's; both must see one projector",
+           second.path.string());
   return scan;
+}
+
+std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& changes,
+                                    Axis first_axis) {
+  throw_if(!fs::is_directory(folder),
+           "{}: no such folder; expected a folder with a subfolder for each pose", folder.string());
+  if (has_both_axes(folder)) return {pose_in(folder, changes, first_axis)};
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && is_scan_folder(entry.path())) folders.push_back(entry.path());
+  }
+  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
+    return before_in_order(a.filename().string(), b.filename().string());
+  });
+  throw_if(folders.empty(), "{}: no subfolders; expected one for each pose of the board",
+           folder.string());
+  std::vector<BoardScans> poses;
+  poses.reserve(folders.size());
+  for (const fs::path& pose : folders) poses.push_back(pose_in(pose, changes, first_axis));
+  return poses;
 }
 
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
@@ -265,9 +325,10 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   if (scan.scanner) {
     for (const fs::path& file : scanner_files(*scan.scanner)) files.push_back(file);
   }
-  for (const fs::path& file : files) {
+  for (const fs::path& file : files) {  // of recordings the header
     sum = scan.recording && file == scan.path ? scan.recording->checksum(0, 0, sum)
-                                              : checksum_of(file, sum);
+          : is_recording(file)                ? RecordingReader(file).checksum(0, 0, sum)
+                                              : checksum_of_file(file, sum);
   }
   return sum;
 }

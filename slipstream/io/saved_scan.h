@@ -25,12 +25,18 @@ Scan load_scan(const ScanFiles& files);
 /// white picture, if any. Also throws Error if an order is set.
 Scan load_as_taken(const ScanFiles& files, FrameSet& white);
 
-/// Adds a further camera's frames of the same patterns. Throws Error as load_scan, and if its
-/// sequence differs.
-void add_camera(Scan& scan, const ScanFiles& files);
-
-/// Loads the complete scan in a folder or recording, with any second camera; see scan_files_in.
+/// Loads the complete scan in a folder or recording, with any second camera, whose sequence must be
+/// the same; see scan_files_in.
 Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
+
+/// The poses in a folder, in natural order of their names. Each pose is a folder that contains
+///   - scans x and y: folders, with or without scan.yaml, or recordings x.slip and y.slip; or
+///   - the pictures of both scans, first along `first_axis`, in order of their names.
+/// Skips folders with a report.html. A folder that contains x and y itself is the only pose. Throws
+/// Error without poses, for a folder of neither kind, and as scan_files_in. Frames are read later,
+/// as by load_frames.
+std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const ScanChanges& changes,
+                                    Axis first_axis);
 
 /// Writes a scan to a folder, instead of one that is there: frames as frame_00.png and so on (.tiff
 /// if unquantised), scan.yaml, and scanner.yaml if the scanner is known, or a reference to the

@@ -106,6 +106,11 @@ class YamlMap {
   std::string where_;
 };
 
+/// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
+bool is_hidden(const fs::path& path) {
+  return path.filename().string().starts_with(".");
+}
+
 /// The optional files named in scan.yaml, except the frames.
 constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 3>
     named_files{{{"scanner", "a file", &ScanFiles::scanner},
@@ -378,10 +383,6 @@ ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
   }
   amend(files, changes);
   return files;
-}
-
-bool is_hidden(const fs::path& path) {
-  return path.filename().string().starts_with(".");
 }
 
 bool is_scan_folder(const fs::path& folder) {

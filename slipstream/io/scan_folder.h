@@ -70,11 +70,15 @@ void amend(ScanFiles& files, const ScanChanges& changes);
 /// `changes`. Throws Error if `path` is neither, and as amend.
 ScanFiles scan_files_in(const std::filesystem::path& path, const ScanChanges& changes = {});
 
+/// The pictures of `wanted` patterns, in pattern order: all of the folder's, or those chosen by its
+/// `order`, which may leave out others, such as a white picture. Throws Error for an invalid order
+/// and for another number of pictures, with the likely extra ones and an order without them.
+/// `what`: name of the scan in messages.
+std::vector<std::filesystem::path> pattern_pictures(const ScanFiles& files, int wanted,
+                                                    const std::string& what);
+
 /// Whether `a` precedes `b` in natural order: board2 before board10.
 bool before_in_order(const std::string& a, const std::string& b);
-
-/// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
-bool is_hidden(const std::filesystem::path& path);
 
 /// Whether a folder beside scans may be one: neither hidden nor a report, which has a report.html.
 bool is_scan_folder(const std::filesystem::path& folder);

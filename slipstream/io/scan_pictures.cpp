@@ -1,5 +1,3 @@
-#include "slipstream/io/scan_pictures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,6 +5,7 @@
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/scan_folder.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

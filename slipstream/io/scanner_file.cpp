@@ -10,7 +10,6 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/geometry/triangulator.h"
-#include "slipstream/io/camera_pair.h"
 #include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/file.h"
 #include "slipstream/response/response_fit.h"

@@ -34,8 +34,7 @@ std::vector<std::string> each(const char* SinkKind::*what) {
 std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
   const std::size_t colon = std::min(name.find(':'), name.size());
   const std::string called = name.substr(0, colon), what = name.substr(colon);
-  const auto kind = std::find_if(kinds.begin(), kinds.end(),
-                                 [&](const SinkKind* known) { return known->name == called; });
+  const auto kind = std::ranges::find(kinds, called, &SinkKind::name);
   throw_if(kind == kinds.end(), "--publish {}: unknown kind of sink{}; {}", name,
            did_you_mean(called, each(&SinkKind::name)), sink_forms());
   if (what.size() < 2) throw Error(fmt::format("--publish {}: expected {}", name, (*kind)->form));
@@ -46,12 +45,10 @@ std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
 
 void require_settable(const std::vector<RunSetting>& settings, const std::string& name,
                       const std::string& value) {
-  const auto setting = std::find_if(settings.begin(), settings.end(),
-                                    [&](const RunSetting& known) { return known.name == name; });
+  const auto setting = std::ranges::find(settings, name, &RunSetting::name);
   if (setting == settings.end()) {
     std::vector<std::string> names;
-    std::transform(settings.begin(), settings.end(), std::back_inserter(names),
-                   [](const RunSetting& known) { return known.name; });
+    for (const RunSetting& known : settings) names.push_back(known.name);
     throw Error(fmt::format("there is no setting '{}' now{}; available: {}", name,
                             did_you_mean(name, names), fmt::join(names, ", ")));
   }
@@ -62,7 +59,7 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
     throw Error(fmt::format("{} '{}': expected a number from {:g} to {:g}{}{}", name, value, least,
                             most, unit.empty() ? "" : " ", unit));
   }
-  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  if (std::ranges::count(choices, value) > 0) return;
   throw Error(fmt::format("{} '{}': expected one of: {}{}", name, value, fmt::join(choices, "; "),
                           did_you_mean(value, choices)));
 }
@@ -79,6 +76,16 @@ void require_sink(const std::string& name) {
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run) {
   const auto& [kind, what] = kind_of(name);
   return kind.open(what, std::move(run));
+}
+
+std::vector<std::string> CloudSink::news() {
+  const std::lock_guard lock(news_mutex_);
+  return std::exchange(news_, {});
+}
+
+void CloudSink::tell(const std::string& line) {
+  const std::lock_guard lock(news_mutex_);
+  if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
 }
 
 struct Publisher::Outlet {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <set>
+
 #include "slipstream/codes/sequence.h"
 #include "slipstream/frames/pool.h"
 #include "slipstream/geometry/scanner.h"
@@ -61,7 +63,16 @@ class CloudSink {
   /// Called after the last cloud. Throws likewise.
   virtual void finish() {}
   /// New status lines since the last call. From any thread.
-  virtual std::vector<std::string> news() { return {}; }
+  virtual std::vector<std::string> news();
+
+ protected:
+  /// Adds a status line; ignores repeated ones, and any after 64. From any thread.
+  void tell(const std::string& line);
+
+ private:
+  std::mutex news_mutex_;  ///< guards the members below
+  std::vector<std::string> news_;
+  std::set<std::string> told_;
 };
 
 /// A sink that skips clouds sharing a frame with the previous one.

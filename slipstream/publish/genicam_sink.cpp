@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <initializer_list>
 #include <stop_token>
 #include <tuple>
 
@@ -112,10 +111,6 @@ class GenicamSink final : public CloudSink {
     thread_.request_stop();
     if (thread_.joinable()) thread_.join();
   }
-  std::vector<std::string> news() override {
-    if (!fell_silent_ || std::exchange(told_silent_, true)) return {};
-    return {"disconnected a silent client"};
-  }
 
  private:
   void serve(const std::stop_token& stop) {
@@ -158,8 +153,7 @@ class GenicamSink final : public CloudSink {
     }
     if (which == software_trigger) triggered_ = steady_clock::now();
     if (which == stream_port) number_ = 0;
-    const auto bound = std::find_if(bounds.begin(), bounds.end(),
-                                    [&](const Bounds& known) { return known.which == which; });
+    const auto bound = std::ranges::find(bounds, which, &Bounds::which);
     const bool is_of_every_camera = which >= heartbeat_timeout && which < component_selector &&
                                     which != packet_size && which != stream_configuration;
     const bool is_free = bound == bounds.end() ? is_of_every_camera : bound->while_sending;
@@ -316,7 +310,7 @@ class GenicamSink final : public CloudSink {
   std::optional<GigeStream> stream_for(const LiveCloud& cloud) {
     const auto now = steady_clock::now();
     const auto stream = control_.stream(now);
-    fell_silent_ = control_.silent_clients() > 0;
+    if (control_.silent_clients() > 0) tell("disconnected a silent client");
     if (!stream || (!stream->is_free && !stream->is_triggered)) return std::nullopt;
     const auto early = stream->period / 4;  // tolerates jitter of clouds
     const bool is_due =
@@ -368,8 +362,6 @@ class GenicamSink final : public CloudSink {
   steady_clock::time_point triggered_{};
   /// Controls that had ended when a client switched `record` on.
   std::optional<std::uint64_t> recorded_by_{};
-  std::atomic<bool> fell_silent_ = false;  ///< a client
-  bool told_silent_ = false;               ///< of the thread that calls news()
   std::atomic<bool> is_sending_ = false;
   std::uint64_t number_ = 0;        ///< ID of the newest block since the client opened its port
   steady_clock::time_point due_{};  ///< publisher's thread only, also below

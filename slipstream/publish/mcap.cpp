@@ -1,6 +1,5 @@
 #include "slipstream/publish/mcap.h"
 
-#include <atomic>
 #include <optional>
 
 #include <zstd.h>
@@ -232,24 +231,18 @@ class McapSink final : public DisjointCloudSink {
       clouds_->finish();
       clouds_.reset();
       if (file_.goes_on()) clouds_.emplace(file_.path, run_);
-      reached_ = true;
+      tell(file_.message());
     }
     if (clouds_) clouds_->put(cloud, alone);
   }
   void finish() override {
     if (clouds_) clouds_->finish();
   }
-  std::vector<std::string> news() override {
-    if (!reached_ || std::exchange(told_, true)) return {};
-    return {file_.message()};
-  }
 
  private:
   const PublishedRun run_;
   LimitedFile file_;
   std::optional<McapClouds> clouds_;  ///< nullopt after the limit
-  std::atomic<bool> reached_ = false;
-  bool told_ = false;  ///< of the thread that calls news()
 };
 
 }  // namespace
@@ -394,11 +387,7 @@ bool read_mcap(const std::filesystem::path& path,
                const std::function<void(const McapMessage&)>& see) {
   const InputFile file(path, no_limit);
   Records records(see);
-  try {
-    return read_records(file, records);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", path.string(), error.what()));
-  }
+  return naming(path.string(), [&] { return read_records(file, records); });
 }
 
 const SinkKind mcap_sink{

@@ -2,16 +2,15 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <regex>
 
-#include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/throw_if-inl.h"
+#include "slipstream/devices/gige_sockets.h"
 #include "slipstream/publish/dds_messages.h"
 
 namespace slipstream {
@@ -44,17 +43,8 @@ Qos quality(dds_reliability_kind_t reliability, int kept,
 /// The process's UDP sockets that are bound to all addresses.
 std::vector<int> open_sockets() {
   std::vector<int> sockets;
-  std::error_code gone;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
-    const int descriptor = number_in<int>(entry.path().filename().string()).value_or(-1);
-    sockaddr_in address{};
-    int type = 0;
-    socklen_t size = sizeof(type), length = sizeof(address);
-    if (::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM &&
-        ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &length) == 0 &&
-        address.sin_family == AF_INET && address.sin_addr.s_addr == INADDR_ANY) {
-      sockets.push_back(descriptor);
-    }
+  for (const auto& [socket, address] : udp_sockets()) {
+    if (address.sin_addr.s_addr == INADDR_ANY) sockets.push_back(socket);
   }
   return sockets;
 }

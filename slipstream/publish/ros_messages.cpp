@@ -60,8 +60,7 @@ void write_picture(const Image<Pixel>& picture, std::string_view encoding, Grey 
 void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message) {
   const auto& D = lens.distortion.coefficients;
   const auto any_from = [&](std::size_t first) {
-    return std::any_of(D.begin() + static_cast<std::ptrdiff_t>(first), D.end(),
-                       [](double d) { return d != 0; });
+    return std::ranges::any_of(std::span(D).subspan(first), [](double d) { return d != 0; });
   };
   // ROS's plumb_bob model has five coefficients, rational_polynomial eight; OpenCV also reads 12
   // and 14.
@@ -179,8 +178,7 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
     const std::uint32_t offset = cdr.count();
     const bool wanted = cdr.get<std::uint8_t>() == float32;
     cdr.count();  // count; only the first is used
-    const auto known = std::find_if(point_fields.begin(), point_fields.end(),
-                                    [&](const PointField& field) { return field.name == name; });
+    const auto known = std::ranges::find(point_fields, name, &PointField::name);
     if (wanted && known != point_fields.end()) {
       offsets.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
     }

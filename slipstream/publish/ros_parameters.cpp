@@ -25,8 +25,7 @@ Kind kind_of(const RunSetting& setting) {
 }
 
 RunSetting find(const Settings& settings, std::string_view name) {
-  const auto found = std::find_if(settings.begin(), settings.end(),
-                                  [&](const RunSetting& setting) { return setting.name == name; });
+  const auto found = std::ranges::find(settings, name, &RunSetting::name);
   return found == settings.end() ? RunSetting() : *found;
 }
 
@@ -51,14 +50,6 @@ std::string read_value(CdrReader& cdr) {
          : kind == Kind::integer ? fmt::format("{}", integer)
          : kind == Kind::real    ? fmt::format("{}", real)
                                  : std::move(text);  // empty for other kinds
-}
-
-void add_parameters(const Settings& settings, Cdr& cdr) {
-  cdr.add_count(settings.size());
-  for (const RunSetting& setting : settings) {
-    cdr.add_text(setting.name);
-    add_value(setting, cdr);
-  }
 }
 
 template <class Read>
@@ -132,8 +123,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
                 const std::vector<std::string> wanted = read_list(request, read_name);
                 Settings listed = run.settings();
                 std::erase_if(listed, [&](const RunSetting& setting) {
-                  return !wanted.empty() &&
-                         std::find(wanted.begin(), wanted.end(), setting.name) == wanted.end();
+                  return !wanted.empty() && std::ranges::count(wanted, setting.name) == 0;
                 });
                 answer.add_count(listed.size());
                 for (const RunSetting& setting : listed) answer.add_text(setting.name);
@@ -174,7 +164,10 @@ bool write_parameter_event(const std::string& node, std::uint64_t time, const Se
   if (come.empty() && changed.empty() && gone.empty()) return false;
   Cdr cdr(message);
   cdr.add_time(time).add_text("/" + node);
-  for (const auto& list : {come, changed, gone}) add_parameters(list, cdr);
+  for (const auto& list : {come, changed, gone}) {
+    cdr.add_count(list.size());
+    for (const RunSetting& setting : list) add_value(setting, cdr.add_text(setting.name));
+  }
   return true;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstring>
 #include <map>
 #include <variant>
@@ -11,34 +10,23 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/geometry/scanner.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {
 
 constexpr int most_levels = 65534;
 
-int thinned(int pixels, int step) {
-  return (pixels + step - 1) / step;
+/// The size of a subsampled image.
+Size thinned(Size size, int step) {
+  return {(size.width + step - 1) / step, (size.height + step - 1) / step};
 }
 
-/// Calls `visit` for every Nth pixel of every Nth row.
-template <class Visit>
-void each_sent(Size size, int step, Visit visit) {
-  for (int row = 0; row < size.height; row += step) {
-    for (int column = 0; column < size.width; column += step) visit(column, row);
-  }
-}
-
-DepthRange range_of(const Image<float>& depth, int step) {
-  DepthRange range{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
-  each_sent(depth.size(), step, [&](int column, int row) {
-    const float z = depth(column, row);
-    if (std::isnan(z)) return;
-    range.nearest = std::min<double>(range.nearest, z);
-    range.farthest = std::max<double>(range.farthest, z);
-  });
-  return range.nearest <= range.farthest ? range : DepthRange{};
+DepthRange range_of(const Image<float>& depth) {
+  const std::vector<float> values = finite_values(depth);
+  if (values.empty()) return {};
+  const auto [nearest, farthest] = std::ranges::minmax(values);
+  return {nearest, farthest};
 }
 
 /// Appends values in binary form.
@@ -97,19 +85,18 @@ void add_metrics(const nlohmann::json& value, const std::string& name, const std
 }  // namespace
 
 int web_step(Size camera) {
-  int step = 1;
-  const auto sent = [&] {
-    return std::int64_t{thinned(camera.width, step)} * thinned(camera.height, step);
-  };
   constexpr std::int64_t most = 1 << 20;
-  while (sent() > most) ++step;
-  return step;
+  for (int step = 1;; ++step) {
+    const auto [width, height] = thinned(camera, step);
+    if (std::int64_t{width} * height <= most) return step;
+  }
 }
 
 std::string web_rays(const Lens& camera) {
   std::vector<float> rays;
-  each_sent(camera.size, web_step(camera.size), [&](int column, int row) {
-    const Eigen::Vector3d ray = ray_through(camera, {column, row});
+  const int step = web_step(camera.size);
+  for_each_pixel_in_order(thinned(camera.size, step), [&](int column, int row) {
+    const Eigen::Vector3d ray = ray_through(camera, {step * column, step * row});
     rays.insert(rays.end(), {static_cast<float>(ray.x()), static_cast<float>(ray.y())});
   });
   return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
@@ -119,10 +106,10 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const Cloud& cloud = live.cloud;
   const Frame& frame = *live.frames.front();
   const bool has_depth = !cloud.z.empty();
-  const Size size = frame.format().size;
-  const int every = web_step(size);
-  const int width = thinned(size.width, every), height = thinned(size.height, every);
-  const DepthRange range = range_of(cloud.z, every);
+  const int every = web_step(frame.format().size);
+  const auto [width, height] = thinned(frame.format().size, every);
+  const Image<float> depth = subsampled(cloud.z, every);
+  const DepthRange range = range_of(depth);
   const auto nearest = static_cast<float>(range.nearest);
   constexpr double finest = 1e-6;  // depth step, representable as a float
   const auto step = static_cast<float>(
@@ -140,22 +127,18 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   put(at, step);
   char* greys = at + 2 * pixels;
   if (has_depth) {
-    each_sent(size, every, [&](int column, int row) {
-      put(at, numbers(cloud.z(column, row)));
-      put(greys, grey_level(cloud.intensity(column, row)));
-    });
+    for (const float z : depth) put(at, numbers(z));
+    for (const float grey : subsampled(cloud.intensity, every)) put(greys, grey_level(grey));
   } else {
     std::visit(
-        [&](const auto& pictured) {
-          each_sent(size, every, [&](int column, int row) {
-            put(greys, static_cast<std::uint8_t>(pictured(column, row) >> (frame.bits - 8)));
-          });
+        [&](const auto& picture) {
+          for (const auto grey : subsampled(picture, every)) {
+            put(greys, static_cast<std::uint8_t>(grey >> (frame.bits - 8)));
+          }
         },
         frame.pixels);
   }
-  if (!phase.empty()) {
-    each_sent(size, every, [&](int column, int row) { put(greys, phase(column, row)); });
-  }
+  for (const std::uint8_t level : subsampled(phase, every)) put(greys, level);
   return bytes;
 }
 

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <numeric>
 #include <random>
-#include <set>
 #include <utility>  // missing from Boost 1.74
 
 #include <boost/asio.hpp>
@@ -69,7 +68,7 @@ std::string_view without_port(std::string_view host) {
 
 class Connection;
 
-/// The server and its clients. Everything except `put`, `news` and `finish` runs in the serving
+/// The server and its clients. Everything except `put` and `finish` runs in the serving
 /// thread.
 class WebSink final : public CloudSink {
  public:
@@ -92,15 +91,7 @@ class WebSink final : public CloudSink {
     newest_ = {};
   }
 
-  std::vector<std::string> news() override {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(news_, {});
-  }
-
-  void tell(const std::string& line) {
-    const std::lock_guard lock(mutex_);
-    if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
-  }
+  using CloudSink::tell;
 
   /// Why the request is refused; empty for the page itself and authorised clients.
   [[nodiscard]] std::string refusal(const Request& request) const {
@@ -243,11 +234,9 @@ class WebSink final : public CloudSink {
   const PublishedRun run_;
   const std::string token_;  ///< empty if only this machine reaches the page
   const std::string rays_;
-  std::mutex mutex_;  ///< guards the four members below
-  std::vector<std::string> news_;
+  std::mutex mutex_;  ///< guards the two members below
   Pooled<LiveCloud> newest_;
   std::uint64_t count_ = 0;
-  std::set<std::string> told_;
   std::atomic<bool> anybody_waits_ = false;
   struct Sent {
     SharedBytes bytes{};

@@ -24,8 +24,7 @@ struct Border {
 
 /// Merges borders, one for each pair of regions.
 std::vector<Border> merged(std::vector<Border> single) {
-  std::sort(single.begin(), single.end(),
-            [](const Border& a, const Border& b) { return a.regions < b.regions; });
+  std::ranges::sort(single, {}, &Border::regions);
   std::vector<Border> borders;
   for (const Border& each : single) {
     if (borders.empty() || borders.back().regions != each.regions)
@@ -224,8 +223,7 @@ Orders orders_by_regions(const WrappedCycles& wrapped) {
     });
   }
   borders = merged(std::move(borders));
-  std::stable_sort(borders.begin(), borders.end(),
-                   [](const Border& a, const Border& b) { return a.lead() > b.lead(); });
+  std::ranges::stable_sort(borders, std::ranges::greater(), &Border::lead);
   for (const Border& border : borders) {
     groups.join(static_cast<int>(border.regions >> 32U),
                 static_cast<int>(border.regions & 0xffffffffU), border.step());

@@ -35,8 +35,7 @@ constexpr std::array methods{
 };
 
 const Method& method_named(std::string_view name) {
-  const auto found = std::find_if(methods.begin(), methods.end(),
-                                  [&](const Method& method) { return method.name == name; });
+  const auto* const found = std::ranges::find(methods, name, &Method::name);
   if (found != methods.end()) return *found;
   std::vector<std::string_view> names;
   for (const Method& method : methods) names.push_back(method.name);
@@ -45,9 +44,8 @@ const Method& method_named(std::string_view name) {
 }
 
 void require_size(Size size, Size other, const char* what) {
-  if (size == other) return;
-  throw Error(fmt::format("{} is {}, but the phase {}; both must have one size", what,
-                          text_of(other), text_of(size)));
+  throw_if(size != other, "{} is {}, but the phase {}; both must have one size", what,
+           text_of(other), text_of(size));
 }
 
 template <class Number>

@@ -9,7 +9,6 @@
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/board_scans.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

@@ -7,7 +7,7 @@
 
 #include "slipstream/base/statistics.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/io/jpeg.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/virtual_world.h"
 

@@ -29,8 +29,8 @@ TEST(Recorder, WritesEveryFrameThatItTook) {
     if (recorder.record(some_frame(i))) taken.push_back(i);
   }
   recorder.finish();
-  EXPECT_EQ(recorder.counts().written, taken.size());
-  EXPECT_EQ(recorder.counts().written + recorder.counts().lost, 2000U);
+  EXPECT_EQ(recorder.status().written, taken.size());
+  EXPECT_EQ(recorder.status().written + recorder.status().lost, 2000U);
   EXPECT_FALSE(recorder.record(some_frame(0)));
 
   const RecordingReader reader(folder.path() / "frames");
@@ -48,8 +48,8 @@ TEST(Recorder, LosesNothingOfWhoWaitsForRoom) {
   Recorder recorder(folder.path() / "frames", {.format = some_format}, 0);
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(recorder.record(some_frame(i), 10s));
   recorder.finish();
-  EXPECT_EQ(recorder.counts().written, 500U);
-  EXPECT_EQ(recorder.counts().lost, 0U);
+  EXPECT_EQ(recorder.status().written, 500U);
+  EXPECT_EQ(recorder.status().lost, 0U);
 }
 
 TEST(Recorder, FinishesWhenItGoes) {
@@ -67,12 +67,12 @@ TEST(Recorder, FullDiskEndsTheRecordingAndIsToldOnce) {
   const TemporaryFolder folder;
   Recorder recorder(folder.path() / "frames", {.format = some_format});
   const SmallDisk disk(2000);
-  while (recorder.error().empty()) recorder.record(some_frame(0));
+  while (recorder.status().error.empty()) recorder.record(some_frame(0));
   EXPECT_FALSE(recorder.record(some_frame(0)));
-  EXPECT_NE(recorder.error().find("the 5 frames before are recorded"), std::string::npos)
-      << recorder.error();
+  EXPECT_NE(recorder.status().error.find("the 5 frames before are recorded"), std::string::npos)
+      << recorder.status().error;
   EXPECT_THROW(recorder.finish(), WorldError);
-  EXPECT_EQ(recorder.counts().written, 5U);
+  EXPECT_EQ(recorder.status().written, 5U);
   EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
 }
 
@@ -96,13 +96,14 @@ TEST(Recorder, StopsAtItsLimit) {
   constexpr std::uint64_t most = 4000;
   Recorder recorder(path, {.format = some_format}, 0, {.bytes = most});
   while (recorder.record(some_frame(0), 10s)) continue;
-  EXPECT_TRUE(recorder.ended());
-  EXPECT_EQ(recorder.error(), "");
-  EXPECT_NE(recorder.limited().find("a.slip: limit reached, recording stopped"), std::string::npos);
+  EXPECT_TRUE(recorder.status().ended);
+  EXPECT_EQ(recorder.status().error, "");
+  EXPECT_NE(recorder.status().limited.find("a.slip: limit reached, recording stopped"),
+            std::string::npos);
   recorder.finish();
   const RecordingReader reader(path);
   EXPECT_TRUE(reader.finished());
-  EXPECT_EQ(reader.count(), recorder.counts().written);
+  EXPECT_EQ(reader.count(), recorder.status().written);
   EXPECT_LE(fs::file_size(path), most);
   EXPECT_GT(fs::file_size(path), most - 400) << "one frame less than the limit";
 }
@@ -115,8 +116,9 @@ TEST(Recorder, RingKeepsTheNewestFrames) {
   Recorder recorder(path, {.format = some_format}, 0, {.bytes = most, .ring = true});
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(recorder.record(some_frame(i), 10s));
   recorder.finish();
-  EXPECT_EQ(recorder.counts().written, 100U);
-  EXPECT_NE(recorder.limited().find("a-before-2.slip"), std::string::npos) << recorder.limited();
+  EXPECT_EQ(recorder.status().written, 100U);
+  EXPECT_NE(recorder.status().limited.find("a-before-2.slip"), std::string::npos)
+      << recorder.status().limited;
   EXPECT_EQ(fs::file_size(folder.path() / "a-before.slip"), 14U);
   EXPECT_LE(fs::file_size(path) + fs::file_size(before), most);
   std::vector<std::uint64_t> kept;
@@ -229,7 +231,7 @@ TEST(RecordedSource, RecordingsComeAndGoWhileFramesPass) {
   for (int i = 0; i < 20; ++i) {
     const fs::path path = folder.path() / std::to_string(i);
     source.record_to(path);
-    while (source.recording()->counts.written < 3) std::this_thread::yield();
+    while (source.recording()->written < 3) std::this_thread::yield();
     source.finish_recording();
     EXPECT_TRUE(RecordingReader(path).finished());
   }

@@ -1,6 +1,4 @@
 // White, black and repeated pictures beside those of the patterns.
-#include "slipstream/io/scan_pictures.h"
-
 #include <algorithm>
 #include <numeric>
 #include <string>
@@ -10,7 +8,6 @@
 
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/io/board_scans.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"

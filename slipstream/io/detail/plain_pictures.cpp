@@ -1,14 +1,17 @@
-// Uncompressed picture formats: BMP, PGM and NumPy.
+// Uncompressed picture formats: BMP, PGM and NumPy; and JPEG, by libjpeg-turbo.
 #include <bit>
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
+#include <turbojpeg.h>
+
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/pictures.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 
 namespace slipstream {
 namespace {
@@ -43,6 +46,17 @@ std::optional<std::uint32_t> next_number(std::string_view& text) {
   const auto number = number_in<std::uint32_t>(text.substr(0, digits));
   text.remove_prefix(digits);
   return number;
+}
+
+using Decoder = std::unique_ptr<void, int (*)(tjhandle)>;
+
+/// 0 x 0 if the header is damaged.
+Size size_in(Bytes bytes, const Decoder& decoder) {
+  Size size;
+  int sampling = 0, colours = 0;
+  const int failed = tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &size.width,
+                                         &size.height, &sampling, &colours);
+  return failed == 0 ? size : Size{};
 }
 
 constexpr auto npy_magic = "\x93NUMPY\x01\x00"sv;  // with version 1.0
@@ -215,6 +229,25 @@ std::vector<std::uint8_t> npy_file_of(const PictureView& picture) {
     bytes.insert(bytes.end(), picture.row(row), picture.row(row) + picture.kind.row_bytes());
   }
   return bytes;
+}
+
+bool decode_jpeg(Bytes bytes, Image<std::uint8_t>& grey) {
+  const Decoder decoder(tjInitDecompress(), tjDestroy);
+  const auto [width, height] = grey.size();
+  return size_in(bytes, decoder) == grey.size() &&
+         tjDecompress2(decoder.get(), bytes.data(), bytes.size(), grey.begin(), width, 0, height,
+                       TJPF_GRAY, TJFLAG_LIMITSCANS) == 0;
+}
+
+Picture read_jpeg(Bytes bytes, std::size_t frames) {
+  const Size size = size_in(bytes, Decoder(tjInitDecompress(), tjDestroy));
+  require_readable(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),
+                   frames);
+  Picture picture({size});
+  picture.lossy = true;
+  throw_if(size == Size{} || !decode_jpeg(bytes, std::get<Image<std::uint8_t>>(picture.samples)),
+           "not a complete JPEG file of 8 bits");
+  return picture;
 }
 
 }  // namespace slipstream

@@ -106,8 +106,7 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
   const std::vector<Target> targets = targets_of(element);
   const bool vertices = element.name == "vertex";
   const auto lacks = [&](double StoredPoint::*field) {
-    return std::none_of(targets.begin(), targets.end(),
-                        [field](const Target& target) { return target.field == field; });
+    return std::ranges::count(targets, field, &Target::field) == 0;
   };
   throw_if(vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z)),
            "its points have no x, y and z");

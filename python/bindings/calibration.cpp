@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "python/bindings/bindings.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/band_unwrapper.h"
@@ -70,10 +71,9 @@ py::object calibrated_ambient(const py::iterable& scans, double least_alpha,
 
 py::tuple phases_of(const py::object& frames, int steps, int first, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
-  if (first < 0 || steps < 3 || first + steps > given.views.count()) {
-    throw Error("frames " + std::to_string(first) + " to " + std::to_string(first + steps - 1) +
-                " of " + std::to_string(given.views.count()) + "; expected 3 steps or more");
-  }
+  throw_if(first < 0 || steps < 3 || first + steps > given.views.count(),
+           "frames {} to {} of {}; expected 3 steps or more", first, first + steps - 1,
+           given.views.count());
   PhaseMaps maps = unlocked(
       [&] { return PhaseDecoder(PhaseMethod::equation, {steps})(given.views, first, steps); });
   return py::make_tuple(array_from(std::move(maps.mean)), array_from(std::move(maps.modulation)),

@@ -64,7 +64,7 @@ py::array patterns_of(const Sequence& sequence, int bits) {
   unlocked([&] {
     for (int n = 0; n < patterns.count; ++n) {
       const Image<std::uint16_t> picture = render_pattern(patterns, n, sequence.projector, bits);
-      at = std::copy(picture.begin(), picture.end(), at);
+      at = std::ranges::copy(picture, at).out;
     }
   });
   return bits > 8 ? pictures : pictures.attr("astype")("uint8");

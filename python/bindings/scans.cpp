@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "python/bindings/bindings.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/response/gamma.h"
@@ -31,10 +32,8 @@ FrameSet copied(const FrameViews& frames) {
 Scan scan_from(const py::object& frames, const Sequence& sequence,
                const std::optional<Scanner>& scanner, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
-  if (given.views.count() != frame_count(sequence)) {
-    throw Error("a scan of " + std::to_string(frame_count(sequence)) + " frames is given " +
-                std::to_string(given.views.count()));
-  }
+  throw_if(given.views.count() != frame_count(sequence), "a scan of {} frames is given {}",
+           frame_count(sequence), given.views.count());
   Scan scan{.frames = copied(given.views), .sequence = sequence};
   if (scanner)
     scan.scanner = completed(*scanner, "scanner", scan.frames.size(), sequence.projector);

@@ -99,11 +99,10 @@ const char* why_unlit(const CaptureSigns& signs) {
 
 void require_same(Size& known, Size size, const std::string& pose, const char* what) {
   if (known == Size{}) known = size;
-  if (size == known) return;
-  throw Error(
-      fmt::format("{}: {} {}, but {} in earlier poses; likely frames of two cameras are mixed: use "
-                  "poses of one camera and projector",
-                  pose, what, text_of(size), text_of(known)));
+  throw_if(size != known,
+           "{}: {} {}, but {} in earlier poses; likely frames of two cameras are mixed: use "
+           "poses of one camera and projector",
+           pose, what, text_of(size), text_of(known));
 }
 
 Scan scan_of(const BoardScans& pose, Axis axis, Size projector, PoseCaptures& captures) {

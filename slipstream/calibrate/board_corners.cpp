@@ -153,7 +153,7 @@ std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
 }
 
 std::vector<int> all_places(const CalibrationBoard& board) {
-  std::vector<int> places(static_cast<std::size_t>(place_count(board)));
+  std::vector<int> places(place_count(board));
   std::iota(places.begin(), places.end(), 0);
   return places;
 }
@@ -162,10 +162,10 @@ std::vector<int> all_places(const CalibrationBoard& board) {
 /// not mirror.
 void order_as_seen(const CalibrationBoard& board, Corners& corners) {
   const auto at = [&](int column, int row) -> cv::Point2f& {
-    return corners[static_cast<std::size_t>(row * board.columns + column)];
+    return corners[row * board.columns + column];
   };
   const cv::Point2f right = at(board.columns - 1, 0) - at(0, 0);
-  if (right.x < 0) std::reverse(corners.begin(), corners.end());
+  if (right.x < 0) std::ranges::reverse(corners);
   const cv::Point2f along = at(board.columns - 1, 0) - at(0, 0);
   const cv::Point2f down = at(0, board.rows - 1) - at(0, 0);
   if (along.cross(down) > 0) return;
@@ -196,9 +196,7 @@ std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, c
 void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Corners& corners) {
   constexpr double share_of_contrast = 0.75;
   constexpr std::size_t fewest_seen = 3;
-  const auto at = [&](int column, int row) {
-    return corners[static_cast<std::size_t>(row * board.columns + column)];
-  };
+  const auto at = [&](int column, int row) { return corners[row * board.columns + column]; };
   // Contrast `outwards` places beyond the end of each line of corners; corner_of(i, k) lies k
   // places inside the end of line i.
   const auto contrast = [&](int count, const auto& corner_of, float outwards) {
@@ -216,9 +214,8 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
     const std::vector<double> inside = contrast(count, corner_of, 0);
     const std::vector<double> outside = contrast(count, corner_of, 1);
     if (inside.size() < fewest_seen || outside.size() < fewest_seen) return;
-    if (median(outside) < share_of_contrast * median(inside)) return;
-    throw Error(fmt::format("the board has more than {}x{} corners; check --corners", board.columns,
-                            board.rows));
+    throw_if(median(outside) >= share_of_contrast * median(inside),
+             "the board has more than {}x{} corners; check --corners", board.columns, board.rows);
   };
   check(board.rows, [&](int i, int inwards) { return at(inwards, i); });
   check(board.rows, [&](int i, int inwards) { return at(right - inwards, i); });
@@ -249,7 +246,7 @@ void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) 
   const BoardPlaces places = printed_places(board);
   std::vector<cv::Point2d> on_board, in_picture;
   for (std::size_t i = 0; i < found.pixels.size(); ++i) {
-    const Eigen::Vector3d& place = places[static_cast<std::size_t>(found.places[i])];
+    const Eigen::Vector3d& place = places[found.places[i]];
     on_board.emplace_back(place.x(), place.y());
     in_picture.emplace_back(found.pixels[i].x(), found.pixels[i].y());
   }
@@ -306,10 +303,9 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
   Corners by_squares = corners;
   refine(without_markers(mean, markers, board.marker_side), by_squares, half_square);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto& about = charuco->nearestMarkerIdx[static_cast<std::size_t>(places[i])];
-    const bool plain = std::all_of(about.begin(), about.end(), [&](int marker) {
-      return std::count(marker_ids.begin(), marker_ids.end(),
-                        charuco->ids[static_cast<std::size_t>(marker)]) > 0;
+    const auto& about = charuco->nearestMarkerIdx[places[i]];
+    const bool plain = std::ranges::all_of(about, [&](int marker) {
+      return std::ranges::count(marker_ids, charuco->ids[marker]) > 0;
     });
     if (plain) corners[i] = by_squares[i];
   }

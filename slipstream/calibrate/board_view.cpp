@@ -48,7 +48,7 @@ std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2
   for (std::size_t i = across; i < profile.size(); ++i) {
     steepest = std::max(steepest, std::abs(profile[i] - profile[i - across]) / (across * step));
   }
-  const auto [low, high] = std::minmax_element(profile.begin(), profile.end());
+  const auto [low, high] = std::ranges::minmax_element(profile);
   if (profile.size() <= across || *high - *low < least_height) return std::nullopt;
   return (*high - *low) / (steepest * std::sqrt(2 * std::numbers::pi));
 }
@@ -84,19 +84,19 @@ std::vector<std::pair<int, int>> pixels_about(const PixelPlaces& corners, Size s
       pixels.emplace_back(column, row);
     }
   }
-  std::sort(pixels.begin(), pixels.end());
+  std::ranges::sort(pixels);
   pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
   return pixels;
 }
 
 Eigen::MatrixXd light_at(const FrameViews& frames, const std::vector<std::pair<int, int>>& pixels) {
-  Eigen::MatrixXd light(static_cast<Eigen::Index>(pixels.size()), frames.count());
+  Eigen::MatrixXd light(pixels.size(), frames.count());
   const double grey_level = frames.full_scale() / 255;
   frames.visit([&](const auto& images) {
     for (Eigen::Index i = 0; i < light.rows(); ++i) {
-      const auto& [column, row] = pixels[static_cast<std::size_t>(i)];
+      const auto& [column, row] = pixels[i];
       for (Eigen::Index n = 0; n < light.cols(); ++n) {
-        const auto value = images[static_cast<std::size_t>(n)](column, row);
+        const auto value = images[n](column, row);
         light(i, n) = static_cast<double>(value) / grey_level;
       }
     }
@@ -124,8 +124,8 @@ Samples samples_of(const Scan& scan, const PixelPlaces& corners, double minimum_
   if (static_cast<Eigen::Index>(bright.size()) < fewest_samples) return {saturated, {}, {}};
   Samples samples{saturated, Eigen::MatrixX2d(bright.size(), 2), light(bright, Eigen::all)};
   for (std::size_t i = 0; i < bright.size(); ++i) {
-    const auto& [column, row] = pixels[static_cast<std::size_t>(bright[i])];
-    samples.pixels.row(static_cast<Eigen::Index>(i)) << column, row;
+    const auto& [column, row] = pixels[bright[i]];
+    samples.pixels.row(i) << column, row;
   }
   samples.pixels.rowwise() -= samples.pixels.colwise().mean().eval();
   samples.pixels /= samples.pixels.cwiseAbs().maxCoeff();
@@ -200,20 +200,20 @@ Eigen::VectorXd unwrapped_turns(const Samples& samples, const Eigen::VectorXd& p
   Eigen::VectorXd turns = phase / (2 * pi);
   Eigen::VectorXd distance =
       Eigen::VectorXd::Constant(count, std::numeric_limits<double>::infinity());
-  std::vector<Eigen::Index> from(static_cast<std::size_t>(count), 0);
-  std::vector<bool> done(static_cast<std::size_t>(count), false);
+  std::vector<Eigen::Index> from(count, 0);
+  std::vector<bool> done(count, false);
   for (Eigen::Index at = 0, left = count; left > 0; --left) {
-    done[static_cast<std::size_t>(at)] = true;
+    done[at] = true;
     distance[at] = std::numeric_limits<double>::infinity();
     for (Eigen::Index i = 0; i < count; ++i) {
-      if (done[static_cast<std::size_t>(i)]) continue;
+      if (done[i]) continue;
       const double away = (samples.pixels.row(i) - samples.pixels.row(at)).squaredNorm();
       if (away >= distance[i]) continue;
       distance[i] = away;
-      from[static_cast<std::size_t>(i)] = at;
+      from[i] = at;
     }
     distance.minCoeff(&at);
-    const double before = turns[from[static_cast<std::size_t>(at)]];
+    const double before = turns[from[at]];
     if (left > 1) turns[at] += std::round(before - turns[at]);
   }
   return turns;

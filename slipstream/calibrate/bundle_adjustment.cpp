@@ -331,7 +331,7 @@ class BundleProblem {
  private:
   void add_view(const BoardView& view, std::size_t v, const PixelDeviations& deviations) {
     for (std::size_t i = 0; i < view.places.size(); ++i) {
-      double* place = parameters_.places[static_cast<std::size_t>(view.places[i])].data();
+      double* place = parameters_.places[view.places[i]].data();
       double* pose = parameters_.poses[v].data();
       if (view.projector[i].allFinite()) {
         problem_.AddResidualBlock(

@@ -15,12 +15,10 @@ constexpr int white = 255;
 
 cv::Mat drawn_chessboard(const CalibrationBoard& board, int side) {
   cv::Mat picture((board.rows + 3) * side, (board.columns + 3) * side, CV_8U, cv::Scalar(white));
-  for (int row = 0; row <= board.rows; ++row) {
-    for (int column = 0; column <= board.columns; ++column) {
-      if ((row + column) % 2 != 0) continue;
+  for_each_pixel_in_order({board.columns + 1, board.rows + 1}, [&](int column, int row) {
+    if ((row + column) % 2 == 0)
       picture(cv::Rect((column + 1) * side, (row + 1) * side, side, side)) = 0;
-    }
-  }
+  });
   return picture;
 }
 
@@ -104,12 +102,10 @@ int place_count(const CalibrationBoard& board) {
 BoardPlaces printed_places(const CalibrationBoard& board) {
   const double down = board.row_spacing.value_or(board.spacing);
   BoardPlaces places;
-  for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
-      const int x = board.kind == BoardKind::circles ? 2 * column + row % 2 : column;
-      places.emplace_back(x * board.spacing, row * down, 0);
-    }
-  }
+  for_each_pixel_in_order({board.columns, board.rows}, [&](int column, int row) {
+    const int x = board.kind == BoardKind::circles ? 2 * column + row % 2 : column;
+    places.emplace_back(x * board.spacing, row * down, 0);
+  });
   return places;
 }
 

@@ -31,7 +31,7 @@ double median_of(const Items& items, const Value& value) {
 }
 
 void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& scans) {
-  const auto rippled = std::count_if(scans.begin(), scans.end(), has_ripple);
+  const auto rippled = std::ranges::count_if(scans, has_ripple);
   // A response affects all scans; a ripple in only a few has another cause.
   if (2 * rippled < static_cast<std::ptrdiff_t>(scans.size()) || rippled == 0) return;
   const double ripple = median_of(scans, &FringeSigns::ripple);
@@ -294,7 +294,6 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
 Finding finding_of_moved_rig(const std::string& last, const std::string& first) {
   return {
       .what = fmt::format("the poses up to {} and from {} on fit two rigs, not one", last, first),
-      .evidence = {},
       .likely = "the rig was moved: camera and projector shifted relative to each other",
       .advice = "clamp both to one base; --exclude the poses before or after the move"};
 }

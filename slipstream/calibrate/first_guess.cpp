@@ -32,7 +32,7 @@ SharedCorners corners_seen_by(Device device, const BoardViews& views, const Boar
     shared.projector.emplace_back();
     for (std::size_t i = 0; i < view.places.size(); ++i) {
       if (!corners_of(view, device)[i].allFinite()) continue;
-      const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
+      const Eigen::Vector3d& place = printed[view.places[i]];
       shared.board.back().emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()),
                                        0.0F);
       shared.camera.back().push_back(point_of(view.camera[i]));
@@ -136,7 +136,7 @@ void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
   std::vector<std::size_t> corners;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     if (!view.projector[i].allFinite()) continue;
-    const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
+    const Eigen::Vector3d& place = printed[view.places[i]];
     board.emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()));
     projector.push_back(point_of(view.projector[i]));
     corners.push_back(i);
@@ -204,7 +204,7 @@ Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
   std::vector<cv::Point3d> board;
   std::vector<cv::Point2d> seen;  // by a camera without distortion and of focal length 1
   for (std::size_t i = 0; i < view.places.size(); ++i) {
-    const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
+    const Eigen::Vector3d& place = printed[view.places[i]];
     const Eigen::Vector3d ray = ray_through(camera, view.camera[i]);
     if (!ray.allFinite()) continue;
     board.emplace_back(place.x(), place.y(), 0);

@@ -64,15 +64,16 @@ std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& 
   const double all = count * mean_squared_error(views, state, *settings.pixel_deviations);
   std::vector<Scanner> scanners(views.size());
   for_each_row(static_cast<int>(views.size()), [&](int pose) {
-    const auto v = static_cast<std::size_t>(pose);
-    SomePoses others = some_poses(views, state, [&](std::size_t i) { return i != v; });
+    SomePoses others =
+        some_poses(views, state, [&](std::size_t i) { return std::cmp_not_equal(i, pose); });
     const BundleState rest =
         bundle_adjusted(others.views, std::move(others.state), printed, settings);
     const double of_others = mean_squared_error(others.views, rest, *settings.pixel_deviations);
-    poses[v].left_out = board_quality(views[v], rest.scanner, printed);
-    poses[v].offset = projector_offset(views[v], rest.scanner, state.poses[v], rest.places);
-    poses[v].misfit = all / of_others - (count - 1);
-    scanners[v] = rest.scanner;
+    poses[pose].left_out = board_quality(views[pose], rest.scanner, printed);
+    poses[pose].offset =
+        projector_offset(views[pose], rest.scanner, state.poses[pose], rest.places);
+    poses[pose].misfit = all / of_others - (count - 1);
+    scanners[pose] = rest.scanner;
   });
   return scanners;
 }
@@ -149,12 +150,14 @@ bool clearly_worse(const std::vector<double>& errors, const std::vector<double>&
   return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
 }
 
-/// Chooses the simplest lens model that the data support: calibrates each model without some of the
-/// poses and evaluates it on these, with only the board's pose free. Returns the model with the
-/// fewest coefficients that is not worse than the best by more than the standard error of the
-/// difference; does not try k1 k2 without tangential coefficients. `state`: start of the
-/// calibrations; the board's corners are fixed.
-LensChoice choose_lens_model(const BoardViews& views, const BundleState& state, Device device) {
+/// The model that is `asked` for, else the simplest that the data support: calibrates each model
+/// without some of the poses and evaluates it on these, with only the board's pose free. Returns
+/// the model with the fewest coefficients that is not worse than the best by more than the standard
+/// error of the difference; does not try k1 k2 without tangential coefficients. `state`: start of
+/// the calibrations; the board's corners are fixed.
+LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views,
+                        const BundleState& state, Device device) {
+  if (asked) return {*asked, {}};
   // Hold out one of few poses at a time, or a quarter of many, to save time.
   constexpr std::size_t few = 6, parts = 4;
   const std::size_t folds = views.size() <= few ? views.size() : parts;
@@ -172,8 +175,7 @@ LensChoice choose_lens_model(const BoardViews& views, const BundleState& state, 
         coefficients;
     std::vector<double> by_fold(folds);
     for_each_row(static_cast<int>(folds), [&](int fold) {
-      const auto f = static_cast<std::size_t>(fold);
-      by_fold[f] = left_out_error(views, state, settings, f, folds);
+      by_fold[fold] = left_out_error(views, state, settings, fold, folds);
     });
     errors.push_back(by_fold);
     choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
@@ -185,12 +187,6 @@ LensChoice choose_lens_model(const BoardViews& views, const BundleState& state, 
   while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
   choice.coefficients = choice.scores[chosen].coefficients;
   return choice;
-}
-
-LensChoice chosen(const std::optional<int>& asked, const BoardViews& views,
-                  const BundleState& state, Device device) {
-  if (asked) return {*asked, {}};
-  return choose_lens_model(views, state, device);
 }
 
 }  // namespace
@@ -234,8 +230,9 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   BundleSettings bundle;
   if (settings.print_deviation) bundle.print_deviation = *settings.print_deviation * board.spacing;
   state = bundle_adjusted(views, std::move(state), printed, bundle);
-  result.camera_lens = chosen(settings.camera_coefficients, views, state, Device::camera);
-  result.projector_lens = chosen(settings.projector_coefficients, views, state, Device::projector);
+  result.camera_lens = chosen_model(settings.camera_coefficients, views, state, Device::camera);
+  result.projector_lens =
+      chosen_model(settings.projector_coefficients, views, state, Device::projector);
 
   bundle.camera_coefficients = result.camera_lens.coefficients;
   bundle.projector_coefficients = result.projector_lens.coefficients;

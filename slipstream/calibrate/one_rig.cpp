@@ -158,13 +158,12 @@ std::optional<MovedRig> moved_rig(const BoardViews& views, const BundleState& st
   const double one = error_of_own_rig(views, state, 0, views.size(), settings);
   std::vector<double> two(views.size() - 2 * fewest + 1);
   for_each_row(static_cast<int>(two.size()), [&](int split) {
-    const std::size_t k = static_cast<std::size_t>(split) + fewest;
-    two[static_cast<std::size_t>(split)] =
-        error_of_own_rig(views, state, 0, k, settings) +
-        error_of_own_rig(views, state, k, views.size(), settings);
+    const std::size_t k = split + fewest;
+    two[split] = error_of_own_rig(views, state, 0, k, settings) +
+                 error_of_own_rig(views, state, k, views.size(), settings);
   });
-  const auto best = std::min_element(two.begin(), two.end());
-  return MovedRig{static_cast<std::size_t>(best - two.begin()) + fewest, one / *best};
+  const auto best = std::ranges::min_element(two);
+  return MovedRig{(best - two.begin()) + fewest, one / *best};
 }
 
 }  // namespace slipstream

@@ -164,10 +164,9 @@ std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map, const Pi
                                                double share) {
   std::vector<ProjectorCorner> result(corners.size());
   for_each_row(static_cast<int>(corners.size()), [&](int corner) {
-    const auto i = static_cast<std::size_t>(corner);
     constexpr double least_radius = 4;  // pixels
-    const double radius = std::max(share * distance_to_next(corners, i), least_radius);
-    result[i] = projector_corner(map, corners[i], radius);
+    const double radius = std::max(share * distance_to_next(corners, corner), least_radius);
+    result[corner] = projector_corner(map, corners[corner], radius);
   });
   return result;
 }

@@ -56,15 +56,13 @@ double usual_length(const Residuals& residuals) {
 /// Cells covered by more boards are darker.
 cv::Mat drawn_coverage(const Image<std::uint8_t>& coverage, cv::Size size) {
   cv::Mat picture(coverage.height(), coverage.width(), CV_8UC3);
-  for (int row = 0; row < coverage.height(); ++row) {
-    for (int column = 0; column < coverage.width(); ++column) {
-      const double share = std::min(1.0, coverage(column, row) / 8.0);
-      const auto fade = [&](double dark) {
-        return cv::saturate_cast<std::uint8_t>(255 - share * (255 - dark));
-      };
-      picture.at<cv::Vec3b>(row, column) = {fade(150), fade(190), fade(230)};
-    }
-  }
+  for_each_pixel_in_order(coverage.size(), [&](int column, int row) {
+    const double share = std::min(1.0, coverage(column, row) / 8.0);
+    const auto fade = [&](double dark) {
+      return cv::saturate_cast<std::uint8_t>(255 - share * (255 - dark));
+    };
+    picture.at<cv::Vec3b>(row, column) = {fade(150), fade(190), fade(230)};
+  });
   cv::Mat enlarged;
   cv::resize(picture, enlarged, size, 0, 0, cv::INTER_NEAREST);
   return enlarged;

@@ -85,8 +85,7 @@ PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size
   const Scanner& scanner = state.scanner;
   PixelPlaces result;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
-    const Eigen::Vector3d point =
-        state.poses[v] * state.places[static_cast<std::size_t>(view.places[i])];
+    const Eigen::Vector3d point = state.poses[v] * state.places[view.places[i]];
     result.emplace_back(device == Device::camera
                             ? view.camera[i] - project(scanner.camera, point)
                             : view.projector[i] -
@@ -151,7 +150,7 @@ std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& 
     const Eigen::Vector3d point = point_between(scanner, view.camera[i], view.projector[i]);
     if (!point.allFinite()) continue;
     points.push_back(point);
-    places.push_back(printed[static_cast<std::size_t>(view.places[i])]);
+    places.push_back(printed[view.places[i]]);
   }
   constexpr std::size_t fewest = 4;
   if (points.size() < fewest) return std::nullopt;

@@ -1,5 +1,4 @@
-#include "slipstream/check/code_evidence.h"
-
+// What the frames of a code reveal without geometry.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "slipstream/base/numbers.h"
+#include "slipstream/check/fit.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
@@ -29,8 +29,8 @@ struct Word {
 /// `I`: intensities in pattern order.
 Word word_of(const Code& code, const std::vector<double>& I) {
   constexpr double noise_levels = 3, noise_share = 0.05;
-  const auto [dark, bright] = std::ranges::minmax(
-      code.frames | std::views::transform([&](int n) { return I[static_cast<std::size_t>(n)]; }));
+  const auto [dark, bright] =
+      std::ranges::minmax(code.frames | std::views::transform([&](int n) { return I[n]; }));
   const auto [shown, doubtful] =
       code_bits(code, I, std::max(noise_levels, noise_share * (bright - dark)));
   const auto stripe = static_cast<unsigned>(stripe_of(code, shown));

@@ -16,10 +16,9 @@ constexpr const char* beyond_the_boards =
     ", or a scene nearer or farther than the calibration boards";
 
 std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
-  const auto worst = std::min_element(
-      frames.relations.begin(), frames.relations.end(), [](const auto& a, const auto& b) {
-        return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
-      });
+  const auto worst = std::ranges::min_element(frames.relations, [](const auto& a, const auto& b) {
+    return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
+  });
   if (worst == frames.relations.end()) return {};
   return {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
 }
@@ -103,8 +102,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
       return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
     };
     const auto& relations = fit.frames.relations;
-    if (fit.frames.residual > hopeless_residual ||
-        std::any_of(relations.begin(), relations.end(), hopeless)) {
+    if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {
       finding.gravity = Gravity::wrong;
     }
     finding.likely = "wrong pattern settings, lost or mixed-up frames, or motion during capture";
@@ -229,9 +227,7 @@ std::optional<std::vector<int>> frames_beside(const Layout& layout, int n) {
   bool varies = false;
   for (const Band& band : layout.bands) {
     const auto is_in = [&](int m) {
-      const auto frame = static_cast<std::size_t>(m);
-      return !layout.unwrapping->whole_stripes &&
-             (band.cosine[frame] != 0 || band.sine[frame] != 0);
+      return !layout.unwrapping->whole_stripes && (band.cosine[m] != 0 || band.sine[m] != 0);
     };
     if (!is_in(n)) continue;
     varies = true;
@@ -243,7 +239,7 @@ std::optional<std::vector<int>> frames_beside(const Layout& layout, int n) {
   const std::vector<int>&bits = layout.code->frames, &inverses = layout.code->inverses;
   const auto bit = std::ranges::find(bits, n), inverse = std::ranges::find(inverses, n);
   if (inverse != inverses.end()) {
-    beside.push_back(bits[static_cast<std::size_t>(inverse - inverses.begin())]);
+    beside.push_back(bits[inverse - inverses.begin()]);
   } else if (bit != bits.end() && bit != bits.begin() && !layout.code->base) {
     beside.push_back(*std::prev(bit));
   }

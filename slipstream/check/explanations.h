@@ -19,13 +19,35 @@ struct JudgedScan {
   bool scanner_doubted = false;  ///< check_scanner finds something
 };
 
-/// The fit of the scan with the given settings.
-Fit fit_as_given(const JudgedScan& scan);
+/// A mistake that people make, and what undoes it: it is tried before it is proposed.
+struct PossibleMistake {
+  std::string likely, advice;
+  FrameOrder order{};                  ///< frame `order[n]` shows pattern n; empty: as given
+  std::optional<Sequence> sequence{};  ///< with other settings or another axis
+  std::optional<PhotometricCalibration> photometry{};
+  std::optional<Scanner> scanner{};
+  PictureTurn turn{};
+  /// Only the best of a family is proposed, of a positive one the best by the frames alone; 0: not
+  /// of a family.
+  int family = 0;
+  Gravity gravity = Gravity::wrong;
+  bool slipped = false;      ///< the whole cycle begins at another frame
+  bool far_fetched = false;  ///< proposed only if nothing else fits
+  bool geometric = false;    ///< frames and settings stay as they are
+  std::size_t rank = 0;      ///< among the mistakes, simplest first
+  bool approximate = false;  ///< explains enough if the frames fit better than before
+};
+
+/// The mistakes that may explain the scan, simplest first. `as_given`: the result of fit_of.
+std::vector<PossibleMistake> possible_mistakes(const JudgedScan& scan, const Fit& as_given);
+
+/// The fit of the scan with the given settings, or with a mistake undone.
+Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake = {});
 
 /// Checks that frames, sequence and scanner fit together. If they do not, names the common mistake
 /// that explains it best: wrong frame order, number of periods or axis, an uncorrected response,
 /// flicker, flipped pictures, or a scanner file that is inverted, for another picture size or of
-/// another rig. `fit`: the result of fit_as_given.
+/// another rig. `fit`: the result of fit_of.
 ScanFindings explain(const JudgedScan& scan, const Fit& fit);
 
 /// A mistake that, once undone, makes everything fit.
@@ -39,7 +61,7 @@ struct Explanation {
 
 /// The likeliest of the common mistakes. Its text also names others that explain the scan about as
 /// well. Returns nullopt if none explains it, or fits far better than a scan that fits.
-/// `as_given`: the result of fit_as_given.
+/// `as_given`: the result of fit_of.
 std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given);
 
 /// A diagnostic of frames that contain a share of the pattern before, and the misfit without it.

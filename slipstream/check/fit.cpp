@@ -71,18 +71,6 @@ bool agrees(const BandRelation& relation) {
 
 }  // namespace
 
-void FrameJudge::SharedSpread::add(double first, double second) {
-  products += first * second;
-  a += first;
-  b += second;
-  ++count;
-}
-
-double FrameJudge::SharedSpread::deviation() const {
-  if (count == 0) return 0;
-  return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
-}
-
 FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
   const std::size_t bands = model.bands().size();
   const std::size_t relations = bands - (model.has_real_cue() ? 0 : 1);
@@ -94,10 +82,10 @@ FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
 }
 
 void FrameJudge::clear() {
-  std::fill(mean_.begin(), mean_.end(), Complex{});
-  std::fill(between_.begin(), between_.end(), Complex{});
-  std::fill(damped_.begin(), damped_.end(), Complex{});
-  std::fill(ratios_.begin(), ratios_.end(), SharedSpread{});
+  std::ranges::fill(mean_, Complex{});
+  std::ranges::fill(between_, Complex{});
+  std::ranges::fill(damped_, Complex{});
+  std::ranges::fill(ratios_, SharedSpread{});
   doubts_.clear();
   residual_ = variation_ = by_origin_ = origin_square_ = 0;
   pairs_ = seams_ = far_pairs_ = 0;
@@ -295,12 +283,8 @@ bool Fit::has_evidence() const {
       frames.relations, [](const BandRelation& relation) { return relation.noise < least_noise; });
 }
 
-bool Fit::bands_alike() const {
-  return frames.ratio_spread <= FitLimits::most_ratio_spread;
-}
-
 bool Fit::bands_agree() const {
-  return bands_alike() && std::all_of(frames.relations.begin(), frames.relations.end(), agrees);
+  return bands_alike() && std::ranges::all_of(frames.relations, agrees);
 }
 
 bool Fit::patterns_made() const {
@@ -313,19 +297,11 @@ bool Fit::code_agrees() const {
   });
 }
 
-bool Fit::no_seam() const {
-  return frames.seams <= FitLimits::most_seams;
-}
-
 bool Fit::geometry_fits() const {
   if (!geometry) return true;
   return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
          geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
          geometry->without_point + geometry->outside <= FitLimits::most_outside;
-}
-
-bool Fit::depths_fit() const {
-  return !geometry || geometry->out_of_range <= FitLimits::most_out_of_range;
 }
 
 bool Fit::poor() const {

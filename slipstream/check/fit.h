@@ -1,10 +1,46 @@
 #pragma once
 
+#include <array>
 #include <complex>
+#include <string_view>
 
-#include "slipstream/check/code_evidence.h"
+#include "slipstream/check/frame_model.h"
 
 namespace slipstream {
+
+/// What the frames of a code, or of single frames, reveal without geometry. All 0 if right.
+struct CodeEvidence {
+  /// Share of the pixels in which a frame is darker than black or brighter than white. Light adds
+  /// up, so that any pattern lies between the two.
+  double disordered = 0;
+  double unlisted = 0;  ///< share of the pixels whose code word numbers no stripe
+  /// Between neighbours that differ in one bit of a Gray code, the finer bits are 1, 0, 0, ... if
+  /// the stripes are next to each other: the share that contradicts, of the worst bit. Ignores as
+  /// many of the finest bits as have stripes narrower than two pixels, or blurred ones.
+  double torn = 0;
+  double incoherence = 0;  ///< of the phase at the code's edges: 1 - |mean exp(i phi)|
+  /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5;
+  /// within the limit if blur, a tenth of a pixel, may be the cause.
+  double offset = 0;
+  double against = 0;      ///< share of the edges across which the phase runs against the code
+  double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate
+  bool has_edges = false;  ///< whether enough edges were found to compare phases with the code
+};
+
+/// `phases`: whether to compare phases with the code, which takes most of the time.
+CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
+                           const FrameOrder& order, bool phases = true);
+
+/// One kind of contradiction, its limit, and the cause and advice to give if no tried remedy fits.
+struct CodeSymptom {
+  std::string_view what;  ///< with {} for the limit in percent
+  std::string_view number;
+  double CodeEvidence::*value;
+  double limit;
+  std::string_view likely, advice;
+};
+
+extern const std::array<CodeSymptom, 7> code_symptoms;
 
 /// How well a band agrees with the band or cue that unwraps it, from SampleReading::relations.
 struct BandRelation {
@@ -51,8 +87,16 @@ class FrameJudge {
     double products = 0, a = 0, b = 0;
     int count = 0;
 
-    void add(double first, double second);
-    [[nodiscard]] double deviation() const;
+    void add(double first, double second) {
+      products += first * second;
+      a += first;
+      b += second;
+      ++count;
+    }
+    [[nodiscard]] double deviation() const {
+      if (count == 0) return 0;
+      return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
+    }
   };
 
   void clear();
@@ -122,18 +166,24 @@ struct Fit {
   bool moving = false;                         ///< CheckSettings::moving
   std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
 
-  [[nodiscard]] bool has_evidence() const;   ///< of every relation, beyond noise
-  [[nodiscard]] bool bands_alike() const;    ///< in modulation
+  [[nodiscard]] bool has_evidence() const;  ///< of every relation, beyond noise
+  /// In modulation.
+  [[nodiscard]] bool bands_alike() const {
+    return frames.ratio_spread <= FitLimits::most_ratio_spread;
+  }
   [[nodiscard]] bool bands_agree() const;    ///< in phase and modulation
   [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
   [[nodiscard]] bool code_agrees() const;    ///< within the limits of code_symptoms
-  [[nodiscard]] bool no_seam() const;
+  [[nodiscard]] bool no_seam() const { return frames.seams <= FitLimits::most_seams; }
   /// All that the frames alone show.
   [[nodiscard]] bool frames_fit() const {
     return bands_agree() && patterns_made() && code_agrees() && no_seam();
   }
   [[nodiscard]] bool geometry_fits() const;  ///< true without geometry
-  [[nodiscard]] bool depths_fit() const;     ///< in the calibrated range; true without geometry
+  /// In the calibrated range; true without geometry.
+  [[nodiscard]] bool depths_fit() const {
+    return !geometry || geometry->out_of_range <= FitLimits::most_out_of_range;
+  }
   [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
   /// Whether it fits so poorly that another origin or frame order may fit far better.
   [[nodiscard]] bool poor() const;

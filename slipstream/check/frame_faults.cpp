@@ -17,8 +17,8 @@ using Places = std::vector<std::size_t>;  ///< groups, from the top of the pictu
 Places from_top(const ScanSamples& samples) {
   Places places(samples.groups());
   std::iota(places.begin(), places.end(), std::size_t{0});
-  std::sort(places.begin(), places.end(),
-            [&](std::size_t a, std::size_t b) { return samples.row(a) < samples.row(b); });
+  std::ranges::sort(places,
+                    [&](std::size_t a, std::size_t b) { return samples.row(a) < samples.row(b); });
   return places;
 }
 
@@ -185,7 +185,7 @@ double flat_topped(const FrameModel& model, const ScanSamples& samples) {
   std::vector<int> frames = measuring_frames(model.layout());
   // Further frames of a window show the same patterns again.
   if (const auto& cycle = measuring_band(model.layout()).cycle) {
-    frames.resize(static_cast<std::size_t>(cycle->steps));
+    frames.resize(cycle->steps);
   }
   float top = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
@@ -214,7 +214,7 @@ std::optional<Finding> mosaic(const ScanSamples& samples) {
       range[i] = samples.range(samples.levels(g, static_cast<ScanSamples::Place>(i)));
     }
     if (std::ranges::min(range) <= 0) continue;
-    ratios[static_cast<std::size_t>((samples.column(g) + samples.row(g)) % 2)].push_back(
+    ratios[(samples.column(g) + samples.row(g)) % 2].push_back(
         std::log(range[0] * range[3] / (range[1] * range[2])));
   }
   if (std::min(ratios[0].size(), ratios[1].size()) < 32) return std::nullopt;

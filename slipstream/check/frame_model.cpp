@@ -60,7 +60,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       photometry_(photometry),
       corrected_steps_(layout_.bands.size()),
       chain_(coarse_to_fine(layout_)),
-      identity_(static_cast<std::size_t>(layout_.frames)),
+      identity_(layout_.frames),
       complement_(complement_of(sequence.strategy, layout_)) {
   std::iota(identity_.begin(), identity_.end(), 0);
   if (photometry.response) {
@@ -122,9 +122,13 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
   }
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
   if (alone_) {
-    const PixelCoordinate found = coordinate_of(reading, levels, order);
+    std::vector<double> I;
+    for (const int frame : order) I.push_back(levels[frame]);
+    const PixelCoordinate found = (*alone_)({reading.phase, reading.modulation, I});
     reading.coordinate = found.y;
     reading.doubt = found.doubt;
+    // The narrowest stripes may be blurred in good light.
+    if (layout_.unwrapping->whole_stripes) reading.modulation.front() = found.contrast;
     if (!layout_.single_frames.empty()) fit_origin(levels, order, reading);
     if (chain_.size() < layout_.bands.size()) fit_origin(reading);
   }
@@ -132,16 +136,6 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
     reading.across = (with_carrier / two_pi - band.periods / 2 * reading.coordinate) / band.carrier;
   }
   explain(levels, order, reading);
-}
-
-PixelCoordinate FrameModel::coordinate_of(SampleReading& reading, const float* levels,
-                                          const FrameOrder& order) const {
-  std::vector<double> I;
-  for (const int frame : order) I.push_back(levels[frame]);
-  const PixelCoordinate pixel = (*alone_)({reading.phase, reading.modulation, I});
-  // The narrowest stripes may be blurred in good light.
-  if (layout_.unwrapping->whole_stripes) reading.modulation.front() = pixel.contrast;
-  return pixel;
 }
 
 void FrameModel::unwrap(SampleReading& reading, double cue) const {
@@ -185,7 +179,7 @@ void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
     const double periods =
         single == layout_.single_frames.end() ? layout_.bands.front().periods : single->periods;
     known.row(n) << 1, shape(n, reading), slope;
-    rest.row(n) << levels[order[static_cast<std::size_t>(n)]], slope / (two_pi * periods);
+    rest.row(n) << levels[order[n]], slope / (two_pi * periods);
   }
   const Eigen::Matrix<double, 3, 2> fitted =
       (known.transpose() * known).ldlt().solve(known.transpose() * rest);
@@ -199,9 +193,8 @@ void FrameModel::fit_origin(SampleReading& reading) const {
   const auto count = static_cast<Eigen::Index>(layout_.bands.size());
   Eigen::VectorXd f(count), off(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    f[i] = layout_.bands[static_cast<std::size_t>(i)].periods;
-    const double apart =
-        reading.phase[static_cast<std::size_t>(i)] / two_pi - f[i] * reading.coordinate;
+    f[i] = layout_.bands[i].periods;
+    const double apart = reading.phase[i] / two_pi - f[i] * reading.coordinate;
     off[i] = two_pi * (apart - std::round(apart));
   }
   // Without what another coordinate would do.
@@ -220,7 +213,7 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
   if (photometry_.response) {
     double sum = 0, square = 0, level_sum = 0, product = 0;
     for (int n = 0; n < layout_.frames; ++n) {
-      const double shown = light(n, reading), seen = levels[order[static_cast<std::size_t>(n)]];
+      const double shown = light(n, reading), seen = levels[order[n]];
       reading.made.push_back(static_cast<float>(shown));
       sum += shown;
       square += shown * shown;
@@ -234,11 +227,10 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
     alpha = variation > 0 ? (product - sum * level_sum / layout_.frames) / variation : 0;
   }
   for (int n = 0; n < layout_.frames; ++n) {
-    const auto at = static_cast<std::size_t>(n);
-    double left = levels[order[at]];
-    if (photometry_.response) left -= alpha * double{reading.made[at]};
+    double left = levels[order[n]];
+    if (photometry_.response) left -= alpha * double{reading.made[n]};
     for (std::size_t i = 0; i < reading.unexplained.size(); ++i) {
-      reading.unexplained[i] += complement_(static_cast<Eigen::Index>(i), n) * left;
+      reading.unexplained[i] += complement_(i, n) * left;
     }
   }
 }

@@ -58,9 +58,7 @@ class FrameModel {
   /// Whether a readable cue exists that is a separate value, not a band.
   [[nodiscard]] bool has_real_cue() const { return cue_.has_value(); }
   /// Number of independent combinations of the frames that are 0 for these pattern shapes.
-  [[nodiscard]] std::size_t unexplained_count() const {
-    return static_cast<std::size_t>(complement_.rows());
-  }
+  [[nodiscard]] std::size_t unexplained_count() const { return complement_.rows(); }
   /// Whether frames can contradict each other: there are more of them than unknowns, or bands that
   /// must agree.
   [[nodiscard]] bool has_redundancy() const {
@@ -81,8 +79,6 @@ class FrameModel {
   /// From single frames, and from bands that are unwrapped together.
   void fit_origin(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   void fit_origin(SampleReading& reading) const;
-  [[nodiscard]] PixelCoordinate coordinate_of(SampleReading& reading, const float* levels,
-                                              const FrameOrder& order) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   /// Modulation and phase, corrected for the response with that many steps; 0: uncorrected.
   [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -59,14 +58,13 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(scan.samples.frames(), unknowns + 1);
   Eigen::MatrixXd causes = Eigen::MatrixXd::Zero(scan.samples.frames(), 4);
   for (int n = 0; n < scan.samples.frames(); ++n) {
-    const auto at = static_cast<std::size_t>(n);
     const auto band = std::ranges::find_if(
-        bands, [&](const Band& b) { return b.cosine[at] != 0 || b.sine[at] != 0; });
+        bands, [&](const Band& b) { return b.cosine[n] != 0 || b.sine[n] != 0; });
     if (band == bands.end()) continue;  // a code's frame
     const auto light = [&](double dy) { return light_shown(scan.sequence, n, y + dy); };
     const auto b = static_cast<std::size_t>(band - bands.begin());
     const double alpha = 2 * reading.modulation[b] / band->share, u = light(0);
-    moved(n, static_cast<Eigen::Index>(b)) = u;
+    moved(n, b) = u;
     moved(n, unknowns) = alpha * (light(h) - light(-h)) / h;
     causes.row(n) << alpha, 255 * scan.samples.gain(group), alpha * u * std::log(std::max(u, 1e-9)),
         levels[n];

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/check/possible_mistakes.h"
+#include "slipstream/check/explanations.h"
 
 namespace slipstream {
 namespace {
@@ -27,21 +27,6 @@ auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Us
   return use(FrameModel(mistake.sequence.value_or(scan.sequence),
                         mistake.photometry.value_or(scan.photometry)),
              order);
-}
-
-Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake = {}) {
-  return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
-    Fit fit{.frames = FrameJudge(model)(scan.samples, order),
-            .code = code_evidence(model, scan.samples, order),
-            .moving = scan.settings.moving};
-    fit.code.doubt = fit.frames.doubt;
-    if (!fit.code.has_edges) fit.code.offset = fit.frames.origin / two_pi;
-    if (scan.scanner == nullptr || !model.has_coordinate()) return fit;
-    const Scanner& scanner = mistake.scanner ? *mistake.scanner : *scan.scanner;
-    const Axis axis = mistake.sequence ? mistake.sequence->axis : scan.sequence.axis;
-    fit.geometry = geometry_evidence(model, scan.samples, scanner, axis, order, mistake.turn);
-    return fit;
-  });
 }
 
 /// The misfit of the frames alone, by a few groups; nullopt if a full test is useless. Most
@@ -180,8 +165,19 @@ std::string text_of(const FrameOrder& order) {
   return fmt::format("{}", fmt::join(order, ","));
 }
 
-Fit fit_as_given(const JudgedScan& scan) {
-  return fit_of(scan);
+Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
+  return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
+    Fit fit{.frames = FrameJudge(model)(scan.samples, order),
+            .code = code_evidence(model, scan.samples, order),
+            .moving = scan.settings.moving};
+    fit.code.doubt = fit.frames.doubt;
+    if (!fit.code.has_edges) fit.code.offset = fit.frames.origin / two_pi;
+    if (scan.scanner == nullptr || !model.has_coordinate()) return fit;
+    const Scanner& scanner = mistake.scanner ? *mistake.scanner : *scan.scanner;
+    const Axis axis = mistake.sequence ? mistake.sequence->axis : scan.sequence.axis;
+    fit.geometry = geometry_evidence(model, scan.samples, scanner, axis, order, mistake.turn);
+    return fit;
+  });
 }
 
 std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given) {

@@ -194,7 +194,7 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   const ScanSamples undone = search.undone(mixture, scan.samples.groups());
   const JudgedScan without{scan.model,   undone,          scan.sequence,
                            scan.scanner, scan.photometry, scan.settings};
-  const Fit then = fit_as_given(without);
+  const Fit then = fit_of(without);
   // Near one half noise remains of code frames; at one half nothing can be undone.
   const bool by_code = in_code > most_in_code, is_half = in_code == half;
   if (!is_half && (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||

@@ -1,5 +1,4 @@
-#include "slipstream/check/possible_mistakes.h"
-
+// The mistakes that people make.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -9,6 +8,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
+#include "slipstream/check/explanations.h"
 #include "slipstream/codes/registry.h"
 
 namespace slipstream {
@@ -54,10 +54,10 @@ void add_code_orders(const FrameOrder& right, const Code& code, const Add& add) 
   const int first = std::ranges::min(bits);
   FrameOrder reversed = right, before = right, after = right;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto bit = static_cast<std::size_t>(bits[i]);
+    const int bit = bits[i];
     reversed[bit] = bits[count - 1 - i];
     if (inverses.empty()) continue;
-    const auto inverse = static_cast<std::size_t>(inverses[i]);
+    const int inverse = inverses[i];
     reversed[inverse] = inverses[count - 1 - i];
     std::swap(before[bit], before[inverse]);
     after[bit] = first + static_cast<int>(i);
@@ -307,7 +307,7 @@ class Mistakes {
     };
     const auto add_swapped = [&](int n, int m) {
       FrameOrder order = right;
-      std::swap(order[static_cast<std::size_t>(n)], order[static_cast<std::size_t>(m)]);
+      std::swap(order[n], order[m]);
       add(order, fmt::format("frames {} and {} look swapped", n, m));
     };
     const std::size_t others = list.size();

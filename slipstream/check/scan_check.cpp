@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -135,11 +133,10 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   ScanFindings result;
   result.findings = light_faults(model, samples, frames.bits(), least);
   if (any_wrong(result.findings)) return result;
-  std::vector<Finding> damaged = damaged_frames(samples);
-  const bool whole = damaged.empty();
-  append(result.findings, std::move(damaged));
-  // A damaged frame would cause misleading further diagnostics.
-  if (!whole || any_wrong(result.findings)) return result;
+  if (std::vector<Finding> damaged = damaged_frames(samples); !damaged.empty()) {
+    append(result.findings, std::move(damaged));
+    return result;  // a damaged frame would cause misleading further diagnostics
+  }
   std::vector<Finding> of_scanner;
   if (scanner) of_scanner = check_scanner(*scanner, false);
   if (any_wrong(of_scanner)) {
@@ -151,7 +148,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   if (samples.groups() < ScanSamples::fewest_groups) return result;
   const Scanner* const known = scanner ? &*scanner : nullptr;
   JudgedScan judged{model, samples, sequence, known, photometry, with_motion};
-  const Fit fit = fit_as_given(judged);
+  const Fit fit = fit_of(judged);
   // The axis of cropped and rectified pictures may lie anywhere, unless right frames do not fit.
   if (scanner && fit.frames_fit() && !fit.all()) of_scanner = check_scanner(*scanner);
   judged.scanner_doubted = !of_scanner.empty();

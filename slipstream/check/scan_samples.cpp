@@ -11,8 +11,8 @@ ScanSamples::ScanSamples(Size size, int frames)
     : size_(size),
       frames_(frames),
       far_(std::max(3, std::max(size.width, size.height) / 64)),
-      one_(static_cast<std::size_t>(frames)),
-      sums_(static_cast<std::size_t>(frames)) {}
+      one_(frames),
+      sums_(frames) {}
 
 ScanSamples::Pixel ScanSamples::pixel(int i) const {
   const auto [x, y] = spread_place(i);
@@ -32,9 +32,7 @@ bool ScanSamples::lit(std::size_t group, Place place) const {
 }
 
 double ScanSamples::lit_share() const {
-  return looked_ == 0
-             ? 0
-             : static_cast<double>(groups() + static_cast<std::size_t>(saturated_)) / looked_;
+  return looked_ == 0 ? 0 : static_cast<double>(groups() + saturated_) / looked_;
 }
 
 double ScanSamples::saturated_share() const {
@@ -55,7 +53,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
   levels_.clear();
   looked_ = saturated_ = dim_ = 0;
   brightest_ = largest_range_ = 0;
-  std::fill(sums_.begin(), sums_.end(), 0.0);
+  std::ranges::fill(sums_, 0.0);
   const double grey_level = frames.full_scale() / 255;
   const bool saturates = frames.quantised();
   frames.visit([&](const auto& views) {
@@ -76,7 +74,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
       const Pixel at = pixel(looked_++);
       const bool saturated = read(at.column, at.row);
       for (std::size_t n = 0; n < one_.size(); ++n) sums_[n] += one_[n];
-      const double greatest = *std::max_element(one_.begin(), one_.end());
+      const double greatest = *std::ranges::max_element(one_);
       brightest_ = std::max(brightest_, frames.merged() ? std::min(greatest, 255.0) : greatest);
       largest_range_ = std::max(largest_range_, range(one_.data()));
       if (range(one_.data()) < least_range_) {
@@ -113,7 +111,7 @@ void ScanSamples::reorder(const std::vector<int>& order) {
   for (auto pixel = levels_.begin(); pixel != levels_.end(); pixel += frames_) {
     std::copy_n(pixel, frames_, one_.begin());
     for (std::size_t n = 0; n < order.size(); ++n)
-      pixel[static_cast<std::ptrdiff_t>(n)] = one_[static_cast<std::size_t>(order[n])];
+      pixel[static_cast<std::ptrdiff_t>(n)] = one_[order[n]];
   }
 }
 

@@ -51,13 +51,10 @@ class ScanSamples {
   /// `down`: its row, share of the picture's height.
   template <class Change>
   void change(std::size_t groups, const Change& change) {
-    const auto all = static_cast<std::size_t>(frames_);
     for (std::size_t i = 0; i < std::min(groups, lit_.size()) * places; ++i) {
-      change(levels_.data() + i * all, static_cast<double>(row(i / places)) / size_.height);
+      change(levels_.data() + i * frames_, static_cast<double>(row(i / places)) / size_.height);
     }
   }
-  /// Distance from the middle to the far places, pixels.
-  [[nodiscard]] int far() const { return far_; }
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
   /// Of merged frames: brightness relative to the shortest exposure; otherwise 1.
@@ -91,7 +88,7 @@ class ScanSamples {
 
   Size size_;
   int frames_;
-  int far_;
+  int far_;  ///< distance from the middle to the far places, pixels
   double least_range_ = 0;
   std::vector<Pixel> lit_;
   std::vector<float> levels_;

@@ -27,7 +27,7 @@ double reference_sigma(const Layout& layout, const PatternLight& light, double a
   const double shares = band.share / layout.cue->share;
   const double modulation = band.share * alpha * light.alpha_p / 2;
   return std::sqrt(shares * shares * cue_variance(*layout.cue, noise_variance) +
-                   R * R * component_variance(band, noise_variance)) /
+                   R * R * (component_noise(band) * noise_variance)) /
          modulation;
 }
 
@@ -173,9 +173,7 @@ Design best_design(const DesignGoal& goal) {
            "no patterns of {} steps unwrap {} % of the pixels; lower the success rate or use more "
            "steps",
            goal.steps, 100 * goal.success);
-  return *std::min_element(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
-    return a.coordinate_sigma < b.coordinate_sigma;
-  });
+  return *std::ranges::min_element(designs, {}, &Design::coordinate_sigma);
 }
 
 std::string doubt_about(const Sequence& sequence) {
@@ -248,7 +246,7 @@ std::vector<StrategyDesign> strategy_designs(const StrategyGoal& goal) {
   }
   std::vector<StrategyDesign> designs;
   for (auto& [name, design] : best) designs.push_back(std::move(design));
-  std::sort(designs.begin(), designs.end(), [&](const auto& a, const auto& b) {
+  std::ranges::sort(designs, [&](const auto& a, const auto& b) {
     const int before = goal.coordinate_sigma ? frame_count(a.strategy) : 0;
     const int after = goal.coordinate_sigma ? frame_count(b.strategy) : 0;
     return std::pair(before, a.coordinate_sigma) < std::pair(after, b.coordinate_sigma);

@@ -12,7 +12,7 @@ constexpr std::array<std::string_view, 4> references{"white-black", "inverse", "
 void require_known(std::string_view name, int bits, std::string_view reference) {
   throw_if(bits < 1 || bits > most_code_bits, "{}: {} bits are out of range; 1 to {}", name, bits,
            most_code_bits);
-  throw_if(std::find(references.begin(), references.end(), reference) == references.end(),
+  throw_if(std::ranges::find(references, reference) == references.end(),
            "{}: reference '{}' is unknown; expected one of: {}", name, reference,
            fmt::join(references, ", "));
 }
@@ -31,7 +31,7 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
     if (apart == 2) code.inverses.push_back(first + apart * bit + 1);
   }
   if (apart == 2 || reference == "none") return code;
-  code.reference.resize(static_cast<std::size_t>(frames));
+  code.reference.resize(frames);
   const auto add = [&](int from, int count, double weight) {
     std::fill_n(code.reference.begin() + from, count, weight);
   };
@@ -43,16 +43,16 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
 /// The narrowest stripes as a band, for modulation and mean; its phase has no meaning.
 Layout layout_of(const Code& code, int frames) {
   Band band{.periods = code.stripes / 4,
-            .cosine = std::vector<double>(static_cast<std::size_t>(frames)),
-            .sine = std::vector<double>(static_cast<std::size_t>(frames)),
+            .cosine = std::vector<double>(frames),
+            .sine = std::vector<double>(frames),
             .mean = code.reference};
   const auto narrowest = static_cast<std::size_t>(code.frames.back());
   if (!code.inverses.empty()) {
     const auto inverse = static_cast<std::size_t>(code.inverses.back());
-    band.mean.resize(static_cast<std::size_t>(frames));
+    band.mean.resize(frames);
     band.mean[narrowest] = band.mean[inverse] = 0.5;
   } else if (code.reference.empty()) {
-    band.mean.assign(static_cast<std::size_t>(frames), 1.0 / frames);
+    band.mean.assign(frames, 1.0 / frames);
   }
   for (std::size_t n = 0; n < band.mean.size(); ++n) band.cosine[n] = -band.mean[n];
   band.cosine[narrowest] += 1;
@@ -80,8 +80,8 @@ Layout GrayCode::layout() const {
   code.stripes = stripes.value_or(code.stripes);
   code.gray = !plain;
   if (least_first) {
-    std::reverse(code.frames.begin(), code.frames.end());
-    std::reverse(code.inverses.begin(), code.inverses.end());
+    std::ranges::reverse(code.frames);
+    std::ranges::reverse(code.inverses);
   }
   return layout_of(code, frames);
 }

@@ -32,8 +32,8 @@ double reference_of(const Code& code, std::span<const double> I) {
   }
   double darkest = std::numeric_limits<double>::infinity(), brightest = 0;
   for (const int frame : code.frames) {
-    darkest = std::min(darkest, I[static_cast<std::size_t>(frame)]);
-    brightest = std::max(brightest, I[static_cast<std::size_t>(frame)]);
+    darkest = std::min(darkest, I[frame]);
+    brightest = std::max(brightest, I[frame]);
   }
   return (darkest + brightest) / 2;
 }
@@ -65,8 +65,8 @@ void require_monotonic(const std::function<double(double)>& reference) {
 
 void require_weights(const std::vector<double>& weights, int frames, double response,
                      std::string_view name, std::string_view what) {
-  const bool finite = std::all_of(weights.begin(), weights.end(),
-                                  [](double weight) { return std::isfinite(weight); });
+  const bool finite =
+      std::ranges::all_of(weights, [](double weight) { return std::isfinite(weight); });
   throw_if(static_cast<int>(weights.size()) != frames || !finite,
            "{}: {} has {} weights; expected a finite one for each of {} frames", name, what,
            weights.size(), frames);
@@ -89,12 +89,8 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   for (const Band& mirrored : band.mirrored) require_valid(mirrored, frames, name);
 }
 
-constexpr auto cosine_of = [](double angle) { return std::cos(angle); };
-constexpr auto sine_of = [](double angle) { return std::sin(angle); };
-
-template <class Wave>
-std::vector<double> channel_weights(int steps, int channel, const Wave& wave,
-                                    const Shifts& shifts = {}) {
+std::vector<double> channel_weights(int steps, int channel, double (*wave)(double angle),
+                                    const Shifts& shifts) {
   const double direction = shifts.backwards ? -1 : 1;
   std::vector<double> weights;
   for (int n = 0; n < steps; ++n) {
@@ -105,8 +101,8 @@ std::vector<double> channel_weights(int steps, int channel, const Wave& wave,
 
 /// Pads with zeros for the frames before and after.
 std::vector<double> placed(const std::vector<double>& weights, int frames, int first) {
-  std::vector<double> all(static_cast<std::size_t>(frames));
-  std::copy(weights.begin(), weights.end(), all.begin() + first);
+  std::vector<double> all(frames);
+  std::ranges::copy(weights, all.begin() + first);
   return all;
 }
 
@@ -124,8 +120,8 @@ void require_valid(const Code& code, int frames, std::string_view name) {
            "{}: {} bits encode 2 to {} stripes; {:g} is out of range", name, bits, std::exp2(bits),
            code.stripes);
   const auto is_frame = [&](int frame) { return frame >= 0 && frame < frames; };
-  const bool all = std::all_of(code.frames.begin(), code.frames.end(), is_frame) &&
-                   std::all_of(code.inverses.begin(), code.inverses.end(), is_frame);
+  const bool all =
+      std::ranges::all_of(code.frames, is_frame) && std::ranges::all_of(code.inverses, is_frame);
   const bool compared =
       code.inverses.empty()
           ? code.reference.empty() || static_cast<int>(code.reference.size()) == frames
@@ -145,13 +141,13 @@ bool is_bright(const Code& code, int bit, double y) {
 
 double code_intensity(const Code& code, int n, double y) {
   const auto in = [n](const std::vector<int>& frames) {
-    return static_cast<int>(std::find(frames.begin(), frames.end(), n) - frames.begin());
+    return static_cast<int>(std::ranges::find(frames, n) - frames.begin());
   };
   if (const int bit = in(code.frames); bit < bit_count(code)) return is_bright(code, bit, y);
   if (const int bit = in(code.inverses); bit < static_cast<int>(code.inverses.size())) {
     return !is_bright(code, bit, y);
   }
-  return n == *std::max_element(code.frames.begin(), code.frames.end()) + 1;
+  return n == std::ranges::max(code.frames) + 1;
 }
 
 int stripe_of(const Code& code, unsigned shown) {
@@ -165,10 +161,9 @@ CodeBits code_bits(const Code& code, std::span<const double> I, double tolerance
   const double reference = reference_of(code, I);
   CodeBits bits;
   for (std::size_t bit = 0; bit < code.frames.size(); ++bit) {
-    const double level = I[static_cast<std::size_t>(code.frames[bit])];
-    const double above = code.inverses.empty()
-                             ? level - reference
-                             : (level - I[static_cast<std::size_t>(code.inverses[bit])]) / 2;
+    const double level = I[code.frames[bit]];
+    const double above =
+        code.inverses.empty() ? level - reference : (level - I[code.inverses[bit]]) / 2;
     bits.shown = 2 * bits.shown + (above > 0 ? 1U : 0U);
     bits.doubtful = 2 * bits.doubtful + (std::abs(above) < tolerance ? 1U : 0U);
   }
@@ -258,20 +253,12 @@ void require_valid(const Layout& layout, std::string_view name) {
   if (require != nullptr) require(layout, name);
 }
 
-std::vector<double> channel_cosines(int steps, int channel) {
-  return channel_weights(steps, channel, cosine_of);
-}
-
-std::vector<double> channel_sines(int steps, int channel) {
-  return channel_weights(steps, channel, sine_of);
-}
-
 Band phase_shifted_band(int frames, int first, int steps, double periods, int channel, double share,
                         const Shifts& shifts) {
   return {.periods = periods,
           .share = share,
-          .cosine = placed(channel_weights(steps, channel, cosine_of, shifts), frames, first),
-          .sine = placed(channel_weights(steps, channel, sine_of, shifts), frames, first),
+          .cosine = placed(channel_weights(steps, channel, std::cos, shifts), frames, first),
+          .sine = placed(channel_weights(steps, channel, std::sin, shifts), frames, first),
           .mean = placed(mean_weights(steps), frames, first)};
 }
 
@@ -284,12 +271,11 @@ bool is_channel(const Band& band, const StepRun& run, int channel) {
 
 std::optional<StepRun> step_run(const Band& band) {
   const auto has_weight = [](double weight) { return weight != 0; };
-  const auto first = std::find_if(band.mean.begin(), band.mean.end(), has_weight);
+  const auto first = std::ranges::find_if(band.mean, has_weight);
   const auto end = std::find_if_not(first, band.mean.end(), has_weight);
   StepRun run{static_cast<int>(first - band.mean.begin()), static_cast<int>(end - first)};
   if (run.steps < 3) return std::nullopt;
-  const auto at_start = static_cast<std::size_t>(run.first);
-  const double origin = std::atan2(-band.sine[at_start], band.cosine[at_start]);
+  const double origin = std::atan2(-band.sine[run.first], band.cosine[run.first]);
   if (!is_near(origin, 0)) run.shifts.origin = origin;
   if (is_channel(band, run, 1)) return run;
   run.shifts.backwards = true;
@@ -318,7 +304,7 @@ std::vector<std::size_t> coarse_to_fine(const Layout& layout) {
   std::vector<std::size_t> order(layout.bands.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Of two with equal periods the first one measures.
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return std::pair(layout.bands[a].periods, b) < std::pair(layout.bands[b].periods, a);
   });
   return order;
@@ -331,14 +317,12 @@ std::size_t measuring_band_index(const Layout& layout) {
 std::vector<int> measuring_frames(const Layout& layout) {
   std::vector<int> frames;
   for (int n = 0; n < layout.frames && !layout.unwrapping->whole_stripes; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    const bool in_band =
-        std::any_of(layout.bands.begin(), layout.bands.end(), [i](const Band& band) {
-          return band.cosine[i] != 0 || band.sine[i] != 0 || band.mean[i] != 0;
-        });
-    const bool alone = std::any_of(layout.single_frames.begin(), layout.single_frames.end(),
-                                   [n](const SingleFrame& single) { return single.frame == n; });
-    if (in_band || alone || (layout.cue && layout.cue->weights[i] != 0)) frames.push_back(n);
+    const bool in_band = std::ranges::any_of(layout.bands, [n](const Band& band) {
+      return band.cosine[n] != 0 || band.sine[n] != 0 || band.mean[n] != 0;
+    });
+    const bool alone = std::ranges::any_of(
+        layout.single_frames, [n](const SingleFrame& single) { return single.frame == n; });
+    if (in_band || alone || (layout.cue && layout.cue->weights[n] != 0)) frames.push_back(n);
   }
   return frames;
 }

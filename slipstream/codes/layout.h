@@ -221,12 +221,9 @@ void require_valid(const Cue& cue, int frames, std::string_view name);
 Band phase_shifted_band(int frames, int first, int steps, double periods, int channel = 1,
                         double share = 1, const Shifts& shifts = {});
 
-/// Weights of a channel for N frames.
-std::vector<double> channel_cosines(int steps, int channel);
-std::vector<double> channel_sines(int steps, int channel);
 /// Weights of the DC channel, (1.3), and of the half phase channel of 4 frames, (3.70).
 inline std::vector<double> mean_weights(int steps) {
-  return std::vector<double>(static_cast<std::size_t>(steps), 1.0 / steps);
+  return std::vector<double>(steps, 1.0 / steps);
 }
 inline std::vector<double> half_phase_weights() {
   return {0.25, -0.25, 0.25, -0.25};

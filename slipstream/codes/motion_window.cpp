@@ -69,7 +69,7 @@ Weights window_of(const CycleSum& sum, const CycleSum& moving, int extra, int fi
   Weights window(N + rows.size() - 1);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t n = row; n < row + N; ++n) {
-      window[n] += rows[row] * sum.weights[(n + static_cast<std::size_t>(first)) % N];
+      window[n] += rows[row] * sum.weights[(n + first) % N];
     }
   }
   return window;
@@ -77,7 +77,7 @@ Weights window_of(const CycleSum& sum, const CycleSum& moving, int extra, int fi
 
 std::vector<double> parts_of(const Weights& weights, double (*part)(const Phasor&)) {
   std::vector<double> parts;
-  std::transform(weights.begin(), weights.end(), std::back_inserter(parts), part);
+  std::ranges::transform(weights, std::back_inserter(parts), part);
   return parts;
 }
 

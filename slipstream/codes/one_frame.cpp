@@ -69,7 +69,7 @@ SymbolGrid coloured_stripes(int stripes) {
     }
     return key;
   };
-  return {stripes, without_repeats(static_cast<std::size_t>(stripes), following, window)};
+  return {stripes, without_repeats(stripes, following, window)};
 }
 
 SymbolGrid symbol_array(int columns, int rows) {
@@ -77,27 +77,26 @@ SymbolGrid symbol_array(int columns, int rows) {
   throw_if(columns < least || rows < least || columns > most / rows,
            "{} columns and {} rows are out of range; at least {} each, at most {} symbols in total",
            columns, rows, least, most);
-  const auto width = static_cast<std::size_t>(columns);
-  const auto window = [width](const Symbols& found) -> std::optional<int> {
+  const auto window = [columns](const Symbols& found) -> std::optional<int> {
     constexpr std::size_t before = symbol_window - 1;
     const std::size_t last = found.size() - 1;
-    if (last / width < before || last % width < before) return std::nullopt;
+    if (last / columns < before || last % columns < before) return std::nullopt;
     int key = 0;
     for (std::size_t row = 0; row < symbol_window; ++row) {
       for (std::size_t column = 0; column < symbol_window; ++column) {
-        key = 3 * key + found[last - before * (width + 1) + row * width + column];
+        key = 3 * key + found[last - before * (columns + 1) + row * columns + column];
       }
     }
     return key;
   };
   const auto following = [](const Symbols&) { return Symbols{0, 1, 2}; };
-  return {columns, without_repeats(width * static_cast<std::size_t>(rows), following, window)};
+  return {columns, without_repeats(columns * rows, following, window)};
 }
 
 double symbol_shape(int symbol, double along, double across) {
   constexpr std::array along_reach{0.32, 0.48, 0.18}, across_reach{0.32, 0.18, 0.48};
-  const auto bump = [i = static_cast<std::size_t>(symbol)](double at, const auto& reach) {
-    return std::abs(at) < reach[i] ? 0.5 + 0.5 * std::cos(pi * at / reach[i]) : 0;
+  const auto bump = [&](double at, const auto& reach) {
+    return std::abs(at) < reach[symbol] ? 0.5 + 0.5 * std::cos(pi * at / reach[symbol]) : 0;
   };
   return bump(along, along_reach) * bump(across, across_reach);
 }
@@ -107,7 +106,7 @@ double grid_intensity(const SymbolGrid& grid, int n, double y, double across) {
     return std::clamp(static_cast<int>(std::floor(at)), 0, count - 1);
   };
   const auto symbol = [&](int column, int row) {
-    return grid.symbols[static_cast<std::size_t>(row * grid.columns + column)];
+    return grid.symbols[row * grid.columns + column];
   };
   if (grid.rows() > 1) {
     const double u = y * grid.columns, v = across * grid.rows();
@@ -201,9 +200,8 @@ void CompositePattern::require_valid() const {
   constexpr std::size_t most_carriers = 8;
   slipstream::require_valid(Sinusoid{steps(), low}, "composite");
   slipstream::require_valid(Sinusoid{.frequency = high}, "composite");
-  const bool spread = std::all_of(carriers.begin(), carriers.end(), [&](double periods) {
-    return periods >= fewest && std::isfinite(periods);
-  });
+  const bool spread = std::ranges::all_of(
+      carriers, [&](double periods) { return periods >= fewest && std::isfinite(periods); });
   throw_if(!(high >= fewest) || !spread || carriers.size() > most_carriers,
            "composite: high and carriers must have {} or more periods; 3 to {} carriers", fewest,
            most_carriers);
@@ -214,7 +212,7 @@ void CompositePattern::require_valid() const {
 double CompositePattern::shape(int, double y, double across) const {
   double sum = share * std::cos(2 * pi * high * y);
   for (int n = 0; n < steps(); ++n) {
-    const double carrier = std::cos(2 * pi * carriers[static_cast<std::size_t>(n)] * across);
+    const double carrier = std::cos(2 * pi * carriers[n] * across);
     sum += (1 - share) / steps() * read_shape(n, y) * carrier;
   }
   return 0.5 + 0.5 * sum;

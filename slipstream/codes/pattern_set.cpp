@@ -110,7 +110,7 @@ Image<double> one_bit(Image<double> picture) {
 
 Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern) {
   Image<std::uint8_t> narrow(pattern.size());
-  std::copy(pattern.begin(), pattern.end(), narrow.begin());
+  std::ranges::copy(pattern, narrow.begin());
   return narrow;
 }
 

@@ -86,8 +86,7 @@ struct PatternSet {
     return turn > 0 && n / turn % 2 == 1 ? across(axis) : axis;
   }
   [[nodiscard]] double exposure(int n) const {
-    const auto index = static_cast<std::size_t>(n);
-    return index < exposures.size() ? exposures[index] : 1;
+    return std::cmp_less(n, exposures.size()) ? exposures[n] : 1;
   }
   /// I_n^p in grey levels of an 8-bit projector, not quantised.
   [[nodiscard]] double intensity(int n, double y, double across = 0) const {

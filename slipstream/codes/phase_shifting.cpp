@@ -20,7 +20,7 @@ std::optional<std::vector<double>> own_mean(const Eigen::MatrixXd& made,
                                             const ShownSinusoid& sinusoid) {
   constexpr double rounding = 1e-12;
   Eigen::VectorXd weights(made.rows());
-  std::copy(sinusoid.shown.begin(), sinusoid.shown.end(), weights.begin());
+  std::ranges::copy(sinusoid.shown, weights.begin());
   weights /= weights.sum();
   if ((weights.transpose() * made.rightCols(made.cols() - 1)).norm() > rounding)
     return std::nullopt;
@@ -31,8 +31,8 @@ const std::array band_unwrappings{Unwrapping::hierarchical, Unwrapping::beats,
                                   Unwrapping::likelihood};
 
 const Unwrapping* band_unwrapping_named(std::string_view name) {
-  const auto* const found = std::find_if(band_unwrappings.begin(), band_unwrappings.end(),
-                                         [&](Unwrapping way) { return way->name == name; });
+  const auto* const found =
+      std::ranges::find_if(band_unwrappings, [&](Unwrapping way) { return way->name == name; });
   return found == band_unwrappings.end() ? nullptr : found;
 }
 
@@ -63,9 +63,8 @@ Unwrapping safest(const Layout& layout) {
 /// Throws Error unless there are `least` to `most` periods.
 void require_count(std::string_view name, const std::vector<double>& periods, std::size_t least,
                    std::size_t most) {
-  if (periods.size() >= least && periods.size() <= most) return;
-  throw Error(
-      fmt::format("{}: {} periods given; expected {} to {}", name, periods.size(), least, most));
+  throw_if(periods.size() < least || periods.size() > most,
+           "{}: {} periods given; expected {} to {}", name, periods.size(), least, most);
 }
 
 /// How many angles, degrees, differ from all before them; 0 if one is not finite.
@@ -87,7 +86,7 @@ constexpr int micro_steps = 3;
 
 double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y) {
   const auto& [N, f, shifts, angles] = sinusoid;
-  const double turns = angles.empty() ? 1.0 * n / N : angles[static_cast<std::size_t>(n)] / 360;
+  const double turns = angles.empty() ? 1.0 * n / N : angles[n] / 360;
   return 0.5 + 0.5 * std::cos(shifted_phase(shifts, 2 * pi * f * y) - 2 * pi * turns);
 }
 
@@ -113,8 +112,8 @@ Band band_of(const Sinusoid& sinusoid, int frames, int first, double share) {
   if (angles.empty()) return phase_shifted_band(frames, first, N, f, 1, share, shifts);
   Band band = fitted_bands({shown_in_frames(f, share, angles, shifts)}, "shifts").front();
   for (std::vector<double>* const weights : {&band.cosine, &band.sine, &band.mean}) {
-    weights->insert(weights->begin(), static_cast<std::size_t>(first), 0);
-    weights->resize(static_cast<std::size_t>(frames));
+    weights->insert(weights->begin(), first, 0);
+    weights->resize(frames);
   }
   return band;
 }
@@ -139,11 +138,10 @@ ShownSinusoid turned(ShownSinusoid sinusoid, const Shifts& shifts) {
 
 double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, double y,
                            double across) {
-  const auto frame = static_cast<std::size_t>(n);
   double sum = 0;
   for (const ShownSinusoid& sinusoid : sinusoids) {
     const double phi = 2 * std::numbers::pi * (sinusoid.periods * y + sinusoid.carrier * across);
-    if (sinusoid.shown[frame]) sum += sinusoid.share * std::cos(phi - sinusoid.angle[frame]);
+    if (sinusoid.shown[n]) sum += sinusoid.share * std::cos(phi - sinusoid.angle[n]);
   }
   return 0.5 + 0.5 * sum;
 }
@@ -151,14 +149,14 @@ double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, d
 std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std::string_view name) {
   const std::size_t frames = sinusoids.front().angle.size();
   const auto count = static_cast<Eigen::Index>(sinusoids.size());
-  Eigen::MatrixXd made = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(frames), 1 + 2 * count);
+  Eigen::MatrixXd made = Eigen::MatrixXd::Zero(frames, 1 + 2 * count);
   made.col(0).setOnes();
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ShownSinusoid& sinusoid = sinusoids[static_cast<std::size_t>(i)];
+    const ShownSinusoid& sinusoid = sinusoids[i];
     for (std::size_t n = 0; n < frames; ++n) {
       if (!sinusoid.shown[n]) continue;
-      made(static_cast<Eigen::Index>(n), 1 + 2 * i) = std::cos(sinusoid.angle[n]);
-      made(static_cast<Eigen::Index>(n), 2 + 2 * i) = std::sin(sinusoid.angle[n]);
+      made(n, 1 + 2 * i) = std::cos(sinusoid.angle[n]);
+      made(n, 2 + 2 * i) = std::sin(sinusoid.angle[n]);
     }
   }
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(made);
@@ -169,13 +167,13 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
     std::vector<double> values(frames);
     for (std::size_t n = 0; n < frames; ++n) {
       constexpr double fine = 1e12;  // rounds 0.999... to exactly 1
-      values[n] = std::round(fine * weights(i, static_cast<Eigen::Index>(n))) / fine;
+      values[n] = std::round(fine * weights(i, n)) / fine;
     }
     return values;
   };
   std::vector<Band> bands;
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ShownSinusoid& sinusoid = sinusoids[static_cast<std::size_t>(i)];
+    const ShownSinusoid& sinusoid = sinusoids[i];
     Band band{.periods = sinusoid.periods,
               .share = sinusoid.share,
               .cosine = row(1 + 2 * i),
@@ -238,7 +236,7 @@ void MicroPhaseShifting::require_valid() const {
 
 double MicroPhaseShifting::shape(int n, double y) const {
   const int after = std::max(n - micro_steps + 1, 0);  // index of the period
-  const Sinusoid shown{micro_steps, periods[static_cast<std::size_t>(after)], shifts};
+  const Sinusoid shown{micro_steps, periods[after], shifts};
   const double intensity = sinusoid_intensity(shown, after > 0 ? 0 : n, y);
   return alternating && after % 2 == 1 ? 1 - intensity : intensity;
 }
@@ -267,7 +265,7 @@ void ModulatedPhaseShifting::require_valid() const {
 
 std::vector<ShownSinusoid> ModulatedPhaseShifting::sinusoids() const {
   const int M = carrier_steps.value_or(1), each = steps * carrier_steps.value_or(2);
-  const std::size_t frames = static_cast<std::size_t>(each) * periods.size();
+  const std::size_t frames = each * periods.size();
   std::vector<ShownSinusoid> sinusoids;
   for (std::size_t base = 0; base < periods.size(); ++base) {
     for (const int side : {1, -1}) {
@@ -277,8 +275,7 @@ std::vector<ShownSinusoid> ModulatedPhaseShifting::sinusoids() const {
                              .angle = std::vector<double>(frames),
                              .shown = std::vector<bool>(frames)};
       for (int i = 0; i < each; ++i) {
-        const std::size_t frame =
-            static_cast<std::size_t>(each) * base + static_cast<std::size_t>(i);
+        const std::size_t frame = each * base + i;
         const int n = i / M % steps, m = i % M;
         sinusoid.angle[frame] = 2 * pi * n / steps + side * pi * m / M;
         sinusoid.shown[frame] = carrier_steps || (i < steps) == (side > 0);

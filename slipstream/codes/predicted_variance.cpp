@@ -1,6 +1,5 @@
 #include "slipstream/codes/predicted_variance.h"
 
-#include <cmath>
 #include <numbers>
 #include <numeric>
 
@@ -27,16 +26,12 @@ double coordinate_variance(double phase_variance, double frequency) {
   return phase_variance / square(2 * std::numbers::pi * frequency);
 }
 
-double component_variance(const Band& band, double noise_variance) {
-  return component_noise(band) * noise_variance;
-}
-
 double cue_variance(const Cue& cue, double noise_variance) {
   return sum_of_squares(cue.weights) * noise_variance;
 }
 
 double phase_variance(const Band& band, double modulation, double noise_variance) {
-  return component_variance(band, noise_variance) / square(modulation);
+  return component_noise(band) * noise_variance / square(modulation);
 }
 
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {

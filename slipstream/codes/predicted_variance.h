@@ -17,14 +17,11 @@ double phase_variance(int steps, double alpha, double alpha_p, double noise_vari
 /// Variance of y, fields^2, at f periods across the field: Eq. (3.40), phase variance / (2 pi f)^2.
 double coordinate_variance(double phase_variance, double frequency);
 
-/// Mean variance of C and S of a band; for N steps 2 / N sigma_w^2, as in Eqs. (3.36), (3.95).
-double component_variance(const Band& band, double noise_variance);
-
 /// Variance of a cue's value: sigma_w^2 / N in the channels of Eqs. (3.65), (3.75).
 double cue_variance(const Cue& cue, double noise_variance);
 
-/// Variance of a band's phase, rad^2, at a modulation of B grey levels: component_variance / B^2;
-/// for N steps Eq. (3.38), with a share of the modulation (3.63), (3.101).
+/// Variance of a band's phase, rad^2, at a modulation of B grey levels: component_noise(band)
+/// sigma_w^2 / B^2; for N steps Eq. (3.38), with a share of the modulation (3.63), (3.101).
 double phase_variance(const Band& band, double modulation, double noise_variance);
 
 /// Variance of y, fields^2, at a modulation of B grey levels in all bands, given the correct fringe

@@ -74,8 +74,8 @@ std::string SettingValue::text_of(double number) {
 
 void SettingValue::read(std::vector<double>& values) const {
   values = numbers_in<double>(text_, ',');
-  const bool finite = std::all_of(values.begin(), values.end(),
-                                  [](double number) { return std::isfinite(number); });
+  const bool finite =
+      std::ranges::all_of(values, [](double number) { return std::isfinite(number); });
   throw_if(values.empty() || !finite, "'{}' is not a number or comma-separated numbers", text_);
 }
 
@@ -116,7 +116,7 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
 void Strategy::show(std::vector<Sinusoid> runs) {
   if (runs.empty() && !layout_.code) return;
   shape_ = [runs = std::move(runs), code = layout_.code](int n, double y) {
-    const bool in_runs = !code || n < *std::min_element(code->frames.begin(), code->frames.end());
+    const bool in_runs = !code || n < std::ranges::min(code->frames);
     return in_runs ? intensity_of(runs, n, y) : code_intensity(*code, n, y);
   };
 }
@@ -127,7 +127,7 @@ void Strategy::show(Demodulation grid) {
     return grid_intensity(grid, n, y, across);
   };
   read_shape_ = [frames = grid.frames](int n, double y) {
-    return sine_cosine_mean_shape(n % 3, frames[static_cast<std::size_t>(n)].periods, y);
+    return sine_cosine_mean_shape(n % 3, frames[n].periods, y);
   };
   demodulation_ = std::move(grid);
 }
@@ -174,10 +174,9 @@ void require_resolved(const Strategy& strategy, Axis axis, Size projector) {
                             strategy.name(), code->stripes, projector_length, projector_length));
   }
   const auto require_shown = [](const char* what, double periods, int length) {
-    if (2 * periods <= length) return;
-    throw Error(
-        fmt::format("{} {} is too high for {} projector pixels; at most {} periods can be shown",
-                    what, periods, length, length / 2));
+    throw_if(2 * periods > length,
+             "{} {} is too high for {} projector pixels; at most {} periods can be shown", what,
+             periods, length, length / 2);
   };
   require_shown("frequency", highest_frequency(strategy), projector_length);
   require_shown("carrier", carrier_periods(strategy), length_along(across(axis), projector));
@@ -253,8 +252,8 @@ std::vector<SettingDescription> strategy_settings() {
       constexpr bool is_word = std::is_same_v<Value, std::string>;
       std::string owner(Coding::name);
       if (usual.contains(name)) owner += fmt::format(" {}", usual.at(name).text());
-      const auto known = std::find_if(settings.begin(), settings.end(),
-                                      [&](const auto& setting) { return setting.name == name; });
+      const auto known =
+          std::ranges::find_if(settings, [&](const auto& setting) { return setting.name == name; });
       if (known == settings.end()) {
         settings.push_back({name, help, owner, is_switch, is_word});
       } else {

@@ -95,12 +95,11 @@ ResponseCurve response_curve(std::span<const double> values, std::span<const dou
       "response curve: {} values with {} intensities; expected at least 3, one intensity for each",
       values.size(), intensities.size());
   const auto finite = [](double number) { return std::isfinite(number); };
-  throw_if(!std::all_of(values.begin(), values.end(), finite) ||
-               !std::all_of(intensities.begin(), intensities.end(), finite),
+  throw_if(!std::ranges::all_of(values, finite) || !std::ranges::all_of(intensities, finite),
            "response curve: all numbers must be finite");
   std::vector<std::pair<double, double>> points;
   for (std::size_t i = 0; i < values.size(); ++i) points.emplace_back(values[i], intensities[i]);
-  std::sort(points.begin(), points.end());
+  std::ranges::sort(points);
   std::vector<double> x, light;
   for (const auto& [value, intensity] : points) {
     x.push_back(value);
@@ -108,7 +107,7 @@ ResponseCurve response_curve(std::span<const double> values, std::span<const dou
   }
   throw_if(x.front() != 0 || x.back() != 1,
            "response curve: values go from {} to {}; expected 0 to 1", x.front(), x.back());
-  const auto twice = std::adjacent_find(x.begin(), x.end());
+  const auto twice = std::ranges::adjacent_find(x);
   if (twice != x.end()) throw Error(fmt::format("response curve: value {} occurs twice", *twice));
   light = nearest_rising(light);
   const double dark = light.front(), span = light.back() - dark;

@@ -86,7 +86,7 @@ PatternSet pattern_set(const Sequence& sequence) {
   };
   const int each = frame_count(sequence) / static_cast<int>(sequence.exposures.size());
   for (const double exposure : sequence.exposures) {
-    patterns.exposures.insert(patterns.exposures.end(), static_cast<std::size_t>(each), exposure);
+    patterns.exposures.insert(patterns.exposures.end(), each, exposure);
   }
   patterns.count = frame_count(sequence);
   patterns.binary = sequence.binary;
@@ -104,8 +104,8 @@ Sequence merged_sequence(Sequence sequence, int first) {
 void require_mergeable(const Sequence& sequence) {
   constexpr std::size_t most = 16;
   const std::vector<double>& exposures = sequence.exposures;
-  const bool positive = std::all_of(exposures.begin(), exposures.end(),
-                                    [](double t) { return t > 0 && std::isfinite(t); });
+  const bool positive =
+      std::ranges::all_of(exposures, [](double t) { return t > 0 && std::isfinite(t); });
   throw_if(exposures.empty() || exposures.size() > most || !positive,
            "exposures {} are out of range; expected 1 to {} numbers above 0",
            fmt::join(exposures, ", "), most);
@@ -133,10 +133,10 @@ std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
 }
 
 void require_in_colour(const Sequence& sequence, const std::string& asked) {
-  if (frame_count(sequence) % 3 == 0 && !sequence.marker) return;
-  throw Error(fmt::format(
-      "{}: {} has {} frames{}; colour pictures require a multiple of 3, without a marker", asked,
-      sequence.strategy.name(), frame_count(sequence), sequence.marker ? " and a marker" : ""));
+  throw_if(frame_count(sequence) % 3 != 0 || sequence.marker,
+           "{}: {} has {} frames{}; colour pictures require a multiple of 3, without a marker",
+           asked, sequence.strategy.name(), frame_count(sequence),
+           sequence.marker ? " and a marker" : "");
 }
 
 void require_shown(const Sequence& sequence) {

@@ -69,8 +69,8 @@ std::vector<PhaseSum> beats(const Layout& layout) {
   std::erase_if(sums, [&](const PhaseSum& sum) {
     return sum.periods < least_periods || sum.periods >= measuring.periods;
   });
-  std::stable_sort(sums.begin(), sums.end(),
-                   [](const PhaseSum& a, const PhaseSum& b) { return a.periods < b.periods; });
+  std::ranges::stable_sort(
+      sums, [](const PhaseSum& a, const PhaseSum& b) { return a.periods < b.periods; });
   sums.push_back(measuring);
   return sums;
 }
@@ -251,20 +251,19 @@ void require_code_of_periods(const Layout& layout, std::string_view name) {
 /// One band, and single frames of the scan with at most `most_periods` periods.
 bool has_single_frames(const Layout& layout, double most_periods) {
   return layout.bands.size() == 1 && !layout.single_frames.empty() &&
-         std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
-                     [&](const SingleFrame& single) {
-                       return single.frame >= 0 && single.frame < layout.frames &&
-                              single.periods > 0 && single.periods <= most_periods;
-                     });
+         std::ranges::all_of(layout.single_frames, [&](const SingleFrame& single) {
+           return single.frame >= 0 && single.frame < layout.frames && single.periods > 0 &&
+                  single.periods <= most_periods;
+         });
 }
 
 void require_surfaces(const Layout& layout, std::string_view name) {
   if (layout.bands.size() == 2 && layout.single_frames.empty()) return require_unlike(layout, name);
-  if (has_single_frames(layout, 1) && layout.single_frames.size() >= 3) return;
-  throw Error(fmt::format(
+  throw_if(
+      !has_single_frames(layout, 1) || layout.single_frames.size() < 3,
       "{}: unwrapping by surfaces requires two bands, or one and at least three single frames of "
       "at most one period each",
-      name));
+      name);
 }
 
 void require_single_frames(const Layout& layout, std::string_view name) {
@@ -272,9 +271,9 @@ void require_single_frames(const Layout& layout, std::string_view name) {
            "{}: a run of steps and single frames of one sinusoid each are required", name);
   const double f = layout.bands.front().periods;
   for (int k = 1; k < f; ++k) {
-    const bool repeats =
-        std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
-                    [&](const SingleFrame& single) { return is_whole(single.periods * k / f); });
+    const bool repeats = std::ranges::all_of(layout.single_frames, [&](const SingleFrame& single) {
+      return is_whole(single.periods * k / f);
+    });
     if (repeats) refuse_repeating(layout, name);
   }
 }
@@ -353,9 +352,8 @@ std::vector<PhaseSum> unwrapping_chain(const Layout& layout) {
 
 bool is_circle(const Layout& layout) {
   const std::vector<PhaseSum> chain = unwrapping_chain(layout);
-  return std::all_of(chain.begin(), chain.end(), [&](const PhaseSum& sum) {
-    return is_whole(sum.periods / chain.front().periods);
-  });
+  return std::ranges::all_of(
+      chain, [&](const PhaseSum& sum) { return is_whole(sum.periods / chain.front().periods); });
 }
 
 std::vector<double> band_weights(const Layout& layout) {

@@ -59,7 +59,7 @@ BandUnwrapper::BandUnwrapper(Layout layout, int projector_length, double noise)
     waves_[frame] = {band.periods, std::atan2(band.sine[frame], band.cosine[frame])};
   }
   for (const auto& [frame, periods, origin] : layout_.single_frames) {
-    waves_[static_cast<std::size_t>(frame)] = {periods, -origin};
+    waves_[frame] = {periods, -origin};
   }
 }
 

@@ -42,7 +42,7 @@ CueEvidence::CueEvidence(const Layout& layout, const CueSettings& settings)
     : settings_(settings), f_h_(layout.bands[0].periods) {
   cost_.circle = !layout.cue;
   cost_.c1 = layout.bands[0].share;
-  cost_.component_variance = component_variance(layout.bands[0], settings.noise_variance);
+  cost_.component_variance = component_noise(layout.bands[0]) * settings.noise_variance;
   if (cost_.circle) {
     cost_.c2 = layout.bands[1].share;
     cost_.cue_variance = cost_.component_variance;

@@ -33,11 +33,11 @@ BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
                           UnwrappedPhases unwrapped) {
   PhaseMaps& fine = bands[measuring];
   for (const PhaseMaps& band : bands) {
-    std::transform(fine.modulation.begin(), fine.modulation.end(), band.modulation.begin(),
-                   fine.modulation.begin(), [](double a, double b) { return std::min(a, b); });
+    std::ranges::transform(fine.modulation, band.modulation, fine.modulation.begin(),
+                           [](double a, double b) { return std::min(a, b); });
   }
-  std::transform(unwrapped.shade.begin(), unwrapped.shade.end(), fine.mean.begin(),
-                 fine.mean.begin(), [](double shade, double mean) { return mean - shade; });
+  std::ranges::transform(unwrapped.shade, fine.mean, fine.mean.begin(),
+                         [](double shade, double mean) { return mean - shade; });
   return {.mean = std::move(fine.mean),
           .modulation = std::move(fine.modulation),
           .wrapped_phase = std::move(fine.wrapped_phase),
@@ -112,8 +112,8 @@ std::string Decoder::method_for(const FrameViews& frames) const {
 
 Image<std::uint8_t> modulation_mask(const Image<double>& modulation, double minimum) {
   Image<std::uint8_t> mask(modulation.size());
-  std::transform(modulation.begin(), modulation.end(), mask.begin(),
-                 [minimum](double B) -> std::uint8_t { return B >= minimum ? 1 : 0; });
+  std::ranges::transform(modulation, mask.begin(),
+                         [minimum](double B) -> std::uint8_t { return B >= minimum ? 1 : 0; });
   return mask;
 }
 

@@ -19,7 +19,8 @@ std::vector<CycleRun> cycle_runs(const Layout& layout) {
     const auto run = step_run(layout.bands[i]);
     if (!run) break;
     covered += run->steps;
-    runs.push_back({run->first, channel_cosines(run->steps, 1), channel_sines(run->steps, 1)});
+    const Band steps = phase_shifted_band(run->steps, 0, run->steps, 1);
+    runs.push_back({run->first, steps.cosine, steps.sine});
   }
   if (runs.size() < 2 || covered != layout.frames) runs.clear();
   return runs;
@@ -91,7 +92,7 @@ PatternCycle pattern_cycle(const Sequence& sequence, int scans) {
 Demodulator::Demodulator(Demodulation how, Axis axis) : how_(std::move(how)), axis_(axis) {
   std::vector<SpectralFrame> first;
   for (const SpectralFrame& frame : how_.frames) {
-    const auto known = std::find_if(first.begin(), first.end(), [&](const auto& other) {
+    const auto known = std::ranges::find_if(first, [&](const auto& other) {
       return frame.periods == other.periods && frame.across == other.across;
     });
     band_of_.push_back(static_cast<std::size_t>(known - first.begin()));
@@ -99,8 +100,7 @@ Demodulator::Demodulator(Demodulation how, Axis axis) : how_(std::move(how)), ax
   }
   bands_.resize(first.size());
   images_.resize(how_.frames.size());
-  aligned_ =
-      std::none_of(first.begin(), first.end(), [](const auto& frame) { return frame.across; });
+  aligned_ = std::ranges::none_of(first, [](const auto& frame) { return frame.across; });
 }
 
 const FrameViews& Demodulator::operator()(const FrameViews& shown) {
@@ -109,23 +109,19 @@ const FrameViews& Demodulator::operator()(const FrameViews& shown) {
   if (how_.grid.columns > 0) {
     locate(shown);
   } else {
-    take_apart();
+    find_carriers();
+    const int square = odd_length(aligned_ ? longest_ / 2 : longest_);
+    take_mean(aligned_ ? widest_ : Size{square, square}, false);
+    for (Band& band : bands_) take_near(band, false);
+    if (aligned_) take_mean({square, square}, true);
+    for (Band& band : bands_) take_near(band, true);
+    square_residual();
   }
   write();
   views_.assign<std::uint16_t>(images_, 16, [](const Image<std::uint16_t>& image) {
     return ImageView<const std::uint16_t>(image);
   });
   return views_;
-}
-
-void Demodulator::take_apart() {
-  find_carriers();
-  const int square = odd_length(aligned_ ? longest_ / 2 : longest_);
-  take_mean(aligned_ ? widest_ : Size{square, square}, false);
-  for (Band& band : bands_) take_near(band, false);
-  if (aligned_) take_mean({square, square}, true);
-  for (Band& band : bands_) take_near(band, true);
-  square_residual();
 }
 
 /// Sets the carriers from the positions that the grid gives.
@@ -206,7 +202,7 @@ void Demodulator::find_carriers() {
     std::vector<std::size_t> of;
     for (std::size_t n = 0; n < how_.frames.size(); ++n) {
       const SpectralFrame& frame = how_.frames[n];
-      if (frame.across != across || std::count(of.begin(), of.end(), band_of_[n]) > 0) continue;
+      if (frame.across != across || std::ranges::count(of, band_of_[n]) > 0) continue;
       periods.push_back(frame.periods);
       of.push_back(band_of_[n]);
     }
@@ -258,8 +254,7 @@ void Demodulator::take_near(Band& band, bool started) {
     float *const c = band.cosine.row(row), *const s = band.sine.row(row);
     float *const C = near_cosine_.row(row), *const S = near_sine_.row(row);
     const float *const right = along.cosine.data(), *const right_sine = along.sine.data();
-    const float turn = down.cosine[static_cast<std::size_t>(row)],
-                turn_sine = down.sine[static_cast<std::size_t>(row)];
+    const float turn = down.cosine[row], turn_sine = down.sine[row];
     for (int column = 0; column < width && !started; ++column) {
       c[column] = right[column] * turn - right_sine[column] * turn_sine;
       s[column] = right[column] * turn_sine + right_sine[column] * turn;

@@ -69,7 +69,6 @@ class Demodulator {
   };
 
   void take(const FrameViews& shown);
-  void take_apart();
   void locate(const FrameViews& shown);
   void find_carriers();
   void take_mean(Size window, bool started);

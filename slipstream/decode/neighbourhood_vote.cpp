@@ -22,13 +22,10 @@ class ImageField {
     return phase_(column, row) / (2 * std::numbers::pi) + own_(column, row);
   }
   void periods_around(int column, int row, PhaseWindow& window) const {
-    for (int r = 0; r < 9; ++r) {
-      for (int c = 0; c < 9; ++c) {
-        window.periods[static_cast<std::size_t>(r) * PhaseWindow::line +
-                       static_cast<std::size_t>(c)] =
-            static_cast<float>(periods(column + c - 4, row + r - 4) - periods(column, row));
-      }
-    }
+    for_each_pixel_in_order({9, 9}, [&](int c, int r) {
+      window.periods[r * PhaseWindow::line + c] =
+          static_cast<float>(periods(column + c - 4, row + r - 4) - periods(column, row));
+    });
   }
   static void foresee(const std::vector<PixelPlace>&) {}
   [[nodiscard]] double against(PixelPlace at, int shift) const {
@@ -64,11 +61,9 @@ void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_pha
     open(column, row) = vote.disagrees({row, column}) ? 1 : 0;
   });
   NeighbourhoodVoteLists lists;
-  for (int row = 0; row < orders.height(); ++row) {
-    for (int column = 0; column < orders.width(); ++column) {
-      if (open(column, row) != 0) lists.open.push_back({row, column});
-    }
-  }
+  for_each_pixel_in_order(orders.size(), [&](int column, int row) {
+    if (open(column, row) != 0) lists.open.push_back({row, column});
+  });
   vote(lists);
   for (const PixelPlace at : lists.ever_moved) orders(at.column, at.row) += field.shift(at);
 }
@@ -93,9 +88,9 @@ Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const 
                         double f_h, int projector_length) {
   Image<double> wrapped_phase(pixels.size());
   Image<std::uint8_t> lit(pixels.size());
-  std::transform(pixels.begin(), pixels.end(), wrapped_phase.begin(),
-                 [](const CuePixel& pixel) { return pixel.wrapped_phase; });
-  std::transform(pixels.begin(), pixels.end(), lit.begin(), [&](const CuePixel& pixel) {
+  std::ranges::transform(pixels, wrapped_phase.begin(),
+                         [](const CuePixel& pixel) { return pixel.wrapped_phase; });
+  std::ranges::transform(pixels, lit.begin(), [&](const CuePixel& pixel) {
     return static_cast<std::uint8_t>(cue.lit(pixel) ? 1 : 0);
   });
   const auto cost = [&](int column, int row, int order) {
@@ -112,7 +107,7 @@ Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const 
 Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, CueRule rule,
                          double f_h, int projector_length) {
   Image<int> orders(pixels.size());
-  std::transform(pixels.begin(), pixels.end(), orders.begin(), [&](const CuePixel& pixel) {
+  std::ranges::transform(pixels, orders.begin(), [&](const CuePixel& pixel) {
     switch (rule) {
       case CueRule::published:
         return cue.published_order(pixel);

@@ -126,7 +126,7 @@ const Edge* same(const std::vector<Edges>& rows, std::ptrdiff_t row, std::ptrdif
                  const Edge& edge) {
   if (row + off < 0 || row + off >= std::ssize(rows)) return nullptr;
   const float near = 3 * static_cast<float>(std::abs(off));  // pixels
-  for (const Edge& other : rows[static_cast<std::size_t>(row + off)]) {
+  for (const Edge& other : rows[row + off]) {
     if (other.transition == edge.transition && std::abs(other.x - edge.x) <= near) return &other;
   }
   return nullptr;
@@ -136,7 +136,7 @@ const Edge* same(const std::vector<Edges>& rows, std::ptrdiff_t row, std::ptrdif
 Edges confirmed(const std::vector<Edges>& rows, std::ptrdiff_t row) {
   constexpr std::ptrdiff_t most = 3;
   Edges edges;
-  for (Edge edge : rows[static_cast<std::size_t>(row)]) {
+  for (Edge edge : rows[row]) {
     if (edge.transition < 0 || !(same(rows, row, 1, edge) || same(rows, row, -1, edge))) continue;
     float sum = edge.x, count = 1;
     for (std::ptrdiff_t off = 1; off <= most; ++off) {
@@ -205,7 +205,7 @@ LocatedPixels located_by_stripes(const SymbolGrid& grid,
   const float stripe = static_cast<float>(width) / static_cast<float>(grid.columns);
   std::vector<Edges> rows(static_cast<std::size_t>(height));
   for_each_row(height, [&](int row) {
-    Edges& edges = rows[static_cast<std::size_t>(row)];
+    Edges& edges = rows[row];
     edges = edges_of(channels, row, stripe);
     match(edges, transitions);
   });

@@ -49,10 +49,10 @@ double mean_of(std::span<const Number> I) {
 
 /// Combines the two sinusoids of a band with a carrier: see Band::carrier.
 void demodulate(PhaseMaps& maps, const PhaseMaps& mirrored) {
-  std::transform(maps.modulation.begin(), maps.modulation.end(), mirrored.modulation.begin(),
-                 maps.modulation.begin(), [](double a, double b) { return std::min(a, b); });
-  std::transform(maps.wrapped_phase.begin(), maps.wrapped_phase.end(),
-                 mirrored.wrapped_phase.begin(), maps.wrapped_phase.begin(), wrapped_sum);
+  std::ranges::transform(maps.modulation, mirrored.modulation, maps.modulation.begin(),
+                         [](double a, double b) { return std::min(a, b); });
+  std::ranges::transform(maps.wrapped_phase, mirrored.wrapped_phase, maps.wrapped_phase.begin(),
+                         wrapped_sum);
 }
 
 constexpr std::array<ClosedForm, 3> closed_forms{{
@@ -72,8 +72,8 @@ void require_valid(const PhaseCorrection& correction, int steps) {
       correction.steps != steps || steps < 1 || steps == 2,
       "the phase correction of {} steps is given for {}; both must be the same N, 1, 3 or more",
       correction.steps, steps);
-  const bool finite = std::all_of(correction.added.begin(), correction.added.end(),
-                                  [](double added) { return std::isfinite(added); });
+  const bool finite =
+      std::ranges::all_of(correction.added, [](double added) { return std::isfinite(added); });
   throw_if(correction.added.empty() || !finite,
            "the phase correction of {} steps is empty or not finite", steps);
 }
@@ -112,7 +112,7 @@ PhaseTables::PhaseTables(int steps, const PhaseCorrection* correction) : form_(c
 IntensityRatio::IntensityRatio() {
   for (int i = 0; i <= segments; ++i) {
     const double ratio = static_cast<double>(i) / segments;
-    angle_[static_cast<std::size_t>(i)] = std::atan2(std::numbers::sqrt3 * ratio, 2 - ratio);
+    angle_[i] = std::atan2(std::numbers::sqrt3 * ratio, 2 - ratio);
   }
 }
 

@@ -40,7 +40,7 @@ class Votes {
     }
     const auto end = static_cast<std::size_t>(last - first_ + 1);
     if (end >= changes_.size()) changes_.resize(end + 1);
-    ++changes_[static_cast<std::size_t>(first - first_)];
+    ++changes_[first - first_];
     --changes_[end];
   }
 
@@ -80,7 +80,7 @@ double misfit(const Layout& layout, const LayoutPhases& phases, const ConnectedS
       const double B = measuring.modulation(column, row);
       for (std::size_t n = 0; n < count; ++n) {
         const auto& [frame, periods, origin] = shown[n];
-        const auto I = static_cast<double>(frames[static_cast<std::size_t>(frame)](column, row));
+        const auto I = static_cast<double>(frames[frame](column, row));
         const double model = B * (1 + std::cos(two_pi * periods * y + origin));
         squares[n] += I * I;
         models[n] += model * model;
@@ -169,7 +169,7 @@ void SurfaceOrders::find_runs(const Image<float>& wrapped_phase, const SecondPha
   if (orders_.size() != wrapped_phase.size()) orders_ = Image<int>(wrapped_phase.size());
   rows_.resize(static_cast<std::size_t>(height));
   for_each_row(height, [&, width = width](int row) {
-    std::vector<SurfaceRun>& runs = rows_[static_cast<std::size_t>(row)];
+    std::vector<SurfaceRun>& runs = rows_[row];
     runs.clear();
     const float* const phase = wrapped_phase.row(row);
     int* const orders = orders_.row(row);

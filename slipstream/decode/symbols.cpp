@@ -36,10 +36,6 @@ struct Spot {
 using Spots = std::vector<Spot>;
 using Link = int Spot::*;
 
-Spot& spot(Spots& spots, int i) {
-  return spots[static_cast<std::size_t>(i)];
-}
-
 /// Pixels from symbol to symbol along and across the axis, from the image's spectrum. It does not
 /// give the grid's slant: with few symbols that is noise.
 std::optional<Vector> pitch_of(const SymbolGrid& grid, const Image<float>& picture) {
@@ -93,7 +89,7 @@ int nearest(const Spots& spots, const Image<int>& numbers, Vector at, Vector pit
     for (int x = std::max(static_cast<int>(at.x - reach_x), 0); x <= last_x; ++x) {
       const int i = numbers(x, y);
       if (i == none) continue;
-      const Vector off = spots[static_cast<std::size_t>(i)].at - at;
+      const Vector off = spots[i].at - at;
       const float distance = std::hypot(off.x / reach_x, off.y / reach_y);
       if (distance < least) found = i;
       least = std::min(distance, least);
@@ -107,23 +103,23 @@ void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   constexpr int rounds = 4;
   const auto link_all = [&](Link next, Link previous, Link beside, Link other_side, Vector usual) {
     const auto step_at = [&](const Spot& from) {
-      if (from.*previous != none) return from.at - spot(spots, from.*previous).at;
+      if (from.*previous != none) return from.at - spots[from.*previous].at;
       for (const Link side : {beside, other_side}) {
         if (from.*side == none) continue;
-        const Spot& neighbour = spot(spots, from.*side);
-        if (neighbour.*next != none) return spot(spots, neighbour.*next).at - neighbour.at;
+        const Spot& neighbour = spots[from.*side];
+        if (neighbour.*next != none) return spots[neighbour.*next].at - neighbour.at;
       }
       return usual;
     };
     for (int i = 0; i < std::ssize(spots); ++i) {
-      Spot& here = spot(spots, i);
+      Spot& here = spots[i];
       if (here.*next != none) continue;
       const Vector step = step_at(here);
       const int j = nearest(spots, numbers, here.at + step, pitch);
-      if (j == none || spot(spots, j).*previous != none) continue;
-      if (nearest(spots, numbers, spot(spots, j).at - step, pitch) != i) continue;
+      if (j == none || spots[j].*previous != none) continue;
+      if (nearest(spots, numbers, spots[j].at - step, pitch) != i) continue;
       here.*next = j;
-      spot(spots, j).*previous = i;
+      spots[j].*previous = i;
     }
   };
   for (int round = 0; round < rounds; ++round) {
@@ -143,8 +139,8 @@ void classify(Spots& spots, const Image<float>& picture) {
     return static_cast<int>(std::lround(std::clamp(place, 0.0F, static_cast<float>(count - 1))));
   };
   const auto step = [&](const Spot& from, int before, int after) {
-    const Vector a = before == none ? from.at : spot(spots, before).at,
-                 b = after == none ? from.at : spot(spots, after).at;
+    const Vector a = before == none ? from.at : spots[before].at,
+                 b = after == none ? from.at : spots[after].at;
     return (before == none || after == none ? 1.0F : 0.5F) * (b - a);
   };
   for (Spot& here : spots) {
@@ -154,15 +150,14 @@ void classify(Spots& spots, const Image<float>& picture) {
     std::array<float, side * side> levels{};
     for (int i = 0; i < side * side; ++i) {
       const Vector at = here.at + offset(i % side) * along + offset(i / side) * across;
-      levels[static_cast<std::size_t>(i)] =
-          picture(pixel(at.x, picture.width()), pixel(at.y, picture.height()));
+      levels[i] = picture(pixel(at.x, picture.width()), pixel(at.y, picture.height()));
     }
     const auto [darkest, brightest] = std::minmax_element(levels.begin(), levels.end());
     here.modulation = (*brightest - *darkest) / 2;
     const float floor = *darkest + here.modulation / 2;
     float more_along = 0, sum = 0;
     for (int i = 0; i < side * side; ++i) {
-      const float light = std::max(levels[static_cast<std::size_t>(i)] - floor, 0.0F);
+      const float light = std::max(levels[i] - floor, 0.0F);
       const float u = offset(i % side), v = offset(i / side);
       more_along += light * (u * u - v * v);
       sum += light * (u * u + v * v);
@@ -177,10 +172,10 @@ void classify(Spots& spots, const Image<float>& picture) {
 /// The spots of a square around one, row by row; empty unless all exist and are classified.
 std::vector<int> square_about(Spots& spots, int middle) {
   std::vector<int> square;
-  for (const int row : {spot(spots, middle).above, middle, spot(spots, middle).below}) {
+  for (const int row : {spots[middle].above, middle, spots[middle].below}) {
     if (row == none) return {};
-    for (const int i : {spot(spots, row).left, row, spot(spots, row).right}) {
-      if (i == none || spot(spots, i).symbol == none) return {};
+    for (const int i : {spots[row].left, row, spots[row].right}) {
+      if (i == none || spots[i].symbol == none) return {};
       square.push_back(i);
     }
   }
@@ -196,7 +191,7 @@ void vote(Spots& spots, const SymbolGrid& grid) {
       std::size_t key = 0;
       for (int i = 0; i < 9; ++i) {
         const int at = (row - 1 + i / 3) * grid.columns + column - 1 + i % 3;
-        key = kinds * key + grid.symbols[static_cast<std::size_t>(at)];
+        key = kinds * key + grid.symbols[at];
       }
       shown[key] = {column, row};
     }
@@ -205,14 +200,11 @@ void vote(Spots& spots, const SymbolGrid& grid) {
     const std::vector<int> square = square_about(spots, i);
     if (square.empty()) continue;
     std::size_t key = 0;
-    for (const int j : square) {
-      key = kinds * key + static_cast<std::size_t>(spot(spots, j).symbol);
-    }
+    for (const int j : square) key = kinds * key + spots[j].symbol;
     const auto [column, row] = shown[key];
     if (column == none) continue;
     for (int k = 0; k < 9; ++k) {
-      spot(spots, square[static_cast<std::size_t>(k)])
-          .votes.push_back({column - 1 + k % 3, row - 1 + k / 3});
+      spots[square[k]].votes.push_back({column - 1 + k % 3, row - 1 + k / 3});
     }
   }
   for (Spot& here : spots) {
@@ -229,8 +221,8 @@ void vote(Spots& spots, const SymbolGrid& grid) {
 /// Whether the step to the next spot is similar to an adjacent one: otherwise surfaces differ.
 bool goes_on(const Spots& spots, const Spot& from, Link next, Link previous, Vector pitch) {
   constexpr float most = 0.15F;  // of a symbol
-  const auto at = [&](int i) { return spots[static_cast<std::size_t>(i)].at; };
-  const Spot& to = spots[static_cast<std::size_t>(from.*next)];
+  const auto at = [&](int i) { return spots[i].at; };
+  const Spot& to = spots[from.*next];
   const Vector step = to.at - from.at;
   const auto alike = [&](Vector other) {
     return std::hypot((other.x - step.x) / pitch.x, (other.y - step.y) / pitch.y) < most;
@@ -277,9 +269,9 @@ LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& pic
   vote(spots, grid);
   for (const Spot& a : spots) {
     if (a.place.row == none || a.right == none || a.below == none) continue;
-    const Spot &b = spot(spots, a.right), &c = spot(spots, a.below);
+    const Spot &b = spots[a.right], &c = spots[a.below];
     if (b.below == none || b.below != c.right) continue;
-    const Spot& d = spot(spots, b.below);
+    const Spot& d = spots[b.below];
     const auto [column, row] = a.place;
     const bool agree = b.place == Place{column + 1, row} && c.place == Place{column, row + 1} &&
                        d.place == Place{column + 1, row + 1};

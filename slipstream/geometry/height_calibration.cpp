@@ -91,17 +91,15 @@ Image<HeightCurve> fitted_curves(const std::vector<PlanePhase>& planes) {
 }
 
 std::size_t calibrated_pixels(const Image<HeightCurve>& curves) {
-  const auto count = std::count_if(curves.begin(), curves.end(), [](const HeightCurve& curve) {
-    return !std::isnan(curve.reference);
-  });
+  const auto count = std::ranges::count_if(
+      curves, [](const HeightCurve& curve) { return !std::isnan(curve.reference); });
   if (count == 0) throw Error("no pixel has a monotonic phase over three known heights");
-  return static_cast<std::size_t>(count);
+  return count;
 }
 
 void require_one_size(Size calibrated, Size size) {
-  if (calibrated == size) return;
-  throw Error(fmt::format("phase maps of {} and {}; heights require maps of one camera",
-                          text_of(size), text_of(calibrated)));
+  throw_if(calibrated != size, "phase maps of {} and {}; heights require maps of one camera",
+           text_of(size), text_of(calibrated));
 }
 
 }  // namespace
@@ -131,9 +129,9 @@ HeightFit fit_heights(const std::vector<PlanePhase>& planes) {
 Image<float> heights(const Image<HeightCurve>& curves, const Image<double>& phase) {
   require_one_size(curves.size(), phase.size());
   Image<float> found(phase.size());
-  std::transform(
-      curves.begin(), curves.end(), phase.begin(), found.begin(),
-      [](const HeightCurve& curve, double at) { return static_cast<float>(curve.height(at)); });
+  std::ranges::transform(curves, phase, found.begin(), [](const HeightCurve& curve, double at) {
+    return static_cast<float>(curve.height(at));
+  });
   return found;
 }
 
@@ -141,9 +139,8 @@ void require_valid(const Image<HeightCurve>& curves) {
   calibrated_pixels(curves);
   for_each_pixel_in_order(curves.size(), [&](int column, int row) {
     const HeightCurve& curve = curves(column, row);
-    if (std::isnan(curve.reference) || is_valid(curve)) return;
-    throw Error(
-        fmt::format("row {}, column {}: the values are not a valid height curve", row, column));
+    throw_if(!std::isnan(curve.reference) && !is_valid(curve),
+             "row {}, column {}: the values are not a valid height curve", row, column);
   });
 }
 

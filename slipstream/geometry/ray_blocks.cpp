@@ -24,10 +24,6 @@ constexpr std::array<int, column_nodes> node_columns{0, 10, 21, 31};
 
 using Block = RayBlocks::Block;
 
-constexpr std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Rows: nodes or powers of p, columns: nodes or powers of t.
 using NodeArray = Eigen::Array<double, nodes, 1>;
 /// The nodes and both ends of the field.
@@ -71,7 +67,7 @@ struct Fit {
     }
     Eigen::Matrix<double, column_nodes, column_nodes> at_t;
     for (int i = 0; i < column_nodes; ++i) {
-      const double from_middle = node_columns[index(i)] - 0.5 * (RayBlocks::width - 1);
+      const double from_middle = node_columns[i] - 0.5 * (RayBlocks::width - 1);
       at_t.row(i) = chebyshev_polynomials<column_nodes>(from_middle / (0.5 * RayBlocks::width));
     }
     across = at_t.inverse().transpose();
@@ -121,7 +117,7 @@ struct KnotRow {
     Samples inverse_depth;
     double smallest = INFINITY, largest = -INFINITY;
     for (int i = 0; i < column_nodes; ++i) {
-      const auto at = inverse_depth_at(first_column + node_columns[index(i)]);
+      const auto at = inverse_depth_at(first_column + node_columns[i]);
       inverse_depth.col(i) = at;
       smallest = std::min(smallest, at.minCoeff());
       largest = std::max(largest, at.maxCoeff());
@@ -165,14 +161,14 @@ struct KnotRow {
     Samples spectrum = fit.spectrum * samples * fit.across;
     double left_out = 0;
     for (int m = 0; m < column_nodes; ++m) {
-      left_out += spectrum.col(m).tail(nodes - terms[index(m)]).lpNorm<1>();
-      spectrum.col(m).tail(nodes - terms[index(m)]).setZero();
+      left_out += spectrum.col(m).tail(nodes - terms[m]).lpNorm<1>();
+      spectrum.col(m).tail(nodes - terms[m]).setZero();
     }
     if (!(left_out <= tolerance)) return false;
     const Samples monomials = fit.powers.transpose() * spectrum * fit.across_powers;
     auto c = block.coefficients.begin();
     for (int m = 0; m < column_nodes; ++m) {
-      for (int k = 0; k < terms[index(m)]; ++k) *c++ = static_cast<float>(monomials(k, m));
+      for (int k = 0; k < terms[m]; ++k) *c++ = static_cast<float>(monomials(k, m));
     }
     return true;
   }
@@ -180,14 +176,14 @@ struct KnotRow {
   bool fill_ray(const Image<float>& E, int first_column, int place, Block& block) const {
     Eigen::Matrix<double, 1, column_nodes> samples;
     for (int i = 0; i < column_nodes; ++i) {
-      samples(i) = E(first_column + node_columns[index(i)], row);
+      samples(i) = E(first_column + node_columns[i], row);
     }
     const Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit.across;
     if (!(std::abs(spectrum(3)) <= largest_ray_twist)) return false;
     const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit.across_powers;
     static_assert(RayBlocks::ray_terms == column_nodes);
     for (int m = 0; m < RayBlocks::ray_terms; ++m) {
-      block.coefficients[index(place + m)] = static_cast<float>(monomials(m));
+      block.coefficients[place + m] = static_cast<float>(monomials(m));
     }
     return true;
   }
@@ -207,7 +203,7 @@ bool is_quadratic(const std::array<const Block*, 4>& b, double inverse_depth_tol
   constexpr double share = 0.0642;  // of the third difference, at most
   const auto missed = [&](int first, int last) {
     double sum = 0;
-    for (auto i = index(first); i < index(last); ++i) {
+    for (int i = first; i < last; ++i) {
       const auto c = [&](std::size_t k) { return double{b[k]->coefficients[i]}; };
       sum += share * std::abs(c(3) - 3 * c(2) + 3 * c(1) - c(0));
     }
@@ -226,12 +222,12 @@ RayBlocks::Row RayBlocks::at(int row) const {
   for (int k = 0; k < 3; ++k) {
     double weight = 1;
     for (int other = 0; other < 3; ++other) {
-      const int place = knot_rows[index(first + other)];
+      const int place = knot_rows[first + other];
       if (other == k) continue;
-      weight *= static_cast<double>(row - place) / (knot_rows[index(first + k)] - place);
+      weight *= static_cast<double>(row - place) / (knot_rows[first + k] - place);
     }
-    blocks.knots[index(k)] = knots.row(first + k);
-    blocks.weights[index(k)] = static_cast<float>(weight);
+    blocks.knots[k] = knots.row(first + k);
+    blocks.weights[k] = static_cast<float>(weight);
   }
   blocks.described = described.row(first);
   return blocks;
@@ -252,7 +248,7 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
   Image<KnownBlock> known({across, down});
   const Fit fit(geometry);
   for_each_row(down, [&](int k) {
-    const KnotRow row{geometry, fit, rays, blocks.knot_rows[index(k)]};
+    const KnotRow row{geometry, fit, rays, blocks.knot_rows[k]};
     for (int i = 0; i < across; ++i) {
       known(i, k) = row.fill(RayBlocks::first_column(i, size.width), blocks.knots(i, k));
     }

@@ -49,8 +49,7 @@ double interpolated(const Image<double>& knots, double x, double y) {
   const CubicWeights down = cubic_weights(y, knots.height());
   double sum = 0;
   for_each_pixel_in_order({4, 4}, [&](int c, int r) {
-    sum += down.weight[static_cast<std::size_t>(r)] * across.weight[static_cast<std::size_t>(c)] *
-           knots(across.first_knot + c, down.first_knot + r);
+    sum += down.weight[r] * across.weight[c] * knots(across.first_knot + c, down.first_knot + r);
   });
   return sum;
 }
@@ -82,8 +81,7 @@ CellWeights cell_weights(int cell, int knots) {
   CellWeights weights{};
   for (int pixel = 0; pixel < spacing; ++pixel) {
     const CubicWeights cubic = cubic_weights(cell * spacing + pixel, knots);
-    for (std::size_t k = 0; k < 4; ++k)
-      weights[k][static_cast<std::size_t>(pixel)] = cubic.weight[k];
+    for (std::size_t k = 0; k < 4; ++k) weights[k][pixel] = cubic.weight[k];
   }
   return weights;
 }
@@ -146,7 +144,7 @@ std::optional<RayTable> ray_table(const Lens& camera) {
   }
   const Knots rays = knots_of(camera, 1, size);
   const auto finite = [](const Image<double>& E) {
-    return std::all_of(E.begin(), E.end(), [](double e) { return std::isfinite(e); });
+    return std::ranges::all_of(E, [](double e) { return std::isfinite(e); });
   };
   if (!finite(rays.E_x) || !finite(rays.E_y)) return std::nullopt;
   return RayTable{converted<float>(rays.E_x), converted<float>(rays.E_y)};

@@ -81,20 +81,17 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
 }  // namespace
 
 bool Distortion::is_zero() const {
-  return std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return k == 0; });
+  return std::ranges::all_of(coefficients, [](double k) { return k == 0; });
 }
 
 Distortion make_distortion(std::span<const double> coefficients) {
   constexpr std::array<std::size_t, 6> known_counts{0, 4, 5, 8, 12, 14};
-  throw_if(std::find(known_counts.begin(), known_counts.end(), coefficients.size()) ==
-               known_counts.end(),
+  throw_if(std::ranges::find(known_counts, coefficients.size()) == known_counts.end(),
            "{} distortion coefficients; expected 0, 4, 5, 8, 12 or 14", coefficients.size());
   Distortion distortion;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    if (!std::isfinite(coefficients[i])) {
-      throw Error(
-          fmt::format("distortion coefficient {} is {}; it must be finite", i, coefficients[i]));
-    }
+    throw_if(!std::isfinite(coefficients[i]), "distortion coefficient {} is {}; it must be finite",
+             i, coefficients[i]);
     distortion.coefficients[i] = coefficients[i];
   }
   return distortion;

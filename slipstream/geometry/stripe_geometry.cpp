@@ -1,8 +1,5 @@
 #include "slipstream/geometry/stripe_geometry.h"
 
-#include <cmath>
-#include <numbers>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -92,20 +89,10 @@ class ProjectorPlane {
   Eigen::Matrix3d inverse_intrinsic_;
 };
 
-/// Matrix from values at the nodes to Chebyshev coefficients.
-Eigen::Matrix<double, fitted_nodes, fitted_nodes> chebyshev_transform() {
-  Eigen::Matrix<double, fitted_nodes, fitted_nodes> transform;
-  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int i, int k) {
-    transform(k, i) = (k == 0 ? 1.0 : 2.0) / fitted_nodes *
-                      std::cos(std::numbers::pi * k * (i + 0.5) / fitted_nodes);
-  });
-  return transform;
-}
-
 /// The polynomial of least degree whose omitted terms are within the tolerance.
 std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double tolerance) {
   if (!samples.allFinite()) return std::nullopt;
-  const auto transform = chebyshev_transform();
+  const auto transform = chebyshev_transform<fitted_nodes>();
   StripeSamples spectrum = transform * samples * transform.transpose();
   int degree = largest_degree + 1;
   double left_out = 0;
@@ -139,7 +126,7 @@ std::optional<std::array<double, StripeGeometry::edge_terms>> fitted_edge(
     const NodeSamples& samples) {
   if (!samples.allFinite()) return std::nullopt;
   constexpr int terms = StripeGeometry::edge_terms;
-  NodeSamples spectrum = chebyshev_transform() * samples;
+  NodeSamples spectrum = chebyshev_transform<fitted_nodes>() * samples;
   if (spectrum.tail<fitted_nodes - terms>().lpNorm<1>() > edge_tolerance) return std::nullopt;
   spectrum.tail<fitted_nodes - terms>().setZero();
   const NodeSamples monomials = chebyshev_coefficients<fitted_nodes>().transpose() * spectrum;

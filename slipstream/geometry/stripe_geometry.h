@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -76,6 +78,17 @@ Eigen::Matrix<double, count, count> chebyshev_coefficients() {
     T.row(k) -= T.row(k - 2);
   }
   return T;
+}
+
+/// From values at the nodes cos(pi (i + 1/2) / count) to Chebyshev coefficients.
+template <int count>
+Eigen::Matrix<double, count, count> chebyshev_transform() {
+  Eigen::Matrix<double, count, count> transform;
+  for_each_pixel_in_order({count, count}, [&](int i, int k) {
+    transform(k, i) =
+        (k == 0 ? 1.0 : 2.0) / count * std::cos(std::numbers::pi * k * (i + 0.5) / count);
+  });
+  return transform;
 }
 
 /// A polynomial in two variables, sum of c_ij p^i q^j with i + j <= degree.

@@ -31,7 +31,7 @@ bool is_wrapped(double least, double largest) {
 void require_possible(const Image<double>& map, const std::string& form, double field, int length) {
   std::vector<double> values = finite_values(map);
   throw_if(values.empty(), "has no valid value");
-  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  const auto [least, largest] = std::ranges::minmax_element(values);
   throw_if(form.starts_with("phase") && field > turn && is_wrapped(*least, *largest),
            "the phase is wrapped, {:.4g} to {:.4g} rad; unwrap it, e.g. with slipstream unwrap",
            *least, *largest);
@@ -68,12 +68,13 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
       coordinates.begin()[i] = std::numeric_limits<double>::quiet_NaN();
   }
   Image<Validity> validity(camera);
-  std::transform(coordinates.begin(), coordinates.end(), validity.begin(),
-                 [](double y) { return std::isfinite(y) ? Validity::valid : Validity::too_dark; });
+  std::ranges::transform(coordinates, validity.begin(), [](double y) {
+    return std::isfinite(y) ? Validity::valid : Validity::too_dark;
+  });
   const Triangulator triangulate(setup.scanner, setup.sequence.axis, PointMethod::form3);
   Cloud cloud;
   convert(triangulated(coordinates, std::move(validity), triangulate, setup), cloud);
-  std::fill(cloud.intensity.begin(), cloud.intensity.end(), 255.F);
+  std::ranges::fill(cloud.intensity, 255.F);
   Cleaner clean(setup.settings.clean);
   clean(cloud, modulation.empty() ? nullptr : &modulation);
   return cloud;

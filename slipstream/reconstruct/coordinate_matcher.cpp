@@ -88,8 +88,9 @@ Decoded decoded(const Scan& scan, EngineSetup setup) {
   result.validity = judged(result.maps, {}, scan.frames, setup);
   const Image<double>&mean = result.maps.mean, &modulation = result.maps.modulation;
   Image<double>& y = result.maps.coordinate;
-  std::transform(y.begin(), y.end(), result.validity.begin(), y.begin(),
-                 [](double at, Validity pixel) { return pixel == Validity::valid ? at : nan; });
+  std::ranges::transform(y, result.validity, y.begin(), [](double at, Validity pixel) {
+    return pixel == Validity::valid ? at : nan;
+  });
   const Layout& layout = setup.sequence.strategy.layout();
   const bool is_code = layout.unwrapping->whole_stripes;
   if (is_code) interpolate_stripes(y, 1 / layout.code->stripes);
@@ -100,12 +101,11 @@ Decoded decoded(const Scan& scan, EngineSetup setup) {
   // An interpolated stripe is as exact as the pixels that find its edges.
   const double of_code = std::min(unit, result.step * result.step / 12);
   result.variance = Image<double>(y.size());
-  std::transform(mean.begin(), mean.end(), modulation.begin(), result.variance.begin(),
-                 [&](double A, double B) {
-                   if (is_code) return of_code;
-                   return unit * noise_variance_at(A / grey_level, noise, known.noise_gain) *
-                          std::pow(grey_level / B, 2);
-                 });
+  std::ranges::transform(mean, modulation, result.variance.begin(), [&](double A, double B) {
+    if (is_code) return of_code;
+    return unit * noise_variance_at(A / grey_level, noise, known.noise_gain) *
+           std::pow(grey_level / B, 2);
+  });
   return result;
 }
 

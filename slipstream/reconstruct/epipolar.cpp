@@ -137,24 +137,22 @@ BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
 
 /// Marks points off their epipolar lines as doubtful; returns how many.
 std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& sigma) {
-  Image<std::uint8_t> doubtful(cloud.size());
   std::size_t points = 0, doubted = 0;
-  for (std::size_t i = 0; i < doubtful.pixel_count(); ++i) {
-    if (cloud.validity.begin()[i] != Validity::valid) continue;
-    const double limit = std::max(least_limit, 5.0 * sigma.begin()[i]);
-    // There is no distance if a wrong coordinate lies outside the lens model.
-    const bool too_far = sigma.begin()[i] > 0 && !(std::abs(off.begin()[i]) <= limit);
-    doubtful.begin()[i] = too_far ? 1 : 0;
+  // There is no distance if a wrong coordinate lies outside the lens model.
+  const auto too_far = [&](int column, int row) {
+    const double limit = std::max(least_limit, 5.0 * sigma(column, row));
+    return sigma(column, row) > 0 && !(std::abs(off(column, row)) <= limit);
+  };
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) != Validity::valid) return;
     ++points;
-    doubted += too_far ? 1 : 0;
-  }
+    doubted += too_far(column, row) ? 1 : 0;
+  });
   const bool all = 3 * doubted > points;
-  for (std::size_t i = 0; i < doubtful.pixel_count(); ++i) {
-    Validity& pixel = cloud.validity.begin()[i];
-    if (pixel != Validity::valid || (doubtful.begin()[i] == 0 && !all)) continue;
-    pixel = Validity::doubtful_order;
-    cloud.x.begin()[i] = cloud.y.begin()[i] = cloud.z.begin()[i] = no_number;
-  }
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) == Validity::valid && (all || too_far(column, row)))
+      cloud.leave_out(column, row, Validity::doubtful_order);
+  });
   return all ? points : doubted;
 }
 
@@ -249,7 +247,7 @@ double EpipolarLine::difference(const Image<Phasor>& phase, Phasor reference, do
   Phasor sum = 0;
   for (int j = 0; j < 4; ++j) {
     const Phasor* row = phase.row(top - 1 + j) + left - 1;
-    sum += down[static_cast<std::size_t>(j)] *
+    sum += down[j] *
            (across[0] * row[0] + across[1] * row[1] + across[2] * row[2] + across[3] * row[3]);
   }
   return std::arg(sum * std::conj(reference));

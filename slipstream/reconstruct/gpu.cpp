@@ -50,7 +50,6 @@ const Loader& loader() {
 GpuDescription describe(const vk::raii::PhysicalDevice& device) {
   const vk::PhysicalDeviceProperties own = device.getProperties();
   GpuDescription description{.name = own.deviceName.data(),
-                             .driver = {},
                              .software = own.deviceType == vk::PhysicalDeviceType::eCpu,
                              .discrete = own.deviceType == vk::PhysicalDeviceType::eDiscreteGpu};
   if (own.apiVersion >= least_version) {

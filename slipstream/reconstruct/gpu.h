@@ -17,7 +17,7 @@ namespace slipstream {
 /// A device as described by its driver.
 struct GpuDescription {
   std::string name;
-  std::string driver;
+  std::string driver{};
   bool software = false;     ///< runs on the CPU
   bool discrete = false;     ///< a separate card with its own memory
   std::uint64_t memory = 0;  ///< dedicated memory, bytes

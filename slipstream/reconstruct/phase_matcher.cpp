@@ -13,8 +13,8 @@ namespace {
 
 Image<Phasor> phasors(const Image<double>& modulation, const Image<double>& phase) {
   Image<Phasor> result(phase.size());
-  std::transform(modulation.begin(), modulation.end(), phase.begin(), result.begin(),
-                 [](double B, double phi) { return std::polar(B, phi); });
+  std::ranges::transform(modulation, phase, result.begin(),
+                         [](double B, double phi) { return std::polar(B, phi); });
   return result;
 }
 

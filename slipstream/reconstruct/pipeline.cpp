@@ -56,7 +56,7 @@ ReferenceResult ReferenceEngine::operator()(const FrameViews& frames) const {
   BasicCloud<double> cloud =
       triangulated(maps.coordinate, std::move(validity), triangulate_, setup_);
   // Intensity: the mean A, in which the patterns cancel, on a scale of 0 to 255.
-  std::transform(maps.mean.begin(), maps.mean.end(), cloud.intensity.begin(), [&](double mean) {
+  std::ranges::transform(maps.mean, cloud.intensity.begin(), [&](double mean) {
     return static_cast<float>(mean / (frames.full_scale() / 255));
   });
   return {std::move(cloud), std::move(maps)};  // Engine::run cleans the cloud
@@ -80,7 +80,7 @@ void ReferenceEngine::run(const FrameViews& frames, const Outputs& outputs) cons
   if (outputs.depth16 != nullptr) {
     const Image<float> z = converted<float>(cloud.z);
     *outputs.depth16 = Image<std::uint16_t>(z.size());
-    std::transform(z.begin(), z.end(), outputs.depth16->begin(), outputs.scale);
+    std::ranges::transform(z, outputs.depth16->begin(), outputs.scale);
   }
 }
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/geometry/stripe_geometry.h"
@@ -251,17 +251,15 @@ Image<double> measured_coordinates(Engine& engine, const FrameViews& given, cons
   raise_least_modulation(setup);
   setup.sequence = merged_sequence(std::move(setup.sequence));
   const FrameViews& frames = engine.merged(given);
-  if (narrow.coordinate.empty()) {
-    throw Error(
-        fmt::format("{}: more than one period covers the field, so these frames alone give "
-                    "no coordinate, only a wrapped phase",
-                    setup.sequence.strategy.name()));
-  }
+  throw_if(narrow.coordinate.empty(),
+           "{}: more than one period covers the field, so these frames alone give "
+           "no coordinate, only a wrapped phase",
+           setup.sequence.strategy.name());
   BasicMaps<double> maps;
   convert(narrow, maps);
   const Image<Validity> validity = judged(maps, {}, frames, setup);
-  std::transform(
-      validity.begin(), validity.end(), maps.coordinate.begin(), maps.coordinate.begin(),
+  std::ranges::transform(
+      validity, maps.coordinate, maps.coordinate.begin(),
       [](Validity pixel, double y) { return pixel == Validity::valid ? y : std::nan(""); });
   return std::move(maps.coordinate);
 }

@@ -91,11 +91,10 @@ void require_reconstructible(const EngineSetup& setup) {
 
 void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {
   const Strategy& strategy = setup.sequence.strategy;
-  if (!needs_ambient_light(strategy.layout()) || setup.scanner.photometry.ambient) return;
-  throw Error(
-      fmt::format("{}: the ambient light is unknown, but {} with {} frames needs it; measure it "
-                  "with slipstream calibrate ambient, or set --ambient",
-                  scanner, strategy.name(), frame_count(strategy)));
+  throw_if(needs_ambient_light(strategy.layout()) && !setup.scanner.photometry.ambient,
+           "{}: the ambient light is unknown, but {} with {} frames needs it; measure it "
+           "with slipstream calibrate ambient, or set --ambient",
+           scanner, strategy.name(), frame_count(strategy));
 }
 
 CueSettings cue_settings(const EngineSetup& setup) {

@@ -88,12 +88,10 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
       response ? second_harmonic(scans.sequence.light, *response, linearity->steps) : 0;
   if (has_second_harmonic(*linearity, expected)) return;
   const double percent = 100 * linearity->second;
-  if (response) {
-    throw Error(
-        fmt::format("the frames do not match the response in the scanner file (second harmonic "
-                    "{:.2g} % of the first, not {:.2g} %); calibrate gamma again first",
-                    percent, 100 * expected));
-  }
+  throw_if(response.has_value(),
+           "the frames do not match the response in the scanner file (second harmonic "
+           "{:.2g} % of the first, not {:.2g} %); calibrate gamma again first",
+           percent, 100 * expected);
   throw Error(
       fmt::format("the response is not linear (second harmonic {:.2g} % of the first), which looks "
                   "like ambient light; first add gamma to the scanner file (slipstream "
@@ -176,7 +174,7 @@ AmbientEstimate ambient_estimate(const Image<double>& map) {
   throw_if(values.size() < fewest,
            "{} pixels are bright enough to measure ambient light; at least {} are required",
            values.size(), fewest);
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const auto count = static_cast<double>(values.size());
   AmbientEstimate estimate{
       .mode = mode_of(values), .median = values[values.size() / 2], .pixels = values.size()};
@@ -194,10 +192,9 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
            scan.exposures.size());
   const Strategy& strategy = scan.sequence.strategy;
   const Layout& layout = strategy.layout();
-  if (order_source(layout) != OrderSource::neighbours && carrier_periods(strategy) == 0) return;
-  throw Error(
-      fmt::format("{}: {}; measuring ambient light requires patterns without a cue or carrier",
-                  name, strategy.name()));
+  throw_if(order_source(layout) == OrderSource::neighbours || carrier_periods(strategy) != 0,
+           "{}: {}; measuring ambient light requires patterns without a cue or carrier", name,
+           strategy.name());
 }
 
 AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha,

@@ -91,10 +91,6 @@ double root_between(const Function& f, double low, double high) {
   return std::midpoint(low, high);
 }
 
-void require_steps(int steps) {
-  throw_if(steps < 3, "{} steps are out of range; 3 or more", steps);
-}
-
 double added_at(const Response& response, int steps, double place) {
   const double measured = 2 * pi * place / steps;
   return true_phase(response, steps, measured) - measured;
@@ -115,7 +111,7 @@ bool has_angles(const Eigen::MatrixX3d& frames) {
   constexpr double rounding = 1e-6;
   const auto is_near = [](double a, double b) { return std::abs(a - b) < rounding; };
   const auto rows = frames.rowwise();
-  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) {
+  return std::ranges::all_of(rows, [&](const auto& row) {
     const double length = row.template tail<2>().norm();
     return row.isZero() || (is_near(row[0], 1) && (is_near(length, 0) || is_near(length, 1)));
   });
@@ -129,7 +125,7 @@ bool are_near(const PhaseCorrection& a, const PhaseCorrection& b) {
 }  // namespace
 
 Image<MeasuredHarmonics> pixel_harmonics(const FrameViews& frames, int first, int steps) {
-  std::vector<std::complex<double>> turns(static_cast<std::size_t>(steps));
+  std::vector<std::complex<double>> turns(steps);
   for (std::size_t n = 0; n < turns.size(); ++n) {
     turns[n] = std::polar(1.0, 2 * pi * static_cast<double>(n) / steps);
   }
@@ -191,7 +187,7 @@ std::vector<HarmonicSample> harmonic_samples(const Image<MeasuredHarmonics>& pix
                                              const Image<std::uint8_t>& lit, int steps) {
   // More add nothing: the standard error is then far below any tolerance.
   constexpr std::size_t most = 40000;
-  const auto lit_count = static_cast<std::size_t>(std::count(lit.begin(), lit.end(), 1));
+  const auto lit_count = static_cast<std::size_t>(std::ranges::count(lit, 1));
   const double stride = std::max(1.0, static_cast<double>(lit_count) / most);
   const double period = 2 * pi / steps;
   std::vector<HarmonicSample> samples;
@@ -325,7 +321,7 @@ double noise_gain(const Response& response, int steps, double phi) {
 }
 
 PhaseCorrection phase_correction(const Response& response, int steps, double accuracy) {
-  require_steps(steps);
+  throw_if(steps < 3, "{} steps are out of range; 3 or more", steps);
   if (const auto* law = std::get_if<PowerLaw>(&response)) require_gamma(law->gamma, "gamma");
   constexpr std::size_t shortest = 256, longest = 65536;
 
@@ -362,8 +358,7 @@ std::optional<PhaseCorrection> phase_correction(const Response& response, const 
         frames.rightCols<2>() * Eigen::Vector2d(std::cos(phi), std::sin(phi));
     Complex sum = 0;
     for (Eigen::Index n = 0; n < sinusoid.size(); ++n) {
-      const auto at = static_cast<std::size_t>(n);
-      sum += light_at(response, 0.5 + 0.5 * sinusoid[n]) * Complex(band.cosine[at], band.sine[at]);
+      sum += light_at(response, 0.5 + 0.5 * sinusoid[n]) * Complex(band.cosine[n], band.sine[n]);
     }
     measured.push_back(phi + std::arg(sum * std::polar(1.0, -phi)));
     if (i > 0 && !(measured.back() > measured.end()[-2])) return std::nullopt;
@@ -382,7 +377,11 @@ std::optional<PhaseCorrection> phase_correction(const Response& response, const 
 
 PhaseCorrections phase_corrections(const Response& response, const Layout& layout,
                                    double accuracy) {
-  PhaseCorrections corrections = phase_corrections(response, step_counts(layout), accuracy);
+  PhaseCorrections corrections;
+  for (const int steps : step_counts(layout)) {
+    if (!corrections.contains(steps))
+      corrections[steps] = phase_correction(response, steps, accuracy);
+  }
   for (const Band& band : layout.bands) {
     if (bent_run(band)) continue;
     const auto found = phase_correction(response, band);
@@ -392,16 +391,6 @@ PhaseCorrections phase_corrections(const Response& response, const Layout& layou
       corrections.erase(1);
       return corrections;
     }
-  }
-  return corrections;
-}
-
-PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts,
-                                   double accuracy) {
-  PhaseCorrections corrections;
-  for (const int steps : step_counts) {
-    if (!corrections.contains(steps))
-      corrections[steps] = phase_correction(response, steps, accuracy);
   }
   return corrections;
 }

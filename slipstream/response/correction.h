@@ -125,10 +125,8 @@ PhaseCorrection phase_correction(const Response& response, int steps, double acc
 /// measured phase does not rise with the true one.
 std::optional<PhaseCorrection> phase_correction(const Response& response, const Band& band);
 
-/// One correction per distinct step count.
-PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts,
-                                   double accuracy = 2e-7);
-/// Also one for the bands without a run of steps, as 1 step, if they share one.
+/// One correction per distinct step count, and one for the bands without a run of steps, as 1 step,
+/// if they share one.
 PhaseCorrections phase_corrections(const Response& response, const Layout& layout,
                                    double accuracy = 2e-7);
 

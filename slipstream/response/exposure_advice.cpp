@@ -33,8 +33,8 @@ Image<double> modulation(const FrameViews& frames, const Layout& layout) {
   Image<double> least(frames.size(), std::numeric_limits<double>::infinity());
   for (const Band& band : layout.bands) {
     const Image<double> B = decode(frames, band).modulation;
-    std::transform(least.begin(), least.end(), B.begin(), least.begin(),
-                   [](double one, double other) { return std::min(one, other); });
+    std::ranges::transform(least, B, least.begin(),
+                           [](double one, double other) { return std::min(one, other); });
   }
   return least;
 }
@@ -58,7 +58,7 @@ LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shor
   constexpr double deviations = 5;
   double variance = 0;
   for (const Band& band : layout.bands) {
-    variance = std::max(variance, component_variance(band, noise_variance));
+    variance = std::max(variance, component_noise(band) * noise_variance);
   }
   const double least = deviations * std::sqrt(variance);
   const double grey_level = frames.full_scale() / 255;
@@ -188,8 +188,8 @@ void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureA
   for (const std::size_t count : {1U, 2U, 3U}) {
     exposures = best_of(count, prediction, from, exposures);
     std::vector<double> choice = exposures;
-    std::sort(choice.begin(), choice.end());
-    std::transform(choice.begin(), choice.end(), choice.begin(), rounded);
+    std::ranges::sort(choice);
+    std::ranges::transform(choice, choice.begin(), rounded);
     advice.proposed.push_back(prediction.of(choice));
   }
   while (advice.best + 1 < advice.proposed.size() &&
@@ -218,7 +218,7 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
   const Layout& layout = sequence.strategy.layout();
   throw_if(given.count() != layout.frames, "{} frames given; the strategy has {}", given.count(),
            layout.frames);
-  const double shortest = *std::min_element(exposures.begin(), exposures.end());
+  const double shortest = *std::ranges::min_element(exposures);
   const LitPixels lit = lit_pixels(given, layout, shortest, needs.noise_variance);
   if (lit.known.empty()) {
     throw Error(lit.saturated > 0

@@ -200,8 +200,8 @@ ResponseCurve curve_seen(const FrameViews& frames, const Image<MeasuredHarmonics
   constexpr double pi = std::numbers::pi;
   std::vector<double> sum(pieces + 1), count(pieces + 1), values, levels;
   for (int n = 0; n < run.steps; ++n) {
-    std::vector<double> only(static_cast<std::size_t>(frames.count()));
-    only[static_cast<std::size_t>(run.first + n)] = 1;
+    std::vector<double> only(frames.count());
+    only[run.first + n] = 1;
     const Image<double> level = weighted_sum(frames, only);
     for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
       if (lit.begin()[i] == 0) continue;
@@ -214,9 +214,8 @@ ResponseCurve curve_seen(const FrameViews& frames, const Image<MeasuredHarmonics
     }
   }
   for (int i = pieces; i >= 0; --i) {
-    const auto piece = static_cast<std::size_t>(i);
     values.push_back(i == pieces ? 0 : 0.5 + 0.5 * std::cos(pi * i / pieces));
-    levels.push_back(sum[piece] / std::max(count[piece], 1.0));
+    levels.push_back(sum[i] / std::max(count[i], 1.0));
   }
   return response_curve(values, levels);
 }

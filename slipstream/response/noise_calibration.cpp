@@ -162,10 +162,9 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy(scan.sequence.strategy) {
   }
   const Image<double> modulation = in_8_bits(maps.modulation);
   measured = unclipped_mask(frames);
-  std::transform(measured.begin(), measured.end(), modulation.begin(), measured.begin(),
-                 [](std::uint8_t good, double B) {
-                   return static_cast<std::uint8_t>(good != 0 && B >= least_modulation ? 1 : 0);
-                 });
+  std::ranges::transform(measured, modulation, measured.begin(), [](std::uint8_t good, double B) {
+    return static_cast<std::uint8_t>(good != 0 && B >= least_modulation ? 1 : 0);
+  });
   if (order_source(layout) == OrderSource::neighbours && !layout.cue) {
     modulations[0] = modulation;
     modulations[1] = in_8_bits(decode(frames, layout.bands[1]).modulation);

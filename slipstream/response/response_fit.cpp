@@ -131,7 +131,7 @@ GammaFit fit_gamma(std::span<const double> values, std::span<const double> inten
   throw_if(values.size() < 4 || values.size() != intensities.size(),
            "{} uniform patterns with {} intensities; fitting gamma requires at least 4",
            values.size(), intensities.size());
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  const auto [least, most] = std::ranges::minmax_element(values);
   if (*least == *most) {
     throw Error(fmt::format("uniform patterns: all have the value {}; use several", *least));
   }

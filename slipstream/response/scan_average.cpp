@@ -10,8 +10,9 @@ Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8
   throw_if(a.size() != b.size(),
            "the scans have different sizes; expected scans of one static scene");
   Image<std::uint8_t> both = a;
-  std::transform(both.begin(), both.end(), b.begin(), both.begin(),
-                 [](std::uint8_t x, std::uint8_t y) { return static_cast<std::uint8_t>(x & y); });
+  std::ranges::transform(both, b, both.begin(), [](std::uint8_t x, std::uint8_t y) {
+    return static_cast<std::uint8_t>(x & y);
+  });
   return both;
 }
 

@@ -70,7 +70,7 @@ auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) 
     if (point) map(column, row) = signed_distance(shape, point->position);
   });
   std::vector<double> deviations = finite_values(map);
-  std::sort(deviations.begin(), deviations.end());
+  std::ranges::sort(deviations);
   accuracy.range = narrowest_range(deviations, 1 - left_out);
   accuracy.range_95 = narrowest_range(deviations, 0.95);
   accuracy.rms = shape.residuals.rms;
@@ -279,13 +279,9 @@ Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_o
   const auto visit = [&](const std::vector<std::string>& scans, const auto& measure) {
     for (const std::string& scan : scans) {
       const Cloud cloud = cloud_of(scan);
-      try {
-        for (ShapeAccuracy& shape : measure(cloud)) {
-          shape.scan = scan;
-          accuracy.shapes.push_back(std::move(shape));
-        }
-      } catch (const Error& error) {
-        throw Error(fmt::format("{}: {}", scan, error.what()));
+      for (ShapeAccuracy& shape : naming(scan, [&] { return measure(cloud); })) {
+        shape.scan = scan;
+        accuracy.shapes.push_back(std::move(shape));
       }
     }
   };
@@ -338,12 +334,8 @@ std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy) {
 Artefacts read_artefacts(const fs::path& file) {
   Artefacts artefacts;
   for (const RigSetting& setting : read_rig(file)) {
-    try {
-      take(setting, file.parent_path(), artefacts);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: line {}: {}: {}", file.string(), setting.line, setting.name,
-                              error.what()));
-    }
+    naming(fmt::format("{}: line {}: {}", file.string(), setting.line, setting.name),
+           [&] { take(setting, file.parent_path(), artefacts); });
   }
   const std::string fault = fault_of(artefacts);
   throw_if(!fault.empty(), "{}: {}", file.string(), fault);

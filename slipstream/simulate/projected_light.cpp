@@ -41,8 +41,7 @@ Profile blurred(const Profile& sharp, double deviation) {
     const int from = std::max(place - reach, 0), to = std::min(place + reach, size - 1);
     double sum = 0;
     for (int i = from; i <= to; ++i) {
-      sum +=
-          weights[static_cast<std::size_t>(i - place + reach)] * sharp[static_cast<std::size_t>(i)];
+      sum += weights[i - place + reach] * sharp[i];
     }
     result[static_cast<std::size_t>(place)] = sum / all;
   }
@@ -152,8 +151,8 @@ ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photom
     light_of[level] = responded(static_cast<double>(level), photometry);
   }
   Image<double> light(picture.size());
-  std::transform(picture.begin(), picture.end(), light.begin(),
-                 [&](std::uint8_t level) { return light_of[level]; });
+  std::ranges::transform(picture, light.begin(),
+                         [&](std::uint8_t level) { return light_of[level]; });
   return [light = std::move(light)](const LitSample& sample) {
     return spread_light(sample, [&](double blur) { return blurred_at(light, sample.pixel, blur); });
   };

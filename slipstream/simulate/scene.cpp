@@ -28,10 +28,10 @@ struct NearestHit {
   }
 
   bool intersectObject(int index) {
-    const auto& [i, j, k] = mesh.triangles[static_cast<std::size_t>(index)];
-    const Eigen::Vector3d& corner = mesh.vertices[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d side_a = mesh.vertices[static_cast<std::size_t>(j)] - corner;
-    const Eigen::Vector3d side_b = mesh.vertices[static_cast<std::size_t>(k)] - corner;
+    const auto& [i, j, k] = mesh.triangles[index];
+    const Eigen::Vector3d& corner = mesh.vertices[i];
+    const Eigen::Vector3d side_a = mesh.vertices[j] - corner;
+    const Eigen::Vector3d side_b = mesh.vertices[k] - corner;
     const Eigen::Vector3d normal = side_a.cross(side_b);
     const double facing = ray.direction.dot(normal);
     if (facing == 0) return false;
@@ -112,7 +112,7 @@ double between_pixels(const Image<float>& picture, double column, double row) {
 /// Convolved with a Gaussian of standard deviation `deviation` pixels.
 Image<float> blurred(const Image<std::uint8_t>& picture, double deviation) {
   Image<float> result(picture.size());
-  std::copy(picture.begin(), picture.end(), result.begin());
+  std::ranges::copy(picture, result.begin());
   if (!(deviation > 0)) return result;
   const int reach = static_cast<int>(std::ceil(4 * deviation));
   std::vector<float> weights;
@@ -125,8 +125,7 @@ Image<float> blurred(const Image<std::uint8_t>& picture, double deviation) {
     for_each_pixel_in_order(before.size(), [&](int column, int row) {
       float weighed = 0;
       for (int i = -reach; i <= reach; ++i) {
-        weighed += weights[static_cast<std::size_t>(i + reach)] *
-                   grey_at(before, column + i * right, row + i * down);
+        weighed += weights[i + reach] * grey_at(before, column + i * right, row + i * down);
       }
       result(column, row) = weighed / sum;
     });
@@ -143,20 +142,16 @@ struct MeshTree::Tree {
 void append_surface(Mesh& mesh, int rows, int columns,
                     const std::function<Eigen::Vector3d(double u, double v)>& point) {
   const int first = static_cast<int>(mesh.vertices.size());
-  for (int row = 0; row <= rows; ++row) {
-    for (int column = 0; column <= columns; ++column) {
-      mesh.vertices.push_back(
-          point(static_cast<double>(column) / columns, static_cast<double>(row) / rows));
-    }
-  }
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const int corner = first + row * (columns + 1) + column;
-      const int below = corner + columns + 1;
-      mesh.triangles.push_back({corner, below, corner + 1});
-      mesh.triangles.push_back({corner + 1, below, below + 1});
-    }
-  }
+  for_each_pixel_in_order({columns + 1, rows + 1}, [&](int column, int row) {
+    mesh.vertices.push_back(
+        point(static_cast<double>(column) / columns, static_cast<double>(row) / rows));
+  });
+  for_each_pixel_in_order({columns, rows}, [&](int column, int row) {
+    const int corner = first + row * (columns + 1) + column;
+    const int below = corner + columns + 1;
+    mesh.triangles.push_back({corner, below, corner + 1});
+    mesh.triangles.push_back({corner + 1, below, below + 1});
+  });
 }
 
 MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
@@ -168,7 +163,7 @@ MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
     for (const int corner : triangle) {
       throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh_.vertices.size(),
                "a triangle of the mesh refers to vertex {} of {}", corner, mesh_.vertices.size());
-      box.extend(mesh_.vertices[static_cast<std::size_t>(corner)]);
+      box.extend(mesh_.vertices[corner]);
     }
     indices.push_back(static_cast<int>(indices.size()));
   }
@@ -226,8 +221,7 @@ bool Motion::is_none() const {
 }
 
 bool is_moving(const Scene& scene) {
-  return std::any_of(scene.begin(), scene.end(),
-                     [](const Body& body) { return !body.motion.is_none(); });
+  return std::ranges::any_of(scene, [](const Body& body) { return !body.motion.is_none(); });
 }
 
 std::optional<double> frames_of_a_turn(const Scene& scene) {
@@ -276,7 +270,7 @@ bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& poi
   // From the light towards the point; its own surface is at distance 1, within rounding.
   constexpr double own_surface = 1 - 1e-6;
   const Ray ray{light, point - light};
-  return std::any_of(bodies.begin(), bodies.end(), [&](const PlacedBody& body) {
+  return std::ranges::any_of(bodies, [&](const PlacedBody& body) {
     const std::optional<Hit> found = hit(body, ray);
     return found && found->distance < own_surface;
   });

@@ -161,7 +161,7 @@ struct MetByCentres {
   /// Clamps to the picture.
   [[nodiscard]] std::optional<Met>& at(int column, int row) {
     const int x = std::clamp(column, 0, size.width - 1), y = std::clamp(row, 0, size.height - 1);
-    return met[static_cast<std::size_t>(y * size.width + x)];
+    return met[y * size.width + x];
   }
 };
 
@@ -202,8 +202,7 @@ void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, do
 }
 
 MetByCentres meet(const Onlooker& onlooker, Size size) {
-  MetByCentres centres{
-      size, std::vector<std::optional<Met>>(static_cast<std::size_t>(size.width * size.height))};
+  MetByCentres centres{size, std::vector<std::optional<Met>>(size.width * size.height)};
   for_each_pixel(size, [&](int column, int row) {
     centres.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
   });
@@ -219,16 +218,16 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
     for (int column = 0; column < picture.width(); ++column) {
       const double sigma = std::max(deviation(column, row), 1e-3);
       const int reach = static_cast<int>(std::ceil(4 * sigma));
-      weight.resize(static_cast<std::size_t>(reach) + 1);
+      weight.resize(reach + 1);
       for (int i = 0; i <= reach; ++i) {
-        weight[static_cast<std::size_t>(i)] = std::exp(-0.5 * i * i / (sigma * sigma));
+        weight[i] = std::exp(-0.5 * i * i / (sigma * sigma));
       }
       double sum = 0, weights = 0;
       for (int i = -reach; i <= reach; ++i) {
         const int x = std::clamp(column + i * right, 0, picture.width() - 1);
         const int y = std::clamp(row + i * down, 0, picture.height() - 1);
-        sum += weight[static_cast<std::size_t>(std::abs(i))] * picture(x, y);
-        weights += weight[static_cast<std::size_t>(std::abs(i))];
+        sum += weight[std::abs(i)] * picture(x, y);
+        weights += weight[std::abs(i)];
       }
       result(column, row) = sum / weights;
     }
@@ -245,7 +244,7 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
   MetByCentres met = meet(onlooker, size);
   SeenScene seen(size);
   for_each_row(size.height, [&](int row) {
-    std::vector<LitSample>& samples = seen.samples[static_cast<std::size_t>(row)];
+    std::vector<LitSample>& samples = seen.samples[row];
     for (int column = 0; column < size.width; ++column) {
       const Eigen::Vector2d pixel(column, row);
       const std::size_t before = samples.size();
@@ -279,7 +278,7 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
   const double flicker = 1 + physics.flicker * std::sin(2.4 * n + 1);
   Image<double> frame(size);
   for_each_row(size.height, [&](int row) {
-    auto sample = seen.samples[static_cast<std::size_t>(row)].begin();
+    auto sample = seen.samples[row].begin();
     for (int column = 0; column < size.width; ++column) {
       const double from_middle = (2.0 * column - size.width) / size.width;
       const double beta = photometry.ambient * (1 + physics.ambient_gradient * from_middle);

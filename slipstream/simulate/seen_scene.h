@@ -45,7 +45,7 @@ struct SeenScene {
         blur(size),
         lit_column(size, nan),
         lit_row(size, nan),
-        samples(static_cast<std::size_t>(size.height)),
+        samples(size.height),
         sample_count(size) {}
 
   Image<double> depth;         ///< at the pixels' centres, mm; NaN without a surface

@@ -59,13 +59,13 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
   const int count = patterns.count * cycles;
   const std::optional<double> turn = frames_of_a_turn(scene);
   const bool round = turn && 2 * std::abs(count - *turn) <= patterns.count;
-  std::vector<Frame> frames(static_cast<std::size_t>(count));
+  std::vector<Frame> frames(count);
   std::optional<VirtualScan> seen;
   const auto expose = [&](int n) {
     const PatternSet pattern = pattern_alone(patterns, n % patterns.count);
     Photometry light = photometry;
     light.seed += static_cast<std::uint64_t>(n);
-    Frame& frame = frames[static_cast<std::size_t>(n)];
+    Frame& frame = frames[n];
     if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
@@ -106,7 +106,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
     reel.enough = reel.order.size() + cycle.size();  // capturing a pose takes one cycle
     sheet.pose = poses[p];
     for (const PatternSet& set : sets) expose(set);
-    for (std::size_t k = 0; k < cycle.size() * static_cast<std::size_t>(still_cycles); ++k) {
+    for (std::size_t k = 0; k < cycle.size() * still_cycles; ++k) {
       reel.order.push_back(first + k % cycle.size());
     }
     for (std::size_t k = 0; k < cycle.size(); ++k) {
@@ -140,11 +140,6 @@ void VirtualCamera::start() {
   sequence_ = 0;
 }
 
-VirtualCamera::Clock::time_point VirtualCamera::due(std::uint64_t sequence) const {
-  const std::chrono::duration<double> since(static_cast<double>(sequence + 1) / *rate_);
-  return start_ + std::chrono::duration_cast<Clock::duration>(since);
-}
-
 std::optional<VirtualCamera::Clock::time_point> VirtualCamera::wait_until(Clock::time_point end) {
   const Clock::time_point now = Clock::now();
   if (!rate_) return now;
@@ -154,7 +149,8 @@ std::optional<VirtualCamera::Clock::time_point> VirtualCamera::wait_until(Clock:
     sequence_ += static_cast<std::uint64_t>(behind);
     lost_ += static_cast<std::uint64_t>(behind);
   }
-  const Clock::time_point whole = due(sequence_);
+  const std::chrono::duration<double> due(static_cast<double>(sequence_ + 1) / *rate_);
+  const Clock::time_point whole = start_ + std::chrono::duration_cast<Clock::duration>(due);
   if (whole > now) std::this_thread::sleep_until(std::min(whole, end));
   if (whole > end) return std::nullopt;
   return whole;
@@ -219,7 +215,6 @@ Arrival VirtualRig::next(Frame& frame, std::chrono::milliseconds) {
   frame = first_frame(digitised(std::move(exposures), photometry_.bits));
   frame.stamp = {.sequence = taken_++,
                  .pattern_index = std::nullopt,
-                 .device_time = {},
                  .host_time = std::chrono::steady_clock::now()};
   if (on_show_) frame.stamp.pattern_index = static_cast<int>(*on_show_);
   return Arrival::frame;

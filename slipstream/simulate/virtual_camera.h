@@ -62,7 +62,6 @@ class VirtualCamera : public FrameSource {
 
   /// Waits for frame `sequence_` and returns when it was complete; nullopt if that is after `end`.
   std::optional<Clock::time_point> wait_until(Clock::time_point end);
-  [[nodiscard]] Clock::time_point due(std::uint64_t sequence) const;
 
   Reel reel_;
   std::optional<double> rate_;

@@ -16,7 +16,7 @@ std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures,
   std::vector<Image<Pixel>> frames;
   for (const Image<double>& exposure : exposures) {
     Image<Pixel>& frame = frames.emplace_back(exposure.size());
-    std::transform(exposure.begin(), exposure.end(), frame.begin(), [&](double intensity) {
+    std::ranges::transform(exposure, frame.begin(), [&](double intensity) {
       return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
     });
   }
@@ -139,8 +139,8 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
       const auto light = projected_light(patterns, n, projector, photometry, now);
       const Image<double> exposure = exposed(now, photometry, n, patterns.exposure(n), light);
       const double share = 1.0 / static_cast<double>(seen.size());
-      std::transform(frame.begin(), frame.end(), exposure.begin(), frame.begin(),
-                     [=](double sum, double more) { return sum + share * more; });
+      std::ranges::transform(frame, exposure, frame.begin(),
+                             [=](double sum, double more) { return sum + share * more; });
     }
     exposures.push_back(std::move(frame));
   }

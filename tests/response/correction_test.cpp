@@ -117,7 +117,9 @@ TEST(PhaseCorrection, IsShortWhereThatSuffices) {
 }
 
 TEST(PhaseCorrections, AreOneForEachN) {
-  const PhaseCorrections corrections = phase_corrections(PowerLaw{2.2}, std::vector{4, 3, 4});
+  const std::vector<Sinusoid> runs{{.steps = 4}, {.steps = 3}, {.steps = 4}};
+  const PhaseCorrections corrections =
+      phase_corrections(PowerLaw{2.2}, layout_of(runs, Unwrapping::none));
   EXPECT_EQ(corrections.size(), 2U);
   EXPECT_EQ(corrections.at(3).steps, 3);
   EXPECT_EQ(corrections.at(4).steps, 4);

@@ -228,10 +228,10 @@ TEST(PredictedVariance, OfALayoutsCoordinateIsTheEquationsOfItsStrategy) {
 }
 
 TEST(PredictedVariance, OfABandIsThatOfItsWeights) {
-  EXPECT_NEAR(component_variance(phase_shifted_band(9, 2, 5, 3), sigma_w2), 2.0 / 5 * sigma_w2,
+  EXPECT_NEAR(component_noise(phase_shifted_band(9, 2, 5, 3)) * sigma_w2, 2.0 / 5 * sigma_w2,
               1e-12);
   const Band own{.periods = 1, .cosine = {1, 0, -1}, .sine = {0, 1, -1}, .mean = {0, 0, 1}};
-  EXPECT_DOUBLE_EQ(component_variance(own, sigma_w2), 2 * sigma_w2);
+  EXPECT_DOUBLE_EQ(component_noise(own) * sigma_w2, 2 * sigma_w2);
   EXPECT_DOUBLE_EQ(phase_variance(own, 40, sigma_w2), 2 * sigma_w2 / 1600);
 }
 

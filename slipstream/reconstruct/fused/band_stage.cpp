@@ -47,15 +47,7 @@ bool is_odd(const PhaseCorrection& correction) {
 
 /// Chebyshev coefficients of the corrected phase, rad.
 Values spectrum(const PhaseCorrection& correction, const Fold& fold, double b) {
-  static const Eigen::Matrix<double, nodes, nodes> transform = [] {
-    Eigen::Matrix<double, nodes, nodes> T;
-    for (int k = 0; k < nodes; ++k) {
-      for (int i = 0; i < nodes; ++i) {
-        T(k, i) = (k == 0 ? 1.0 : 2.0) / nodes * std::cos(std::numbers::pi * k * (i + 0.5) / nodes);
-      }
-    }
-    return T;
-  }();
+  static const auto transform = chebyshev_transform<nodes>();
   Values values;
   for (int i = 0; i < nodes; ++i) {
     const double phi = fold.phase(b, std::cos(std::numbers::pi * (i + 0.5) / nodes));
@@ -177,8 +169,9 @@ SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
   } else if (steps == 5) {
     weigh((5 + std::sqrt(5)) / 2, 10);  // (2 sin(2 pi / 5))^2
   } else {
-    stage.cosines = channel_cosines(steps, 1);
-    stage.sines = channel_sines(steps, 1);
+    const Band channel = phase_shifted_band(steps, 0, steps, 1);
+    stage.cosines = channel.cosine;
+    stage.sines = channel.sine;
   }
   return stage;
 }

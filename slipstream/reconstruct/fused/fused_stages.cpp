@@ -304,11 +304,6 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
 
   const double f = measuring_band(layout).periods, widest = least_periods(layout);
   FusedStages stages{.frames = layout.frames,
-                     .bands = {},
-                     .coarse = {},
-                     .code = {},
-                     .chain = {},
-                     .cue = {},
                      .consensus = consensus_stage(f, settings.fringe_order),
                      .coordinate = coordinate_stage(f, widest, projector_length(setup)),
                      .point = point_stage(*geometry, depth_range(setup)),

@@ -45,15 +45,15 @@ struct FusedStages {
 
   int frames = 0;
   /// The measuring band first; with a cue it is the only one.
-  std::vector<BandStage> bands;
-  std::vector<int> coarse;  ///< start of the chain: a factor for each band; else empty
-  std::optional<CodeBits> code;
+  std::vector<BandStage> bands{};
+  std::vector<int> coarse{};  ///< start of the chain: a factor for each band; else empty
+  std::optional<CodeBits> code{};
   bool coarse_given = false;       ///< the coordinate is an input, see unwraps_by_picture
   bool coarse_in_field = false;    ///< apply `coarse_stage`: the chain is not circular
   CoordinateStage coarse_stage{};  ///< brings the coordinate into the field
-  std::vector<Link> chain;         ///< empty: one band of at most one period, or a cue
+  std::vector<Link> chain{};       ///< empty: one band of at most one period, or a cue
   bool weighs_bands = false;       ///< the coordinate is a weighted mean over several bands
-  std::optional<Cue> cue;
+  std::optional<Cue> cue{};
   ConsensusStage consensus;  ///< with several bands or a cue
   /// Places coordinates in the field: from turns of a single band, or from fields with several.
   CoordinateStage coordinate;

@@ -108,7 +108,7 @@ PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
 /// Scans in progress, and the sizes of their buffers.
 struct Job {
   GpuStages stages;
-  std::vector<PlaneList> planes;  ///< one per scan
+  std::vector<PlaneList> planes{};  ///< one per scan
   std::span<const FrameViews> scans;
   std::span<const Outputs> outputs;
   const Image<float>* coarse;
@@ -130,7 +130,6 @@ Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
   const Outputs& output = outputs.front();
   const GpuStages& of = engine.text.stages;
   Job job{.stages = of,
-          .planes = {},
           .scans = scans,
           .outputs = outputs,
           .coarse = coarse,

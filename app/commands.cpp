@@ -158,6 +158,10 @@ void require_distinct_files(const CLI::App& command) {
   });
 }
 
+void tell_replaced(const fs::path& folder, Output& output) {
+  if (fs::exists(folder / "scan.yaml")) output.say("{}: replacing its scan", folder.string());
+}
+
 Size size_from(const std::string& text, const std::string& flag) {
   const std::optional<Size> size = size_of_text(text);
   throw_if(!size.has_value(),

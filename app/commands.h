@@ -48,6 +48,9 @@ std::string why_no_number(const std::string& text, bool is_unsigned, bool is_who
 /// Throws Error if an output of the command is also an input, or two outputs are the same file.
 void require_distinct_files(const CLI::App& command);
 
+/// Says so if a scan in the folder will be replaced.
+void tell_replaced(const fs::path& folder, Output& output);
+
 /// Parses "1824x1140". Throws Error naming the flag for anything else.
 Size size_from(const std::string& text, const std::string& flag);
 

@@ -20,6 +20,7 @@ void demo(const DemoFlags& flags, Output& output) {
   world.scene = scene_named("statue", world.scanner);
   const Sequence sequence = default_sequence(world.scanner.projector.size,
                                              {.settings = {{"steps", "4"}, {"high", "32"}}});
+  tell_replaced(scan, output);
   output.say("the virtual scanner scanned a statue: {}", scan.string());
   const VirtualScan taken =
       take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);

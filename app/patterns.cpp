@@ -158,6 +158,7 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
     write_pattern_sheet(flags.sheet, patterns, length_along(sequence.axis, sequence.projector));
     output.document["sheet"] = flags.sheet;
   }
+  tell_replaced(folder, output);
   Progress progress("patterns", flags.in_colour ? patterns.count / 3 : patterns.count);
   const auto advance = [&] { progress.advance(); };
   const std::vector<fs::path> pictures =

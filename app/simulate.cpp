@@ -84,7 +84,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
   const double seconds = watch.lap();
 
   const fs::path folder = flags.folder;
-  if (fs::exists(folder / "scan.yaml")) output.say("{}: replacing its scan", folder.string());
+  tell_replaced(folder, output);
   ScanFiles files = save_virtual_scan(folder, sequence, world, virtual_scan);
   if (flags.second_camera) {
     files.second_camera = folder / "second";

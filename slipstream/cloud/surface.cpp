@@ -141,8 +141,46 @@ Normals smoothed_normals(const Cloud& cloud) {
   return normals;
 }
 
+namespace {
+
+constexpr float slope_unknown = 0.82F;
+
+/// Shading of a list of points in the camera's frame: that of their picture by a camera that sees
+/// about one point in each pixel.
+Image<float> shading_of_list(const Cloud& list) {
+  Image<float> brightness(list.size(), slope_unknown);
+  std::vector<Eigen::Vector2d> rays;  // X / Z, Y / Z
+  Eigen::AlignedBox2d field;
+  for (int n = 0; n < list.size().width; ++n) {
+    rays.emplace_back(position_at(list, n, 0).hnormalized());
+    if (list.z(n, 0) > 0) field.extend(rays.back());
+  }
+  const double pixel = std::sqrt(field.volume() / static_cast<double>(rays.size()));
+  if (field.isEmpty() || !(pixel > 0)) return brightness;
+  const auto for_each_point_seen = [&](const auto& visit) {
+    for (int n = 0; n < list.size().width; ++n) {
+      if (!(list.z(n, 0) > 0)) continue;
+      const Eigen::Vector2d place = (rays[static_cast<std::size_t>(n)] - field.min()) / pixel;
+      visit(n, static_cast<int>(place.x()), static_cast<int>(place.y()));
+    }
+  };
+  const Eigen::Vector2d size = field.sizes() / pixel;
+  Cloud picture({static_cast<int>(size.x()) + 1, static_cast<int>(size.y()) + 1});
+  std::fill(picture.z.begin(), picture.z.end(), nan);
+  for_each_point_seen([&](int n, int column, int row) {
+    picture.x(column, row) = list.x(n, 0);
+    picture.y(column, row) = list.y(n, 0);
+    picture.z(column, row) = list.z(n, 0);
+  });
+  const Image<float> seen = shading(picture);
+  for_each_point_seen([&](int n, int column, int row) { brightness(n, 0) = seen(column, row); });
+  return brightness;
+}
+
+}  // namespace
+
 Image<float> shading(const Cloud& cloud) {
-  constexpr float slope_unknown = 0.82F;
+  if (cloud.size().height == 1) return shading_of_list(cloud);
   const Eigen::Vector3f light = Eigen::Vector3f(-0.4F, -0.5F, -1.0F).normalized();
   const auto [x, y, z] = smoothed_normals(cloud);
   Image<float> brightness(cloud.size(), slope_unknown);

@@ -39,6 +39,11 @@ double middle_mean(const FrameViews& frames) {
   return sum / count * 255 / frames.full_scale();
 }
 
+/// Removes the pictures of more patterns that were here before.
+void remove_patterns_from(std::size_t n, const fs::path& folder) {
+  while (fs::remove(pattern_file(folder, n))) ++n;
+}
+
 }  // namespace
 
 fs::path pattern_file(const fs::path& folder, std::size_t n) {
@@ -61,6 +66,7 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
     pictures.push_back(file);
     written();
   }
+  remove_patterns_from(pictures.size(), folder);
   ScanFiles scan{.sequence = sequence, .frames = pictures};
   if (sequence.marker) scan.frames.pop_back();
   write_scan_files(folder / "scan.yaml", scan);
@@ -82,6 +88,7 @@ std::vector<fs::path> write_colour_patterns(const fs::path& folder, const Patter
     write(patterns, n, pictures.back());
     written();
   }
+  remove_patterns_from(pictures.size(), folder);
   const PatternSet primaries = primary_patterns(patterns.light);
   for (std::size_t i = 0; i < primary_names.size(); ++i) {
     write(primaries, static_cast<int>(3 * i), folder / fmt::format("{}.png", primary_names[i]));

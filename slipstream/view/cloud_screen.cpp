@@ -82,9 +82,8 @@ void CloudScreen::set_cloud(const ShownCloud& shown) {
   const bool wanted = pictures || state_.view.colour == PointColour::modulation;
   const Maps* const maps = wanted ? maps_of(shown.frames) : nullptr;
   PointImages images = images_of(cloud);
-  const bool shaded = state_.view.shaded && cloud.z.height() > 1;
-  if (shaded) shading_ = shading(cloud);
-  images.shading = shaded ? &shading_ : nullptr;
+  if (state_.view.shaded) shading_ = shading(cloud);
+  images.shading = state_.view.shaded ? &shading_ : nullptr;
   scene_.set_cloud(images, maps != nullptr ? &maps->modulation : nullptr, state_.view.colour);
   if (state_.shown) update_pictures(shown.frames, maps);
   // The first clouds may show an empty room.

@@ -343,6 +343,17 @@ TEST_F(Program, AShorterScanLeavesNoFrameOfTheOneBefore) {
   EXPECT_FALSE(fs::exists(path("scan/frame_03.png")) || fs::exists(path("scan/frame_05.png")));
 }
 
+TEST_F(Program, FewerPatternsLeaveNoneOfThoseBefore) {
+  const auto write = [&](const char* steps) {
+    return run_program({"patterns", path("patterns"), "--projector", "64x48", "--strategy", "pmp",
+                        "--steps", steps});
+  };
+  EXPECT_EQ(write("6").out.find("replacing"), std::string::npos);
+  EXPECT_NE(write("3").out.find("replacing its scan"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path("patterns/pattern_02.png")));
+  EXPECT_FALSE(fs::exists(path("patterns/pattern_03.png")));
+}
+
 TEST_F(Program, MissingFrame) {
   fs::remove(path("scan/frame_03.png"));
   expect_refused(reconstruct(), 2, {"frame_03.png", "no such file"});

@@ -111,6 +111,24 @@ TEST(Shading, IsThatOfThePlanesNormal) {
   }
 }
 
+TEST(Shading, OfAListOfPointsIsThatOfTheirPicture) {
+  for (const float slope : {-0.5F, 0.0F, 0.5F}) {
+    const Cloud plane = sloping(slope);
+    Cloud list({64 * 48, 1});
+    std::copy(plane.x.begin(), plane.x.end(), list.x.begin());
+    std::copy(plane.y.begin(), plane.y.end(), list.y.begin());
+    std::copy(plane.z.begin(), plane.z.end(), list.z.begin());
+    const Image<float> brightness = shading(list);
+    double sum = 0;
+    for (const float value : brightness) sum += std::abs(value - expected(slope));
+    EXPECT_LT(sum / (64 * 48), 0.01) << slope;
+  }
+  Cloud line({100, 1});  // determines no surface
+  EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
+  std::fill(line.z.begin(), line.z.end(), -5.0F);
+  EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
+}
+
 TEST(Shading, HidesTheNoiseOfDepth) {
   const Image<float> brightness = shading(sloping(0, 0.4F));
   double sum = 0;

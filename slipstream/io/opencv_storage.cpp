@@ -20,7 +20,8 @@ using Entries = std::map<std::string, StoredMatrix>;
 std::optional<double> number_from(std::string_view text) {
   if (text == ".Nan" || text == ".nan" || text == ".NaN") return nan;
   if (text.ends_with(".Inf") || text.ends_with(".inf")) {
-    return std::numeric_limits<double>::infinity();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    return text.starts_with('-') ? -infinity : infinity;
   }
   return number_in<double>(text);
 }

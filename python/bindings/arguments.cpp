@@ -46,6 +46,13 @@ std::vector<py::object> arrays_in(const py::object& frames) {
   return arrays;
 }
 
+/// Replaces the docstring of a function, which Python cannot.
+void document(const py::handle& function, const std::string& text) {
+  PyMethodDef* const method = reinterpret_cast<PyCFunctionObject*>(function.ptr())->m_ml;
+  std::free(const_cast<char*>(method->ml_doc));  // allocated so by pybind11
+  method->ml_doc = ::strdup(text.c_str());
+}
+
 /// E.g. name too long or circular links: bad input, reported by the next translator.
 void translate(std::exception_ptr failure) {
   try {
@@ -123,15 +130,14 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
 
 PYBIND11_MODULE(_slipstream, module) {
   using namespace slipstream::python;
-  py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError).attr("__doc__") =
-      "Bad input; one line with the problem and its remedy.";
-  py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError)
-      .attr("__doc__") = "A system failure: disk full, folder not writable, camera disconnected.";
+  py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError);
+  py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError);
   py::register_exception_translator(translate);
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
     if (most == 0) throw slipstream::Error("threads: 1 or more");
     return new tbb::global_control(tbb::global_control::max_allowed_parallelism, most);
   }));
+  module.def("_document", &document);
   bind_scanners(module);
   bind_scans(module);
   bind_clouds(module);

@@ -183,6 +183,8 @@ class Keywords {
     }
     if constexpr (sizeof...(more) > 0) take(more...);
   }
+  /// Describes the keyword taken next by its setting.
+  void explain(const Setting& setting) { help_ = setting.flag_clears ? "" : setting.help; }
   /// Takes a required keyword.
   template <class Value>
   void need(const char* name, Value& value) {
@@ -196,15 +198,17 @@ class Keywords {
  private:
   [[noreturn]] static void refuse(const char* name, const py::object& given);
 
-  /// Name, a signature with its type, and default.
+  /// Name, a signature with its type, default, and help of its setting.
   template <class Value>
   void describe(const char* name, const py::object& usual) {
-    described_->append(py::make_tuple(name, py::cpp_function([](const Value&) {}).doc(), usual));
+    described_->append(py::make_tuple(name, py::cpp_function([](const Value&) {}).doc(), usual,
+                                      std::exchange(help_, {})));
   }
 
   py::dict left_;
   std::optional<py::list> described_;
   std::vector<std::string> known_;
+  std::string help_;
 };
 
 // Takes the members of CleanSettings, ReconstructSettings and FringeOrderConsensus by name; also
@@ -217,6 +221,7 @@ template <class Settings>
 void take_described(Keywords& keywords, Settings& settings) {
   Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
+    keywords.explain(setting);
     if constexpr (std::is_same_v<Value, std::optional<PointBox>>) {
       using Corner = std::array<double, 3>;
       std::optional<std::pair<Corner, Corner>> box;
@@ -242,9 +247,7 @@ Settings settings_from(const py::kwargs& given) {
   return settings;
 }
 
-/// Takes `scene` or `mesh`, `world`, `scanner` or `camera`, `ambient`, `noise_variance`,
-/// `reflectivity`, `response`, `bits`, `seed`, `rays`, and the motion per frame: `step`, mm, and
-/// `turn`, degrees about the vertical axis.
+/// Takes the keywords of `simulate`.
 VirtualWorld world_from(Keywords& keywords);
 
 /// A cloud owned by Python; its arrays view it, and nothing writes to it any more.

@@ -98,8 +98,21 @@ CalibrationBoard board_from(Keywords& keywords) {
   return board;
 }
 
-py::object calibrated(const fs::path& folder, const std::optional<fs::path>& report_folder,
-                      const py::kwargs& given) {
+/// A calibration with what its report refers to.
+struct HeldCalibration {
+  GeometryCalibration found{};
+  std::vector<UnusedPose> unused{};
+  CalibrationBoard board{};
+  std::vector<Finding> findings{};
+
+  [[nodiscard]] CalibrationReport report() const {
+    return {found, unused, board, nullptr, findings};
+  }
+  void write(const fs::path& path) const { write_page(path, calibration_report(report())); }
+};
+
+HeldCalibration calibrated(const fs::path& folder, const std::optional<fs::path>& report_folder,
+                           const py::kwargs& given) {
   Keywords keywords(given);
   const CalibrationBoard board = board_from(keywords);
   ScanChanges changes;
@@ -123,52 +136,55 @@ py::object calibrated(const fs::path& folder, const std::optional<fs::path>& rep
     return calibrate_geometry(captures.views, board, captures.camera, captures.projector, model);
   });
   warn_of("", captures.warnings);
-  CalibrationReport report{found, captures.unused, board};
-  report.findings = captures.findings;
-  report.findings.insert(report.findings.end(), found.findings.begin(), found.findings.end());
-  if (report_folder)
-    write_page(fs::path(*report_folder) / "report.html", calibration_report(report));
-  py::list poses;
-  for (const CalibratedPose& pose : found.poses) poses.append(pose.name);
-  const auto [camera, projector, stereo] = found.rms;
-  return results(
-      "scanner"_a = found.state.scanner, "poses"_a = poses, "unused"_a = dict_of(captures.unused),
-      "rms"_a = py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo),
-      "findings"_a = report.findings, "text"_a = text_of(report));
+  HeldCalibration held{found, captures.unused, board, captures.findings};
+  held.findings.insert(held.findings.end(), found.findings.begin(), found.findings.end());
+  if (report_folder) held.write(fs::path(*report_folder) / "report.html");
+  return held;
+}
+
+std::vector<std::string> names_of(const std::vector<CalibratedPose>& poses) {
+  std::vector<std::string> names;
+  for (const CalibratedPose& pose : poses) names.push_back(pose.name);
+  return names;
+}
+
+void bind_report(py::module_& module) {
+  py::class_<HeldCalibration> report(module, "CalibrationReport");
+  add(
+      report, "scanner", [](HeldCalibration& of) -> Scanner& { return of.found.state.scanner; },
+      "poses", [](const HeldCalibration& of) { return names_of(of.found.poses); }, "unused",
+      [](const HeldCalibration& of) { return dict_of(of.unused); }, "rms",
+      [](const HeldCalibration& of) {
+        const auto [camera, projector, stereo] = of.found.rms;
+        return py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo);
+      },
+      "findings", &HeldCalibration::findings, "text",
+      [](const HeldCalibration& of) { return text_of(of.report()); });
+  report.def("write", &HeldCalibration::write, "path"_a, Unlocked());
 }
 
 }  // namespace
 
 void bind_calibration(py::module_& module) {
+  bind_report(module);
   module.def("find_gamma", &found_gamma, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
-             "bits"_a = py::none(), "Gamma estimated from the frames of one sinusoid alone.");
+             "bits"_a = py::none());
   module.def("calibrate_gamma", &calibrated_gamma, "scans"_a, py::kw_only(),
-             "minimum_modulation"_a = 0.,
-             "A scanner's response, from scans of one static scene or their paths, best with 8 "
-             "steps or more; misfit: the phase error left by a power law, rad.");
-  module.def("calibrate_noise", &calibrated_noise, "scans"_a,
-             "A scanner's noise_variance and noise_gain, from scans of one static scene or their "
-             "paths; the most reliable measurement first.");
+             "minimum_modulation"_a = 0.);
+  module.def("calibrate_noise", &calibrated_noise, "scans"_a);
   module.def("calibrate_ambient", &calibrated_ambient, "scans"_a, py::kw_only(),
-             "least_alpha"_a = 0.5, "response"_a = py::none(),
-             "Ambient light, grey levels of 255, from scans of a bright surface or their paths; "
-             "use its mode for a scanner.");
+             "least_alpha"_a = 0.5, "response"_a = py::none());
   module.def("phases", &phases_of, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
-             "bits"_a = py::none(),
-             "Mean, modulation and wrapped phase (rad, 0 to 2 pi) of N-step frames, in double.");
+             "bits"_a = py::none());
   module.def("unwrap", py::vectorize(&unwrapped), "wrapped_phase"_a, "frequency"_a,
-             "coarse_coordinate"_a,
-             "Projector coordinate by the fringe order nearest to a coarse one, Eq. (1.17).");
+             "coarse_coordinate"_a);
   module.def("phase_variance",
              py::vectorize(py::overload_cast<int, double, double, double>(&phase_variance)),
-             "steps"_a, "alpha"_a, "alpha_p"_a, "noise_variance"_a, "rad^2, Eq. (3.38).");
+             "steps"_a, "alpha"_a, "alpha_p"_a, "noise_variance"_a);
   module.def("coordinate_variance",
              py::vectorize(py::overload_cast<double, double>(&coordinate_variance)),
-             "phase_variance"_a, "frequency"_a, "fields^2, Eq. (3.40).");
-  module.def("calibrate_geometry", &calibrated, "folder"_a, "report"_a = py::none(),
-             "Calibrates a scanner from scans of a board in several poses, one folder each; "
-             "returns it with the RMS reprojection error of corners, pixels, and diagnostics; "
-             "`report`: folder for a page with pictures.");
+             "phase_variance"_a, "frequency"_a);
+  module.def("calibrate_geometry", &calibrated, "folder"_a, "report"_a = py::none());
 }
 
 }  // namespace slipstream::python

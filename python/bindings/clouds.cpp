@@ -2,6 +2,7 @@
 
 #include "python/bindings/bindings.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/cloud/surface.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
@@ -25,25 +26,19 @@ void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
 /// From points rows x columns x 3, not finite if invalid.
 std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
                                       const std::optional<ArrayOf<float>>& intensity) {
-  if (points.ndim() != 3 || points.shape(2) != 3)
-    throw Error("points: expected rows x columns x 3");
+  throw_if(points.ndim() != 3 || points.shape(2) != 3, "points: expected rows x columns x 3");
   const auto axis = [&](int i) {
     return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));
   };
   auto held = std::make_shared<HeldCloud>();
   Cloud& cloud = held->cloud;
-  cloud.x = axis(0);
-  cloud.y = axis(1);
-  cloud.z = axis(2);
+  std::tie(cloud.x, cloud.y, cloud.z) = std::tuple(axis(0), axis(1), axis(2));
   cloud.validity = Image<Validity>(cloud.size(), Validity::valid);
   cloud.intensity = intensity ? image_from(*intensity) : Image<float>(cloud.size());
-  if (cloud.intensity.size() != cloud.size())
-    throw Error("intensity: size differs from the points'");
-  for_each_row(cloud.size().height, [&](int row) {
-    for (int i = 0; i < cloud.size().width; ++i) {
-      const bool is_point = std::isfinite(cloud.x(i, row) + cloud.y(i, row) + cloud.z(i, row));
-      if (!is_point) cloud.leave_out(i, row, Validity::no_point);
-    }
+  throw_if(cloud.intensity.size() != cloud.size(), "intensity: size differs from the points'");
+  for_each_pixel_in_order(cloud.size(), [&](int i, int row) {
+    const bool is_point = std::isfinite(cloud.x(i, row) + cloud.y(i, row) + cloud.z(i, row));
+    if (!is_point) cloud.leave_out(i, row, Validity::no_point);
   });
   return held;
 }
@@ -99,14 +94,8 @@ void add_images(py::class_<Held, std::shared_ptr<Held>>& held, const char* name,
 }
 
 void bind_cloud(py::module_& module) {
-  py::class_<HeldCloud, std::shared_ptr<HeldCloud>> cloud(
-      module, "Cloud",
-      "A point, or the reason why it is invalid, for each camera pixel: x, y, z in mm in the "
-      "camera's frame, NaN if invalid; intensity in grey levels of 255; validity as a Validity "
-      "number. These are read-only views, rows x columns. `points` has x, y, z side by side, rows "
-      "x columns x 3, copied on first use.");
-  cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none(),
-            "A cloud from a copy of your own points, rows x columns x 3, NaN if invalid.");
+  py::class_<HeldCloud, std::shared_ptr<HeldCloud>> cloud(module, "Cloud");
+  cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none());
   add_images(cloud, "x", &Cloud::x, "y", &Cloud::y, "z", &Cloud::z, "intensity", &Cloud::intensity,
              "validity", &Cloud::validity);
   add(cloud, "points", [](const py::object& self) {
@@ -117,27 +106,26 @@ void bind_cloud(py::module_& module) {
   add(cloud, "counts", &counts_of, "remarks", &HeldCloud::remarks, "size",
       [](const HeldCloud& of) { return of.cloud.size(); });
   cloud.def("__len__", [](const HeldCloud& of) { return point_count(of.cloud); });
-  cloud.def(
-      "normals",
-      [](const HeldCloud& of) {
-        return array_from(unlocked([&] {
-          const Normals normals = smoothed_normals(of.cloud);
-          HeldCloud::Points joined;
-          join(normals.x, normals.y, normals.z, joined);
-          return joined;
-        }));
-      },
-      "Smoothed unit normals towards the camera, rows x columns x 3; NaN if invalid.");
-  cloud.def("cleaned", &cleaned,
-            "A copy without points that contradict their neighbours; settings as for Engine.");
+  cloud.def("normals", [](const HeldCloud& of) {
+    return array_from(unlocked([&] {
+      const Normals normals = smoothed_normals(of.cloud);
+      HeldCloud::Points joined;
+      join(normals.x, normals.y, normals.z, joined);
+      return joined;
+    }));
+  });
+  cloud.def("cleaned", &cleaned);
   cloud.def("write", &write, "path"_a, "uncertainty"_a = py::none(), py::kw_only(),
-            "normals"_a = false, Unlocked(), "Writes .ply, .pcd or .xyz.");
-  cloud.def("write_mesh", &write_mesh, "path"_a, py::kw_only(), "largest_step"_a = 8., Unlocked(),
-            "Joins neighbouring points by triangles and writes .ply, .stl, .obj or .glb.");
+            "normals"_a = false, Unlocked());
+  cloud.def("write_mesh", &write_mesh, "path"_a, py::kw_only(), "largest_step"_a = 8., Unlocked());
   cloud.def(
       "write_preview",
       [](const HeldCloud& of, const fs::path& path) { write_depth_preview(path, of.cloud); },
-      "path"_a, Unlocked(), "Writes a coloured depth picture: .png.");
+      "path"_a, Unlocked());
+  cloud.def("preview", [](const HeldCloud& of) {
+    const auto png = unlocked([&] { return depth_preview(of.cloud); });
+    return py::bytes(reinterpret_cast<const char*>(png.data()), png.size());
+  });
   module.def(
       "load_cloud",
       [](const fs::path& path) {
@@ -145,7 +133,7 @@ void bind_cloud(py::module_& module) {
         held->cloud = read_cloud(path).cloud;
         return held;
       },
-      "path"_a, Unlocked(), "Reads the points of a cloud or mesh file; one row if unorganised.");
+      "path"_a, Unlocked());
 }
 
 }  // namespace
@@ -158,26 +146,19 @@ const HeldCloud::Points& HeldCloud::points() {
 
 void bind_clouds(py::module_& module) {
   bind_cloud(module);
-  py::class_<Maps, std::shared_ptr<Maps>> maps(
-      module, "Maps",
-      "Maps of each camera pixel: mean and modulation in the frames' grey levels, wrapped phase of "
-      "the highest frequency (rad, 0 to 2 pi), fringe order doubt (periods), projector coordinate "
-      "(0 to 1 across the field), motion (rad from frame to frame). None if not available.");
+  py::class_<Maps, std::shared_ptr<Maps>> maps(module, "Maps");
   add_images(maps, "mean", &Maps::mean, "modulation", &Maps::modulation, "wrapped_phase",
              &Maps::wrapped_phase, "fringe_order_doubt", &Maps::fringe_order_doubt, "coordinate",
              &Maps::coordinate, "motion", &Maps::motion);
-  py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(
-      module, "Uncertainty",
-      "Standard deviation of each point from noise: mm; of the coordinate in field widths.");
+  py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(module, "Uncertainty");
   add_images(uncertainty, "coordinate", &Uncertainty::coordinate, "x", &Uncertainty::x, "y",
              &Uncertainty::y, "z", &Uncertainty::z);
   module.def(
       "write_map",
       [](const fs::path& path, const ArrayOf<float>& map) { write_map(path, image_from(map)); },
-      "path"_a, "map"_a, "Writes rows x columns as a 32-bit float TIFF, keeping NaN.");
+      "path"_a, "map"_a);
   module.def(
-      "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a,
-      "Reads such a file as a float64 array.");
+      "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a);
   module.def(
       "unwrap_in_space",
       [](const ArrayOf<float>& phase, const std::optional<ArrayOf<float>>& quality,
@@ -188,10 +169,7 @@ void bind_clouds(py::module_& module) {
         return results("phase"_a = array_from(std::move(unwrapped.phase)),
                        "region"_a = array_from(std::move(unwrapped.region)));
       },
-      "phase"_a, "quality"_a = py::none(), "method"_a = "flow",
-      "Unwraps a wrapped phase map spatially (rad, rows x columns, NaN if invalid): .phase, and "
-      ".region, the number of each pixel's connected region, 0 if invalid. Methods as in "
-      "slipstream unwrap.");
+      "phase"_a, "quality"_a = py::none(), "method"_a = "flow");
 }
 
 }  // namespace slipstream::python

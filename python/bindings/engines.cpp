@@ -231,51 +231,35 @@ py::dict statistics_of(const Live& live) {
 
 void bind_engine(py::module_& module) {
   const py::arg_v bits = "bits"_a = py::none();
-  py::class_<SharedEngine> engine(
-      module, "Engine",
-      "Reconstructs clouds and maps for one scanner and sequence: builds tables once and reuses "
-      "memory. Frames are one array frames x rows x columns, a list of arrays, or Scan.frames, and "
-      "are not copied. Thread-safe.");
+  py::class_<SharedEngine> engine(module, "Engine");
   engine.def(
       py::init([](const Scanner& scanner, const Sequence& sequence, const py::kwargs& given) {
         const EngineSetup setup{scanner, sequence, settings_from<ReconstructSettings>(given)};
         return unlocked([&] { return std::make_unique<SharedEngine>(setup); });
       }),
       "scanner"_a, "sequence"_a);
-  engine.def("cloud", &computed<&SharedEngine::cloud>, "frames"_a, py::kw_only(), bits,
-             "The cloud of a scan's frames.");
-  engine.def("maps", &computed<&SharedEngine::maps>, "frames"_a, py::kw_only(), bits,
-             "The maps of a scan's frames.");
+  engine.def("cloud", &computed<&SharedEngine::cloud>, "frames"_a, py::kw_only(), bits);
+  engine.def("maps", &computed<&SharedEngine::maps>, "frames"_a, py::kw_only(), bits);
   engine.def("cloud_and_maps", &computed<&SharedEngine::cloud_and_maps>, "frames"_a, py::kw_only(),
-             bits, "Cloud and maps in one pass.");
-  engine.def("uncertainty", &uncertainty, "cloud"_a, "maps"_a, "frames"_a, py::kw_only(), bits,
-             "Uncertainty of each point, for the frames of the cloud and maps.");
-  engine.def("backend_for", &computed<&SharedEngine::backend_for>, "frames"_a, py::kw_only(), bits,
-             "The engine that processes such frames: 'fused', or methods of the reference engine.");
+             bits);
+  engine.def("uncertainty", &uncertainty, "cloud"_a, "maps"_a, "frames"_a, py::kw_only(), bits);
+  engine.def("backend_for", &computed<&SharedEngine::backend_for>, "frames"_a, py::kw_only(), bits);
   const auto in_setup = [](auto member) {
     return [member](const SharedEngine& of) { return of.setup().*member; };
   };
   add(engine, "scanner", in_setup(&EngineSetup::scanner), "sequence",
       in_setup(&EngineSetup::sequence));
   module.def("reconstruct", &reconstructed, "scan"_a, py::kw_only(), "gamma"_a = "scanner",
-             "anyway"_a = false,
-             "Reconstructs a scan like `slipstream reconstruct`: chooses the response, checks the "
-             "frames and refuses wrong ones. Settings as for Engine.");
-  module.def("decode", &decoded, "frames"_a, "sequence"_a, py::kw_only(), bits,
-             "The maps of frames, without a scanner. Settings as for Engine.");
+             "anyway"_a = false);
+  module.def("decode", &decoded, "frames"_a, "sequence"_a, py::kw_only(), bits);
 }
 
 void bind_live(py::module_& module) {
-  py::class_<Live> bound(
-      module, "Live",
-      "Reconstructs live from a source: virtual, replay:PATH, aravis:NAME or v4l2:NUMBER; each new "
-      "frame gives a cloud of the newest frames. `with Live(...) as live: for cloud in live:` "
-      "yields the newest each time; `on_cloud` receives all, in its own thread. Statistics count "
-      "from the start, latencies are in ms.");
+  py::class_<Live> bound(module, "Live");
   bound.def(py::init(&live), "source"_a, "sequence"_a = py::none(), "scanner"_a = py::none(),
             "on_cloud"_a = py::none());
   bound.def("start", &Live::start, Unlocked());
-  bound.def("stop", &Live::stop, "Stops it; raises any error of its threads.");
+  bound.def("stop", &Live::stop);
   bound.def("__next__", &Live::next);
   add(bound, "running", &Live::running, "statistics", &statistics_of, "findings",
       [](const Live& of) { return of.statistics().findings; });

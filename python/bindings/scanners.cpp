@@ -126,23 +126,17 @@ void add_photometry(py::class_<Scanner>& scanner, const char* name) {
 }
 
 void bind_strategies(py::module_& module) {
-  py::class_<Strategy> strategy(
-      module, "Strategy",
-      "A coding by name and settings, or by its label: Strategy('pmp', steps=4).");
+  py::class_<Strategy> strategy(module, "Strategy");
   strategy.def(py::init(&strategy_from), "name"_a).def(py::self == py::self);
   add(strategy, "name", &Strategy::name, "settings", &settings_of, "label", &label_of, "frames",
       py::overload_cast<const Strategy&>(&frame_count), "has_coordinate",
       py::overload_cast<const Strategy&>(&has_coordinate));
   py::implicitly_convertible<py::str, Strategy>();
-  module.def("strategy_names", &strategy_names, "Names of all strategies.");
-  module.def(
-      "strategy_settings", &described_settings,
-      "Each setting: name, description, and the strategies that have it with their defaults.");
-  module.def("design", &designs,
-             "The best setting of each kind of strategy: least noise within a number of frames, or "
-             "fewest frames for a given noise; best first.");
+  module.def("strategy_names", &strategy_names);
+  module.def("strategy_settings", &described_settings);
+  module.def("design", &designs);
 
-  py::class_<Sequence> sequence(module, "Sequence", "The pattern sequence of one scan.");
+  py::class_<Sequence> sequence(module, "Sequence");
   sequence.def(py::init(&sequence_from), "strategy"_a, "axis"_a = "x").def(py::self == py::self);
   add(sequence, "strategy", &Sequence::strategy, "axis", &axes_of, "projector",
       &Sequence::projector, "marker", &Sequence::marker, "exposures", &Sequence::exposures,
@@ -150,20 +144,17 @@ void bind_strategies(py::module_& module) {
       py::overload_cast<const Sequence&>(&frame_count), "alpha_p",
       within(&Sequence::light, &PatternLight::alpha_p), "beta_p",
       within(&Sequence::light, &PatternLight::beta_p));
-  sequence.def("patterns", &patterns_of, "bits"_a = 8,
-               "The pictures to project, frames x rows x columns: uint8, or uint16 above 8 bits.");
+  sequence.def("patterns", &patterns_of, "bits"_a = 8);
   sequence.def(
       "write_patterns",
       [](const Sequence& of, const fs::path& folder, int bits) {
         return write_patterns(folder, pattern_set(cycle_of(of)), of, bits, [] {});
       },
-      "folder"_a, "bits"_a = 8, Unlocked(),
-      "Writes the pictures with a scan.yaml that describes them.");
+      "folder"_a, "bits"_a = 8, Unlocked());
 }
 
 void bind_responses(py::module_& module) {
-  py::class_<MeasuredResponse> response(
-      module, "Response", "Response of light to pattern values: a power law, or a curve near one.");
+  py::class_<MeasuredResponse> response(module, "Response");
   response.def(py::init([](double gamma) {
                  require_gamma(gamma, "gamma");
                  return MeasuredResponse{PowerLaw{gamma}, gamma};
@@ -179,8 +170,7 @@ void bind_responses(py::module_& module) {
         return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(
             phases);
       },
-      "phases"_a, "steps"_a,
-      "Wrapped phases, rad, of N-step patterns, corrected for this response.");
+      "phases"_a, "steps"_a);
 }
 
 }  // namespace
@@ -188,10 +178,7 @@ void bind_responses(py::module_& module) {
 void bind_scanners(py::module_& module) {
   bind_strategies(module);
   bind_responses(module);
-  py::class_<Scanner> scanner(
-      module, "Scanner",
-      "Calibration of a camera and a projector; mm, the world frame is the camera's. Sizes are "
-      "(width, height), light is in grey levels of 255; unknown values are None.");
+  py::class_<Scanner> scanner(module, "Scanner");
   scanner.def(py::init(&scanner_from)).def(py::self == py::self);
   add_lens<&Scanner::camera>(scanner, "camera");
   add_lens<&Scanner::projector>(scanner, "projector");
@@ -200,16 +187,12 @@ void bind_scanners(py::module_& module) {
   add_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain");
   add_photometry<&PhotometricCalibration::response>(scanner, "response");
   add(scanner, "rotation", &Scanner::rotation, "translation", &Scanner::translation);
-  scanner.def_readwrite("measured", &Scanner::measured, "How and when it was calibrated, as text.");
+  scanner.def_readwrite("measured", &Scanner::measured);
   scanner.def(
       "write", [](const Scanner& of, const fs::path& path) { write_scanner(path, of); }, "path"_a,
-      Unlocked(), "Writes a scanner file: .yaml or .xml.");
-  module.def(
-      "load_scanner", &read_scanner, "path"_a, Unlocked(),
-      "Reads a scanner from an OpenCV file (YAML or XML) in slipstream's or a known other layout, "
-      "or from a recording; if the file has no sizes, load_scan(..., scanner=path) finds them.");
-  module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480},
-             "A camera of that size beside a 1280x800 projector, for the virtual world.");
+      Unlocked());
+  module.def("load_scanner", &read_scanner, "path"_a, Unlocked());
+  module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480});
 }
 
 }  // namespace slipstream::python

@@ -81,15 +81,14 @@ py::object frame_at(const py::object& self, int n) {
 }
 
 void bind_findings(py::module_& module) {
-  py::class_<Finding> finding(module, "Finding", "A diagnostic of a scan check.");
+  py::class_<Finding> finding(module, "Finding");
   add(
       finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
       "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; }, "evidence",
       [](const Finding& of) { return dict_of(of.evidence); });
   finding.def("__str__", [](const Finding& of) { return text_of(of); });
   module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
-             "moving"_a = false, "gamma"_a = "scanner", Unlocked(),
-             "Checks whether the frames of a scan fit its sequence, its scanner and each other.");
+             "moving"_a = false, "gamma"_a = "scanner", Unlocked());
 }
 
 /// None if the frame is damaged.
@@ -163,15 +162,13 @@ std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma
 }
 
 void bind_scans(py::module_& module) {
-  py::class_<FrameSet> frames(module, "Frames",
-                              "The frames of a scan: read-only views, rows x columns.");
+  py::class_<FrameSet> frames(module, "Frames");
   frames.def("__len__", &FrameSet::count).def("__getitem__", &frame_at);
   add(frames, "bits", &FrameSet::bits, "size", &FrameSet::size);
 
-  py::class_<Scan, std::shared_ptr<Scan>> scan(
-      module, "Scan", "Frames, their sequence, and their scanner if known.");
+  py::class_<Scan, std::shared_ptr<Scan>> scan(module, "Scan");
   scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
-           "bits"_a = py::none(), "A scan from a copy of frames; several exposures are merged.");
+           "bits"_a = py::none());
   scan.def_property(  // never removed: Python may hold it
       "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; },
       [](Scan& of, const Scanner& scanner) { of.scanner = scanner; });
@@ -183,19 +180,12 @@ void bind_scans(py::module_& module) {
       [](const Scan& of, const fs::path& path) {
         save_scan(path, of.frames, of.sequence, of.scanner);
       },
-      "path"_a, Unlocked(),
-      "Writes a folder with scan.yaml, or a recording if the path ends in .slip.");
+      "path"_a, Unlocked());
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
-             "window"_a = py::none(),
-             "Loads a scan from a folder or a recording; arguments override its contents.");
+             "window"_a = py::none());
   bind_findings(module);
-  py::class_<RecordingReader> recording(
-      module, "Recording",
-      "Raw frames in one file. recording[n] has pixels (read-only), bits, sequence (the device's "
-      "count), pattern_index and device_time (s), or is None if the frame is damaged; iteration "
-      "skips damaged frames. Unknown values are None. If in_colour, three frames are the raw "
-      "channels of one picture.");
+  py::class_<RecordingReader> recording(module, "Recording");
   recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
   recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
   const auto in_header = [](auto member) {
@@ -222,11 +212,9 @@ VirtualWorld world_from(Keywords& keywords) {
 }
 
 void bind_virtual_world(py::module_& module) {
-  module.def("simulate", &simulated, "sequence"_a, "path"_a = py::none(),
-             "Simulates a scan: `scan`, and ground truth: depth (mm), coordinate and reflectivity; "
-             "optionally also written to a folder or a recording (.slip).");
-  module.def("scene_names", &scene_names, "Scenes of the virtual world.");
-  module.def("world_names", &world_names, "Names of virtual worlds (light, optics and sensor).");
+  module.def("simulate", &simulated, "sequence"_a, "path"_a = py::none());
+  module.def("scene_names", &scene_names);
+  module.def("world_names", &world_names);
 }
 
 }  // namespace slipstream::python

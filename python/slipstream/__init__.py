@@ -1,11 +1,18 @@
 """slipstream: 3-D point clouds from pictures of an object under projected stripes."""
 
 import atexit as _atexit
+import base64 as _base64
 import contextlib as _contextlib
 import enum as _enum
+import html as _html
+import pathlib as _pathlib
+import tempfile as _tempfile
 import weakref as _weakref
 
+import numpy as _numpy
+
 from . import _slipstream
+from ._docstrings import DOCSTRINGS as _DOCSTRINGS
 from ._slipstream import *  # noqa: F403
 from ._slipstream import __version__  # noqa: F401
 
@@ -13,34 +20,70 @@ Validity = _enum.IntEnum(
     "Validity",
     "VALID TOO_DARK SATURATED DOUBTFUL_ORDER NO_POINT OUTSIDE_FIELD OUT_OF_RANGE LOW_TRUST MIXED "
     "OUTLIER SMALL_COMPONENT OUTSIDE_REGION MOVED", start=0, module=__name__)
-Validity.__doc__ = "Why a camera pixel has a point or is invalid: the numbers in Cloud.validity."
+
 
 _SAYS = {
-    "Strategy": "{0.label}",
-    "Sequence": "{0.strategy.label} along {0.axis}, {0.frames} frames",
-    "Response": "gamma {0.gamma:.4g}",
-    "Scanner": "camera {0.camera_size}, projector {0.projector_size}",
-    "Frames": "{1} of {0.size}, {0.bits} bits",
-    "Scan": "{0.frames!r}, {0.sequence!r}",
-    "Finding": "{0}",
-    "Cloud": "{0.size}, {1} points",
-    "Maps": "{0.mean.shape}",
-    "Uncertainty": "{0.z.shape}",
-    "Engine": "{0.scanner!r}, {0.sequence!r}",
-    "Recording": "{1} frames, {0.sequence!r}",
-    "Live": "{0.statistics[clouds]} clouds",
+    "Strategy": lambda of: of.label,
+    "Sequence": lambda of: f"{of.strategy.label} along {of.axis}, {of.frames} frames",
+    "Response": lambda of: f"gamma {of.gamma:.4g} +- {of.standard_error:.2g}",
+    "Scanner": lambda of: "camera {0[0]}x{0[1]}, projector {1[0]}x{1[1]}, {2:.4g} mm apart".format(
+        of.camera_size, of.projector_size, _numpy.linalg.norm(of.translation)),
+    "Frames": lambda of: "{1} of {0[0]}x{0[1]}, {2} bits".format(of.size, len(of), of.bits),
+    "Scan": lambda of: f"{of.frames!r}, {of.sequence!r}",
+    "Finding": str,
+    "Cloud": lambda of: "{0[0]}x{0[1]}: {1} points of {2} pixels".format(
+        of.size, len(of), of.z.size) + (
+        f", {_numpy.nanmin(of.z):.1f} to {_numpy.nanmax(of.z):.1f} mm" if of else ""),
+    "Maps": lambda of: "{0[1]}x{0[0]}: median modulation {1:.3g}".format(
+        of.mean.shape, _numpy.nanquantile(of.modulation, 0.5)),
+    "Uncertainty": lambda of: "{0[1]}x{0[0]}: median {1:.3g} mm of depth".format(
+        of.z.shape, _numpy.median(of.z[of.z > 0]) if (of.z > 0).any() else 0),
+    "Engine": lambda of: f"{of.scanner!r}, {of.sequence!r}",
+    "Recording": lambda of: f"{len(of)} frames, {of.sequence!r}",
+    "CalibrationReport": lambda of: "{1} poses, RMS camera {0[camera]:.3g}, projector "
+    "{0[projector]:.3g}, stereo {0[stereo]:.3g} pixels".format(of.rms, len(of.poses)),
+    "Live": lambda of: "{0[clouds]} clouds, {1}".format(
+        of.statistics, "running" if of.running else "stopped"),
 }
 
 
 def _say(self):
     name = type(self).__name__
-    count = len(self) if hasattr(self, "__len__") else None
-    return f"<slipstream.{name} {_SAYS[name].format(self, count)}>"
+    return f"<slipstream.{name} {_SAYS[name](self)}>"
+
+
+def _by_file(name, write, read):
+    with _tempfile.TemporaryDirectory() as folder:
+        write(f"{folder}/{name}")
+        return read(f"{folder}/{name}")
+
+
+def _show_cloud(self):
+    png = _base64.b64encode(self.preview()).decode()
+    return (f'<figure><img alt="depth" src="data:image/png;base64,{png}">'
+            f"<figcaption>{_SAYS['Cloud'](self)}</figcaption></figure>")
+
+
+def _show_report(self):
+    page = _by_file("report.html", self.write, lambda path: _pathlib.Path(path).read_bytes())
+    return (f'<iframe srcdoc="{_html.escape(page.decode())}" '
+            'style="width: 100%; height: 40em; border: 0"></iframe>')
+
+
+def _to_open3d(self):
+    import open3d
+    return _by_file("cloud.ply", lambda path: self.write(path, normals=True),
+                    open3d.io.read_point_cloud)
+
+
+def _to_trimesh(self, *, largest_step=8.0):
+    import trimesh
+    return _by_file("mesh.ply", lambda path: self.write_mesh(path, largest_step=largest_step),
+                    lambda path: trimesh.load(path, process=False))
 
 
 @_contextlib.contextmanager
 def threads(most):
-    """Context manager: `with threads(1):` limits the threads of each call."""
     limit = _slipstream._ThreadLimit(most)
     try:
         yield
@@ -81,3 +124,14 @@ Live.__exit__ = _end_live  # noqa: F405
 Live.__iter__ = lambda self: self  # noqa: F405
 Recording.__iter__ = lambda self: filter(  # noqa: F405
     lambda frame: frame is not None, map(self.__getitem__, range(len(self))))
+Cloud._repr_html_, CalibrationReport._repr_html_ = _show_cloud, _show_report  # noqa: F405
+Cloud.to_open3d, Cloud.to_trimesh = _to_open3d, _to_trimesh  # noqa: F405
+
+__doc__ = _DOCSTRINGS.pop("", (None, __doc__))[1]
+for _name, (_signature, _text) in _DOCSTRINGS.items():
+    _owner, _, _name = _name.rpartition(".")
+    _bound = vars(globals()[_owner])[_name] if _owner else globals()[_name]
+    if hasattr(_bound, "fget") or not _signature or hasattr(_bound, "__code__"):
+        _bound.__doc__ = _text
+    else:
+        _slipstream._document(getattr(_bound, "__func__", _bound), f"{_signature}\n--\n\n{_text}")

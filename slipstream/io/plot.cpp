@@ -219,21 +219,20 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
   return page;
 }
 
-void write_png(const fs::path& path, const cv::Mat& picture) {
+std::vector<std::uint8_t> png_of(const cv::Mat& picture) {
   const ImageView<const std::uint8_t> samples(picture.data, {3 * picture.cols, picture.rows});
-  write_file(path, png_file_of(PictureView(samples, 3)));
+  return png_file_of(PictureView(samples, 3));
 }
 
-void write_preview(const fs::path& path, cv::Mat picture, const ValueRange& range,
-                   const std::string& unit, const ColourMap& colours) {
-  require_ending(path, "preview", {".png"});
+std::vector<std::uint8_t> preview(cv::Mat picture, const ValueRange& range, const std::string& unit,
+                                  const ColourMap& colours) {
   constexpr int longest_side = 1000;
   const int side = std::max(picture.cols, picture.rows);
   if (side > longest_side) {
     const double scale = static_cast<double>(longest_side) / side;
     cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
   }
-  write_png(path, with_scale(picture, range, unit, colours));
+  return png_of(with_scale(picture, range, unit, colours));
 }
 
 }  // namespace
@@ -280,32 +279,38 @@ ValueRange robust_range(const Image<double>& map) {
 }
 
 void write_depth_preview(const fs::path& path, const Cloud& cloud) {
+  require_ending(path, "preview", {".png"});
+  write_file(path, depth_preview(cloud));
+}
+
+std::vector<std::uint8_t> depth_preview(const Cloud& cloud) {
   const Image<double> depth = converted<double>(cloud.z);
   const ValueRange range = robust_range(depth);
   const ColourMap colours = depth_colours();
   cv::Mat picture = coloured(depth, range, colours);
   shade(picture, cloud);
-  write_preview(path, std::move(picture), range, "depth, mm", colours);
+  return preview(std::move(picture), range, "depth, mm", colours);
 }
 
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
+  require_ending(path, "preview", {".png"});
   const ValueRange range = robust_range(map);
   ColourMap colours = depth_colours();
   std::reverse(colours.begin(), colours.end());  // large values stand out, like near depths
   cv::Mat picture = coloured(map, range, colours);
   const int times = smallest_height / std::max({map.width(), map.height(), 1});
   if (times > 1) cv::resize(picture, picture, {}, times, times, cv::INTER_NEAREST);
-  write_preview(path, std::move(picture), range, unit, colours);
+  write_file(path, preview(std::move(picture), range, unit, colours));
 }
 
 void write_plot(const fs::path& path, const LinePlot& plot) {
   require_ending(path, "plot", {".png"});
-  write_png(path, drawn(plot));
+  write_file(path, png_of(drawn(plot)));
 }
 
 void write_plot(const fs::path& path, const BarPlot& plot) {
   require_ending(path, "plot", {".png"});
-  write_png(path, drawn(plot));
+  write_file(path, png_of(drawn(plot)));
 }
 
 }  // namespace slipstream

@@ -59,6 +59,8 @@ ValueRange robust_range(const Image<double>& map);
 /// A PNG with depth in colours, shaded by the surface's slope, and a scale in millimetres. Pixels
 /// without a point are dark grey. Sides longer than 1000 pixels are reduced.
 void write_depth_preview(const std::filesystem::path& path, const Cloud& cloud);
+/// The same as the bytes of a PNG file.
+std::vector<std::uint8_t> depth_preview(const Cloud& cloud);
 
 /// The same for a map, unshaded, with `unit` printed above the scale; enlarges small maps.
 void write_map_preview(const std::filesystem::path& path, const Image<double>& map,

@@ -1,6 +1,8 @@
 """Calibration, gamma, noise and what is computed of arrays."""
 
+import html
 import math
+import re
 
 import numpy
 import pytest
@@ -50,8 +52,17 @@ def test_geometry_as_the_program(tmp_path):
     assert found.scanner.translation == pytest.approx(theirs.translation, abs=1e-9)
     assert found.rms["stereo"] < 0.5
     assert found.poses == ["board01", "board02", "board03", "board04"] and found.unused == {}
-    assert (tmp_path / "report" / "report.html").exists()
+    page = (tmp_path / "report" / "report.html").read_text()
     assert "RMS" in found.text
+    found.write(tmp_path / "again.html")
+    assert (tmp_path / "again.html").read_text() == page
+    shown = found._repr_html_()
+    assert html.unescape(re.fullmatch('<iframe srcdoc="([^"]*)" [^>]*></iframe>', shown)[1]) == page
+    assert 'src="data:image/png;base64,' in page and not re.search('(src|href)="(?!data:)', page)
+    assert re.fullmatch(r"<slipstream.CalibrationReport 4 poses, RMS camera \S+, projector \S+, "
+                        r"stereo \S+ pixels>", repr(found))
+    found.scanner.noise_variance = 2.5
+    assert found.scanner.noise_variance == 2.5  # its own, no copy
 
 
 def test_phases_and_unwrapping_of_arrays(dual):

@@ -74,7 +74,9 @@ def test_things_say_what_they_are(dual, engine):
                   cloud, maps, engine.uncertainty(cloud, maps, scan.frames),
                   slipstream.Response(2.2)]:
         assert repr(thing).startswith("<slipstream."), repr(thing)
-    assert repr(cloud) == f"<slipstream.Cloud (320, 240), {len(cloud)} points>"
+    low, high = (f"{depth(cloud.z):.1f}" for depth in (numpy.nanmin, numpy.nanmax))
+    assert repr(cloud) == (
+        f"<slipstream.Cloud 320x240: {len(cloud)} points of 76800 pixels, {low} to {high} mm>")
     assert repr(slipstream.design()[0]).startswith("namespace(strategy=<slipstream.Strategy ")
     assert " object at " not in repr(scan)
 

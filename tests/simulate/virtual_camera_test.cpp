@@ -142,7 +142,7 @@ TEST(VirtualCamera, loses_the_oldest_frames_that_nobody_fetches) {
 
 TEST(VirtualCamera, refuses_what_is_no_camera) {
   const auto frames = frames_of({32, 24}, 1, Eigen::Vector3d::Zero());
-  EXPECT_THROW(VirtualCamera({}), Error);
+  EXPECT_THROW(VirtualCamera(std::vector<Frame>{}), Error);
   EXPECT_THROW(VirtualCamera(frames, 0), Error);
   EXPECT_THROW(VirtualCamera(frames, std::nan("")), Error);
   EXPECT_THROW(VirtualCamera({Frame({{4, 4}, 8}), Frame({{4, 4}, 12})}), Error);

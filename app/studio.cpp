@@ -48,6 +48,8 @@ void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& m
     source.sequence.known = Sequence{.strategy = strategy_labelled(label)};
     source.sequence.strategy = source.sequence.known->strategy.name();
     source.sequence.settings.clear();
+  } else if (is_camera(source) && !source.sequence.strategy) {
+    source.sequence.strategy = default_strategy().name();
   }
   source.loop = true;
   constexpr double virtual_rate = 60;  // otherwise as fast as possible: no processor is left
@@ -189,8 +191,6 @@ void studio(const LiveFlags& flags, Output& output) {
   std::vector<std::string> usual;
   for (const Strategy& strategy : usual_strategies()) usual.push_back(label_of(strategy));
   Studio studio{.flags = flags, .output = output, .given_patterns = given};
-  if (!flags.source.sequence.strategy)
-    studio.flags.source.sequence.strategy = default_strategy().name();
   studio.flags.source.virtual_scanner.idle_step.setZero();  // renders one cycle, not seconds
   studio.cameras = std::async(std::launch::async, list_cameras);
   auto& [choices, buttons, message] = *studio.steps;
@@ -222,6 +222,10 @@ void add_studio(const Commands& program) {
   const auto [command, flags] =
       program.add(studio, "studio", "one window from camera and projector to a cloud");
   add_live_flags(command, flags);
+  for (const char* const of_a_run :
+       {"--output", "--model", "--duration", "--frames", "--snapshot", "--screenshot"}) {
+    command.app.remove_option(command.app.get_option(of_a_run));
+  }
   command.common({"--source", "--monitor", "--scanner", "--strategy", "--steps", "--exposure",
                   "--size", "--save-to"});
   command.examples({"studio", "studio --source aravis: --monitor 1 --exposure 15"});

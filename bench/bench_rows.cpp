@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "bench/opencv_peers.h"
+#include "bench/vector_target.h"
 #include "paper/published_loops.h"
-#include "slipstream/base/vector_target.h"
 #include "slipstream/cloud/object_model.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/live/window_engine.h"

@@ -8,7 +8,7 @@
 #include <tbb/global_control.h>
 
 #include "bench/bench_rows.h"
-#include "slipstream/base/vector_target.h"
+#include "bench/vector_target.h"
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/io/image_file.h"

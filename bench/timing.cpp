@@ -7,8 +7,8 @@
 #include <tbb/global_control.h>
 #include <time.h>
 
+#include "bench/vector_target.h"
 #include "slipstream/base/statistics.h"
-#include "slipstream/base/vector_target.h"
 
 namespace slipstream {
 namespace {

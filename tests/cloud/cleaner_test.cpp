@@ -18,8 +18,8 @@
 #include <rapidcheck.h>
 #include <tbb/global_control.h>
 
+#include "bench/vector_target.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/vector_target.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/io/image_file.h"

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/vector_target.h"
 #include "slipstream/base/image.h"
-#include "slipstream/base/vector_target.h"
 #include "slipstream/reconstruct/fused/rows.h"
 
 namespace slipstream::ballots_test {

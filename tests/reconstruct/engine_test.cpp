@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "bench/vector_target.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/vector_target.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

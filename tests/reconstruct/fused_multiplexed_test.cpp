@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "slipstream/base/vector_target.h"
+#include "bench/vector_target.h"
 #include "slipstream/decode/decoder.h"
 #include "slipstream/reconstruct/engine.h"
 #include "tests/reconstruct/agreement.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/vector_target.h"
+#include "bench/vector_target.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/equations.h"

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/vector_target.h"
+#include "bench/vector_target.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/reconstruct/engine.h"

@@ -1,4 +1,4 @@
-#include "slipstream/base/vector_target.h"
+#include "bench/vector_target.h"
 
 #include <cstdint>
 

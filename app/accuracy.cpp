@@ -59,16 +59,6 @@ std::vector<Row> compared_rows(const CompareFlags& flags) {
   return rows;
 }
 
-nlohmann::json json_of(const Row& row) {
-  const CloudErrors& errors = row.compared.errors;
-  return described("scene", row.scene, "world", row.world, "strategy", row.strategy, "frames",
-                   row.frames, "points", errors.points, "completeness", errors.completeness,
-                   "rms_mm", errors.rms, "predicted_mm", errors.predicted, "repeatability_mm",
-                   row.compared.repeatability, "normalised_rms", errors.normalised_rms,
-                   "beyond_5_sigma", errors.beyond_5, "flying", errors.flying, "wrong_order",
-                   errors.wrong_order, "decode_ms", row.compared.decode_ms);
-}
-
 const std::vector<std::string> columns_of_comparison{
     "scene", "world",         "strategy",       "frames", "complete",    "RMS (predicted)",
     "noise", "error / sigma", "beyond 5 sigma", "flying", "wrong order", "decoding"};
@@ -132,7 +122,13 @@ void compare_strategies(const CompareFlags& flags, Output& output) {
              fmt::join(std::vector<std::string>(columns_of_comparison.size(), " --- |"), ""));
   for (const Row& row : rows) {
     output.say("| {} |", fmt::join(cells_of(row), " | "));
-    output.list("rows").push_back(json_of(row));
+    const CloudErrors& errors = row.compared.errors;
+    output.add_to("rows", "scene", row.scene, "world", row.world, "strategy", row.strategy,
+                  "frames", row.frames, "points", errors.points, "completeness",
+                  errors.completeness, "rms_mm", errors.rms, "predicted_mm", errors.predicted,
+                  "repeatability_mm", row.compared.repeatability, "normalised_rms",
+                  errors.normalised_rms, "beyond_5_sigma", errors.beyond_5, "flying", errors.flying,
+                  "wrong_order", errors.wrong_order, "decode_ms", row.compared.decode_ms);
   }
   if (flags.folder.empty()) return;
   write_comparison(flags.folder, rows);
@@ -154,19 +150,15 @@ void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& outp
                diagonal ? fmt::format(", {:.3f} per mille", 1000 * figure.value / *diagonal) : "");
   }
   for (const ShapeAccuracy& shape : accuracy.shapes) {
-    output.list(shape.size ? "spheres" : "planes")
-        .push_back(described("scan", shape.scan, "form_mm", shape.range, "form_95_mm",
-                             shape.range_95, "rms_mm", shape.rms, "points", shape.points, "size_mm",
-                             shape.size, "spacing_mm", shape.spacing, "planarity_mm",
-                             shape.bending));
+    output.add_to(shape.size ? "spheres" : "planes", "scan", shape.scan, "form_mm", shape.range,
+                  "form_95_mm", shape.range_95, "rms_mm", shape.rms, "points", shape.points,
+                  "size_mm", shape.size, "spacing_mm", shape.spacing, "planarity_mm",
+                  shape.bending);
   }
 }
 
 /// An acceptance test and a one-line description of it.
-struct Test {
-  Rehearsal rehearsal;
-  std::string subject;
-};
+using Test = std::pair<Rehearsal, std::string>;
 
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;

@@ -2,27 +2,9 @@
 
 #include "app/scan_flags.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/saved_scan.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {
-namespace {
-
-void set_spacing(BoardFlags& flags, const std::string& text) {
-  const std::vector<double> spacings = lengths_from(text, "--spacing");
-  flags.has_spacing = true;
-  flags.board.spacing = spacings.front();
-  if (spacings.size() == 2 && spacings[1] != spacings[0]) flags.board.row_spacing = spacings[1];
-}
-
-void set_dictionary(CalibrationBoard& board, const std::string& text) {
-  const Size bits = size_from(text, "--dictionary");
-  throw_if(bits.width != bits.height, "--dictionary {} is unknown; expected 4x4, 5x5, 6x6 or 7x7",
-           text);
-  board.marker_bits = bits.width;
-}
-
-}  // namespace
 
 void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   const FlagGroup group{subcommand, "Board"};
@@ -36,7 +18,12 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   };
   group.add_read<>("--corners", corners, "inner corners or circles: columns x rows")
       ->default_str("13x9");
-  const auto space = [&flags](const std::string& text) { set_spacing(flags, text); };
+  const auto space = [&flags](const std::string& text) {
+    const std::vector<double> spacings = lengths_from(text, "--spacing");
+    flags.has_spacing = true;
+    flags.board.spacing = spacings.front();
+    if (spacings.size() == 2 && spacings[1] != spacings[0]) flags.board.row_spacing = spacings[1];
+  };
   group.add_read<>("--spacing", space,
                    "side of a square, or distance between rows of circles, as measured on the "
                    "print, mm; 10x10.1 if the print is stretched vertically");
@@ -46,7 +33,12 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   const auto marker = [&board](double mm) { board.marker_side = mm / board.spacing; };
   group.add_read<double>("--marker-side", marker,
                          "side of a ChArUco marker, mm; default: 0.75 of the spacing");
-  const auto dictionary = [&board](const std::string& text) { set_dictionary(board, text); };
+  const auto dictionary = [&board](const std::string& text) {
+    const Size bits = size_from(text, "--dictionary");
+    throw_if(bits.width != bits.height, "--dictionary {} is unknown; expected 4x4, 5x5, 6x6 or 7x7",
+             text);
+    board.marker_bits = bits.width;
+  };
   group.add_read<>("--dictionary", dictionary, "marker dictionary: 4x4, 5x5, 6x6 or 7x7")
       ->default_str("4x4");
 }
@@ -64,42 +56,6 @@ std::vector<double> lengths_from(const std::string& text, const std::string& fla
   throw_if(lengths.size() != 1 && lengths.size() != 2,
            "{} '{}': expected one length in mm, e.g. 10.2, or two, e.g. 10.2x10.1", flag, text);
   return lengths;
-}
-
-void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
-  required(command.add_file("folder", flags.folder,
-                            "folder with a subfolder per pose: scans x and y (folders, or "
-                            "recordings x.slip and y.slip), or the pictures of both"));
-  command.add("--exclude", flags.excluded, "names of poses to ignore");
-  command.add("--first-axis", flags.first_axis,
-              "if both scans lie in one folder: the axis whose pictures come first, x or y");
-  command.add("--min-modulation", flags.capture.minimum_modulation,
-              "minimum modulation for a pixel's phase to be used, grey levels of 255");
-  command.add("--neighbourhood", flags.capture.neighbourhood,
-              "radius around a corner within which phase is used, in corner spacings");
-  add_board_flags(command.app, flags.board);
-  add_scan_flags(command.app, flags.scan);
-  command.app.remove_option(command.app.get_option("--axis"));
-}
-
-PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
-                             const std::optional<MeasuredResponse>& response, Output& output) {
-  const std::vector<BoardScans> poses =
-      board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
-  BoardCaptureSettings settings = flags.capture;
-  settings.response = response;
-  if (response) {
-    output.say("phases are corrected for the scanner file's response, gamma {:.5g}",
-               response->gamma);
-  }
-  Progress progress("poses", poses.size());
-  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
-                                        [&](const std::string& words) {
-                                          if (!words.empty()) output.say("{}", words);
-                                          progress.advance();
-                                        });
-  output.warn(captures.warnings);
-  return captures;
 }
 
 Body sheet_of(const CalibrationBoard& board, const Scanner& scanner) {

@@ -40,14 +40,6 @@ struct BoardCaptureFlags {
   BoardCaptureSettings capture;
 };
 
-/// Adds the folder, --exclude, --first-axis, --min-modulation, --neighbourhood and the board and
-/// pattern flags.
-void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags);
-
-/// Finds the board in every pose and reports each. Corrects phases for the response if it is known.
-PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
-                             const std::optional<MeasuredResponse>& response, Output& output);
-
 /// A board held in `count` poses, `still_cycles` each, under patterns along x, then along y.
 /// Throws Error as board_from and poses_of.
 Reel shown_boards(const BoardFlags& board, int count, int still_cycles, const VirtualWorld& world,

@@ -10,6 +10,7 @@
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {
 namespace {
@@ -38,6 +39,43 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
              width, height);
   output.document = described("board", flags.file, "width_px", picture.width(), "height_px",
                               picture.height(), "width_mm", width, "height_mm", height);
+}
+
+void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
+  required(command.add_file("folder", flags.folder,
+                            "folder with a subfolder per pose: scans x and y (folders, or "
+                            "recordings x.slip and y.slip), or the pictures of both"));
+  command.add("--exclude", flags.excluded, "names of poses to ignore");
+  command.add("--first-axis", flags.first_axis,
+              "if both scans lie in one folder: the axis whose pictures come first, x or y");
+  command.add("--min-modulation", flags.capture.minimum_modulation,
+              "minimum modulation for a pixel's phase to be used, grey levels of 255");
+  command.add("--neighbourhood", flags.capture.neighbourhood,
+              "radius around a corner within which phase is used, in corner spacings");
+  add_board_flags(command.app, flags.board);
+  add_scan_flags(command.app, flags.scan);
+  command.app.remove_option(command.app.get_option("--axis"));
+}
+
+/// Finds the board in every pose and reports each. Corrects phases for the response if it is known.
+PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
+                             const std::optional<MeasuredResponse>& response, Output& output) {
+  const std::vector<BoardScans> poses =
+      board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
+  BoardCaptureSettings settings = flags.capture;
+  settings.response = response;
+  if (response) {
+    output.say("phases are corrected for the scanner file's response, gamma {:.5g}",
+               response->gamma);
+  }
+  Progress progress("poses", poses.size());
+  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
+                                        [&](const std::string& words) {
+                                          if (!words.empty()) output.say("{}", words);
+                                          progress.advance();
+                                        });
+  output.warn(captures.warnings);
+  return captures;
 }
 
 struct CalibrateVerifyFlags {
@@ -128,11 +166,6 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   return settings;
 }
 
-/// Contents of the scanner file before it is overwritten.
-std::optional<MeasuredResponse> response_in(const fs::path& scanner) {
-  return fs::exists(scanner) ? read_photometric_calibration(scanner).response : std::nullopt;
-}
-
 std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
                                        const CalibrationBoard& board) {
   if (!flags.measured) return {};
@@ -157,13 +190,11 @@ nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const L
                    "covered_share", covered);
 }
 
+/// NaN becomes null.
 void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& quality) {
-  const auto add = [&](const char* name, double BoardQuality::*figure) {
-    told[name] = quality ? nlohmann::json((*quality).*figure) : nlohmann::json();
-  };
-  add("flatness_mm", &BoardQuality::flatness);
-  add("distance_error_mm", &BoardQuality::distance_error);
-  add("scale_error", &BoardQuality::scale_error);
+  const BoardQuality known = quality.value_or(BoardQuality{NAN, NAN, NAN});
+  describe(told, "flatness_mm", known.flatness, "distance_error_mm", known.distance_error,
+           "scale_error", known.scale_error);
 }
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
@@ -213,18 +244,6 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
   return told;
 }
 
-void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
-  const FlagGroup group{command, "Model"};
-  const std::string models = fmt::format(
-      "lens distortion coefficients: auto, or {} in OpenCV's order", fmt::join(lens_models, ", "));
-  group.add("--camera-distortion", flags.camera_distortion, models);
-  group.add("--projector-distortion", flags.projector_distortion, models);
-  group.add("--print", flags.print,
-            "board corners: exact, or estimated near their nominal positions");
-  group.add("--print-deviation", flags.print_deviation,
-            "standard deviation of a printed corner's position, in spacings");
-}
-
 }  // namespace
 
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
@@ -233,8 +252,10 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   std::vector<Finding> findings = measured_findings(flags, board);
   std::optional<Scanner> other;
   if (flags.compare) other = read_scanner(*flags.compare);
-  const PoseCaptures captures =
-      captured_boards(flags.boards, board, response_in(flags.scanner), output);
+  const auto response = fs::exists(flags.scanner)  // it will be overwritten
+                            ? read_photometric_calibration(flags.scanner).response
+                            : std::nullopt;
+  const PoseCaptures captures = captured_boards(flags.boards, board, response, output);
   require_enough_poses(captures, flags.boards.folder);
   if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
   const GeometryCalibration calibration =
@@ -312,7 +333,15 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
   command.add("--measured", flags.measured,
               "measured on the print with a ruler, first to last corner, mm: row x column");
   add_board_capture_flags(command, flags.boards);
-  add_model_flags(command.app, flags);
+  const FlagGroup model{command.app, "Model"};
+  const std::string lenses = fmt::format(
+      "lens distortion coefficients: auto, or {} in OpenCV's order", fmt::join(lens_models, ", "));
+  model.add("--camera-distortion", flags.camera_distortion, lenses);
+  model.add("--projector-distortion", flags.projector_distortion, lenses);
+  model.add("--print", flags.print,
+            "board corners: exact, or estimated near their nominal positions");
+  model.add("--print-deviation", flags.print_deviation,
+            "standard deviation of a printed corner's position, in spacings");
   command.common({"--output", "--report", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples(

@@ -263,11 +263,9 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
     output.say("sigma_w^2 {:.4f}, standard error {:.2g}: Eq. ({}), {}, {} times{}{}",
                measured.variance, measured.standard_error, measured.equation, measured.method,
                measured.count, measured.reason.empty() ? "" : "; ", measured.reason);
-    output.list("measurements")
-        .push_back(described("equation", measured.equation, "variance", measured.variance,
-                             "standard_error", measured.standard_error, "count", measured.count,
-                             "pixels", measured.pixels, "agrees", measured.reason.empty(), "reason",
-                             measured.reason));
+    output.add_to("measurements", "equation", measured.equation, "variance", measured.variance,
+                  "standard_error", measured.standard_error, "count", measured.count, "pixels",
+                  measured.pixels, "agrees", measured.reason.empty(), "reason", measured.reason);
   }
   const NoiseMeasurement& trusted = all.front();
   if (mistakes_gamma_for_noise(trusted)) {

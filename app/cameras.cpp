@@ -20,25 +20,23 @@ void list_connected(const NoFlags&, Output& output) {
   for (const CameraDescription& camera : list_cameras()) {
     output.say("{}  {} {} {}, {} {}", camera.name, camera.vendor, camera.model, camera.serial,
                camera.protocol, camera.address);
-    output.list("cameras").push_back(
-        described("source", camera.name, "vendor", camera.vendor, "model", camera.model, "serial",
-                  camera.serial, "protocol", camera.protocol, "address", camera.address));
+    output.add_to("cameras", "source", camera.name, "vendor", camera.vendor, "model", camera.model,
+                  "serial", camera.serial, "protocol", camera.protocol, "address", camera.address);
   }
   if (output.document["cameras"].empty()) output.say("no camera answers");
 }
 
 void list_gpus(const NoFlags&, Output& output) {
   const std::vector<GpuDescription> devices = gpu_devices();
-  output.document["devices"] = nlohmann::json::array();
+  output.list("devices");
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const GpuDescription& device = devices[i];
     constexpr double mebibyte = 1 << 20;
     output.say("gpu:{}  {}, {:.0f} MiB, {}{}", i, device.name,
                static_cast<double>(device.memory) / mebibyte, device.driver,
                device.software ? "; software, on the processor's cores" : "");
-    output.document["devices"].push_back(described("backend", fmt::format("gpu:{}", i), "name",
-                                                   device.name, "driver", device.driver, "software",
-                                                   device.software, "memory_bytes", device.memory));
+    output.add_to("devices", "backend", fmt::format("gpu:{}", i), "name", device.name, "driver",
+                  device.driver, "software", device.software, "memory_bytes", device.memory);
   }
   if (!devices.empty()) return;
   try {
@@ -148,12 +146,6 @@ struct RecordFlags {
   FileLimit limit;
 };
 
-void require_valid(const RecordFlags& flags) {
-  const std::int64_t frames = flags.frames.value_or(1);
-  throw_if(frames < 1, "--frames {} is out of range; at least 1", frames);
-  require_duration(flags.duration);
-}
-
 /// Checks the first complete cycle of a recording. Only reports: the recording is kept, as it may
 /// be impossible to repeat.
 std::vector<Finding> findings_of_recording(const std::string& file, Output& output) {
@@ -168,7 +160,9 @@ std::vector<Finding> findings_of_recording(const std::string& file, Output& outp
 }
 
 void record(const RecordFlags& flags, Output& output) {
-  require_valid(flags);
+  const std::int64_t wanted = flags.frames.value_or(1);
+  throw_if(wanted < 1, "--frames {} is out of range; at least 1", wanted);
+  require_duration(flags.duration);
   SourceRequest request = request_from(flags.source);
   request.as_taken = true;
   const NamedSource opened = open(request, output);

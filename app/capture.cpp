@@ -121,18 +121,6 @@ view::Guide guide_of(const PoseProgress& progress, int wanted) {
            "to do (orange)"}};
 }
 
-/// Returns the verdict.
-std::string calibrate_taken(const CaptureFlags& flags, Output& output) {
-  const fs::path folder = flags.output;
-  CalibrateGeometryFlags calibration;
-  calibration.boards.folder = folder;
-  calibration.boards.board = flags.board;
-  calibration.scanner = folder / "scanner.yaml";
-  calibration.report = folder / "report";
-  calibrate_boards(calibration, output);
-  return output.document["verdict"];
-}
-
 /// Returns the calibration's verdict. `show` may be empty.
 std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
                        const std::function<void(view::Guide)>& show,
@@ -162,9 +150,15 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
           .size();
   opened.frames->stop();
   throw_if(taken == 0, "no pose was taken");
-  std::string verdict = calibrate_taken(flags, output);
+  const fs::path folder = flags.output;
+  CalibrateGeometryFlags calibration;
+  calibration.boards.folder = folder;
+  calibration.boards.board = flags.board;
+  calibration.scanner = folder / "scanner.yaml";
+  calibration.report = folder / "report";
+  calibrate_boards(calibration, output);
   output.add("poses_taken", taken, "folder", flags.output);
-  return verdict;
+  return output.document["verdict"];
 }
 
 /// The frames of one scan, taken once the scene is still.

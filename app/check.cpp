@@ -33,7 +33,7 @@ void check(const CheckFlags& flags, Output& output) {
     const CheckedScan checked = check_and_repair(scan, settings);
     const std::vector<Finding>& findings = checked.findings;
     if (any_wrong(findings)) output.exit_code = 2;
-    output.list("scans").push_back(described("scan", folder, "findings", findings));
+    output.add_to("scans", "scan", folder, "findings", findings);
     progress.finish();
     tell_findings(folder, findings, output);
     if (scan.scanner) {
@@ -99,8 +99,8 @@ std::string text_of(const Eigen::Vector3d& vector) {
 
 void measure_point(const std::string& pixel, const Measuring& in) {
   const MeasuredPoint point = point_of(in, pixel);
-  in.output.list("points").push_back(
-      described("pixel", pixel, "position_mm", point.position, "sigma_mm", point.sigma));
+  in.output.add_to("points", "pixel", pixel, "position_mm", point.position, "sigma_mm",
+                   point.sigma);
   in.output.say("point {}: {} mm{}", pixel, text_of(point.position),
                 point.sigma ? fmt::format(", sigma {} mm", text_of(*point.sigma)) : "");
 }
@@ -108,9 +108,8 @@ void measure_point(const std::string& pixel, const Measuring& in) {
 void measure_distance(const std::pair<std::string, std::string>& pixels, const Measuring& in) {
   const Distance apart = distance(point_of(in, pixels.first), point_of(in, pixels.second));
   const auto& [from, to] = pixels;
-  in.output.list("distances")
-      .push_back(
-          described("from", from, "to", to, "length_mm", apart.length, "sigma_mm", apart.sigma));
+  in.output.add_to("distances", "from", from, "to", to, "length_mm", apart.length, "sigma_mm",
+                   apart.sigma);
   in.output.say("distance {} to {}: {:.3f} mm{}", from, to, apart.length,
                 apart.sigma ? fmt::format(", sigma {:.3f} mm", *apart.sigma) : "");
 }

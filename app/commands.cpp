@@ -16,28 +16,15 @@ namespace slipstream::app {
 namespace {
 
 /// Outputs and verbosity of a run do not belong to the rig.
-bool is_of_rig(const std::string& name) {
-  static const std::set<std::string> of_run{"rig", "help", "version", "output", "json"};
-  return !of_run.contains(name);
-}
-
 void collect_settings(const CLI::App& app, std::set<std::string>& names) {
+  static const std::set<std::string> of_run{"rig", "help", "version", "output", "json"};
   for (const CLI::Option* const option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) {
-      if (is_of_rig(name)) names.insert(name);
+      if (!of_run.contains(name)) names.insert(name);
     }
   }
   const auto any = [](const CLI::App*) { return true; };
   for (const CLI::App* const command : app.get_subcommands(any)) collect_settings(*command, names);
-}
-
-/// Whether other given or missing flags rule the option out.
-bool is_ruled_out(const CLI::Option& option) {
-  const auto given = [](const CLI::Option* other) { return other->count() > 0; };
-  const auto& excludes = option.get_excludes();
-  const auto& needs = option.get_needs();
-  return std::any_of(excludes.begin(), excludes.end(), given) ||
-         !std::all_of(needs.begin(), needs.end(), given);
 }
 
 /// Paths in a rig file, also after replay:, are relative to the file.
@@ -52,7 +39,11 @@ std::string resolved(const CLI::Option& option, const std::string& value, const 
 }
 
 bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
-  if (option.count() > 0 || is_ruled_out(option)) return false;
+  const auto given = [](const CLI::Option* other) { return other->count() > 0; };
+  if (given(&option) || std::ranges::any_of(option.get_excludes(), given) ||
+      !std::ranges::all_of(option.get_needs(), given)) {
+    return false;
+  }
   const bool is_switch = option.get_expected_max() == 0;  // its name may start with no-
   for (const std::string& value : setting.values) {
     option.add_result(is_switch ? option.get_flag_value(setting.name, value)

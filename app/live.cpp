@@ -64,8 +64,8 @@ void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
   std::string told;
   while (!session.is_over()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    tell_news(session.pipeline, news, output);
-    const std::string state = session.recorder.state();
+    tell_news(*session.pipeline, news, output);
+    const std::string state = session.recorder->state();
     if (state == told) continue;
     tell_service_manager("STATUS=" + state);
     state.empty() ? output.say("the source has recovered") : output.warn(state);
@@ -73,17 +73,9 @@ void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
   }
 }
 
-/// Runs the session to its end; rethrows an exception of any stage.
-void run_session(LiveSession& session, ToldNews& news, Output& output) {
-#ifdef SLIPSTREAM_VIEW
-  if (!session.flags.headless) return show_in_window(session, output);
-#endif
-  wait_until_over(session, news, output);
-}
-
 /// Pixel statistics of the newest scan, when no scanner is known.
 void tell_pictures(const LiveSession& session, Output& output) {
-  const Pooled<LiveCloud> last = session.pipeline.newest();
+  const Pooled<LiveCloud> last = session.pipeline->newest();
   if (!last) return;
   const FrameViews frames = views_of(last->frames);
   Maps maps;
@@ -107,20 +99,11 @@ void tell_pictures(const LiveSession& session, Output& output) {
       measured, too_dark, saturated, report.modulation);
 }
 
-void write_model(const ModelPoints& model, const std::string& file, Output& output) {
-  if (model.cloud.z.empty()) {
-    throw WorldError(fmt::format("{}: no cloud to build a model from", file));
-  }
-  write_cloud(file, model.cloud, {.normals = &model.normals});
-  output.say("model: {} points in {}", model.cloud.size().width, file);
-  output.object("files")["model"] = file;
-}
-
 /// The session's statistics so far.
-nlohmann::json document_of(const LiveSession& session, const Publisher& publisher) {
-  nlohmann::json document = as_json(session.pipeline.statistics());
-  document["findings"] = session.pipeline.findings();
-  document["sinks"] = as_json(publisher.statistics(), [](const SinkStatistics& sink) {
+nlohmann::json document_of(const LiveSession& session) {
+  nlohmann::json document = as_json(session.pipeline->statistics());
+  document["findings"] = session.pipeline->findings();
+  document["sinks"] = as_json(session.publisher.statistics(), [](const SinkStatistics& sink) {
     return described("name", sink.name, "published", sink.published, "dropped", sink.dropped,
                      "error", sink.error);
   });
@@ -129,26 +112,34 @@ nlohmann::json document_of(const LiveSession& session, const Publisher& publishe
 }
 
 /// Prints the session's statistics and writes its last cloud as requested.
-void write_results(LiveSession& session, const Publisher& publisher, Output& output) {
+void write_results(LiveSession& session, Output& output) {
   const LiveFlags& flags = session.flags;
-  const LiveStatistics statistics = session.pipeline.statistics();
+  const LiveStatistics statistics = session.pipeline->statistics();
   output.say("{}", text_of(statistics));
-  for (const SinkStatistics& sink : publisher.statistics()) {
+  for (const SinkStatistics& sink : session.publisher.statistics()) {
     output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
                sink.dropped == 0 ? "" : "; the others came while four waited for it");
   }
-  output.document.update(document_of(session, publisher));
-  if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
+  output.document.update(document_of(session));
+  if (const auto failure = session.pipeline->failure()) std::rethrow_exception(failure);
   if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
   if (!flags.output.empty()) {
-    const Pooled<LiveCloud> last = session.pipeline.newest();
+    const Pooled<LiveCloud> last = session.pipeline->newest();
     if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
     output.add_file("cloud", flags.output);
   }
-  if (!flags.model.empty()) write_model(session.pipeline.model(), flags.model, output);
+  if (const std::string& file = flags.model; !file.empty()) {
+    const ModelPoints model = session.pipeline->model();
+    if (model.cloud.z.empty()) {
+      throw WorldError(fmt::format("{}: no cloud to build a model from", file));
+    }
+    write_cloud(file, model.cloud, {.normals = &model.normals});
+    output.say("model: {} points in {}", model.cloud.size().width, file);
+    output.object("files")["model"] = file;
+  }
 #ifdef SLIPSTREAM_VIEW
-  draw_newest(session, flags.headless, output);
+  write_pictures(view_source_of(session), flags.view, flags.headless, output);
 #endif
 }
 
@@ -175,10 +166,9 @@ const SteppedSource& step_with(const MonitorProjector& projector, bool triggered
 }
 
 void tell_steps(const SteppedSource& source, Output& output) {
-  using Milliseconds = std::chrono::duration<double, std::milli>;
-  const double begins = Milliseconds(source.delay().begins).count(),
-               ends = Milliseconds(source.delay().ends).count(),
-               hold = Milliseconds(source.hold()).count();
+  const auto ms = [](std::chrono::duration<double, std::milli> time) { return time.count(); };
+  const double begins = ms(source.delay().begins), ends = ms(source.delay().ends),
+               hold = ms(source.hold());
   output.say("patterns reach a frame {:.0f} to {:.0f} ms after they are shown; {:.0f} ms each",
              begins, ends, hold);
   output.object("monitor") = described("begins_ms", begins, "ends_ms", ends, "hold_ms", hold);
@@ -206,7 +196,6 @@ void require_good(const LiveFlags& flags) {
   }
 #ifdef SLIPSTREAM_VIEW
   require_good(flags.view);
-#else
 #endif
 }
 
@@ -245,7 +234,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add("--gamma", flags.gamma,
               "response correction: scanner (from its file, if present), none, or a gamma");
   add_backend_flag(command, flags.settings);
-  add_point_flags(command.app, flags.settings);
+  FlagGroup{command.app, "Valid pixels"}.add_settings(flags.settings);
   add_clean_flags(command.app, flags.settings);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
@@ -255,7 +244,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_camera_flags(command.app, source.camera);
 }
 
-LiveScan::LiveScan(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
+LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
   require_good(flags);
   LiveSettings settings = flags.live;
   SourceRequest request = request_from(flags.source);
@@ -267,7 +256,7 @@ LiveScan::LiveScan(LiveFlags given, Output& told) : flags(std::move(given)), out
   }
   NamedSource opened = open(request, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
-  EngineSetup setup = setup_from(opened, flags, output);
+  setup = setup_from(opened, flags, output);
   // A replay may end after its first cycle; the channels of a colour picture move together.
   settings.motion_when_seen = scheme_of(request.source) != "replay" && !opened.in_colour &&
                               !request.sequence.motion && setup.sequence.motion == 0 &&
@@ -284,36 +273,25 @@ LiveScan::LiveScan(LiveFlags given, Output& told) : flags(std::move(given)), out
       .in_colour = opened.in_colour,
       .white = opened.white};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header, flags.limit);
-  RecordedSource& recorder = *source;
+  recorder = source.get();
   settings.model = !flags.model.empty();
   if (!flags.publish.empty()) {
     settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
     settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
   }
+  patterns_can_change = is_camera(request) && !flags.monitor;
+  motion_when_seen = settings.motion_when_seen;
+  strategy = setup.sequence.strategy;
   pipeline =
       std::make_unique<LivePipeline>(colours_apart(std::move(source), opened), setup, settings);
-  session = std::unique_ptr<LiveSession>(
-      new LiveSession{.flags = flags,
-                      .pipeline = *pipeline,
-                      .recorder = recorder,
-                      .setup = setup,
-                      .is_over = [] { return false; },
-                      .patterns_can_change = is_camera(request) && !flags.monitor,
-                      .motion_when_seen = settings.motion_when_seen,
-                      .strategy = setup.sequence.strategy});
 }
 
-LiveScan::~LiveScan() {
-  publisher.finish();  // before the session that its sinks use
-}
-
-void LiveScan::start() {
-  open_sinks(
-      *session, [this] { return document_of(*session, publisher); }, publisher);
+void LiveSession::start() {
+  open_sinks(*this, [this] { return document_of(*this); });
   tell_news(publisher, output);
-  if (!flags.record.empty()) session->recorder.record_to(flags.record);
+  if (!flags.record.empty()) recorder->record_to(flags.record);
   {
-    const std::lock_guard lock(session->mutex);  // sinks may already change it
+    const std::lock_guard lock(mutex);  // sinks may already change it
     pipeline->start();
   }
   if (stepped != nullptr) tell_steps(*stepped, output);
@@ -322,43 +300,45 @@ void LiveScan::start() {
 void live(const LiveFlags& flags, Output& output) {
   return_memory();
   if (!flags.headless) require_desktop();
-  LiveScan scan(flags, output);
-  LiveSession* const session = scan.session.get();
-  LivePipeline* const pipeline = scan.pipeline.get();
-  Publisher& publisher = scan.publisher;
+  LiveSession session(flags, output);
+  LivePipeline& pipeline = *session.pipeline;
+  Publisher& publisher = session.publisher;
   const RunEnd end(flags.duration);
   std::string limited;  // as printed
-  session->is_over = [&] {
+  session.is_over = [&] {
     tell_news(publisher, output);
-    const auto recording = session->recorder.recording();
+    const auto recording = session.recorder->recording();
     if (recording && recording->limited != std::exchange(limited, recording->limited) &&
         !limited.empty()) {
       output.say("{}", limited);
     }
-    if (scan.projector.closed()) return true;
+    if (session.projector.closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
     const bool at_end = flags.headless || flags.live.most_frames;
-    return end.reached() || pipeline->failure() || (at_end && !pipeline->running());
+    return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
   };
-  scan.start();
+  session.start();
   tell_service_manager("READY=1");
   if (flags.begun) flags.begun();
   output.document["files"] = nlohmann::json::object();
   ToldNews news;
-  run_session(*session, news, output);
-  pipeline->stop();
+#ifdef SLIPSTREAM_VIEW
+  if (!flags.headless) show_in_window(session, output);
+#endif
+  if (flags.headless) wait_until_over(session, news, output);
+  pipeline.stop();
   publisher.finish();
   tell_news(publisher, output);
-  tell_news(*pipeline, news, output);
+  tell_news(pipeline, news, output);
 
   std::exception_ptr unfinished;
   try {
-    session->recorder.finish_recording();  // before anything that may end the program; also started
-                                           // from the window
+    // Before anything that may end the program; a recording may have started in the window.
+    session.recorder->finish_recording();
   } catch (const WorldError&) {
     unfinished = std::current_exception();
   }
-  write_results(*session, publisher, output);
+  write_results(session, output);
   if (unfinished) std::rethrow_exception(unfinished);
   for (const SinkStatistics& sink : publisher.statistics()) {
     if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));

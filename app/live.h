@@ -61,41 +61,32 @@ struct MonitorProjector {
 /// Throws Error for a missing monitor or a build without windows, WorldError without a desktop.
 MonitorProjector open_projector(std::optional<int> monitor);
 
-struct LiveSession;
-
 /// A live scan, from its source to its sinks.
-struct LiveScan {
+struct LiveSession {
   /// Opens projector, source and pipeline. Throws like these.
-  LiveScan(LiveFlags given, Output& output);
-  LiveScan(const LiveScan&) = delete;
-  LiveScan& operator=(const LiveScan&) = delete;
-  ~LiveScan();
+  LiveSession(LiveFlags given, Output& output);
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+  ~LiveSession() { publisher.finish(); }  // before the members that its sinks use
 
   /// Opens the sinks and starts.
   void start();
 
-  LiveFlags flags;
+  const LiveFlags flags;
   Output& output;
   MonitorProjector projector{};
   const SteppedSource* stepped = nullptr;  ///< in step with the projector; null without one
-  Publisher publisher;
-  std::unique_ptr<LivePipeline> pipeline;
-  std::unique_ptr<LiveSession> session;
-};
-
-/// A running live scan, as a display sees it.
-struct LiveSession {
-  const LiveFlags& flags;
-  LivePipeline& pipeline;
-  RecordedSource& recorder;
-  EngineSetup setup;  ///< in use now; see setup_of
+  RecordedSource* recorder = nullptr;      ///< owned by the pipeline
+  EngineSetup setup{};                     ///< in use now; see setup_of
   /// Whether to end: requested, all frames taken, time over, or failed.
-  std::function<bool()> is_over;
+  std::function<bool()> is_over = [] { return false; };
   bool patterns_can_change;  ///< frames come from a projector, not from a rendered or recorded scan
   bool motion_when_seen;     ///< see LiveSettings
   Strategy strategy;         ///< at the start
   std::mutex mutex{};        ///< guards the setup and pipeline changes
   std::atomic<std::uint64_t> changes{0};  ///< of setup and camera, except the viewer's own
+  Publisher publisher;
+  std::unique_ptr<LivePipeline> pipeline;
 };
 
 /// Whether motion compensation is possible: the patterns are one sinusoid shown repeatedly, and the
@@ -116,8 +107,7 @@ void change_setting(LiveSession& session, const std::string& name, const std::st
 
 /// Opens the --publish sinks before the session starts. `document` returns the current --json
 /// document; called from any thread.
-void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document,
-                Publisher& publisher);
+void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document);
 
 /// Save in viewer and page: writes frames and results into a new folder in `parent`, named by the
 /// time, which reconstruct can read. `remarks` go into the cloud's header, see doubts. Without a
@@ -138,9 +128,10 @@ void require_good(const ViewFlags& flags);
 /// Shows the session in a window until either ends; then writes the requested screenshot.
 void show_in_window(LiveSession& session, Output& output);
 
-/// Draws the newest cloud without a window and writes the requested pictures. Throws WorldError
-/// without a cloud.
-void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
+/// Draws --snapshot and, if requested, --screenshot without a window. Throws WorldError without a
+/// cloud.
+void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool screenshot_too,
+                    Output& output);
 
 /// The session as a source of clouds; borrows it.
 view::ViewSource view_source_of(LiveSession& session);

@@ -79,17 +79,17 @@ std::vector<std::string> strategy_choices(const LiveSession& session) {
 /// The caller holds the mutex, here and below.
 void change_locked(LiveSession& session, EngineSetup setup) {
   if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
-  session.pipeline.change(setup);
+  session.pipeline->change(setup);
   session.setup = setup;
-  session.recorder.set_strategy(setup.sequence.strategy);
+  session.recorder->set_strategy(setup.sequence.strategy);
   ++session.changes;
 }
 
 void set_recording(LiveSession& session, bool on) {
-  if (!on) return session.recorder.finish_recording();
-  if (session.recorder.recording()) return;
+  if (!on) return session.recorder->finish_recording();
+  if (session.recorder->recording()) return;
   make_folder(session.flags.view.save_to);
-  session.recorder.record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
+  session.recorder->record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
 }
 
 /// The maps of a session's clouds for PublishedRun; callable from any sink.
@@ -144,11 +144,12 @@ class CloudMaps {
   Maps maps_;
 };
 
-std::string trouble_of(const LivePipeline& pipeline, const Publisher& publisher) {
+std::string trouble_of(const LiveSession& session) {
+  const LivePipeline& pipeline = *session.pipeline;
   if (const auto failure = pipeline.failure()) return "the pipeline has failed";
   const std::string state = pipeline.statistics().source_state;
   if (!state.empty()) return state;
-  for (const SinkStatistics& sink : publisher.statistics()) {
+  for (const SinkStatistics& sink : session.publisher.statistics()) {
     if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
   }
   return pipeline.running() ? "" : "the source has ended";
@@ -164,11 +165,11 @@ std::string save_newest(LiveSession& session, LastSave& last) {
   const std::lock_guard lock(last.mutex);
   throw_if(std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1),
            "saved a moment ago");
-  const Pooled<LiveCloud> newest = session.pipeline.newest();
+  const Pooled<LiveCloud> newest = session.pipeline->newest();
   throw_if(!newest, "no cloud to save yet");
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
-                         doubts(session.pipeline.statistics().findings));
+                         doubts(session.pipeline->statistics().findings));
   last.end = std::chrono::steady_clock::now();
   return folder;
 }
@@ -194,7 +195,7 @@ void change_setup(LiveSession& session, const EngineSetup& setup) {
 
 std::vector<RunSetting> settings_of(LiveSession& session) {
   std::vector<RunSetting> all;
-  const CameraControls* const camera = session.recorder.controls();
+  const CameraControls* const camera = session.recorder->controls();
   for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
     const auto control = camera ? camera->control(which) : std::nullopt;
     if (control) all.push_back(number(name, help, unit, *control));
@@ -205,7 +206,7 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
                  .value = label_of(setup.sequence.strategy),
                  .choices = strategy_choices(session)});
   for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
-  const auto recording = session.recorder.recording();
+  const auto recording = session.recorder->recording();
   all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));
   if (recording) all.back().state = text_of(*recording);
   return all;
@@ -215,7 +216,7 @@ void change_setting(LiveSession& session, const std::string& name, const std::st
   require_settable(settings_of(session), name, value);
   const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
   if (control != camera_controls.end()) {
-    session.recorder.controls()->set_control(control->which, number_in<double>(value).value_or(0));
+    session.recorder->controls()->set_control(control->which, number_in<double>(value).value_or(0));
     ++session.changes;
     return;
   }
@@ -230,8 +231,7 @@ void change_setting(LiveSession& session, const std::string& name, const std::st
   change_locked(session, std::move(setup));
 }
 
-void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document,
-                Publisher& publisher) {
+void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document) {
   const Scanner& scanner = session.setup.scanner;
   const auto last = std::make_shared<LastSave>();
   for (const std::string& name : session.flags.publish) {
@@ -240,8 +240,11 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
         .camera = scanner.camera,
         .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
         .has_points = has_geometry(scanner),
-        .statistics = [document] { return utf8_of(document()); },
-        .trouble = [&] { return trouble_of(session.pipeline, publisher); },
+        .statistics =
+            [document] {  // paths need not be UTF-8
+              return document().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+            },
+        .trouble = [&session] { return trouble_of(session); },
         .save = [&session, last] { return save_newest(session, *last); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
         .sequence = [&session] { return setup_of(session).sequence; },
@@ -253,7 +256,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
     if (scanner.photometry.noise_variance) {
       run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
     }
-    publisher.add(name, open_sink(name, std::move(run)));
+    session.publisher.add(name, open_sink(name, std::move(run)));
   }
 }
 

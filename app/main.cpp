@@ -88,19 +88,6 @@ std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
   return fmt::format("{} has no {}{}", command.get_name(), name, did_you_mean(name, known));
 }
 
-/// Returns the exit code.
-int run(const std::function<void(Output&)>& work, const SharedFlags& shared, Output& output) {
-  require_in_range(shared.threads >= 0, "--threads", shared.threads, "0 (all cores) or more");
-  std::optional<tbb::global_control> limit;
-  if (shared.threads > 0) {
-    limit.emplace(tbb::global_control::max_allowed_parallelism,
-                  static_cast<std::size_t>(shared.threads));
-  }
-  work(output);
-  output.finish();
-  return output.exit_code;
-}
-
 struct ProgramCommand {
   std::string_view name;
   AddCommand* add;
@@ -220,8 +207,16 @@ int run_program(std::span<char* const> arguments, Output& output) {
   }
   try {
     require_distinct_files(chosen_command(program));
+    require_in_range(shared.threads >= 0, "--threads", shared.threads, "0 (all cores) or more");
+    std::optional<tbb::global_control> limit;
+    if (shared.threads > 0) {
+      limit.emplace(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(shared.threads));
+    }
     const auto work = chosen.work;  // serve reads the flags again meanwhile
-    return run(work, shared, output);
+    work(output);
+    output.finish();
+    return output.exit_code;
   } catch (const Error& error) {
     throw Error(located(chosen.rig, error.what()));
   } catch (const WorldError& error) {

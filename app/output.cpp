@@ -50,14 +50,6 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
-void Output::warn(std::string_view message) {
-  write_line(stderr, fmt::format("warning: {}", message));
-}
-
-void Output::tell_failure(std::string_view message) {
-  write_line(stderr, fmt::format("slipstream: {}", message));
-}
-
 void Output::finish() {
   if (json_) {  // file names need not be UTF-8
     write_line(stdout, document.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
@@ -67,10 +59,6 @@ void Output::finish() {
     throw WorldError("cannot write to standard output");
 }
 
-void Output::release(const Output& held) {
-  for (const auto& [stream, line] : held.held_) write_line(stream, line);
-}
-
 void Output::write_line(std::FILE* stream, std::string_view line) {
   if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
   // finish() reports a failed stdout; a failed stderr cannot be reported.
@@ -78,10 +66,6 @@ void Output::write_line(std::FILE* stream, std::string_view line) {
   const bool written = std::fwrite(shown.data(), 1, shown.size(), stream) == shown.size();
   if (!written && errno == EPIPE) pipe_closed = true;
   if (!written && pipe_closed && stream == stdout) end_by_closed_pipe();
-}
-
-std::string utf8_of(const nlohmann::json& document) {
-  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 void Progress::finish() {

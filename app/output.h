@@ -105,7 +105,9 @@ class Output {
     return output;
   }
   /// Prints the lines held by the other.
-  void release(const Output& held);
+  void release(const Output& held) {
+    for (const auto& [stream, line] : held.held_) write_line(stream, line);
+  }
 
   /// Whether the JSON document is requested.
   [[nodiscard]] bool is_json() const { return json_; }
@@ -117,7 +119,7 @@ class Output {
   }
 
   /// A line on stderr, prefixed with "warning:".
-  void warn(std::string_view message);
+  void warn(std::string_view message) { write_line(stderr, fmt::format("warning: {}", message)); }
   void warn(const std::vector<std::string>& messages) {
     for (const std::string& message : messages) warn(message);
   }
@@ -125,7 +127,9 @@ class Output {
     for (const Finding& finding : findings) warn(text_of(finding));
   }
   /// A line on stderr, prefixed with the program's name.
-  void tell_failure(std::string_view message);
+  void tell_failure(std::string_view message) {
+    write_line(stderr, fmt::format("slipstream: {}", message));
+  }
   /// A line before work of seconds, for who watches: only on a terminal.
   void tell_wait(std::string_view work) {
     if (::isatty(STDERR_FILENO) == 1) write_line(stderr, fmt::format("{} ...", work));
@@ -139,6 +143,11 @@ class Output {
   template <class... Named>
   void add(const Named&... named) {
     describe(document, named...);
+  }
+  /// Adds an object of values to the document's list of that name.
+  template <class... Named>
+  void add_to(const std::string& list_name, const Named&... named) {
+    list(list_name).push_back(described(named...));
   }
   /// The document's entry of that name, created empty if missing.
   nlohmann::json& list(const std::string& name) {
@@ -195,9 +204,6 @@ class Progress {
   bool drawn_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), drawn_at_;
 };
-
-/// The JSON in one line; bytes that are not UTF-8, as paths may hold, become U+FFFD.
-std::string utf8_of(const nlohmann::json& document);
 
 /// Prints warnings and repairs. Throws Error with the scan's name and all diagnostics, errors
 /// first, if the scan is refused; with `anyway` prints them as warnings instead.

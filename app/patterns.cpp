@@ -70,9 +70,8 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
   for (const auto& [strategy, success, sigma] : designs) {
     output.say("{:6} | {:10.3g} | {:10.4f} % | {}", frame_count(strategy), sigma, 100 * success,
                label_of(strategy));
-    output.list("strategies")
-        .push_back(described("strategy", label_of(strategy), "frames", frame_count(strategy),
-                             "success", success, "coordinate_sigma", sigma));
+    output.add_to("strategies", "strategy", label_of(strategy), "frames", frame_count(strategy),
+                  "success", success, "coordinate_sigma", sigma);
   }
 }
 
@@ -88,8 +87,8 @@ void tell_motion(int steps, double speed, Output& output) {
     const double ratio =
         std::sqrt(component_noise(motion_window(cycle, extra).bands.front()) / noise);
     output.say("{:6} | {:6} | {:11.3g} | {:.2f}", extra, steps + extra, ripple, ratio);
-    output.list("motion").push_back(
-        described("motion", extra, "frames", steps + extra, "ripple_rad", ripple, "noise", ratio));
+    output.add_to("motion", "motion", extra, "frames", steps + extra, "ripple_rad", ripple, "noise",
+                  ratio);
   }
 }
 
@@ -147,6 +146,7 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
 }
 
 void write_patterns(const PatternsFlags& flags, Output& output) {
+  if (flags.uniform != 0) return write_uniform(flags, output);
   const Sequence sequence = default_sequence(usual_projector, flags.scan);
   if (const std::string doubt = doubt_about(sequence); !doubt.empty()) output.warn(doubt);
   PatternSet patterns = pattern_set(sequence);
@@ -173,15 +173,11 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
       "names,\nthen run: slipstream reconstruct FOLDER --scanner SCANNER.yaml -o cloud.ply");
 }
 
-void write_asked(const PatternsFlags& flags, Output& output) {
-  flags.uniform != 0 ? write_uniform(flags, output) : write_patterns(flags, output);
-}
-
 }  // namespace
 
 void add_patterns(const Commands& program) {
   const auto [command, flags] = program.add(
-      write_asked, "patterns", "write a strategy's patterns as pictures for any projector");
+      write_patterns, "patterns", "write a strategy's patterns as pictures for any projector");
   required(command.add_output("folder", flags.folder, "folder for the pictures and scan.yaml",
                               output_folder_type));
   add_pattern_flags(command.app, flags.scan, true);

@@ -45,8 +45,7 @@ void tell(const UnwrappedPhase<double>& unwrapped, Output& output) {
   for (const PhaseRegion& region : unwrapped.regions) {
     pixels += region.pixels;
     anchored += region.anchored ? 1 : 0;
-    output.list("regions").push_back(
-        described("pixels", region.pixels, "anchored", region.anchored));
+    output.add_to("regions", "pixels", region.pixels, "anchored", region.anchored);
   }
   output.document["pixels"] = pixels;
   const std::size_t count = unwrapped.regions.size();
@@ -125,7 +124,7 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
   const HeightFit fit = fit_heights(planes);
   for (std::size_t i = 0; i < known.size(); ++i) {
     output.say("{}: {} mm, RMS error {:.4f} mm", flags.planes[i], known[i], fit.rms[i]);
-    output.list("planes").push_back(described("plane", flags.planes[i], "rms_mm", fit.rms[i]));
+    output.add_to("planes", "plane", flags.planes[i], "rms_mm", fit.rms[i]);
   }
   write_height_curves(flags.output, fit.curves);
   output.say("{}: {} of {} pixels are calibrated", flags.output, fit.pixels,

@@ -28,24 +28,15 @@ void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
   for (const Monitor& monitor : monitors) {
     output.say("{}: {}, {} at {} Hz, its corner at {},{}", number, monitor.name,
                text_of(monitor.size), monitor.refresh_hz, monitor.left, monitor.top);
-    output.list("monitors")
-        .push_back(described("monitor", number++, "name", monitor.name, "width", monitor.size.width,
-                             "height", monitor.size.height, "left", monitor.left, "top",
-                             monitor.top, "refresh_hz", monitor.refresh_hz));
+    output.add_to("monitors", "monitor", number++, "name", monitor.name, "width",
+                  monitor.size.width, "height", monitor.size.height, "left", monitor.left, "top",
+                  monitor.top, "refresh_hz", monitor.refresh_hz);
   }
   if (monitors.empty()) output.say("no monitor is connected");
   for (const auto& [controller, path] : dlp::list_controllers()) {
     output.say("--dlp: {} at {}", name_of(controller), path);
-    output.list("controllers").push_back(described("name", name_of(controller), "path", path));
+    output.add_to("controllers", "name", name_of(controller), "path", path);
   }
-}
-
-const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
-  const auto place = static_cast<std::size_t>(number);  // negative numbers become large ones
-  throw_if(place >= monitors.size(),
-           "--monitor {} does not exist; {} connected, numbered from 0, see --list", number,
-           monitors.size());
-  return monitors[place];
 }
 
 /// The pictures to show, of the monitor's size.
@@ -118,7 +109,11 @@ void project_scan(const ProjectFlags& flags, Output& output) {
   const opengl::WindowSystem system;
   const std::vector<Monitor> monitors = system.monitors();
   if (flags.list) return list_monitors(monitors, output);
-  const Monitor& monitor = monitor_at(monitors, flags.monitor);
+  const auto place = static_cast<std::size_t>(flags.monitor);  // negative numbers become large ones
+  throw_if(place >= monitors.size(),
+           "--monitor {} does not exist; {} connected, numbered from 0, see --list", flags.monitor,
+           monitors.size());
+  const Monitor& monitor = monitors[place];
   const int hold = monitor::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
   throw_if(flags.dlp && hold != 1,
            "--dlp shows three patterns per refresh; drop --rate and --hold");

@@ -2,7 +2,7 @@
 #include <future>
 #include <numeric>
 
-#include "app/loaded_scan.h"
+#include "app/reconstructed_scan.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/surface.h"
@@ -140,10 +140,6 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
                  .remarks = doubts(scan.sound.checked.findings)});
 }
 
-bool measures_motion(const EngineSetup& setup) {
-  return MotionMeasurement::is_possible(measuring_band(setup.sequence.strategy.layout()));
-}
-
 /// Counts the points, warns of missing ones, and compares with the truth.
 void judge(const ReconstructFlags& flags, ReconstructedScan& result) {
   result.files = files_of_scan(flags.files, result.name);
@@ -196,7 +192,9 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   if (flags.uncertainty) require_uncertainty_possible(setup, two_cameras && scan.scanner, output);
   throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
            "--epipolar needs one camera and patterns along both axes: --axis both");
-  throw_if(!flags.files.motion.empty() && (two_cameras || !measures_motion(setup)),
+  throw_if(!flags.files.motion.empty() &&
+               (two_cameras ||
+                !MotionMeasurement::is_possible(measuring_band(setup.sequence.strategy.layout()))),
            "--motion-map needs one camera and extra frames: --motion 2");
   result.least_modulation =
       two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);

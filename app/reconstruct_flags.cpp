@@ -31,15 +31,6 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
             "add each point's standard deviation to the cloud, from the frames' noise");
 }
 
-/// Paths in a list are relative to the list; converts them to the working directory.
-std::vector<ListedScans> scans_in_list(const fs::path& list) {
-  const std::vector<std::uint8_t> bytes = read_file(list);
-  std::vector<ListedScans> scans =
-      scan_list_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, list.string());
-  for (ListedScans& listed : scans) listed.path = (list.parent_path() / listed.path).string();
-  return scans;
-}
-
 void set_end(ListedScans& listed, const ScanChanges& changes) {
   const std::string& path = listed.path;
   std::uint64_t count = 0;
@@ -87,8 +78,12 @@ std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
       scans.push_back({.path = path});
       continue;
     }
-    const std::vector<ListedScans> listed = scans_in_list(path);
-    scans.insert(scans.end(), listed.begin(), listed.end());
+    const std::vector<std::uint8_t> bytes = read_file(path);
+    for (ListedScans& listed :
+         scan_list_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path)) {
+      listed.path = (fs::path(path).parent_path() / listed.path).string();  // relative to the list
+      scans.push_back(std::move(listed));
+    }
   }
   for (ListedScans& listed : scans) {
     if (flags.windows && !listed.windows) {

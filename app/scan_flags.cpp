@@ -15,13 +15,6 @@ std::string flag_of(std::string setting) {
   return "--" + setting;
 }
 
-std::vector<double> exposures_from(const std::string& text) {
-  std::vector<double> exposures = numbers_in<double>(text, ',');
-  throw_if(exposures.empty(), "--exposures '{}': expected comma-separated numbers, e.g. 1,4,16",
-           text);
-  return exposures;
-}
-
 std::vector<double> settings_in(const std::string& text) {
   std::vector<double> numbers;
   SettingValue(text).read(numbers);
@@ -75,31 +68,16 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add("--projector", changes.projector, "projector size in pixels, e.g. 1824x1140");
   group.add("--alpha-p", changes.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", changes.beta_p, "darkest grey level of the patterns");
+  const auto expose = [&changes](const std::string& text) {
+    changes.exposures = numbers_in<double>(text, ',');
+    throw_if(changes.exposures->empty(),
+             "--exposures '{}': expected comma-separated numbers, e.g. 1,4,16", text);
+  };
   group.add_read<>(
-      "--exposures",
-      [&changes](const std::string& text) { changes.exposures = exposures_from(text); },
+      "--exposures", expose,
       "repeat all patterns for each exposure and merge them, e.g. 1,4,16: relative, or in ms");
   group.add("--motion", changes.motion,
             "extra frames per cloud for motion compensation: 0, 2 or 4");
-}
-
-void set_box(std::optional<PointBox>& box, const std::vector<double>& numbers) {
-  throw_if(numbers.size() != 6,
-           "--box: expected 6 numbers in mm, got {}; e.g. -50,-50,600,50,50,800", numbers.size());
-  box.emplace();
-  std::copy_n(numbers.begin(), 3, box->least.begin());
-  std::copy_n(numbers.begin() + 3, 3, box->largest.begin());
-}
-
-void set_outline(std::vector<PictureCorner>& outline, const std::vector<double>& numbers) {
-  throw_if(numbers.size() % 2 != 0 || numbers.size() == 2,
-           "--outline: expected column and row of two or more corners, got {} numbers; e.g. "
-           "100,80,500,400",
-           numbers.size());
-  outline.clear();
-  for (std::size_t i = 0; i < numbers.size(); i += 2) {
-    outline.push_back({numbers[i], numbers[i + 1]});
-  }
 }
 
 /// Sets the response that corrects the scan's phases in check and cloud. Two cameras match each
@@ -190,10 +168,6 @@ void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
   group.add_read<>("--backend", read, backend_forms)->default_str("fused");
 }
 
-void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
-  FlagGroup{subcommand, "Valid pixels"}.add_settings(settings);
-}
-
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   const FlagGroup group{subcommand, "Cleaning"};
   const auto take_raw = [&settings] {
@@ -206,10 +180,20 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
       ->group(group.name);
   group.add_settings(settings.clean, [&group](const Setting& setting, auto& value) {
     const auto read = [&value](const std::vector<double>& numbers) {
+      const std::size_t count = numbers.size();
       if constexpr (std::is_same_v<decltype(value), std::optional<PointBox>&>) {
-        set_box(value, numbers);
+        throw_if(count != 6, "--box: expected 6 numbers in mm, got {}; e.g. -50,-50,600,50,50,800",
+                 count);
+        value.emplace();
+        std::copy_n(numbers.begin(), 3, value->least.begin());
+        std::copy_n(numbers.begin() + 3, 3, value->largest.begin());
       } else {
-        set_outline(value, numbers);
+        throw_if(count % 2 != 0 || count == 2,
+                 "--outline: expected column and row of two or more corners, got {} numbers; e.g. "
+                 "100,80,500,400",
+                 count);
+        value.clear();
+        for (std::size_t i = 0; i < count; i += 2) value.push_back({numbers[i], numbers[i + 1]});
       }
     };
     group.add_read<std::vector<double>>(setting.flag, read, setting.help)->delimiter(',');
@@ -219,7 +203,7 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
 
 void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {
   add_anyway_flag(subcommand, flags.anyway);
-  add_point_flags(subcommand, flags.settings);
+  FlagGroup{subcommand, "Valid pixels"}.add_settings(flags.settings);
   add_clean_flags(subcommand, flags.settings);
   add_scan_input_flags(subcommand, flags);
 }

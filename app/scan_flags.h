@@ -40,9 +40,6 @@ void add_anyway_flag(CLI::App& subcommand, bool& anyway);
 /// Adds --backend.
 void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings);
 
-/// Adds --min-modulation, --keep-saturated, --nearest and --farthest.
-void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
-
 /// Adds --raw, which also removes the limits of depth, and the flags of `settings.clean`.
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings);
 

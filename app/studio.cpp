@@ -111,13 +111,13 @@ view::ViewStep step(Studio& studio, const char* name, char key, const char* help
 view::ViewSource show_live(Studio& studio) {
   LiveFlags flags = studio.flags;
   set_source(studio, flags.source, flags.monitor);
-  const auto scan = std::make_shared<LiveScan>(std::move(flags), studio.output);
-  scan->start();
-  view::ViewSource source = view_source_of(*scan->session);
+  const auto session = std::make_shared<LiveSession>(std::move(flags), studio.output);
+  session->start();
+  view::ViewSource source = view_source_of(*session);
   source.title = "slipstream studio: " + studio.chosen(camera);
-  source.opens_saved = has_geometry(scan->session->setup.scanner);
-  source.newest = [scan, &studio, newest = std::move(source.newest)] {
-    if (const auto failure = scan->pipeline->failure()) {
+  source.opens_saved = has_geometry(session->setup.scanner);
+  source.newest = [session, &studio, newest = std::move(source.newest)] {
+    if (const auto failure = session->pipeline->failure()) {
       try {
         std::rethrow_exception(failure);
       } catch (const std::exception& error) {

@@ -31,22 +31,19 @@ nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
   return document;
 }
 
-nlohmann::json json_of(const BenchRatios& ratios) {
-  nlohmann::json document = ratios.over_fused;
-  describe(document, "largest_per_pixel", ratios.largest_per_pixel, "threads", ratios.threads);
-  return document;
-}
-
 nlohmann::json json_of(const BenchReport& report) {
   const BenchMachine& machine = report.machine;
   const auto row = [&](const TimedRow& timed) { return json_of(timed, machine.bandwidth); };
   const auto published = [](const PublishedMark& mark) {
     return described("source", mark.source, "fps", mark.fps);
   };
+  nlohmann::json ratios = report.ratios.over_fused;
+  describe(ratios, "largest_per_pixel", report.ratios.largest_per_pixel, "threads",
+           report.ratios.threads);
   nlohmann::json document =
       described("machine", machine.processor, "vectors", machine.vectors, "bandwidth_bytes_per_s",
-                machine.bandwidth, "ratios", json_of(report.ratios), "rows",
-                as_json(report.rows, row), "published", as_json(published_marks, published));
+                machine.bandwidth, "ratios", ratios, "rows", as_json(report.rows, row), "published",
+                as_json(published_marks, published));
   if (!report.gpu.empty()) document["gpu"] = report.gpu;
   return document;
 }
@@ -86,17 +83,6 @@ struct ReproduceFlags {
   std::uint64_t seed = 1;
 };
 
-nlohmann::json json_of(const Reproduced& done) {
-  const auto cells = as_json(done.result.cells, [](const ReproducedCell& cell) {
-    return described("quantity", cell.quantity, "parameters", cell.parameters, "published",
-                     as_json(cell.published), "recomputed", as_json(cell.recomputed), "improved",
-                     as_json(cell.improved));
-  });
-  return described("id", done.item.id, "title", done.item.title, "cells", cells, "plots",
-                   as_json(done.plots, [](const fs::path& plot) { return plot.string(); }), "notes",
-                   done.result.notes);
-}
-
 Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
   Reproduced done{item, item.run(flags.seed)};
   if (flags.plots.empty()) return done;
@@ -126,7 +112,14 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   Progress progress("reproduce", items.size());
   for (const Reproducible& item : items) {
     const Reproduced done = run(item, flags);
-    output.list(std::string(item.kind) + "s").push_back(json_of(done));
+    const auto cells = as_json(done.result.cells, [](const ReproducedCell& cell) {
+      return described("quantity", cell.quantity, "parameters", cell.parameters, "published",
+                       as_json(cell.published), "recomputed", as_json(cell.recomputed), "improved",
+                       as_json(cell.improved));
+    });
+    const auto plots = as_json(done.plots, [](const fs::path& plot) { return plot.string(); });
+    output.add_to(std::string(item.kind) + "s", "id", item.id, "title", item.title, "cells", cells,
+                  "plots", plots, "notes", done.result.notes);
     add_to(report, done, fs::absolute(flags.report).parent_path());
     progress.advance();
     output.say("{}", text_of(done));

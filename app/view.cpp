@@ -11,39 +11,17 @@
 #include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
-namespace {
-
-void draw(const view::ViewSource& source, const ViewFlags& flags, view::Surround surround,
-          const char* name, const std::string& path, Output& output) {
-  if (path.empty()) return;
-  if (!source.newest()) {
-    throw WorldError(fmt::format("{}: no cloud to draw", path));
-  }
-  write_image(path, view::render_screen(source, flags.settings, flags.size, surround));
-  output.add_file(name, path);
-}
-
-/// Draws --snapshot and, if requested, --screenshot without a window. Throws WorldError without a
-/// cloud.
-void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool screenshot_too,
-                    Output& output) {
-  draw(source, flags, view::Surround::nothing, "snapshot", flags.snapshot, output);
-  if (!screenshot_too) return;
-  draw(source, flags, view::Surround::panel, "screenshot", flags.screenshot, output);
-}
-
-}  // namespace
 
 view::ViewSource view_source_of(LiveSession& session) {
   const std::string& name = session.flags.source.source;
   view::ViewSource source =
-      view::live_source(session.pipeline, setup_of(session), session.patterns_can_change);
+      view::live_source(*session.pipeline, setup_of(session), session.patterns_can_change);
   source.title = fmt::format("slipstream live: {}", name);
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
                                  cycle_length(source.setup->sequence), name);
-  source.camera = session.recorder.controls();
+  source.camera = session.recorder->controls();
   source.camera_region = fmt::format("{} pixels; set by --region at the start",
-                                     text_of(session.recorder.format().size));
+                                     text_of(session.recorder->format().size));
   source.change = [&session](const EngineSetup& setup) { change_setup(session, setup); };
   source.changed = [&session, seen = session.changes.load()]() mutable {
     const std::uint64_t changes = session.changes;
@@ -52,11 +30,11 @@ view::ViewSource view_source_of(LiveSession& session) {
   };
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
     return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
-                              doubts(session.pipeline.statistics().findings));
+                              doubts(session.pipeline->statistics().findings));
   };
   source.record = [&session](bool on) { change_setting(session, "record", on ? "on" : "off"); };
   source.recording = [&session] {
-    const auto recording = session.recorder.recording();
+    const auto recording = session.recorder->recording();
     return recording ? text_of(*recording) : std::string();
   };
   source.best_exposure = [&session](const view::ShownCloud& cloud, double exposure) {
@@ -97,8 +75,16 @@ void show_in_window(LiveSession& session, Output& output) {
   output.add_file("screenshot", flags.screenshot);
 }
 
-void draw_newest(LiveSession& session, bool screenshot_too, Output& output) {
-  write_pictures(view_source_of(session), session.flags.view, screenshot_too, output);
+void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool screenshot_too,
+                    Output& output) {
+  const auto draw = [&](const char* name, const std::string& path, view::Surround surround) {
+    if (path.empty()) return;
+    if (!source.newest()) throw WorldError(fmt::format("{}: no cloud to draw", path));
+    write_image(path, view::render_screen(source, flags.settings, flags.size, surround));
+    output.add_file(name, path);
+  };
+  draw("snapshot", flags.snapshot, view::Surround::nothing);
+  if (screenshot_too) draw("screenshot", flags.screenshot, view::Surround::panel);
 }
 
 void require_desktop() {
@@ -154,11 +140,6 @@ bool is_scan(const std::string& path) {
   return fs::is_directory(path) || is_recording(path);
 }
 
-view::ViewSource source_of_cloud(const std::string& path) {
-  StoredCloud stored = read_cloud(path);
-  return view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
-}
-
 /// A page instead of a window: loops the frames as live does.
 void serve_page(const ViewPathFlags& flags, Output& output) {
   throw_if(!is_scan(flags.path), "--web shows scan folders and recordings; '{}' is neither",
@@ -211,8 +192,10 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 
 view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
                                 const ViewFlags& view, Output& output) {
+  StoredCloud stored = is_scan(path) ? StoredCloud() : read_cloud(path);
   view::ViewSource source =
-      is_scan(path) ? source_of_scan(path, flags, view.save_to, output) : source_of_cloud(path);
+      is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
+                    : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
   source.title = path;
   return source;
 }

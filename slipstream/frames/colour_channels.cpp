@@ -13,14 +13,10 @@
 namespace slipstream {
 namespace {
 
+using Mixture = Eigen::Map<const Eigen::Matrix<double, colour_channels, 4, Eigen::RowMajor>>;
+
 Eigen::Matrix3d colours_of(const ColourMixture& mixture) {
-  Eigen::Matrix3d colours;
-  for (int c = 0; c < colour_channels; ++c) {
-    for (int p = 0; p < colour_channels; ++p) {
-      colours(c, p) = mixture[static_cast<std::size_t>(c)][static_cast<std::size_t>(p)];
-    }
-  }
-  return colours;
+  return Mixture(mixture.front().data()).leftCols<colour_channels>();
 }
 
 /// Mean of each frame over the lit pixels, grey levels of 255.
@@ -59,7 +55,7 @@ FrameFormat format_of(const FrameSource& pictures) {
 }
 
 Eigen::Vector3f dark_of(const ColourMixture& mixture) {
-  return Eigen::Vector3d(mixture[0][3], mixture[1][3], mixture[2][3]).cast<float>();
+  return Mixture(mixture.front().data()).col(3).cast<float>();
 }
 
 /// Grey levels of 255 in the three frames from `n` on.
@@ -104,9 +100,7 @@ void require_valid(const ColourMixture& mixture) {
   constexpr double worst = 50;
   const double condition =
       colours.cwiseAbs().maxCoeff() * colours.inverse().cwiseAbs().rowwise().sum().maxCoeff();
-  const bool dark_known = std::all_of(mixture.begin(), mixture.end(),
-                                      [](const auto& row) { return std::isfinite(row[3]); });
-  throw_if(!dark_known || !colours.allFinite() || !(condition <= worst),
+  throw_if(!Mixture(mixture.front().data()).allFinite() || !(condition <= worst),
            "colour_mixture: the camera's channels cannot separate the projector's colours");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <tuple>
 
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/decode/frame_adapter.h"
@@ -169,8 +170,11 @@ class LiveRun {
     std::vector<Pooled<Frame>> window;
     while (auto captured = captured_.pop()) {
       if (auto wanted = locked(plan_); wanted != current) {
+        const auto patterns_of = [](const Sequence& shown) {
+          return std::tie(shown.strategy, shown.axis, shown.exposures);
+        };
         const Sequence& sequence = sequence_of(*wanted);
-        if (!windows || !same_patterns(sequence, sequence_of(*current))) {
+        if (!windows || patterns_of(sequence) != patterns_of(sequence_of(*current))) {
           lost_before = windows_lost_;
           resynchronised_before = resynchronisations_;
           windows.emplace(pattern_cycle(sequence), settings_.indexing, format_.size);
@@ -244,10 +248,6 @@ class LiveRun {
       if (settings_.on_cloud) settings_.on_cloud(*cloud);
       show_meter_.done((*cloud)->newest.host_time);
     }
-  }
-
-  static bool same_patterns(const Sequence& a, const Sequence& b) {
-    return a.strategy == b.strategy && a.axis == b.axis && a.exposures == b.exposures;
   }
 
   static const Sequence& sequence_of(const WindowEngine& plan) {

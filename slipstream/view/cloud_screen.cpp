@@ -14,8 +14,8 @@ namespace slipstream::view {
 namespace {
 
 constexpr int picture_width = 480, large_picture_width = 1920;
-constexpr int most_exposures =
-    4;  // tried until the best: saturated pixels hide how bright they are
+/// Tried until the best: saturated pixels hide how bright they are.
+constexpr int most_exposures = 4;
 
 PointImages images_of(const Cloud& cloud) {
   return {cloud.x, cloud.y, cloud.z, cloud.intensity};
@@ -166,7 +166,10 @@ void CloudScreen::draw(const Screen& screen) {
   gui_.begin_frame(screen);
   hear_of_saving();
   hear_of_changes();
-  hear_of_guide();
+  if (auto newest = source_.guide ? source_.guide() : std::nullopt) {
+    guide_ = *std::move(newest);
+    guide_picture_.upload(guide_.picture);
+  }
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
   const Area area = area_between(widths, screen);
   draw_over(area, screen);
@@ -326,13 +329,6 @@ void CloudScreen::hear_of_changes() {
       state_.strategy = accepted_.first = i;
     }
   }
-}
-
-void CloudScreen::hear_of_guide() {
-  auto newest = source_.guide ? source_.guide() : std::nullopt;
-  if (!newest) return;
-  guide_ = *std::move(newest);
-  guide_picture_.upload(guide_.picture);
 }
 
 void CloudScreen::expose() {

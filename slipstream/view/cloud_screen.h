@@ -164,7 +164,6 @@ class CloudScreen {
   /// Returns false and shows the reason in the panel if `work` throws.
   template <class Action>
   bool attempt(const Action& action);
-  void hear_of_guide();
   void expose();
   void change_setup();
   void hear_of_changes();

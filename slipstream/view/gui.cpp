@@ -37,6 +37,15 @@ ImGuiStyle style_at(float unit) {
 constexpr ImU32 ink = IM_COL32(226, 230, 236, 255), field = IM_COL32(19, 21, 25, 225),
                 marked = IM_COL32(255, 205, 80, 255);
 
+/// Text of that size at a place, on a dark field; `wrap` 0: in one line.
+void draw_words(const std::string& words, const ImVec2& size, float wrap, const ImVec2& at,
+                float margin, float rounding) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({at.x - margin, at.y - margin},
+                     {at.x + size.x + margin, at.y + size.y + margin}, field, rounding);
+  list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ink, words.c_str(), nullptr, wrap);
+}
+
 }  // namespace
 
 float Screen::pixel_ratio() const {
@@ -147,24 +156,18 @@ void draw_depth_scale(const Range& depths, const Area& area, float unit) {
 }
 
 void draw_note(const std::string& words, const Area& area, float unit) {
-  const float wrap = std::min(0.85F * area.width, 520 * unit), margin = 14 * unit;
+  const float wrap = std::min(0.85F * area.width, 520 * unit);
   const ImVec2 size = ImGui::CalcTextSize(words.c_str(), nullptr, false, wrap);
-  const ImVec2 at(area.left + 0.5F * (area.width - size.x),
-                  area.top + 0.5F * (area.height - size.y));
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled({at.x - margin, at.y - margin},
-                     {at.x + size.x + margin, at.y + size.y + margin}, field, 6 * unit);
-  list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ink, words.c_str(), nullptr, wrap);
+  draw_words(words, size, wrap,
+             {area.left + 0.5F * (area.width - size.x), area.top + 0.5F * (area.height - size.y)},
+             14 * unit, 6 * unit);
 }
 
 void draw_footer(const std::string& words, const Area& area) {
   const ImVec2 size = ImGui::CalcTextSize(words.c_str());
   const float margin = 0.5F * ImGui::GetFontSize();
-  const ImVec2 at(area.left + 2 * margin, area.top + area.height - size.y - 2 * margin);
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled({at.x - margin, at.y - margin},
-                     {at.x + size.x + margin, at.y + size.y + margin}, field, margin);
-  list.AddText(at, ink, words.c_str());
+  draw_words(words, size, 0, {area.left + 2 * margin, area.top + area.height - size.y - 2 * margin},
+             margin, margin);
 }
 
 void draw_rectangle(const ImVec2& corner, const ImVec2& opposite) {

@@ -76,10 +76,8 @@ struct Vertex {
 
 constexpr glm::vec3 blue(0.36F, 0.60F, 1.0F), green(0.35F, 0.85F, 0.42F), red(1.0F, 0.38F, 0.34F);
 
-/// Strokes of a letter in a square from -1 to 1, Y up.
-struct Stroke {
-  float from_x, from_y, to_x, to_y;
-};
+/// A letter's stroke from x, y to z, w, in a square from -1 to 1, Y up.
+using Stroke = glm::vec4;
 constexpr std::array<Stroke, 2> letter_x{{{-0.7F, 1, 0.7F, -1}, {-0.7F, -1, 0.7F, 1}}};
 constexpr std::array<Stroke, 3> letter_y{
     {{-0.7F, 1, 0, 0.05F}, {0.7F, 1, 0, 0.05F}, {0, 0.05F, 0, -1}}};
@@ -146,8 +144,8 @@ std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
     const glm::vec3 end = origin + length * direction, middle = end + 1.9F * letter * direction;
     const auto place = [&](float x, float y) { return middle + letter * (x * right + y * up); };
     lines.push_back({origin, end, colour, 1});
-    for (const auto& [from_x, from_y, to_x, to_y] : strokes) {
-      lines.push_back({place(from_x, from_y), place(to_x, to_y), colour, 1});
+    for (const Stroke& s : strokes) {
+      lines.push_back({place(s.x, s.y), place(s.z, s.w), colour, 1});
     }
   };
   add({1, 0, 0}, letter_x, red);

@@ -48,6 +48,8 @@ Resource compile(GLenum kind, const char* source) {
   return shader;
 }
 
+int window_systems = 0;  // GLFW has one, which ends with the last
+
 std::string last_words() {
   const char* words = nullptr;
   glfwGetError(&words);
@@ -196,12 +198,6 @@ Image<Colour> read_pixels(Size size) {
   }
   return picture;
 }
-
-namespace {
-
-int window_systems = 0;  // GLFW has one, which ends with the last
-
-}  // namespace
 
 WindowSystem::WindowSystem() {
   if (glfwInit() != GLFW_TRUE) {

@@ -177,12 +177,10 @@ void draw_view_settings(PanelState& state, PanelRequests& requests) {
   ImGui::SameLine(middle);
   ImGui::Checkbox("floor", &view.grid);
   if (view.grid) say(quiet, "a line of the floor every {:g} mm", state.grid_mm);
-  static constexpr std::array<std::pair<const char*, Viewpoint>, 3> named{
-      {{"Front (4)", Viewpoint::front},
-       {"Side (5)", Viewpoint::side},
-       {"Top (6)", Viewpoint::top}}};
-  for (const auto& [name, viewpoint] : named) {
-    if (ImGui::Button(name)) requests.viewpoint = viewpoint;
+  int viewpoint = 0;
+  for (const char* const name : {"Front (4)", "Side (5)", "Top (6)"}) {
+    if (ImGui::Button(name)) requests.viewpoint = static_cast<Viewpoint>(viewpoint);
+    ++viewpoint;
     ImGui::SameLine();
   }
   requests.fit |= ImGui::Button("Fit (F)");
@@ -268,14 +266,6 @@ void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& 
   clean.largest_sigma = limit(trusted, &CleanSettings::largest_sigma);
   clean.smallest_component = limit(connected, &CleanSettings::smallest_component);
   requests.change_setup = true;
-}
-
-/// The picture shown large.
-void draw_picture_choice(PanelState& state) {
-  if (!section("View")) return;
-  choose("picture", {"camera (1)", "modulation (2)", "phase (3)"}, state.picture);
-  say(saturated_ink, "red: a frame is saturated");
-  say(too_dark_ink, "blue: too dark to measure");
 }
 
 void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSource& source) {
@@ -389,7 +379,11 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
     draw_actions(state, requests, source);
     draw_status(state, source, statistics);
     if (pictures_alone(source)) {
-      draw_picture_choice(state);
+      if (section("View")) {
+        choose("picture", {"camera (1)", "modulation (2)", "phase (3)"}, state.picture);
+        say(saturated_ink, "red: a frame is saturated");
+        say(too_dark_ink, "blue: too dark to measure");
+      }
     } else if (state.pixels != 0) {
       draw_view_settings(state, requests);
       draw_filters(state, requests, source);

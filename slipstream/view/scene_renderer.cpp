@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include <epoxy/gl.h>
-#include <fmt/format.h>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/names.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream::view {
 namespace {
@@ -112,10 +112,9 @@ float floor_height(const CloudExtent& extent) {
 }
 
 PointColour point_colour_named(std::string_view name) {
-  const auto found = std::find(colour_names.begin(), colour_names.end(), name);
-  if (found != colour_names.end()) return static_cast<PointColour>(found - colour_names.begin());
-  throw Error(
-      fmt::format("unknown point colour '{}'; expected depth, reflectivity or modulation", name));
+  const auto colour = value_named<PointColour>(name, colour_names);
+  throw_if(!colour, "unknown point colour '{}'; expected depth, reflectivity or modulation", name);
+  return *colour;
 }
 
 std::vector<std::string_view> point_colour_names() {

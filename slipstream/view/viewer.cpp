@@ -59,12 +59,11 @@ struct WindowEvents {
   std::string dropped;  ///< path of a file dropped on the window
 };
 
-WindowEvents& events_of(GLFWwindow* window) {
-  return *static_cast<WindowEvents*>(glfwGetWindowUserPointer(window));
-}
-
-void touch(GLFWwindow* window) {
-  events_of(window).last = Clock::now();
+/// Notes an event.
+WindowEvents& touch(GLFWwindow* window) {
+  auto& events = *static_cast<WindowEvents*>(glfwGetWindowUserPointer(window));
+  events.last = Clock::now();
+  return events;
 }
 
 /// Dear ImGui chains callbacks that are set before it starts.
@@ -77,12 +76,10 @@ void listen(GLFWwindow* window, WindowEvents& events) {
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { touch(w); });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    touch(w);
-    if (count > 0) events_of(w).dropped = paths[0];
+    if (WindowEvents& noted = touch(w); count > 0) noted.dropped = paths[0];
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
-    touch(w);
-    if (action == GLFW_PRESS) events_of(w).keys.push_back(key);
+    if (WindowEvents& noted = touch(w); action == GLFW_PRESS) noted.keys.push_back(key);
   });
 }
 
@@ -90,8 +87,6 @@ void listen(GLFWwindow* window, WindowEvents& events) {
 /// second, with pauses.
 class Pace {
  public:
-  explicit Pace(double most_per_second) : least_(1 / std::max(most_per_second, 1.0)) {}
-
   /// Whether the next picture may start.
   [[nodiscard]] bool rested() const { return Clock::now() >= next_; }
   /// Whether to redraw without a new cloud.
@@ -108,7 +103,7 @@ class Pace {
     glFinish();
     drawn_ = Clock::now();
     const std::chrono::duration<double> took = drawn_ - start;
-    const std::chrono::duration<double> rest(std::max(least_ - took.count(), took.count()));
+    const std::chrono::duration<double> rest(std::max(least - took.count(), took.count()));
     next_ = drawn_ + std::chrono::duration_cast<Clock::duration>(rest);
   }
   [[nodiscard]] double seconds_to_next() const {
@@ -116,9 +111,8 @@ class Pace {
   }
 
  private:
-  double least_;
-  Clock::time_point drawn_{};
-  Clock::time_point next_{};
+  static constexpr double least = 1.0 / 60;  ///< s per picture
+  Clock::time_point drawn_{}, next_{};
 };
 
 }  // namespace
@@ -156,7 +150,7 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   listen(window.get(), events);
   ViewSource shown = source;
   std::optional<CloudScreen> clouds(std::in_place, shown, settings.view, &window);
-  Pace pace(settings.most_per_second);
+  Pace pace;
   std::optional<Image<Colour>> last;
   bool open = true;
   while (open) {

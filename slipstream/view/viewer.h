@@ -119,7 +119,6 @@ ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool pa
 struct ViewerSettings {
   ViewSettings view{};
   Size size{1280, 800};          ///< initial window size
-  double most_per_second = 60;   ///< pictures per second; a slow one is followed by a pause
   std::function<bool()> ends{};  ///< polled: whether to close; empty: only the user closes it
   bool keep_last = false;        ///< return the last picture
 };

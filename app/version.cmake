@@ -1,6 +1,6 @@
 # cmake -D SOURCE=... -D VERSION=... -D FILE=... -P version.cmake: writes the program's version, with
 # the commit where there is one, where the file does not say it already.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 execute_process(COMMAND git describe --always --dirty --exclude=* --abbrev=9
   WORKING_DIRECTORY ${SOURCE} OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 if(commit AND EXISTS ${SOURCE}/.git)

@@ -13,6 +13,7 @@
 
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
+#include "slipstream/calibrate/charuco.h"
 #include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
@@ -164,8 +165,7 @@ void order_as_seen(const CalibrationBoard& board, Corners& corners) {
   const auto at = [&](int column, int row) -> cv::Point2f& {
     return corners[row * board.columns + column];
   };
-  const cv::Point2f right = at(board.columns - 1, 0) - at(0, 0);
-  if (right.x < 0) std::ranges::reverse(corners);
+  if (at(board.columns - 1, 0).x < at(0, 0).x) std::ranges::reverse(corners);
   const cv::Point2f along = at(board.columns - 1, 0) - at(0, 0);
   const cv::Point2f down = at(0, board.rows - 1) - at(0, 0);
   if (along.cross(down) > 0) return;
@@ -232,9 +232,8 @@ BoardCorners board_corners(std::vector<int> places, const Corners& corners, std:
 /// Centre of the ellipse that a homography makes of a circle around `centre`.
 Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eigen::Vector2d& centre,
                                    double radius) {
-  Eigen::Matrix3d dual;  // dual of the circle's conic; a homography H maps it to H dual H^T
   const Eigen::Vector3d c = centre.homogeneous();
-  dual =
+  const Eigen::Matrix3d dual =  // of the circle's conic; a homography H maps it to H dual H^T
       c * c.transpose() - radius * radius * Eigen::Vector3d(1, 1, 0).asDiagonal().toDenseMatrix();
   const Eigen::Matrix3d seen = homography * dual * homography.transpose();
   return seen.col(2).hnormalized();
@@ -288,27 +287,22 @@ cv::Mat without_markers(const cv::Mat& mean, const std::vector<Corners>& markers
 
 std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv::Mat& mean) {
   constexpr std::size_t fewest_corners = 6;
-  const cv::Ptr<cv::aruco::CharucoBoard> charuco = charuco_of(board);
-  const cv::Mat picture = stretched(mean);
   std::vector<Corners> markers;
-  std::vector<int> marker_ids, places;
-  cv::aruco::detectMarkers(picture, charuco->dictionary, markers, marker_ids);
-  if (marker_ids.empty()) return std::nullopt;
+  std::vector<int> ids, places;
+  marker_detector(board).detectMarkers(stretched(mean), markers, ids);
   Corners corners;
-  cv::aruco::interpolateCornersCharuco(markers, marker_ids, picture, charuco, corners, places);
+  for_each_pixel_in_order({board.columns, board.rows}, [&](int column, int row) {
+    // The corner lies midway between the two markers beside it.
+    const int odd = (column + row) % 2;
+    const auto left = std::ranges::find(ids, marker_id(board, column, row + 1 - odd));
+    const auto right = std::ranges::find(ids, marker_id(board, column + 1, row + odd));
+    if (left == ids.end() || right == ids.end()) return;
+    const cv::Point2f of_left = markers[left - ids.begin()][odd ? 2 : 1];
+    corners.push_back((of_left + markers[right - ids.begin()][odd ? 0 : 3]) / 2);
+    places.push_back(row * board.columns + column);
+  });
   if (corners.size() < fewest_corners) return std::nullopt;
-  // The edges of an undetected marker, which is not painted over, would attract the corner.
-  const double to_marker = (1 - board.marker_side) / 2;
-  refine(mean, corners, to_marker);
-  Corners by_squares = corners;
-  refine(without_markers(mean, markers, board.marker_side), by_squares, half_square);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto& about = charuco->nearestMarkerIdx[places[i]];
-    const bool plain = std::ranges::all_of(about, [&](int marker) {
-      return std::ranges::count(marker_ids, charuco->ids[marker]) > 0;
-    });
-    if (plain) corners[i] = by_squares[i];
-  }
+  refine(without_markers(mean, markers, board.marker_side), corners, half_square);
   return board_corners(std::move(places), corners, "ChArUco, mean");
 }
 
@@ -316,9 +310,8 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
 
 FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameViews& along_y) {
   throw_if(along_x.size() != along_y.size(),
-           "the frames along x are {}x{}, along y {}x{}; both must have one size",
-           along_x.size().width, along_x.size().height, along_y.size().width,
-           along_y.size().height);
+           "the frames along x are {}, along y {}; both must have one size",
+           text_of(along_x.size()), text_of(along_y.size()));
   FringeFreePictures pictures{Image<float>(along_x.size()), Image<float>(along_x.size())};
   const int total = along_x.count() + along_y.count();
   add_frames(along_x, pictures, total);

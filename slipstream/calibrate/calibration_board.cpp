@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "slipstream/base/throw_if-inl.h"
+#include "slipstream/calibrate/charuco.h"
 #include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
@@ -16,8 +17,7 @@ constexpr int white = 255;
 cv::Mat drawn_chessboard(const CalibrationBoard& board, int side) {
   cv::Mat picture((board.rows + 3) * side, (board.columns + 3) * side, CV_8U, cv::Scalar(white));
   for_each_pixel_in_order({board.columns + 1, board.rows + 1}, [&](int column, int row) {
-    if ((row + column) % 2 == 0)
-      picture(cv::Rect((column + 1) * side, (row + 1) * side, side, side)) = 0;
+    if ((row + column) % 2 == 0) picture({(column + 1) * side, (row + 1) * side, side, side}) = 0;
   });
   return picture;
 }
@@ -29,22 +29,31 @@ cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
   const auto fixed_point = [&](double pixels) {
     return static_cast<int>(std::lround(std::ldexp(pixels, fraction_bits)));
   };
-  const double radius = board.circle_diameter / 2;
   for (const Eigen::Vector3d& place : printed_places(board)) {
     // Places are relative to the picture's edge, pixels to their centres.
     const Eigen::Vector3d pixel =
         (place / board.spacing + Eigen::Vector3d::Constant(2)) * pixels_per_spacing -
         Eigen::Vector3d::Constant(0.5);
     cv::circle(picture, {fixed_point(pixel.x()), fixed_point(pixel.y())},
-               fixed_point(radius * pixels_per_spacing), cv::Scalar(0), cv::FILLED, cv::LINE_AA,
-               fraction_bits);
+               fixed_point(board.circle_diameter / 2 * pixels_per_spacing), cv::Scalar(0),
+               cv::FILLED, cv::LINE_AA, fraction_bits);
   }
   return picture;
 }
 
 cv::Mat drawn_charuco(const CalibrationBoard& board, int side) {
-  cv::Mat picture;
-  charuco_of(board)->draw({(board.columns + 3) * side, (board.rows + 3) * side}, picture, side, 1);
+  cv::Mat picture = drawn_chessboard(board, side);
+  const int bits = board.marker_bits, width = cvRound(board.marker_side * side);
+  const int margin = side + (side - width) / 2;
+  const cv::aruco::ArucoDetector detector = marker_detector(board);
+  for_each_pixel_in_order({board.columns + 1, board.rows + 1}, [&](int column, int row) {
+    if ((row + column) % 2 == 0) return;
+    const cv::Mat code = detector.getDictionary().bytesList.row(marker_id(board, column, row));
+    cv::Mat cells = cv::Mat::zeros(bits + 2, bits + 2, CV_8U);
+    cells({1, 1, bits, bits}).setTo(white, cv::aruco::Dictionary::getBitsFromByteList(code, bits));
+    cv::resize(cells, picture({column * side + margin, row * side + margin, width, width}),
+               {width, width}, 0, 0, cv::INTER_NEAREST);
+  });
   return picture;
 }
 

@@ -3,14 +3,12 @@
 #include <cstring>
 #include <vector>
 
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
-#include "slipstream/calibrate/calibration_board.h"
 
 namespace slipstream {
 
@@ -63,18 +61,6 @@ inline cv::Mat within_hull(const std::vector<cv::Point>& pixels, cv::Size size) 
   cv::Mat mask(size, CV_8U, cv::Scalar(0));
   cv::fillConvexPoly(mask, hull, cv::Scalar(1));
   return mask;
-}
-
-/// OpenCV's number of markers for each marker size.
-inline constexpr int charuco_dictionary_size = 1000;
-
-/// OpenCV's board with squares of side 1.
-inline cv::Ptr<cv::aruco::CharucoBoard> charuco_of(const CalibrationBoard& board) {
-  constexpr int dictionaries[]{cv::aruco::DICT_4X4_1000, cv::aruco::DICT_5X5_1000,
-                               cv::aruco::DICT_6X6_1000, cv::aruco::DICT_7X7_1000};
-  return cv::aruco::CharucoBoard::create(
-      board.columns + 1, board.rows + 1, 1, static_cast<float>(board.marker_side),
-      cv::aruco::getPredefinedDictionary(dictionaries[board.marker_bits - 4]));
 }
 
 }  // namespace slipstream

@@ -1,4 +1,4 @@
-
+#include <Eigen/Geometry>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"

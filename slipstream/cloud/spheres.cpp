@@ -1,6 +1,8 @@
 #include <map>
 #include <numbers>
 
+#include <Eigen/Geometry>
+
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/cloud/measure.h"
 #include "slipstream/cloud/surface.h"

@@ -111,6 +111,8 @@ TEST(BoardCorners, OfACircleGridAreFoundToAFractionOfAPixel) {
 TEST(BoardCorners, OfACharucoBoardAreFoundWhereItIsInView) {
   const CalibrationBoard board{.kind = BoardKind::charuco, .columns = 9, .rows = 7};
   for (const double turn : {0.0, 0.2, 2.5}) expect_found(board, picture_of(board, turn), 0.2);
+  const CalibrationBoard odd{.kind = BoardKind::charuco, .columns = 10, .rows = 8};
+  expect_found(odd, picture_of(odd, 0.2), 0.2);
 
   const Picture cut = picture_of(board, 0.1, {160, 150});
   const std::optional<BoardCorners> found = find_board(board, cut.seen);

@@ -1,5 +1,8 @@
 #include "slipstream/calibrate/calibration_board.h"
 
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/io/expect_error.h"
@@ -32,6 +35,32 @@ TEST(CalibrationBoard, IsDrawnWithAMarginOfOneSpacing) {
   EXPECT_EQ(circles(40, 40), 0);
   EXPECT_EQ(circles(60, 40), 255);
   EXPECT_EQ(circles(60, 60), 0);
+}
+
+/// A square's cells, 10 x 10: '#' dark, '.' bright.
+std::vector<std::string> cells(const Image<std::uint8_t>& drawn, int column, int row) {
+  constexpr int cell = 2;
+  std::vector<std::string> lines(10, std::string(10, '.'));
+  for_each_pixel_in_order({10, 10}, [&](int x, int y) {
+    const int right = (column + 1) * 20 + cell * x, down = (row + 1) * 20 + cell * y;
+    if (drawn(right, down) == 0) lines[y][x] = '#';
+  });
+  return lines;
+}
+
+// OpenCV's own boards with an even number of rows start with a bright square before 4.6.
+TEST(CalibrationBoard, OfMarkersDoesNotDependOnTheVersionOfOpenCv) {
+  const auto drawn =
+      draw_board({.kind = BoardKind::charuco, .columns = 2, .rows = 3, .marker_side = 0.6}, 20);
+  EXPECT_EQ(cells(drawn, 0, 0), std::vector<std::string>(10, "##########"));
+  const std::vector<std::string> first{"..........", "..........", "..######..", "..#.#..#..",
+                                       "..##.#.#..", "..###..#..", "..###.##..", "..######..",
+                                       "..........", ".........."};
+  const std::vector<std::string> last{"..........", "..........", "..######..", "..##...#..",
+                                      "..#.##.#..", "..#..###..", "..#..#.#..", "..######..",
+                                      "..........", ".........."};
+  EXPECT_EQ(cells(drawn, 1, 0), first);
+  EXPECT_EQ(cells(drawn, 2, 3), last);
 }
 
 TEST(CalibrationBoard, ThatCannotBeIsToldInOneLine) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 # Hides all packages but those that the decoder needs: a build that asks for another one fails.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/../../cmake/libraries.cmake)
 set(decoder_packages Eigen3 fmt TBB hwy)

@@ -1,4 +1,4 @@
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/bare.cmake)
 file(REMOVE_RECURSE ${WORK_FOLDER})
 file(GLOB_RECURSE modules ${PREFIX}/*/slipstream-*.pc)

@@ -1,5 +1,5 @@
 # Compiles the decoder anew, for one vector target and without optimisation, as that is quick.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/bare.cmake)
 file(REMOVE_RECURSE ${WORK_FOLDER})
 hide_modules(${WORK_FOLDER}/modules)

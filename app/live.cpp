@@ -250,6 +250,7 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   SourceRequest request = request_from(flags.source);
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
+  if (!flags.headless) request.before_rendering = require_desktop;
   projector = open_projector(flags.monitor);
   if (projector.sink != nullptr && !request.sequence.projector) {
     request.sequence.projector = projector.sink->size();
@@ -299,7 +300,6 @@ void LiveSession::start() {
 
 void live(const LiveFlags& flags, Output& output) {
   return_memory();
-  if (!flags.headless) require_desktop();
   LiveSession session(flags, output);
   LivePipeline& pipeline = *session.pipeline;
   Publisher& publisher = session.publisher;

@@ -201,7 +201,8 @@ NamedSource open(SourceRequest request, Output& output) {
   request.camera.node_set = [&output](const CameraNode& node) {
     output.say("{} = {}", node.name, node.value);
   };
-  request.before_rendering = [&output] {
+  request.before_rendering = [&output, before = request.before_rendering] {
+    before();
     output.tell_wait("rendering the virtual camera's frames");
   };
   NamedSource opened = open_source(request);

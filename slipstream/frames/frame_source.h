@@ -153,7 +153,7 @@ struct Reel {
 /// Each frame once, in sequence.
 Reel reel_of(std::vector<Frame> frames);
 
-/// A display for patterns: a monitor, an image folder, the virtual rig. Use it from one thread.
+/// A display for patterns: a monitor, or a controller of a projector. Use it from one thread.
 class PatternSink {
  public:
   virtual ~PatternSink() = default;

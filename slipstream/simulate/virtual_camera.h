@@ -7,7 +7,6 @@
 #include "slipstream/frames/frame_source.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
-#include "slipstream/simulate/seen_scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/simulate/virtual_world.h"
 
@@ -68,45 +67,6 @@ class VirtualCamera : public FrameSource {
   Clock::time_point start_;
   std::uint64_t sequence_ = 0;
   std::atomic<std::uint64_t> delivered_ = 0, lost_ = 0;
-};
-
-/// A simulated projector and camera in front of a scene. The next frame sees the picture that the
-/// projector shows, any picture; before the first pattern it is dark. Not thread-safe:
-///
-///   rig.show(n);
-///   rig.next(frame, timeout);  // the scene under pattern n, with new noise
-///
-/// Without Physics::projector_pixels, light is interpolated between pixel centres, without blur.
-/// Bodies move by their `motion` from frame to frame, but not during an exposure.
-class VirtualRig : public PatternSink, public FrameSource {
- public:
-  /// Throws Error if the scanner or the photometry is invalid, or has no bits.
-  VirtualRig(Scanner scanner, Scene scene, const Photometry& photometry = {});
-
-  [[nodiscard]] std::optional<Size> size() const override { return scanner_.projector.size; }
-  void load(std::vector<Image<std::uint8_t>> patterns) override;
-  void show(std::size_t n) override;
-  [[nodiscard]] std::uint64_t shown() const override { return shown_; }
-
-  [[nodiscard]] FrameFormat format() const override;
-  [[nodiscard]] bool has_own_pace() const override { return false; }
-  void start() override {}
-  /// Never waits. Sequence: number of the frame, from 0; pattern index: the pattern shown.
-  Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
-  void stop() override {}
-  [[nodiscard]] SourceCounters counters() const override { return {.delivered = taken_}; }
-
-  /// Always empty: neither device can fail.
-  [[nodiscard]] std::string state() const override { return {}; }
-
- private:
-  Scanner scanner_;
-  Scene scene_;
-  Photometry photometry_;
-  SeenScene seen_;
-  std::vector<Image<std::uint8_t>> patterns_;
-  std::optional<std::size_t> on_show_;
-  std::uint64_t shown_ = 0, taken_ = 0;
 };
 
 }  // namespace slipstream

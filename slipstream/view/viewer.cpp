@@ -154,8 +154,6 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   std::optional<Image<Colour>> last;
   bool open = true;
   while (open) {
-    for (const int key : std::exchange(events.keys, {})) clouds->press(key);
-    if (!events.dropped.empty()) clouds->open(std::exchange(events.dropped, {}));
     if (const auto begin = clouds->take_next()) {
       const ViewSettings kept = clouds->state().view;
       clouds.reset();  // there is one at a time
@@ -165,6 +163,8 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
       glfwSetWindowTitle(window.get(), shown.title.c_str());
       clouds.emplace(shown, kept, &window);
     }
+    for (const int key : std::exchange(events.keys, {})) clouds->press(key);
+    if (!events.dropped.empty()) clouds->open(std::exchange(events.dropped, {}));
     open = glfwWindowShouldClose(window.get()) == GLFW_FALSE && !clouds->closed() &&
            !(settings.ends && settings.ends());
     const Screen screen = screen_of(window);

@@ -27,7 +27,7 @@ class StudioProgram : public testing::Test {
     return wait_until([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
       return std::system(
-                 "xdotool search --name 'slipstream studio' windowfocus "
+                 "timeout 5 xdotool search --name 'slipstream studio' windowfocus "
                  "> /dev/null 2>&1") == 0;
     });
   }
@@ -55,7 +55,11 @@ class StudioProgram : public testing::Test {
     return scan;
   }
   void expect_ends() {
-    press("Escape");
+    EXPECT_TRUE(wait_until([] {  // until there is no window
+      press("Escape");
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      return std::system("timeout 5 xdotool search --name 'slipstream' > /dev/null 2>&1") != 0;
+    }));
     EXPECT_EQ(studio_->wait(), 0) << studio_->err();
   }
 
@@ -100,7 +104,7 @@ TEST_F(StudioProgram, IsWhatViewShowsWithoutAPath) {
   studio_.emplace(std::vector<std::string>{"view"});
   ASSERT_TRUE(wait_until([&] {
     return std::system(
-               "xdotool search --name 'slipstream studio' windowfocus "
+               "timeout 5 xdotool search --name 'slipstream studio' windowfocus "
                "> /dev/null 2>&1") == 0;
   }));
   studio_->send(SIGINT);

@@ -14,11 +14,11 @@
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/virtual_camera.h"
 #include "slipstream/simulate/virtual_world.h"
 #include "tests/app/program.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/simulate/virtual_rig.h"
 #include "tests/view/desktop.h"
 
 namespace slipstream::stepped_program_test {

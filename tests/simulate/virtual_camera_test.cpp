@@ -13,6 +13,7 @@
 #include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "tests/simulate/virtual_rig.h"
 
 namespace slipstream::virtual_camera_test {
 

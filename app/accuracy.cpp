@@ -202,6 +202,8 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   output.document["subject"] = subject;
   if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
   tell(accuracy, artefacts.diagonal, output);
+  output.document["verdict"] = verdict_of(accuracy).words;
+  output.say("{}", verdict_of(accuracy).words);
   if (!flags.report) return;
   write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
   output.document["report"] = *flags.report;

@@ -44,7 +44,9 @@ void demo(const DemoFlags& flags, Output& output) {
     output.say("  {}: {}", name, path);
     output.object("files")[name] = path;
   }
-  output.say("do it yourself: slipstream reconstruct {} -o cloud.ply", scan.string());
+  output.say(
+      "look at it: slipstream view {0}\ndo it yourself: slipstream reconstruct {0} -o cloud.ply",
+      scan.string());
   output.add("scan", scan.string(), "points", point_count(cloud), "rms_mm", errors.rms,
              "predicted_mm", errors.predicted);
 }

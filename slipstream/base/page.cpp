@@ -38,9 +38,9 @@ Page::Page(std::string_view title)
                         "<style>{1}</style>\n<h1>{0}</h1>\n",
                         escaped(title), style)) {}
 
-void Page::verdict(std::string_view mood, std::string_view text) {
+void Page::verdict(const Verdict& verdict) {
   end_table();
-  text_ += fmt::format("<p class=\"verdict {}\">{}</p>\n", mood, escaped(text));
+  text_ += fmt::format("<p class=\"verdict {}\">{}</p>\n", verdict.grade, escaped(verdict.words));
 }
 
 void Page::table(const std::vector<std::string>& columns) {

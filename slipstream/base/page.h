@@ -12,13 +12,19 @@
 
 namespace slipstream {
 
+/// The answer of a report.
+struct Verdict {
+  const char* grade;  ///< "good", "usable" or "bad"
+  std::string words;  ///< one sentence
+};
+
 /// A report as a web page, built part by part; it prints well. All texts are escaped.
 class Page {
  public:
   explicit Page(std::string_view title);
 
-  /// The answer in a line, in the colour of `mood`: "good", "usable" or "bad".
-  void verdict(std::string_view mood, std::string_view text);
+  /// In a line, in the colour of its grade.
+  void verdict(const Verdict& verdict);
   void heading(std::string_view text) { add("h2", text); }
   template <class... Values>
   void paragraph(fmt::format_string<Values...> format, Values&&... values) {

@@ -136,8 +136,7 @@ std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
 }
 
 void write_findings(Page& page, const std::vector<Finding>& findings) {
-  const auto [grade, words] = verdict_of(findings);
-  page.verdict(grade, words);
+  page.verdict(verdict_of(findings));
   if (findings.empty()) return;
   page.heading("Diagnostics");
   page.table({"symptom", "evidence", "likely cause", "remedy"});

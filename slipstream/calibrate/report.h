@@ -21,12 +21,7 @@ std::vector<std::optional<BoardQuality>> left_out_qualities(const GeometryCalibr
 /// Root mean square of each figure over all poses; NaN without any.
 BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses);
 
-/// Whether a calibration can be used.
-struct Verdict {
-  const char* grade;  ///< "good", "usable" or "bad"
-  std::string words;  ///< one sentence
-};
-
+/// Whether the calibration can be used.
 Verdict verdict_of(const std::vector<Finding>& findings);
 
 /// Contents of a report. Holds references; owns nothing.

@@ -342,10 +342,30 @@ Artefacts read_artefacts(const fs::path& file) {
   return artefacts;
 }
 
+Verdict verdict_of(const Accuracy& accuracy) {
+  double worst = 0, error = 0, noise = 0;  // the worst ratio; mm
+  for (const ShapeAccuracy& shape : accuracy.shapes) {
+    const double bending = shape.bending.value_or(0);
+    const double systematic =
+        std::max({std::abs(shape.size.value_or(0)), std::abs(shape.spacing.value_or(0)), bending});
+    const double random = std::sqrt(std::max(shape.rms * shape.rms - bending * bending, 1e-12));
+    if (systematic / random < worst) continue;
+    worst = systematic / random;
+    error = systematic;
+    noise = random;
+  }
+  const std::string figures = fmt::format(
+      "systematic errors of up to {:.3f} mm beside random ones of {:.3f} mm", error, noise);
+  if (accuracy.shapes.empty() || worst <= 1) return {"good", "Good: " + figures + "."};
+  if (worst <= 3) return {"usable", "Usable: " + figures + "; a new calibration may be better."};
+  return {"bad", "Do again: " + figures + "; calibrate geometry and gamma again."};
+}
+
 void write_accuracy_report(const fs::path& folder, const std::string& subject,
                            const Accuracy& accuracy, std::optional<double> diagonal) {
   make_folder(folder);
   Page page("Accuracy");
+  page.verdict(verdict_of(accuracy));
   page.paragraph(
       "{}{}", subject,
       diagonal ? fmt::format("; diagonal of the measured volume {:.0f} mm", *diagonal) : "");

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "slipstream/base/page.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/simulate/virtual_world.h"
@@ -65,6 +66,10 @@ struct AccuracyFigure {
 
 /// All measured figures, for the worst position unless `what` says otherwise.
 std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy);
+
+/// Compares the worst systematic error (size, spacing, planarity) with the points' random
+/// deviations there: "good" if it is smaller, "bad" above three times, and what to do.
+Verdict verdict_of(const Accuracy& accuracy);
 
 using CloudOfScan = std::function<Cloud(const std::string& scan)>;
 

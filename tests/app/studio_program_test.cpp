@@ -1,6 +1,7 @@
 // Presses the keys of the studio's buttons under Xvfb: from the virtual scanner to a cloud.
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -14,6 +15,16 @@
 namespace slipstream::studio_program_test {
 namespace fs = std::filesystem;
 
+/// Whether it comes within three minutes.
+bool comes(const std::function<bool()>& wanted) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(3);
+  while (!wanted()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
 class StudioProgram : public testing::Test {
  protected:
   void SetUp() override {
@@ -24,7 +35,7 @@ class StudioProgram : public testing::Test {
     std::vector<std::string> arguments{"studio", "--save-to", folder_.path().string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     studio_.emplace(arguments);
-    return wait_until([&] {
+    return comes([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
       return std::system(
                  "timeout 5 xdotool search --name 'slipstream studio' windowfocus "
@@ -46,7 +57,7 @@ class StudioProgram : public testing::Test {
   /// Presses Capture until there is a scan, as the first pictures take a moment.
   std::string captured() const {
     std::string scan;
-    EXPECT_TRUE(wait_until([&] {
+    EXPECT_TRUE(comes([&] {
       press("s");
       std::this_thread::sleep_for(std::chrono::milliseconds(500));
       scan = folder_with("scan", "preview.png");
@@ -55,7 +66,7 @@ class StudioProgram : public testing::Test {
     return scan;
   }
   void expect_ends() {
-    EXPECT_TRUE(wait_until([] {  // until there is no window
+    EXPECT_TRUE(comes([] {  // until there is no window
       press("Escape");
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
       return std::system("timeout 5 xdotool search --name 'slipstream' > /dev/null 2>&1") != 0;
@@ -86,7 +97,7 @@ TEST_F(StudioProgram, CalibratesAndCapturesWithTheNewScanner) {
   ASSERT_TRUE(open({})) << studio_->err();
   press("c");
   std::string poses;
-  ASSERT_TRUE(wait_until([&] {
+  ASSERT_TRUE(comes([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     poses = folder_with("poses", "report/report.html");
     return !poses.empty();
@@ -102,7 +113,7 @@ TEST_F(StudioProgram, CalibratesAndCapturesWithTheNewScanner) {
 
 TEST_F(StudioProgram, IsWhatViewShowsWithoutAPath) {
   studio_.emplace(std::vector<std::string>{"view"});
-  ASSERT_TRUE(wait_until([&] {
+  ASSERT_TRUE(comes([&] {
     return std::system(
                "timeout 5 xdotool search --name 'slipstream studio' windowfocus "
                "> /dev/null 2>&1") == 0;

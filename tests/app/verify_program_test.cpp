@@ -59,6 +59,7 @@ TEST_F(VerifyProgram, MeasuresScansAgainstCertifiedValues) {
   EXPECT_EQ(right["planes"].size(), 2U);
   EXPECT_GT(right["figures_mm"]["precision"].get<double>(), 0.01);
   EXPECT_EQ(right["diagonal_mm"], 400);
+  EXPECT_NE(right["verdict"].get<std::string>().find("systematic errors"), std::string::npos);
   EXPECT_TRUE(contents(path("report/report.html")).find("<h1>Accuracy") != std::string::npos);
 }
 

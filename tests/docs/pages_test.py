@@ -24,7 +24,7 @@ SHELL = ("sh", "bash", "console")
 NEEDS = {
     "a camera": r"(aravis|v4l2):|slipstream camera",
     "a projector": r"--monitor|slipstream project",
-    "a window": r"slipstream live(?!.*--headless)|slipstream view(?!.*shot )",
+    "a window": r"slipstream (live(?!.*--headless)|view(?!.*shot )|studio)",
     "a screen of its own": r"^xvfb-run",
     "a network, or a build": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
 }

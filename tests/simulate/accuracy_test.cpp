@@ -184,6 +184,20 @@ TEST(Rehearsal, MeasuresWhatACalibrationIsOff) {
   EXPECT_NEAR(figure(found, "dimension") / *test.artefacts.distance, 0.002, 1e-5);
 }
 
+TEST(Accuracy, IsJudgedBySystematicErrorsBesideRandomOnes) {
+  const auto grade = [](double size, double bending) {
+    return std::string(
+        verdict_of({.shapes = {{.rms = 0.1, .size = size}, {.rms = 0.1, .bending = bending}},
+                    .repeated = std::nullopt})
+            .grade);
+  };
+  EXPECT_EQ(grade(0.05, 0.05), "good");
+  EXPECT_EQ(grade(-0.2, 0.05), "usable");
+  EXPECT_EQ(grade(0.05, 0.09), "usable");  // random: sqrt(0.1^2 - 0.09^2) = 0.044
+  EXPECT_EQ(grade(0.5, 0), "bad");
+  EXPECT_EQ(verdict_of({}).grade, std::string("good"));
+}
+
 TEST(AccuracyReport, IsAPageBesideItsPictures) {
   Artefacts artefacts = bar;
   artefacts.spheres = {"bar 1"};
@@ -195,7 +209,8 @@ TEST(AccuracyReport, IsAPageBesideItsPictures) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(text.find("sphere-spacing error"), std::string::npos);
   EXPECT_NE(text.find("<td>bar 1</td>"), std::string::npos);
-  EXPECT_NE(text.find("alt=\"deviations: bar 1\" src=\"data:image/png;base64,iVBOR"), std::string::npos);
+  EXPECT_NE(text.find("alt=\"deviations: bar 1\" src=\"data:image/png;base64,iVBOR"),
+            std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "report/sphere.png"));
 }
 

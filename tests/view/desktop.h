@@ -22,8 +22,9 @@ class Desktop {
     if (server_ == 0) {
       const std::string end = std::to_string(ends[1]);
       const char* const option = pixels.empty() ? nullptr : "-fbdir";
-      ::execlp("Xvfb", "Xvfb", "-displayfd", end.c_str(), "-screen", "0", "1280x800x24", option,
-               pixels.c_str(), static_cast<char*>(nullptr));
+      // Without -noreset it refuses connections for a moment after its last client has gone.
+      ::execlp("Xvfb", "Xvfb", "-noreset", "-displayfd", end.c_str(), "-screen", "0", "1280x800x24",
+               option, pixels.c_str(), static_cast<char*>(nullptr));
       ::_exit(127);
     }
     ::close(ends[1]);

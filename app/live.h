@@ -89,6 +89,9 @@ struct LiveSession {
   std::unique_ptr<LivePipeline> pipeline;
 };
 
+/// Labels of this strategy, and of common ones that a projector may show instead.
+std::vector<std::string> strategy_labels(const Strategy& given);
+
 /// Whether motion compensation is possible: the patterns are one sinusoid shown repeatedly, and the
 /// fused pass decodes them.
 bool takes_motion(const Sequence& sequence);

@@ -66,16 +66,6 @@ void change_described(ReconstructSettings& settings, const std::string& name,
   });
 }
 
-/// The given sequence, and common ones that a projector may show instead.
-std::vector<std::string> strategy_choices(const LiveSession& session) {
-  std::vector<std::string> labels{label_of(session.strategy)};
-  if (!session.patterns_can_change) return labels;
-  for (const Strategy& strategy : usual_strategies()) {
-    if (strategy != session.strategy) labels.push_back(label_of(strategy));
-  }
-  return labels;
-}
-
 /// The caller holds the mutex, here and below.
 void change_locked(LiveSession& session, EngineSetup setup) {
   if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
@@ -176,6 +166,14 @@ std::string save_newest(LiveSession& session, LastSave& last) {
 
 }  // namespace
 
+std::vector<std::string> strategy_labels(const Strategy& given) {
+  std::vector<std::string> labels{label_of(given)};
+  for (const Strategy& strategy : usual_strategies()) {
+    if (strategy != given) labels.push_back(label_of(strategy));
+  }
+  return labels;
+}
+
 bool takes_motion(const Sequence& sequence) {
   const Layout& layout = sequence.strategy.layout();
   const auto run = step_run(measuring_band(layout));
@@ -204,7 +202,8 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
   all.push_back({.name = "strategy",
                  .help = "patterns shown by the projector",
                  .value = label_of(setup.sequence.strategy),
-                 .choices = strategy_choices(session)});
+                 .choices = session.patterns_can_change ? strategy_labels(session.strategy)
+                                                        : std::vector{label_of(session.strategy)}});
   for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
   const auto recording = session.recorder->recording();
   all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));

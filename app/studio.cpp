@@ -82,8 +82,12 @@ view::ViewSource idle(Studio& studio) {
            [&studio] {
              if (studio.cameras.valid() &&
                  studio.cameras.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-               for (const auto& found : studio.cameras.get()) {
-                 studio.steps->choices[camera].options.push_back(found.name);
+               try {
+                 for (const auto& found : studio.cameras.get()) {
+                   studio.steps->choices[camera].options.push_back(found.name);
+                 }
+               } catch (const std::exception& error) {
+                 studio.steps->message = error.what();
                }
              }
              return view::ShownCloud{};
@@ -171,37 +175,34 @@ view::ViewSource calibrate(Studio& studio) {
                 told = false]() mutable { return guide_of(*poses, folder, studio, last, told); }};
 }
 
-/// A choice whose first option is `given`.
-view::ViewChoice one_of(const char* name, const char* help, const std::string& given,
-                        const std::vector<std::string>& options) {
-  view::ViewChoice choice{.name = name, .help = help, .options = {given}, .value = given};
-  for (const std::string& option : options) {
-    if (option != given) choice.options.push_back(option);
-  }
-  return choice;
-}
-
 }  // namespace
 
 void studio(const LiveFlags& flags, Output& output) {
   const std::vector<std::string> monitors = projectors();  // throws without a desktop
   const auto monitor = static_cast<std::size_t>(flags.monitor.value_or(-1) + 1);
   throw_if(monitor >= monitors.size(), "--monitor {} does not exist", flags.monitor.value_or(0));
-  const std::string given = label_of(default_sequence({1280, 800}, flags.source.sequence).strategy);
-  std::vector<std::string> usual;
-  for (const Strategy& strategy : usual_strategies()) usual.push_back(label_of(strategy));
-  Studio studio{.flags = flags, .output = output, .given_patterns = given};
+  const std::vector<std::string> labels =
+      strategy_labels(default_sequence({1280, 800}, flags.source.sequence).strategy);
+  const std::string& source = flags.source.source;
+  Studio studio{.flags = flags, .output = output, .given_patterns = labels.front()};
   studio.flags.source.virtual_scanner.idle_step.setZero();  // renders one cycle, not seconds
   studio.cameras = std::async(std::launch::async, list_cameras);
   auto& [choices, buttons, message] = *studio.steps;
   choices = {
-      one_of("camera", "as for --source", flags.source.source, {"virtual"}),
+      {.name = "camera",
+       .help = "as for --source",
+       .options =
+           source == "virtual" ? std::vector{source} : std::vector<std::string>{source, "virtual"},
+       .value = source},
       {.name = "projector",
        .help = "a monitor shows the patterns; otherwise the projector and the camera run "
                "in step by themselves",
        .options = monitors,
        .value = monitors[monitor]},
-      one_of("patterns", "see docs: choose a strategy", given, usual),
+      {.name = "patterns",
+       .help = "the projector shows them",
+       .options = labels,
+       .value = labels.front()},
       {.name = "scanner",
        .help = "scanner file, from Calibrate; may be dropped here. The virtual one needs "
                "none",

@@ -149,22 +149,25 @@ constexpr float slope_unknown = 0.82F;
 /// about one point in each pixel.
 Image<float> shading_of_list(const Cloud& list) {
   Image<float> brightness(list.size(), slope_unknown);
-  std::vector<Eigen::Vector2d> rays;  // X / Z, Y / Z
+  std::vector<std::pair<int, Eigen::Vector2d>> rays;  // of points before the camera: X / Z, Y / Z
   Eigen::AlignedBox2d field;
   for (int n = 0; n < list.size().width; ++n) {
-    rays.emplace_back(position_at(list, n, 0).hnormalized());
-    if (list.z(n, 0) > 0) field.extend(rays.back());
+    const Eigen::Vector2d ray = position_at(list, n, 0).hnormalized();
+    if (!(list.z(n, 0) > 0) || !ray.allFinite()) continue;
+    rays.emplace_back(n, ray);
+    field.extend(ray);
   }
+  if (rays.empty()) return brightness;
   const double pixel = std::sqrt(field.volume() / static_cast<double>(rays.size()));
-  if (field.isEmpty() || !(pixel > 0)) return brightness;
+  const Eigen::Vector2d size = field.sizes() / pixel;
+  // A line of points determines no surface, and its picture would be larger than memory.
+  if (!(size.x() >= 1 && size.y() >= 1)) return brightness;
   const auto for_each_point_seen = [&](const auto& visit) {
-    for (int n = 0; n < list.size().width; ++n) {
-      if (!(list.z(n, 0) > 0)) continue;
-      const Eigen::Vector2d place = (rays[static_cast<std::size_t>(n)] - field.min()) / pixel;
+    for (const auto& [n, ray] : rays) {
+      const Eigen::Vector2d place = (ray - field.min()) / pixel;
       visit(n, static_cast<int>(place.x()), static_cast<int>(place.y()));
     }
   };
-  const Eigen::Vector2d size = field.sizes() / pixel;
   Cloud picture({static_cast<int>(size.x()) + 1, static_cast<int>(size.y()) + 1});
   std::fill(picture.z.begin(), picture.z.end(), nan);
   for_each_point_seen([&](int n, int column, int row) {

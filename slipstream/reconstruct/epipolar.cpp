@@ -138,7 +138,7 @@ BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
 /// Marks points off their epipolar lines as doubtful; returns how many.
 std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& sigma) {
   std::size_t points = 0, doubted = 0;
-  // There is no distance if a wrong coordinate lies outside the lens model.
+  // The distance is NaN where the lens model does not reach a wrong coordinate: too far, too.
   const auto too_far = [&](int column, int row) {
     const double limit = std::max(least_limit, 5.0 * sigma(column, row));
     return sigma(column, row) > 0 && !(std::abs(off(column, row)) <= limit);

@@ -259,7 +259,7 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
       if (step.key == key) requests.step = &step;
     }
   }
-  if (key == GLFW_KEY_E && source_.best_exposure) requests.expose = true;
+  if (key == GLFW_KEY_E && can_choose_exposure(state_, source_)) requests.expose = true;
   if (key == GLFW_KEY_M) state_.measures = !state_.measures;
   if (key == GLFW_KEY_S && source_.save) requests.save = true;
   if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
@@ -334,15 +334,16 @@ void CloudScreen::hear_of_changes() {
 void CloudScreen::expose() {
   const auto now = std::chrono::steady_clock::now();
   if (exposures_to_set_ == 0 || now < exposed_at_ + std::chrono::milliseconds(500)) return;
-  const auto present = source_.camera->control(CameraControl::exposure);
-  if (!present) return;
-  const double best =
-      std::clamp(source_.best_exposure(cloud_, present->value), present->least, present->most);
-  constexpr double alike = 1.05;
-  const bool found = best < alike * present->value && alike * best > present->value;
-  exposures_to_set_ = found ? 0 : exposures_to_set_ - 1;
-  if (found) return;
-  attempt([&] { source_.camera->set_control(CameraControl::exposure, best); });
+  --exposures_to_set_;
+  const bool changed = attempt([&] {
+    const ControlValue present = source_.camera->control(CameraControl::exposure).value();
+    const double best =
+        std::clamp(source_.best_exposure(cloud_, present.value), present.least, present.most);
+    constexpr double alike = 1.05;
+    if (best < alike * present.value && alike * best > present.value) exposures_to_set_ = 0;
+    source_.camera->set_control(CameraControl::exposure, best);
+  });
+  if (!changed) exposures_to_set_ = 0;
   exposed_at_ = now;
   ask_camera();
 }

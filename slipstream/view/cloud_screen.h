@@ -101,6 +101,9 @@ struct PanelRequests {
 /// Whether the source has only pictures: frames without a scanner.
 bool pictures_alone(const ViewSource& source);
 
+/// Whether the camera's exposure can be set, and the best one is known.
+bool can_choose_exposure(const PanelState& state, const ViewSource& source);
+
 /// Widths of the panel (left) and the pictures (right), in window units.
 struct PanelWidths {
   float left = 0, right = 0;

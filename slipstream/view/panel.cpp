@@ -305,8 +305,7 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
     }
     if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
   }
-  const bool has_exposure = state.camera.front().which == CameraControl::exposure;
-  if (source.best_exposure && has_exposure) {
+  if (can_choose_exposure(state, source)) {
     requests.expose |= ImGui::Button("Best exposure (E)");
   }
   if (!source.camera_region.empty()) say(quiet, "region {}", source.camera_region);
@@ -337,6 +336,11 @@ void place_window(float left, float width, const Screen& screen) {
 
 bool pictures_alone(const ViewSource& source) {
   return source.setup && !has_geometry(source.setup->scanner);
+}
+
+bool can_choose_exposure(const PanelState& state, const ViewSource& source) {
+  return source.best_exposure && !state.camera.empty() &&
+         state.camera.front().which == CameraControl::exposure;
 }
 
 std::string why_no_points(const PanelState& state) {

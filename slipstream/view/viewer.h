@@ -84,7 +84,8 @@ struct ViewSource {
   std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas{};
 
   CameraControls* camera = nullptr;  ///< camera controls; null if none
-  /// The exposure, ms, that measures most pixels of such a scene.
+  /// The exposure, ms, that measures most pixels of such a scene, from a cloud taken with
+  /// `exposure`. May throw: the viewer then shows the reason.
   std::function<double(const ShownCloud&, double exposure)> best_exposure{};
   std::string camera_region{};  ///< region of its sensor, as text
 

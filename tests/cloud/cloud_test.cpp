@@ -123,9 +123,23 @@ TEST(Shading, OfAListOfPointsIsThatOfTheirPicture) {
     for (const float value : brightness) sum += std::abs(value - expected(slope));
     EXPECT_LT(sum / (64 * 48), 0.01) << slope;
   }
-  Cloud line({100, 1});  // determines no surface
+}
+
+TEST(Shading, OfAListThatShowsNoSurfaceIsInBetween) {
+  Cloud line({100, 1});
   EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
   std::fill(line.z.begin(), line.z.end(), -5.0F);
+  EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
+  // All but on a line: pixels as small as their distance from it would not fit into memory.
+  for (int n = 0; n < 100; ++n) {
+    line.x(n, 0) = 1e6F * static_cast<float>(n);
+    line.y(n, 0) = n % 2 == 0 ? 0.0F : 1e-30F;
+    line.z(n, 0) = 1;
+  }
+  EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
+  line.z(3, 0) = std::numeric_limits<float>::denorm_min();  // a ray of infinite slope
+  line.x(7, 0) = std::numeric_limits<float>::quiet_NaN();
+  line.y(9, 0) = std::numeric_limits<float>::infinity();
   EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
 }
 

@@ -195,6 +195,36 @@ TEST_F(CloudScreenTest, OpensAnotherFileOrSaysWhyNot) {
   EXPECT_FALSE(clouds.take_next());
 }
 
+class ExposedCamera : public CameraControls {
+ public:
+  [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const override {
+    if (which != CameraControl::exposure) return std::nullopt;
+    return ControlValue{.value = ms, .least = 1, .most = 20};
+  }
+  void set_control(CameraControl, double value) override { ms = value; }
+
+  double ms = 2;
+};
+
+TEST_F(CloudScreenTest, SetsTheBestExposureOrSaysWhyNot) {
+  ExposedCamera camera;
+  const auto pressed = [&] {
+    CloudScreen clouds(source_, {}, nullptr);
+    clouds.press(GLFW_KEY_E);
+    drawn(clouds, screen({640, 480}));
+    clouds.take_newest();
+    return clouds.state().message;
+  };
+  source_.best_exposure = [](const ShownCloud&, double) { return 50.0; };
+  EXPECT_EQ(pressed(), "") << "without a camera";
+  source_.camera = &camera;
+  EXPECT_EQ(pressed(), "");
+  EXPECT_EQ(camera.ms, 20) << "within its range";
+  source_.best_exposure = [](const ShownCloud&, double) -> double { throw Error("all dark"); };
+  EXPECT_EQ(pressed(), "all dark");
+  EXPECT_EQ(camera.ms, 20);
+}
+
 TEST_F(CloudScreenTest, TellsOnceThatACloudIsShown) {
   CloudScreen clouds(source_, {}, nullptr);
   clouds.take_newest();

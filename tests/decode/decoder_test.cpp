@@ -67,7 +67,8 @@ TEST(Decoder, RefusesAnotherNumberOfFrames) {
   const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
   const FrameSet three =
       frames_of(PhaseMeasuring{.steps = 3, .frequency = 1}, 10, [](int i) { return i / 10.0; });
-  EXPECT_THROW(Decoder(strategy.layout(), 10, PhaseMethod::tables)(three), Error);
+  EXPECT_THROW(static_cast<void>(Decoder(strategy.layout(), 10, PhaseMethod::tables)(three)),
+               Error);
 }
 
 TEST(Decoder, HasNoCoordinateForManyPeriodsAlone) {

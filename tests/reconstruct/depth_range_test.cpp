@@ -3,9 +3,9 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
@@ -21,8 +21,6 @@
 #include "tests/shared_data.h"
 
 namespace slipstream::depth_range_test {
-
-using ::testing::HasSubstr;
 
 Strategy fringes(double periods) {
   return PhaseMeasuring{.steps = 3, .frequency = periods};
@@ -116,7 +114,8 @@ TEST(DepthRangeTooWide, IsDoubtfulOrRefusedButNeverWrong) {
       try {
         Engine(scanner, sequence, range_around(scan, 1, beyond)).cloud(scan.frames, cloud);
       } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("needs less than one"));
+        EXPECT_NE(std::string_view(error.what()).find("needs less than one"),
+                  std::string_view::npos);
         ++refused;
         too_wide = beyond;
         continue;

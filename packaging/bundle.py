@@ -15,6 +15,7 @@ import pathlib
 import platform
 import re
 import shutil
+import stat
 import subprocess
 import sys
 import sysconfig
@@ -51,25 +52,33 @@ def output_of(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
+def seek_libraries_in(folder, binary):
+    place = os.path.relpath(folder, binary.parent)
+    subprocess.run(["patchelf", "--force-rpath", "--set-rpath", f"$ORIGIN/{place}", binary],
+                   check=True)
+
+
 def add_binary(source, target, libraries, licences):
     """Copies a binary that will find its libraries in the folder `libraries`, and copies those."""
     libraries.mkdir(parents=True, exist_ok=True)
     licences.mkdir(parents=True, exist_ok=True)
     target.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run(["strip", "-o", target, source], check=True)
-    # Unlike a RUNPATH, an RPATH also serves the libraries of the libraries.
-    place = os.path.relpath(libraries, target.parent)
-    subprocess.run(["patchelf", "--force-rpath", "--set-rpath", f"$ORIGIN/{place}", target],
-                   check=True)
+    seek_libraries_in(libraries, target)
     for path in re.findall(r"=> (/\S+)", output_of("ldd", source)):
         library = pathlib.Path(path)
         if RUNTIME.match(library.name) or (libraries / library.name).exists():
             continue
         shutil.copy(library, libraries)
+        seek_libraries_in(libraries, libraries / library.name)  # it may name another place itself
         real = str(library.resolve()).removeprefix("/usr")  # some packages list /lib for /usr/lib
         package = output_of("dpkg", "-S", f"*{real}").split(":")[0]
         shutil.copy(f"/usr/share/doc/{package}/copyright", licences / package)
     shutil.copy(SOURCE / "LICENSE", licences / "slipstream")
+    for path in re.findall(r"=> (\S+)", output_of("ldd", target)):
+        library = pathlib.Path(path)
+        if library.parent.resolve() != libraries.resolve() and not RUNTIME.match(library.name):
+            raise SystemExit(f"{target.name} would load {path}, which is not packed")
 
 
 def files_below(folder):
@@ -134,7 +143,8 @@ def wheel(build, output, folder):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in files_below(folder):
             entry = zipfile.ZipInfo(str(file.relative_to(folder)), time.gmtime(BUILT_AT)[:6])
-            entry.external_attr = (0o755 if os.access(file, os.X_OK) else 0o644) << 16
+            mode = stat.S_IFREG | (0o755 if os.access(file, os.X_OK) else 0o644)
+            entry.external_attr = mode << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, file.read_bytes())
     return path

@@ -9,7 +9,7 @@ from conan.tools.files import copy
 
 class Slipstream(ConanFile):
     name = "slipstream"
-    version = "0.1.0"
+    version = "0.2.0"
     description = "Real-time 3-D reconstruction by structured light illumination"
     license = "Apache-2.0"
     settings = "os", "compiler", "build_type", "arch"

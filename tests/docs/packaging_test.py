@@ -47,3 +47,14 @@ def test_the_container_copies_what_debian_packages_are_called():
     copied = re.findall(r"packages/(\S+)_\*\.deb", (SOURCES / "Containerfile").read_text())
     built = re.findall(r"^Package: (\S+)", (SOURCES / "debian/control").read_text(), re.M)
     assert copied and set(copied) <= set(built)
+
+
+def test_workflows_call_commands_of_dev():
+    known = set(re.findall(r"^  (\w+)\) ", (SOURCES / "dev").read_text(), re.M))
+    called = set()
+    for workflow in (SOURCES / ".github/workflows").glob("*.yml"):
+        text = workflow.read_text()
+        called |= set(re.findall(r"\./dev (\w+)", text))
+        for commands in re.findall(r"command: \[(.*)\]", text):
+            called |= {command.split()[0] for command in commands.split(", ")}
+    assert called and called <= known

@@ -195,10 +195,10 @@ class CloudFiles {
       image_ = writer_->add_channel("/image", image.name, image.definition);
     }
     if (stored.organised) {
-      write_image(stored.cloud, last_, message_);
+      write_image(stored.cloud, {last_}, message_);
       writer_->write(image_, last_, message_);
     }
-    write_point_cloud(stored.cloud, last_, message_, uncertainty_of(stored));
+    write_point_cloud(stored.cloud, {last_}, message_, uncertainty_of(stored));
     writer_->write(points_, last_, message_);
     writer_->end_message_group();
   }

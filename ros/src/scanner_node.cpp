@@ -1,7 +1,6 @@
 #include <cstring>
 #include <exception>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +25,7 @@ namespace {
 /// Publishes clouds as serialised CDR messages of a node.
 class NodeSink final : public DisjointCloudSink {
  public:
-  NodeSink(rclcpp_lifecycle::LifecycleNode& node, Lens camera) : run_{.camera = std::move(camera)} {
+  NodeSink(rclcpp_lifecycle::LifecycleNode& node, PublishedRun run) : run_(std::move(run)) {
     for (const auto& topic : {camera_info_topic(), image_topic(), depth_topic(), points_topic()}) {
       topics_.emplace_back(topic, rclcpp::create_generic_publisher(
                                       node.get_node_topics_interface(), "~/" + topic.name,
@@ -55,42 +54,33 @@ class NodeSink final : public DisjointCloudSink {
 
 }  // namespace
 
-/// A scanner node: configured, it has its camera; active, it publishes clouds.
+/// Configured, it has its camera; active, it publishes clouds. Parameters: config/scanner.yaml.
 class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
+  using State = rclcpp_lifecycle::State;
+  using Trigger = std_srvs::srv::Trigger;
+
  public:
   explicit ScannerNode(const rclcpp::NodeOptions& options) : LifecycleNode("scanner", options) {
-    declare_parameter<std::string>("source", "aravis:");  // as in slipstream live --source
-    declare_parameter<std::string>("scanner", "");        // scanner file; default: the source's own
-    declare_parameter<std::string>("strategy", "");       // e.g. "dual-frequency, high 16, steps 3"
-    declare_parameter<double>("exposure", 0.0);           // ms; 0: the camera's own
-    declare_parameter<bool>("loop", false);               // restarts a recording at its end
-    declare_parameter<std::string>("save_to", ".");       // output folder of capture
+    declare_parameter<std::string>("source", "aravis:");
+    declare_parameter<std::string>("scanner", "");
+    declare_parameter<std::string>("strategy", "");
+    declare_parameter<double>("exposure", 0.0);
+    declare_parameter<std::string>("frame_id", std::string(camera_frame));
+    declare_parameter<bool>("loop", false);
+    declare_parameter<std::string>("save_to", ".");
   }
   ~ScannerNode() override { forget(); }
 
-  CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
-    return succeeds([this] { configure(); });
-  }
-  CallbackReturn on_activate(const rclcpp_lifecycle::State&) override {
-    return succeeds([this] { pipeline_->start(); });
-  }
-  CallbackReturn on_deactivate(const rclcpp_lifecycle::State&) override {
-    return succeeds([this] { pipeline_->stop(); });  // may be started again
-  }
-  CallbackReturn on_cleanup(const rclcpp_lifecycle::State&) override {
-    return succeeds([this] { forget(); });
-  }
-  CallbackReturn on_shutdown(const rclcpp_lifecycle::State&) override {
-    return succeeds([this] { forget(); });
-  }
+  CallbackReturn on_configure(const State&) override { return succeeds(&ScannerNode::configure); }
+  CallbackReturn on_activate(const State&) override { return succeeds(&ScannerNode::start); }
+  CallbackReturn on_deactivate(const State&) override { return succeeds(&ScannerNode::stop); }
+  CallbackReturn on_cleanup(const State&) override { return succeeds(&ScannerNode::forget); }
+  CallbackReturn on_shutdown(const State&) override { return succeeds(&ScannerNode::forget); }
 
  private:
-  using Trigger = std_srvs::srv::Trigger;
-
-  template <class Work>
-  CallbackReturn succeeds(Work work) {
+  CallbackReturn succeeds(void (ScannerNode::*work)()) {
     try {
-      work();
+      (this->*work)();
       return CallbackReturn::SUCCESS;
     } catch (const std::exception& error) {
       RCLCPP_ERROR(get_logger(), "%s", error.what());
@@ -119,7 +109,8 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
     require_ambient_known(setup, source.scanner_name);
 
     publisher_ = std::make_unique<Publisher>();
-    publisher_->add("ROS", std::make_unique<NodeSink>(*this, setup.scanner.camera));
+    PublishedRun run{.camera = setup.scanner.camera, .frame_id = text("frame_id")};
+    publisher_->add("ROS", std::make_unique<NodeSink>(*this, std::move(run)));
     LiveSettings settings;
     settings.held_clouds += Publisher::held_clouds;
     settings.on_cloud = [this](const auto& cloud) { publisher_->publish(cloud); };
@@ -127,6 +118,9 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
     capture_ = service("capture", &ScannerNode::capture);
     check_ = service("check", &ScannerNode::check);
   }
+
+  void start() { pipeline_->start(); }
+  void stop() { pipeline_->stop(); }  // may be started again
 
   void forget() {
     capture_.reset();
@@ -145,7 +139,6 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
                                        response->message = (this->*answer)();
                                        response->success = true;
                                      } catch (const std::exception& error) {
-                                       response->success = false;
                                        response->message = error.what();
                                      }
                                    });

@@ -155,12 +155,12 @@ class McapClouds {
     if (run_.sequence && !alone) put_frames(*cloud);
     for (const auto& [channel, topic] : topics_) {
       topic.write(published, message_);
-      writer_.write(channel, published.time, message_);
+      writer_.write(channel, published.header.time, message_);
     }
-    if (run_.statistics && published.time >= next_statistics_) {
+    if (run_.statistics && published.header.time >= next_statistics_) {
       Cdr(message_).add_text(run_.statistics());
-      writer_.write(statistics_, published.time, message_);
-      next_statistics_ = published.time + second;
+      writer_.write(statistics_, published.header.time, message_);
+      next_statistics_ = published.header.time + second;
     }
     writer_.end_message_group();
   }
@@ -193,7 +193,7 @@ class McapClouds {
         frames_.push_back(add(image_type(), fmt::format("frames/{}", frames_.size())));
       }
       const std::uint64_t time = world_time(picture->stamp.host_time);
-      write_image(*picture, time, message_);
+      write_image(*picture, {time, run_.frame_id}, message_);
       writer_.write(frames_[pattern], time, message_, static_cast<std::uint32_t>(number));
     }
   }

@@ -36,17 +36,17 @@ constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
                                                   {"sigma_z", 1000}}};
 
 /// Starts an Image message.
-Cdr begin_picture(RosMessage& message, std::uint64_t time, Size size) {
+Cdr begin_picture(RosMessage& message, const RosHeader& header, Size size) {
   Cdr cdr(message);
-  cdr.add_header(time).add(static_cast<std::uint32_t>(size.height));
+  cdr.add_header(header).add(static_cast<std::uint32_t>(size.height));
   return cdr.add(static_cast<std::uint32_t>(size.width));
 }
 
 template <class Pixel, class Grey>
 void write_picture(const Image<Pixel>& picture, std::string_view encoding, Grey grey,
-                   std::uint64_t time, RosMessage& message) {
+                   const RosHeader& header, RosMessage& message) {
   using Level = decltype(grey(Pixel{}));
-  Cdr cdr = begin_picture(message, time, picture.size());
+  Cdr cdr = begin_picture(message, header, picture.size());
   cdr.add_text(encoding).add(std::uint8_t{0});
   cdr.add_count(static_cast<std::size_t>(picture.width()) * sizeof(Level));
   std::uint8_t* at = cdr.add_bytes(picture.pixel_count() * sizeof(Level)).data();
@@ -57,7 +57,7 @@ void write_picture(const Image<Pixel>& picture, std::string_view encoding, Grey 
   }
 }
 
-void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message) {
+void write_camera_info(const Lens& lens, Size size, const RosHeader& header, RosMessage& message) {
   const auto& D = lens.distortion.coefficients;
   const auto any_from = [&](std::size_t first) {
     return std::ranges::any_of(std::span(D).subspan(first), [](double d) { return d != 0; });
@@ -65,7 +65,7 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
   // ROS's plumb_bob model has five coefficients, rational_polynomial eight; OpenCV also reads 12
   // and 14.
   const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
-  Cdr cdr = begin_picture(message, time, size);
+  Cdr cdr = begin_picture(message, header, size);
   cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial").add_count(count);
   for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
   const auto add_rows = [&](const auto& matrix) {
@@ -108,8 +108,8 @@ RosType image_type() {
 
 CloudTopic image_topic() {
   return {"image", image_type(), [](const PublishedCloud& of, RosMessage& message) {
-            if (!of.cloud.cloud.z.empty()) return write_image(of.cloud.cloud, of.time, message);
-            write_image(*of.cloud.frames.front(), of.time, message);
+            if (!of.cloud.cloud.z.empty()) return write_image(of.cloud.cloud, of.header, message);
+            write_image(*of.cloud.frames.front(), of.header, message);
           }};
 }
 
@@ -117,14 +117,14 @@ CloudTopic points_topic() {
   return {"points", point_cloud_type(), [](const PublishedCloud& of, RosMessage& message) {
             const bool is_known = of.run.uncertainty && !of.alone;
             const auto sigma = is_known ? of.run.uncertainty(of.cloud) : std::nullopt;
-            write_point_cloud(of.cloud.cloud, of.time, message, sigma ? &*sigma : nullptr);
+            write_point_cloud(of.cloud.cloud, of.header, message, sigma ? &*sigma : nullptr);
           }};
 }
 
 CloudTopic depth_topic() {
   return {"depth", image_type(), [](const PublishedCloud& of, RosMessage& message) {
             const auto metres = [](float z) { return z / 1000; };
-            write_picture(of.cloud.cloud.z, "32FC1", metres, of.time, message);
+            write_picture(of.cloud.cloud.z, "32FC1", metres, of.header, message);
           }};
 }
 
@@ -139,16 +139,16 @@ CloudTopic camera_info_topic() {
                                 "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\n"
                                 "bool do_rectify\n")},
           [](const PublishedCloud& of, RosMessage& message) {
-            write_camera_info(of.run.camera, of.cloud.cloud.size(), of.time, message);
+            write_camera_info(of.run.camera, of.cloud.cloud.size(), of.header, message);
           }};
 }
 
-void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
+void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& message,
                        const Uncertainty* uncertainty) {
   const std::size_t fields = uncertainty == nullptr ? 4 : point_fields.size();
   const std::size_t point_bytes = fields * sizeof(float), points = cloud.z.pixel_count();
   const auto width = static_cast<std::size_t>(cloud.size().width);
-  Cdr cdr = begin_picture(message, time, cloud.size());
+  Cdr cdr = begin_picture(message, header, cloud.size());
   cdr.add_count(fields);
   for (std::uint32_t i = 0; i < fields; ++i) {
     cdr.add_text(point_fields[i].name).add(4 * i).add(float32).add(std::uint32_t{1});
@@ -232,18 +232,18 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
   return static_cast<std::uint64_t>(std::chrono::nanoseconds(since_1970).count());
 }
 
-void write_image(const Frame& frame, std::uint64_t time, RosMessage& message) {
+void write_image(const Frame& frame, const RosHeader& header, RosMessage& message) {
   std::visit(
       [&]<class Pixel>(const Image<Pixel>& pixels) {
         write_picture(
             pixels, sizeof(Pixel) == 1 ? "mono8" : "mono16", [](Pixel pixel) { return pixel; },
-            time, message);
+            header, message);
       },
       frame.pixels);
 }
 
-void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
-  write_picture(cloud.intensity, "mono8", grey_level, time, message);
+void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& message) {
+  write_picture(cloud.intensity, "mono8", grey_level, header, message);
 }
 
 Frame read_frame(std::span<const std::uint8_t> message, int bits) {

@@ -14,6 +14,12 @@ namespace slipstream {
 /// A ROS 2 message in little-endian CDR.
 using RosMessage = std::vector<std::uint8_t>;
 
+/// Header of a message.
+struct RosHeader {
+  std::uint64_t time;  ///< Unix time in ns
+  std::string_view frame_id = camera_frame;
+};
+
 /// Appends numbers and texts with CDR alignment.
 class Cdr {
  public:
@@ -43,7 +49,7 @@ class Cdr {
     add(static_cast<std::int32_t>(nanoseconds / second));
     return add(static_cast<std::uint32_t>(nanoseconds % second));
   }
-  Cdr& add_header(std::uint64_t time) { return add_time(time).add_text("camera"); }
+  Cdr& add_header(const RosHeader& of) { return add_time(of.time).add_text(of.frame_id); }
   /// Appends a list of this many bytes; fill it before appending more.
   std::span<std::uint8_t> add_bytes(std::size_t count) {
     add_count(count);
@@ -126,12 +132,12 @@ RosType image_type();
 /// Unix time in ns of a time on this machine's steady clock.
 std::uint64_t world_time(std::chrono::steady_clock::time_point time);
 
-/// Arguments of CloudSink::put; `time`: world_time.
+/// Arguments of CloudSink::put, and the header of the cloud's messages.
 struct PublishedCloud {
   const LiveCloud& cloud;
   const PublishedRun& run;
   bool alone = false;
-  std::uint64_t time = world_time(cloud.newest.host_time);
+  RosHeader header{world_time(cloud.newest.host_time), run.frame_id};
 };
 
 /// A topic published for each cloud.
@@ -150,17 +156,17 @@ CloudTopic depth_topic();
 /// "camera_info": sensor_msgs/msg/CameraInfo of the run's camera at the cloud's size.
 CloudTopic camera_info_topic();
 
-/// All write into `message`, reusing its memory; `time`: world_time.
+/// All write into `message`, reusing its memory.
 
 /// sensor_msgs/msg/PointCloud2 of 32-bit floats, organised like the camera's pixels: x, y, z in
 /// metres (the cloud's millimetres divided by 1000), NaN if invalid; intensity in grey levels of
 /// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z.
-void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
+void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
 /// sensor_msgs/msg/Image: a camera's frame, mono8 or mono16.
-void write_image(const Frame& frame, std::uint64_t time, RosMessage& message);
+void write_image(const Frame& frame, const RosHeader& header, RosMessage& message);
 /// sensor_msgs/msg/Image of a cloud's intensity, mono8.
-void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message);
+void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& message);
 
 /// Reads the fields of write_point_cloud from any PointCloud2, converted to mm. Throws Error,
 /// without a file name, if it is not a PointCloud2, has no 32-bit float x, y, z, or is not little-

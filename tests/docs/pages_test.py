@@ -17,7 +17,8 @@ import pytest
 
 SOURCES = pathlib.Path(__file__).parents[2]
 PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
-PAGES = [*SOURCES.glob("*.md"), *SOURCES.glob("packaging/*.md"), *sorted(SOURCES.glob("docs/**/*.md"))]
+PAGES = [*SOURCES.glob("*.md"), *SOURCES.glob("packaging/*.md"),
+         *SOURCES.glob("ros/*.md"), *sorted(SOURCES.glob("docs/**/*.md"))]
 SHELL = ("sh", "bash", "console")
 
 # Lines that ask for more than a program and its files.
@@ -126,7 +127,7 @@ def test_commands_flags_and_files_are_there(page, commands, tasks):
              for named in wrong_in(words, commands, tasks)]
     wrong += [(code, flag) for code in inline_code(page) if code.startswith("--")
               for flag in re.findall(r"(?:^| )(--[a-z][\w-]*)", code) if flag not in known]
-    folders = r"(app|bench|cmake|debian|docs|examples|packaging|python|slipstream|tests|tools)/"
+    folders = r"(app|bench|cmake|debian|docs|examples|packaging|python|ros|slipstream|tests|tools)/"
     named = [(SOURCES, code) for code in inline_code(page)
              if re.match(folders + r"[\w./-]*$", code)]
     named += [(page.parent, link)

@@ -16,7 +16,7 @@ RosMessage some_cloud(bool with_uncertainty) {
   cloud.x(1, 1) = cloud.y(1, 1) = cloud.z(1, 1) = 500;
   const Uncertainty uncertainty({4, 3});
   RosMessage message;
-  write_point_cloud(cloud, 1, message, with_uncertainty ? &uncertainty : nullptr);
+  write_point_cloud(cloud, {1}, message, with_uncertainty ? &uncertainty : nullptr);
   return message;
 }
 
@@ -82,8 +82,8 @@ std::vector<Bytes> files() {
         }
         const RosType picture = image_type();
         RosMessage frame;
-        write_image(Frame({{3, 2}, 8}), 5, frame);
-        writer.write(writer.add_channel("/frames/0", picture.name, picture.definition), 5, frame);
+        write_image(Frame({{3, 2}, 8}), {5}, frame);
+        writer.write(writer.add_channel("/frames/0", picture.name, picture.definition), {5}, frame);
         writer.attach("scan.yaml", "application/yaml", 5, "strategy: {name: pmp}");
         writer.finish();
       })};

@@ -31,6 +31,11 @@ int clouds(const rclcpp_lifecycle::LifecycleNode& node) {
   return node.topics->topics.at("~/points")->seen().first;
 }
 
+/// The frame in a CDR message's header: 4 bytes, time stamp, length, text.
+std::string frame_of(const std::vector<std::uint8_t>& message) {
+  return message.size() > 16 ? reinterpret_cast<const char*>(message.data()) + 16 : "";
+}
+
 void wait_for_clouds(const rclcpp_lifecycle::LifecycleNode& node, int count) {
   for (int i = 0; i < 30'000 && clouds(node) < count; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -44,8 +49,11 @@ int main(int, char** arguments) {
   const auto wrong = make_node({{{"source", std::string("replay:nothing.slip")}}});
   expect(wrong->on_configure(state) == CallbackReturn::FAILURE, "a recording that is not there");
 
-  const auto node =
-      make_node({{{"source", "replay:" + recording}, {"loop", true}, {"save_to", folder}}});
+  const std::string frame = "left_camera_optical_frame";
+  const auto node = make_node({{{"source", "replay:" + recording},
+                                {"loop", true},
+                                {"frame_id", frame},
+                                {"save_to", folder}}});
   for (int round = 0; round < 2; ++round) {
     expect(node->on_configure(state) == CallbackReturn::SUCCESS, "configure");
     expect(!call(*node, "~/capture").success, "nothing to capture yet");
@@ -62,6 +70,7 @@ int main(int, char** arguments) {
     for (const auto& [name, topic] : node->topics->topics) {
       const auto [count, bytes] = topic->seen();
       expect(count >= 3 && bytes.size() > 100 && bytes[1] == 1, name + " of " + topic->type());
+      expect(frame_of(bytes) == frame, name + " is in frame " + frame_of(bytes));
     }
     expect(node->on_cleanup(state) == CallbackReturn::SUCCESS, "clean up");
     expect(node->services.at("~/check").expired(), "services end");

@@ -17,6 +17,7 @@ function(rclcpp_components_register_node library)
   add_executable(${arg_EXECUTABLE} ${here}/main.cpp)
   target_compile_features(${arg_EXECUTABLE} PRIVATE cxx_std_20)
   target_link_libraries(${arg_EXECUTABLE} PRIVATE ${library} rclcpp::rclcpp)
+  install(TARGETS ${arg_EXECUTABLE} DESTINATION lib/${PROJECT_NAME})
 endfunction()
 
 function(ament_package)

@@ -22,7 +22,7 @@ constexpr int bad_input = 2;
 constexpr std::string_view in_whole_program = "";
 #else
 constexpr std::string_view in_whole_program =
-    " (this build only reconstructs scans; ./dev build builds the whole program)";
+    " (this program only reconstructs scans; ./dev build builds all commands)";
 #endif
 
 /// Flags that every subcommand has.
@@ -134,17 +134,23 @@ constexpr ProgramCommand program_commands[] = {
     {"design", add_design, "Learn"},
 };
 
-/// Adds only the command that is called, as adding all takes milliseconds; adds all if none is
-/// named or a rig file is read, which may hold settings of any command.
-void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
+/// The command that is named; null if none is, or if a rig file is read, which may hold settings
+/// of any command.
+const ProgramCommand* command_named(std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const auto is_rig = [](std::string_view argument) { return argument.starts_with("--rig"); };
-  const bool has_rig = first == "serve" || std::any_of(arguments.begin(), arguments.end(), is_rig);
-  const auto is_first = [&](const ProgramCommand& command) { return command.name == first; };
-  const bool alone =
-      !has_rig && std::any_of(std::begin(program_commands), std::end(program_commands), is_first);
+  if (first == "serve" || std::any_of(arguments.begin(), arguments.end(), is_rig)) return nullptr;
+  const auto* const found =
+      std::find_if(std::begin(program_commands), std::end(program_commands),
+                   [&](const ProgramCommand& command) { return command.name == first; });
+  return found == std::end(program_commands) ? nullptr : found;
+}
+
+/// Adds only the command that is named, as adding all takes milliseconds.
+void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
+  const ProgramCommand* const alone = command_named(arguments);
   for (const ProgramCommand& command : program_commands) {
-    if (alone && !is_first(command)) continue;
+    if (alone != nullptr && alone != &command) continue;
     command.add({program, chosen});
     program.get_subcommand(std::string(command.name))->group(command.group);
   }
@@ -230,6 +236,14 @@ int run_program(std::span<char* const> arguments, Output& output) {
 
 int main(int argc, char** argv) {
   using namespace slipstream;
+  const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
+#ifdef SLIPSTREAM_WHOLE_PROGRAM
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  const bool asks_version = first == "--version" || first == "-V" || first == "version";
+  if (!asks_version && app::command_named(arguments) == nullptr) {
+    app::run_instead({"whole/slipstream", "../libexec/slipstream/slipstream"}, argv);
+  }
+#endif
   app::prepare_process();
   const auto given = [&](std::string_view word) {
     return std::find(argv, argv + argc, word) != argv + argc;
@@ -238,7 +252,7 @@ int main(int argc, char** argv) {
   app::Output output(json, piped);  // also if flags cannot be parsed
   try {
     throw_if(json && piped, "--json and '-' both write to standard output; give a file");
-    return app::run_program({argv, static_cast<std::size_t>(argc)}, output);
+    return app::run_program(arguments, output);
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());
   } catch (const std::filesystem::filesystem_error& error) {  // e.g. name too long, circular links

@@ -39,7 +39,7 @@ import sys
 
 
 def main():
-    program = pathlib.Path(__file__).parent / "program"
+    program = pathlib.Path(__file__).parent / "bin/slipstream"
     os.execv(program, ["slipstream", *sys.argv[1:]])
 
 
@@ -81,6 +81,12 @@ def add_binary(source, target, libraries, licences):
             raise SystemExit(f"{target.name} would load {path}, which is not packed")
 
 
+def add_programs(build, root, libraries, licences):
+    add_binary(build / "slipstream", root / "bin/slipstream", libraries, licences)
+    add_binary(build / "whole/slipstream", root / "libexec/slipstream/slipstream", libraries,
+               licences)
+
+
 def files_below(folder):
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
@@ -88,7 +94,7 @@ def files_below(folder):
 def tarball(build, output, folder):
     name = f"{NAME}-linux-{platform.machine()}"
     root = folder / name
-    add_binary(build / "slipstream", root / "bin/slipstream", root / "lib", root / "licences")
+    add_programs(build, root, root / "lib", root / "licences")
 
     def plain(entry):
         entry.mtime, entry.uid, entry.gid, entry.uname, entry.gname = BUILT_AT, 0, 0, "", ""
@@ -125,7 +131,7 @@ def wheel(build, output, folder):
     (package / "__main__.py").write_text(MAIN)
     module = "_slipstream" + sysconfig.get_config_var("EXT_SUFFIX")
     add_binary(built / module, package / module, libraries, about / "licenses")
-    add_binary(build / "slipstream", package / "program", libraries, about / "licenses")
+    add_programs(build, package, libraries, about / "licenses")
     (about / "METADATA").write_text(metadata())
     (about / "WHEEL").write_text("Wheel-Version: 1.0\nGenerator: slipstream\n"
                                  f"Root-Is-Purelib: false\nTag: {wheel_tag()}\n")

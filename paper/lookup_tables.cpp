@@ -126,15 +126,18 @@ const std::vector<TimedProcess>& timed_processes() {
   return processes;
 }
 
-/// Loops over a virtual scan of 640x480 pixels.
-PublishedLoops loops_of(int steps) {
+/// A virtual scan of 640x480 pixels.
+VirtualScan scan_of(int steps) {
   const Scanner scanner = example_scanner();
-  const VirtualScan scan =
-      take_scan(scanner, scene_named("statue", scanner),
-                pattern_set(PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::x),
-                {.ambient = 5, .noise_variance = 1.55});
+  return take_scan(scanner, scene_named("statue", scanner),
+                   pattern_set(PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::x),
+                   {.ambient = 5, .noise_variance = 1.55});
+}
+
+/// Loops over a scan, which must outlive them.
+PublishedLoops loops_over(const VirtualScan& scan) {
   return scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& frames) -> PublishedLoops {
-    if constexpr (sizeof(Pixel) == 1) return {scanner, Axis::x, frames};
+    if constexpr (sizeof(Pixel) == 1) return {example_scanner(), Axis::x, frames};
     throw std::logic_error("the virtual scanner gave no 8-bit frames");
   });
 }
@@ -144,7 +147,8 @@ Reproduction table_22(std::uint64_t /*seed*/) {
   std::array<double, 3> speed_up{};
   constexpr std::array<int, 3> counts{3, 4, 6};
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    PublishedLoops loops = loops_of(counts[i]);
+    const VirtualScan scan = scan_of(counts[i]);
+    PublishedLoops loops = loops_over(scan);
     loops.general();  // gives the rows of points their phase
     double traditional = 0;
     for (const auto& [name, stages, published] : timed_processes()) {

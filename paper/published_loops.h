@@ -16,7 +16,7 @@ namespace slipstream {
 /// can read them.
 class PublishedLoops {
  public:
-  /// Throws Error unless there are 3, 4 or 6 frames.
+  /// The frames must outlive the loops. Throws Error unless there are 3, 4 or 6.
   PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::uint8_t> frames);
 
   void general();             ///< B and phase by Eqs. (1.4)-(1.7)

@@ -61,6 +61,7 @@ def typed(text, given):
                   lambda array: "ArrayLike" if not given else
                   "_Double" if "float64" in array[0] else "NDArray[Any]", text)
     for pattern, name in (
+            (r"\blist\[", "List["), (r"Annotated\[(\S+), FixedSize\(\d+\)\]", r"\1"),
             (r"List\[(\w+)\[\d+\]\]", r"List[\1]"), (r"\bList\[", "list[" if given else "_List["),
             (r"os\.PathLike", "PathLike[str]" if given else "_Path"), (r"Tuple\[", "tuple["),
             (r"tuple\[int, int\]", "_Size"), (r"^dict$", "dict[str, Any]"), (r"^object$", "Any"),

@@ -200,6 +200,11 @@ Image<Colour> read_pixels(Size size) {
 }
 
 WindowSystem::WindowSystem() {
+#ifdef GLFW_PLATFORM  // from GLFW 3.4
+  // Wayland does not let a window choose its place; without a desktop its library prints an error.
+  if (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") == nullptr)
+    glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (glfwInit() != GLFW_TRUE) {
     throw WorldError(fmt::format("no desktop to open a window on: {}", last_words()));
   }

@@ -53,6 +53,8 @@ def test_examples_are_typed():
     pytest.importorskip("mypy", reason="package mypy is not installed")
     examples = sorted(map(str, (SOURCES / "examples" / "python").glob("*.py")))
     checked = subprocess.run(
-        [sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null", str(STUB), *examples],
+        [sys.executable, "-m", "mypy", "--strict", "--cache-dir=/dev/null",
+         "--no-warn-unused-ignores",  # only older releases of other modules lack types
+         str(STUB), *examples],
         capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout

@@ -134,8 +134,8 @@ constexpr ProgramCommand program_commands[] = {
     {"design", add_design, "Learn"},
 };
 
-/// The command that is named; null if none is, or if a rig file is read, which may hold settings
-/// of any command.
+/// The command named first; null without one, or if a rig file is read, which may hold settings of
+/// any command.
 const ProgramCommand* command_named(std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const auto is_rig = [](std::string_view argument) { return argument.starts_with("--rig"); };

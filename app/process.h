@@ -16,7 +16,7 @@ namespace slipstream::app {
 void prepare_process();
 
 /// Replaces this program by the first of `places` that is there, relative to this program's folder.
-/// Returns if none is.
+/// Returns if all are missing.
 void run_instead(std::initializer_list<const char*> places, char* const* arguments);
 
 /// Ends the program as SIGPIPE would, without half-written files; during a run, see RunEnd, ends

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hwy/targets.h>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <tuple>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"

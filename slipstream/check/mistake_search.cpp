@@ -3,7 +3,6 @@
 #include <limits>
 #include <set>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"

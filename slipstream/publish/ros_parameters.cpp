@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "slipstream/publish/ros_messages.h"

@@ -1,6 +1,5 @@
 #include "slipstream/simulate/virtual_world.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"

@@ -106,8 +106,10 @@ void Gui::set_scale(const Screen& screen) {
     font.SizePixels = pixels;
     io.Fonts->AddFontDefault(&font);
   }
+#if IMGUI_VERSION_NUM < 19200  // later ones do this themselves
   ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_CreateFontsTexture();
+#endif
 }
 
 void Gui::begin_frame(const Screen& screen) {

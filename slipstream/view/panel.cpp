@@ -8,6 +8,14 @@
 namespace slipstream::view {
 namespace {
 
+#if IMGUI_VERSION_NUM < 18940  // their names then
+constexpr auto& push_tab_stop = ImGui::PushAllowKeyboardFocus;
+constexpr auto& pop_tab_stop = ImGui::PopAllowKeyboardFocus;
+#else
+constexpr auto& push_tab_stop = ImGui::PushTabStop;
+constexpr auto& pop_tab_stop = ImGui::PopTabStop;
+#endif
+
 const ImVec4 white(1, 1, 1, 1), quiet(0.62F, 0.66F, 0.72F, 1), bad(1.0F, 0.50F, 0.42F, 1),
     doubtful(1.0F, 0.78F, 0.36F, 1), good(0.50F, 0.85F, 0.55F, 1),
     saturated_ink(1.0F, 0.42F, 0.40F, 1), too_dark_ink(0.50F, 0.65F, 1.0F, 1);
@@ -202,13 +210,13 @@ void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& sou
   for (const std::string& name : state.openable) {
     if (ImGui::Selectable(name.c_str())) requests.open = name;
   }
-  ImGui::PushAllowKeyboardFocus(true);
+  push_tab_stop(true);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::InputTextWithHint("##path", "path, then Enter; or drop a file here", state.path.data(),
                                state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
     requests.open = state.path.data();
   }
-  ImGui::PopAllowKeyboardFocus();
+  pop_tab_stop();
 }
 
 /// Choices and buttons that lead to another source.
@@ -218,9 +226,9 @@ void draw_steps(PanelRequests& requests, const ViewSource& source) {
     if (choice.options.empty()) {
       std::array<char, 1024> text{};
       choice.value.copy(text.data(), text.size() - 1);
-      ImGui::PushAllowKeyboardFocus(true);
+      push_tab_stop(true);
       ImGui::InputText(choice.name.c_str(), text.data(), text.size());
-      ImGui::PopAllowKeyboardFocus();
+      pop_tab_stop();
       choice.value = text.data();
     } else if (ImGui::BeginCombo(choice.name.c_str(), choice.value.c_str())) {
       for (const std::string& option : choice.options) {
@@ -378,7 +386,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
   place_window(0, widths.left, screen);
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
     ImGui::PushItemWidth(-86 * screen.unit());
-    ImGui::PushAllowKeyboardFocus(false);  // Tab would start typing into the next slider
+    push_tab_stop(false);  // Tab would start typing into the next slider
     draw_steps(requests, source);
     draw_actions(state, requests, source);
     draw_status(state, source, statistics);
@@ -405,7 +413,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
         pictures_alone(source) || state.pixels == 0
             ? ""
             : "drag: turn; right drag: move; wheel: zoom; ");
-    ImGui::PopAllowKeyboardFocus();
+    pop_tab_stop();
     ImGui::PopItemWidth();
   }
   ImGui::End();

@@ -297,6 +297,7 @@ std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
 }  // namespace
 
 Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames) {
+  if (auto plain = read_plain_png(bytes, frames)) return *std::move(plain);
   FileInMemory memory{.read = bytes};
   const PngReader reader(memory);
   if (reader.info == nullptr) throw std::bad_alloc();

@@ -57,6 +57,8 @@ void require_readable(std::uint64_t pixels, std::size_t frames);
 
 /// A PNG file of 8 or 16 bits, without alpha. All its checksums must be right.
 Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames);
+/// The same for grey and RGB without interlacing, faster; nullopt for others and damaged files.
+std::optional<Picture> read_plain_png(std::span<const std::uint8_t> bytes, std::size_t frames);
 std::vector<std::uint8_t> png_file_of(const PictureView& picture);
 /// A PNG file with one bit per pixel: 0 is dark, any other level bright.
 std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture);

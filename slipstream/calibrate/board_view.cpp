@@ -122,7 +122,8 @@ Samples samples_of(const Scan& scan, const PixelPlaces& corners, double minimum_
     if (range[i] >= least && light.row(i).maxCoeff() < full_scale) bright.push_back(i);
   }
   if (static_cast<Eigen::Index>(bright.size()) < fewest_samples) return {saturated, {}, {}};
-  Samples samples{saturated, Eigen::MatrixX2d(bright.size(), 2), light(bright, Eigen::all)};
+  Samples samples{saturated, Eigen::MatrixX2d(bright.size(), 2),
+                  light(bright, Eigen::seqN(0, light.cols()))};
   for (std::size_t i = 0; i < bright.size(); ++i) {
     const auto& [column, row] = pixels[bright[i]];
     samples.pixels.row(i) << column, row;

@@ -9,7 +9,6 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "slipstream/calibrate/board_capture.h"
-#include "slipstream/codes/response.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/simulate/virtual_camera.h"
 

@@ -4,7 +4,6 @@
 #include "slipstream/calibrate/pose_guide.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/live/cyclic_scans.h"
 
@@ -101,14 +100,6 @@ std::string headline_of(const PoseProgress& progress, int wanted) {
   return fmt::format("{}{}: {}", progress.taken.size(), of, progress.verdict.words);
 }
 
-/// The headline, and how to hold the board for the next pose.
-std::string line_of(const PoseProgress& progress, int wanted) {
-  const PoseState state = progress.verdict.state;
-  const bool over = state == PoseState::taken || state == PoseState::known;
-  const std::string& advice = progress.needs.advice;
-  return headline_of(progress, wanted) + (over && !advice.empty() ? "; next: " + advice : "");
-}
-
 view::Guide guide_of(const PoseProgress& progress, int wanted) {
   const PoseNeeds& needs = progress.needs;
   return {drawn_guide(progress.pictures.mean, progress.verdict, needs, progress.taken),
@@ -135,7 +126,10 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
     if (show) show(guide_of(progress, *flags.poses));
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
-    output.say("{}", line_of(progress, *flags.poses));
+    const bool over = told == PoseState::taken || told == PoseState::known;
+    const std::string& advice = progress.needs.advice;
+    output.say("{}{}", headline_of(progress, *flags.poses),
+               over && !advice.empty() ? "; next: " + advice : "");
   };
   const auto watch = [&] {
     tell_news();

@@ -2,13 +2,11 @@
 
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 #include <tuple>
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/scanner_file.h"
 

@@ -1,6 +1,5 @@
 #include "app/live.h"
 
-#include <cstdio>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -8,7 +7,6 @@
 #include "app/process.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/publish/cloud_sink.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/response/gamma.h"
 

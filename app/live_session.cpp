@@ -167,10 +167,8 @@ std::string save_newest(LiveSession& session, LastSave& last) {
 }  // namespace
 
 std::vector<std::string> strategy_labels(const Strategy& given) {
-  std::vector<std::string> labels{label_of(given)};
-  for (const Strategy& strategy : usual_strategies()) {
-    if (strategy != given) labels.push_back(label_of(strategy));
-  }
+  std::vector<std::string> labels;
+  for (const Strategy& choice : strategies_beside(given)) labels.push_back(label_of(choice));
   return labels;
 }
 

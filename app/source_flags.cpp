@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "app/commands.h"
-#include "app/scan_flags.h"
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/scanner_file.h"

@@ -44,6 +44,17 @@ struct Sums {
 
 }  // namespace
 
+PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y) {
+  const PointForm1 form = point_form1(coefficients, x, y);
+  const double M_x = form.A_x / form.C, M_y = form.A_y / form.C, M_z = form.A_z / form.C;
+  return {M_x, form.B_x - M_x, M_y, form.B_y - M_y, M_z, form.B_z - M_z, form.C};
+}
+
+Eigen::Vector3d PointForm2::operator()(double y_p) const {
+  const double T_2 = 1 / (C * y_p + 1);                        // (2.25)
+  return {M_x + N_x * T_2, M_y + N_y * T_2, M_z + N_z * T_2};  // (2.26)-(2.28)
+}
+
 PublishedLoops::PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::uint8_t> frames)
     : modulation(scanner.camera.size),
       phase(scanner.camera.size),

@@ -10,6 +10,15 @@
 
 namespace slipstream {
 
+/// Second form of a point, Eqs. (2.25)-(2.28): 4 multiplications, 1 division, 4 additions.
+struct PointForm2 {
+  double M_x, N_x, M_y, N_y, M_z, N_z, C;
+  [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
+};
+
+/// As for the other forms; NaN where the third form gives it.
+PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y);
+
 /// The computations of Liu 2010, Table 2.2, for N frames of one period across the field: one loop
 /// over the pixels each, in double, on one thread and, as published, without the projector's lens
 /// distortion. Results are public images, so that the compiler cannot remove the loops and tests

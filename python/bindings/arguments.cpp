@@ -24,12 +24,8 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
     const Size size{static_cast<int>(frame.shape(1)), static_cast<int>(frame.shape(0))};
     views.emplace_back(static_cast<const Pixel*>(frame.data()), size, frame.strides(0) / pixel);
   }
-  if constexpr (sizeof(Pixel) == 2) {
-    return {views, bits};
-  } else {
-    throw_if(bits != 8, "frames: expected 16-bit pixels, got {} bits", bits);
-    return {views};
-  }
+  throw_if(sizeof(Pixel) != 2 && bits != 8, "frames: expected 16-bit pixels, got {} bits", bits);
+  return {views, bits};
 }
 
 std::vector<py::object> arrays_in(const py::object& frames) {

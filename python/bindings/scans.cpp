@@ -21,11 +21,7 @@ FrameSet copied(const FrameViews& frames) {
         std::copy_n(view.row(row), view.width(), images.back().row(row));
       }
     }
-    if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-      return FrameSet(std::move(images), frames.bits());
-    } else {
-      return FrameSet(std::move(images));
-    }
+    return FrameSet(std::move(images), frames.bits());
   });
 }
 

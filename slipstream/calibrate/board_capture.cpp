@@ -88,15 +88,6 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
       board.kind == BoardKind::charuco ? " or --dictionary" : "");
 }
 
-/// Why visible corners have no projector pixel.
-const char* why_unlit(const CaptureSigns& signs) {
-  constexpr double much = 0.3;  // of the board's pixels
-  if (std::max(signs.x.saturated, signs.y.saturated) > much) {
-    return "overexposed: shorten the exposure or dim the projector";
-  }
-  return "too dark, or outside the projector's light: light the whole board";
-}
-
 void require_same(Size& known, Size size, const std::string& pose, const char* what) {
   if (known == Size{}) known = size;
   throw_if(size != known,
@@ -172,9 +163,13 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   }
   const int lit = lit_corners(view);
   if (lit < fewest_lit) {
+    constexpr double much = 0.3;  // of the board's pixels
     return {std::nullopt,
             fmt::format("the projector lights {} of {} corners (limit {}); likely {}", lit,
-                        view.places.size(), fewest_lit, why_unlit(signs)),
+                        view.places.size(), fewest_lit,
+                        std::max(signs.x.saturated, signs.y.saturated) > much
+                            ? "overexposed: shorten the exposure or dim the projector"
+                            : "too dark, or outside the projector's light: light the whole board"),
             std::move(findings)};
   }
   std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",

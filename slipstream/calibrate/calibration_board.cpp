@@ -60,13 +60,6 @@ cv::Mat drawn_charuco(const CalibrationBoard& board, int side) {
 /// Error of a length read off a ruler, mm: a quarter of a division at either end.
 constexpr double ruler_error = 0.3;
 
-/// Nominal lengths from the first to the last corner of a row and of a column, mm.
-Eigen::Array2d said_lengths(const CalibrationBoard& board) {
-  const Eigen::Vector3d last = printed_places(board).back();
-  const double shifted = board.kind == BoardKind::circles && board.rows % 2 == 0 ? 1 : 0;
-  return {last.x() - shifted * board.spacing, last.y()};
-}
-
 }  // namespace
 
 std::string_view name_of(BoardKind kind) {
@@ -135,7 +128,9 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
   throw_if(!((is > 0).all() && is.isFinite().all()),
            "--measured {:g}x{:g} mm: both lengths must be above 0", measured.along_row,
            measured.along_column);
-  const Eigen::Array2d said = said_lengths(board), scale = is / said;
+  const Eigen::Vector3d last = printed_places(board).back();
+  const double shifted = board.kind == BoardKind::circles && board.rows % 2 == 0 ? 1 : 0;
+  const Eigen::Array2d said(last.x() - shifted * board.spacing, last.y()), scale = is / said;
   if (((is - said).abs() <= ruler_error).all()) return {};
   const double row_spacing = board.row_spacing.value_or(board.spacing);
   Finding finding{

@@ -11,17 +11,6 @@
 namespace slipstream {
 namespace {
 
-/// The measured scans of all poses, along both axes.
-std::vector<FringeSigns> measured_scans(const BoardViews& views) {
-  std::vector<FringeSigns> scans;
-  for (const BoardView& view : views) {
-    for (const FringeSigns& signs : {view.signs.x, view.signs.y}) {
-      if (signs.period > 0) scans.push_back(signs);
-    }
-  }
-  return scans;
-}
-
 /// The median of a member or of a function of the items.
 template <class Items, class Value>
 double median_of(const Items& items, const Value& value) {
@@ -256,7 +245,12 @@ std::vector<Finding> findings_of_frames(const BoardViews& views) {
                         .likely = "overexposed frames",
                         .advice = "shorten the exposure, stop down or dim the projector"});
   }
-  const std::vector<FringeSigns> scans = measured_scans(views);
+  std::vector<FringeSigns> scans;  // those measured
+  for (const BoardView& view : views) {
+    for (const FringeSigns& signs : {view.signs.x, view.signs.y}) {
+      if (signs.period > 0) scans.push_back(signs);
+    }
+  }
   add_blur(findings, views, scans);
   add_gamma(findings, scans);
   return findings;

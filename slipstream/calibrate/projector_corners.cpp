@@ -62,13 +62,6 @@ Eigen::Vector2d at(const Vector8& h, const Eigen::Vector2d& point) {
          (h.tail<2>().dot(point) + 1);
 }
 
-/// Its derivative at the corner.
-Eigen::Matrix2d slope_at_corner(const Vector8& h) {
-  Eigen::Matrix2d slope;
-  slope << h[0] - h[2] * h[6], h[1] - h[2] * h[7], h[3] - h[5] * h[6], h[4] - h[5] * h[7];
-  return slope;
-}
-
 /// Linear least squares for h with the samples' weights times `factors`.
 std::optional<Vector8> fitted(const std::vector<Sample>& samples,
                               const std::vector<double>& factors) {
@@ -126,7 +119,9 @@ ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
       factors[i] = tukey_weight(residuals[i] / deviation);
     }
   }
-  return {at(h, Eigen::Vector2d::Zero()) + about.middle, slope_at_corner(h) / radius};
+  Eigen::Matrix2d slope;  // of the homography at the corner
+  slope << h[0] - h[2] * h[6], h[1] - h[2] * h[7], h[3] - h[5] * h[6], h[4] - h[5] * h[7];
+  return {at(h, Eigen::Vector2d::Zero()) + about.middle, slope / radius};
 }
 
 }  // namespace

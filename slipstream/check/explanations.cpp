@@ -15,14 +15,6 @@ namespace {
 constexpr const char* beyond_the_boards =
     ", or a scene nearer or farther than the calibration boards";
 
-std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
-  const auto worst = std::ranges::min_element(frames.relations, [](const auto& a, const auto& b) {
-    return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
-  });
-  if (worst == frames.relations.end()) return {};
-  return {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
-}
-
 /// The symptom of a code that exceeds its limit most, relative to it.
 const CodeSymptom& worst_symptom(const CodeEvidence& code) {
   return *std::ranges::max_element(code_symptoms, {}, [&](const CodeSymptom& symptom) {
@@ -53,7 +45,12 @@ Finding seen(const Fit& fit) {
     finding.what = fmt::format(
         "the frames disagree about the fringe order: agreement below {:g} or offset above {:g}",
         FitLimits::least_agreement, FitLimits::most_offset);
-    finding.evidence = relation_evidence(fit.frames);
+    const auto& relations = fit.frames.relations;
+    const auto worst = std::ranges::min_element(relations, [](const auto& a, const auto& b) {
+      return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
+    });
+    if (worst != relations.end())
+      finding.evidence = {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
   } else if (!fit.no_seam()) {
     finding.what = fmt::format(
         "the coordinate jumps across the whole field in over {:g} % of the lit pixel pairs",
@@ -259,13 +256,6 @@ double shown_range(const ScanSamples& samples, int n) {
   return most - quantile(shares, 0.05);
 }
 
-/// Whether frames contradict each other so much that one may be lost.
-bool is_lost(const JudgedScan& scan, const Fit& fit) {
-  constexpr double contradicting = 0.2;
-  return !fit.code_agrees() ||
-         (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
-}
-
 /// Finds frames without any pattern, unless the scene lies in a dark part of it: if no frame is
 /// lost, another frame must show that the scene reaches a bright part.
 std::vector<Finding> dark_frames(const JudgedScan& scan, bool lost = false) {
@@ -328,7 +318,10 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   constexpr double nearly = 0.3;
   const bool by_scanner = scan.scanner_doubted && fit.frames_fit();
   auto explanation = by_scanner ? std::nullopt : likeliest_mistake(scan, fit);
-  std::vector<Finding> dark = dark_frames(scan, is_lost(scan, fit));
+  constexpr double contradicting = 0.2;  // so much that a frame may be lost
+  const bool is_lost = !fit.code_agrees() ||
+                       (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
+  std::vector<Finding> dark = dark_frames(scan, is_lost);
   if (by_scanner) {
     name_broadly(fit, scan.photometry.response.has_value(), finding);
     if (!only_depths) finding.gravity = Gravity::wrong;

@@ -1,7 +1,6 @@
 #include "slipstream/check/fit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "slipstream/base/numbers.h"
@@ -58,12 +57,6 @@ constexpr double least_noise = 0.3;
 // Of fringes blurred in camera and projector.
 constexpr std::array dampings{0.05, 0.1, 0.15, 0.2, 0.25};
 
-/// The slope nearest to 1 within its uncertainty.
-double nearest_to_one(const GeometryEvidence& geometry) {
-  return std::clamp(1.0, geometry.slope - geometry.slope_doubt,
-                    geometry.slope + geometry.slope_doubt);
-}
-
 bool agrees(const BandRelation& relation) {
   return relation.noise < least_noise || (relation.agreement >= FitLimits::least_agreement &&
                                           std::abs(relation.offset) <= FitLimits::most_offset);
@@ -111,16 +104,6 @@ void FrameJudge::add_pair(double variation) {
   for (std::size_t b = 0; b < ratios_.size(); ++b) {
     ratios_[b].add(ratio(here_, b), ratio(next_, b));
   }
-}
-
-void FrameJudge::add_far_pair() {
-  const double f = model_.fewest_periods();
-  const double a = f * here_.coarse, b = f * next_.coarse;
-  // This close to the jump, noise alone carries a pixel across it.
-  constexpr double margin = 0.004;
-  if (std::min({a, 1 - a, b, 1 - b}) < margin) return;
-  ++far_pairs_;
-  if (std::abs(a - b) > 0.8) ++seams_;
 }
 
 void FrameJudge::look_for_damping(double groups) {
@@ -193,7 +176,13 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
     for (const Place place : {Place::far_right, Place::far_below}) {
       if (!can_leap || !samples.lit(g, place)) continue;
       model_.read(samples.levels(g, place), order, next_);
-      add_far_pair();
+      const double f = model_.fewest_periods();
+      const double a = f * here_.coarse, b = f * next_.coarse;
+      // This close to the jump, noise alone carries a pixel across it.
+      constexpr double margin = 0.004;
+      if (std::min({a, 1 - a, b, 1 - b}) < margin) continue;
+      ++far_pairs_;
+      if (std::abs(a - b) > 0.8) ++seams_;
     }
   }
   sum_up(groups);
@@ -327,9 +316,11 @@ double Fit::misfit() const {
     sum += std::abs(code.*symptom.value) / symptom.limit;
   }
   if (geometry) {
+    const double slope = geometry->slope, doubt = geometry->slope_doubt;
+    const double nearest_to_one = std::clamp(1.0, slope - doubt, slope + doubt);
     sum += (geometry->without_point + geometry->outside) / L::most_outside +
            geometry->out_of_range / L::most_out_of_range + geometry->beyond +
-           std::abs(std::log(std::max(1e-3, nearest_to_one(*geometry))));
+           std::abs(std::log(std::max(1e-3, nearest_to_one)));
   }
   return sum;
 }

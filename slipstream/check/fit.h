@@ -101,7 +101,6 @@ class FrameJudge {
 
   void clear();
   void add_pair(double variation);
-  void add_far_pair();
   void sum_up(std::size_t groups);
   void look_for_damping(double groups);
   /// Logarithm of the ratio of a band's modulation to the coarsest band's.

@@ -14,14 +14,6 @@ namespace {
 
 using Places = std::vector<std::size_t>;  ///< groups, from the top of the picture to the bottom
 
-Places from_top(const ScanSamples& samples) {
-  Places places(samples.groups());
-  std::iota(places.begin(), places.end(), std::size_t{0});
-  std::ranges::sort(places,
-                    [&](std::size_t a, std::size_t b) { return samples.row(a) < samples.row(b); });
-  return places;
-}
-
 float level(const ScanSamples& samples, std::size_t group, int frame) {
   return samples.levels(group, ScanSamples::middle)[frame];
 }
@@ -264,7 +256,10 @@ Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
 std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   std::vector<Finding> findings;
   if (samples.groups() < ScanSamples::fewest_groups) return findings;
-  const Places places = from_top(samples);
+  Places places(samples.groups());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::ranges::sort(places,
+                    [&](std::size_t a, std::size_t b) { return samples.row(a) < samples.row(b); });
   const auto add = [&](std::optional<Finding> finding) {
     if (finding) findings.push_back(std::move(*finding));
   };

@@ -4,8 +4,6 @@
 #include <ranges>
 #include <tuple>
 
-#include <fmt/format.h>
-
 #include "slipstream/base/statistics.h"
 #include "slipstream/check/explanations.h"
 

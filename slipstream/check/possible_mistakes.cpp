@@ -14,16 +14,6 @@
 namespace slipstream {
 namespace {
 
-/// The step runs in frame order, then the frames after them, e.g. of a code. Without step runs, the
-/// whole cycle is one run.
-std::vector<StepRun> runs_of(const Layout& layout) {
-  std::vector<StepRun> runs = step_runs(layout);
-  std::ranges::sort(runs, {}, &StepRun::first);
-  const int end = runs.empty() ? 0 : runs.back().first + runs.back().steps;
-  if (end < layout.frames) runs.push_back({end, layout.frames - end});
-  return runs;
-}
-
 /// A run of the frames, optionally reversed, then rotated by `places`.
 FrameOrder turned(FrameOrder order, const StepRun& run, int places, bool backwards = false) {
   const auto begin = order.begin() + run.first, end = begin + run.steps;
@@ -295,7 +285,10 @@ class Mistakes {
   void add_orders() {
     const int frames = scan_.model.layout().frames;
     const FrameOrder right = scan_.model.identity();
-    const std::vector<StepRun> runs = runs_of(scan_.model.layout());
+    std::vector<StepRun> runs = step_runs(scan_.model.layout());
+    std::ranges::sort(runs, {}, &StepRun::first);
+    const int end = runs.empty() ? 0 : runs.back().first + runs.back().steps;
+    if (end < frames) runs.push_back({end, frames - end});  // e.g. of a code
     std::set<FrameOrder> known{right};
     const auto add = [&](const FrameOrder& order, std::string likely) {
       if (!known.insert(order).second) return;

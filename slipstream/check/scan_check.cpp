@@ -6,7 +6,6 @@
 
 #include <fmt/ranges.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/check/explanations.h"

@@ -1,6 +1,5 @@
 #include "slipstream/check/scan_samples.h"
 
-#include <algorithm>
 #include <array>
 #include <span>
 

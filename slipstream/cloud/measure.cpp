@@ -231,13 +231,13 @@ std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* unc
 }
 
 std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* uncertainty,
-                                     const Rectangle& rectangle) {
+                                     std::optional<Rectangle> rectangle) {
   Points points;
-  const auto [width, height] = cloud.size();
-  const int bottom = rectangle.y + std::min(rectangle.size.height, height - rectangle.y);
-  const int right = rectangle.x + std::min(rectangle.size.width, width - rectangle.x);
-  for (int row = rectangle.y; row < bottom; ++row) {
-    for (int column = rectangle.x; column < right; ++column) {
+  const auto [x, y, size] = rectangle.value_or(Rectangle{0, 0, cloud.size()});
+  const int bottom = y + std::min(size.height, cloud.size().height - y);
+  const int right = x + std::min(size.width, cloud.size().width - x);
+  for (int row = y; row < bottom; ++row) {
+    for (int column = x; column < right; ++column) {
       if (const auto point = point_at(cloud, uncertainty, column, row)) points.push_back(*point);
     }
   }

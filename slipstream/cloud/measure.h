@@ -22,9 +22,9 @@ struct MeasuredPoint {
 std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* uncertainty,
                                       int column, int row);
 
-/// The points of the pixels in a rectangle, clipped to the cloud.
-std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* uncertainty,
-                                     const Rectangle& rectangle);
+/// The points of the pixels in a rectangle, clipped to the cloud; of all pixels without one.
+std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* uncertainty = nullptr,
+                                     std::optional<Rectangle> rectangle = std::nullopt);
 
 struct Distance {
   double length = 0;            ///< mm

@@ -31,13 +31,6 @@ double room(int n, int steps, double phi) {
   return 1 - std::abs(std::cos(phi - 2 * pi * n / steps));
 }
 
-/// a(phi).
-double most_amplitude(int steps, double phi) {
-  double sum = 0;
-  for (int n = 0; n < steps; ++n) sum += std::abs(carrier(n, steps)) * room(n, steps, phi);
-  return sum / carrier_square(steps);
-}
-
 /// c_2: the minimum of a(phi) for N = 4 and 8, and below the minimum for other N.
 constexpr double cue_share = 1 - 1 / std::numbers::sqrt2;
 
@@ -98,7 +91,10 @@ double PeriodCoded::shape(int n, double y) const {
   const double phi = shifted_phase(shifts, 2 * pi * high * y);
   const double g = carrier(n, steps), sign = g > 0 ? 1 : g < 0 ? -1 : 0;
   const double r = 2 * std::clamp(y, 0.0, 1.0) - 1;
-  const double added = r * cue_share / most_amplitude(steps, phi) * sign * room(n, steps, phi);
+  double sum = 0;
+  for (int k = 0; k < steps; ++k) sum += std::abs(carrier(k, steps)) * room(k, steps, phi);
+  const double most_amplitude = sum / carrier_square(steps);  // a(phi)
+  const double added = r * cue_share / most_amplitude * sign * room(n, steps, phi);
   return std::clamp(0.5 + 0.5 * (std::cos(phi - 2 * pi * n / steps) + added), 0.0, 1.0);
 }
 

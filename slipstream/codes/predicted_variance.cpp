@@ -12,10 +12,6 @@ constexpr double square(double x) {
   return x * x;
 }
 
-double sum_of_squares(const std::vector<double>& weights) {
-  return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
-}
-
 }  // namespace
 
 double phase_variance(int steps, double alpha, double alpha_p, double noise_variance) {
@@ -27,7 +23,8 @@ double coordinate_variance(double phase_variance, double frequency) {
 }
 
 double cue_variance(const Cue& cue, double noise_variance) {
-  return sum_of_squares(cue.weights) * noise_variance;
+  const std::vector<double>& weights = cue.weights;
+  return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0) * noise_variance;
 }
 
 double phase_variance(const Band& band, double modulation, double noise_variance) {

@@ -1,8 +1,8 @@
 #include "slipstream/codes/registry.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 
@@ -192,9 +192,15 @@ PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& 
       .carrier = carrier_periods(strategy) > 0};
 }
 
-std::vector<Strategy> usual_strategies() {
-  return {DualFrequency{.steps = 3, .high = 16}, DualFrequency{.steps = 4, .high = 32},
-          PhaseMeasuring{.steps = 3}, PhaseMeasuring{.steps = 4}, PhaseMeasuring{.steps = 6}};
+std::vector<Strategy> strategies_beside(const Strategy& given) {
+  std::vector<Strategy> all{given,
+                            DualFrequency{.steps = 3, .high = 16},
+                            DualFrequency{.steps = 4, .high = 32},
+                            PhaseMeasuring{.steps = 3},
+                            PhaseMeasuring{.steps = 4},
+                            PhaseMeasuring{.steps = 6}};
+  all.erase(std::remove(all.begin() + 1, all.end(), given), all.end());
+  return all;
 }
 
 std::string label_of(const Strategy& strategy) {

@@ -201,8 +201,8 @@ inline Strategy default_strategy() {
   return DualFrequency{};
 }
 
-/// The most common strategies, to choose from; all give a projector coordinate.
-std::vector<Strategy> usual_strategies();
+/// The given strategy and the most common ones, to choose from; these give a projector coordinate.
+std::vector<Strategy> strategies_beside(const Strategy& given);
 
 /// Name and settings in a line: "dual-frequency, high 16, low 1, steps 3".
 std::string label_of(const Strategy& strategy);

@@ -202,10 +202,6 @@ double fewest_periods(const Layout& layout) {
   return layout.bands[coarse_to_fine(layout).front()].periods;
 }
 
-double fewest_beats(const Layout& layout) {
-  return chain_of_beats(layout).front().periods;
-}
-
 std::string periods_text(const Layout& layout) {
   std::vector<double> periods;
   for (const Band& band : layout.bands) periods.push_back(band.periods);
@@ -303,12 +299,13 @@ constexpr UnwrappingWay surfaces_way{
     .name = "surfaces", .order_source = OrderSource::surface, .require = require_surfaces};
 constexpr UnwrappingWay vote_way{
     .name = "vote", .order_source = OrderSource::neighbours, .require = require_cue};
-constexpr UnwrappingWay beats_way{.name = "heterodyne",
-                                  .order_source = OrderSource::pixel,
-                                  .weighs_bands = true,
-                                  .require = require_beats,
-                                  .chain = chain_of_beats,
-                                  .least_periods = fewest_beats};
+constexpr UnwrappingWay beats_way{
+    .name = "heterodyne",
+    .order_source = OrderSource::pixel,
+    .weighs_bands = true,
+    .require = require_beats,
+    .chain = chain_of_beats,
+    .least_periods = [](const Layout& layout) { return chain_of_beats(layout).front().periods; }};
 constexpr UnwrappingWay likelihood_way{.name = "number-theory",
                                        .order_source = OrderSource::pixel,
                                        .weighs_bands = true,

@@ -1,6 +1,5 @@
 #include "slipstream/decode/frame_adapter.h"
 
-#include <cmath>
 #include <numbers>
 
 #include "slipstream/base/parallel_rows.h"
@@ -118,9 +117,7 @@ const FrameViews& Demodulator::operator()(const FrameViews& shown) {
     square_residual();
   }
   write();
-  views_.assign<std::uint16_t>(images_, 16, [](const Image<std::uint16_t>& image) {
-    return ImageView<const std::uint16_t>(image);
-  });
+  views_.assign<std::uint16_t>(images_, 16);
   return views_;
 }
 

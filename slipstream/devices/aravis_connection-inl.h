@@ -5,7 +5,6 @@
 #include <optional>
 
 #include <arv.h>
-#include <fmt/format.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"

@@ -24,16 +24,6 @@ std::vector<CameraDescription> list_genicam_cameras() {
 
 namespace {
 
-std::unique_ptr<FrameSource> open_numbered(const std::string& text,
-                                           const CameraSettings& settings) {
-  const auto number = number_in<int>(text);
-  throw_if(!number || *number < 0, "source v4l2:{}: expected a number, e.g. v4l2:0 for /dev/video0",
-           text);
-  const std::string path = fmt::format("/dev/video{}", *number);
-  return open_v4l2_camera(
-      path, [path] { return open_video_device(path); }, settings);
-}
-
 static_assert(std::endian::native == std::endian::little,
               "two-byte pixels are read in this machine's byte order");
 
@@ -183,8 +173,13 @@ std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSe
   const std::string scheme = name.substr(0, name.find(':'));
   const std::string what = name.substr(std::min(scheme.size() + 1, name.size()));
   if (scheme == "aravis") return open_genicam_camera(what, settings);
-  if (scheme == "v4l2") return open_numbered(what, settings);
-  throw Error(fmt::format("camera '{}' is unknown; one of aravis:NAME, v4l2:NUMBER", name));
+  throw_if(scheme != "v4l2", "camera '{}' is unknown; one of aravis:NAME, v4l2:NUMBER", name);
+  const auto number = number_in<int>(what);
+  throw_if(!number || *number < 0, "source v4l2:{}: expected a number, e.g. v4l2:0 for /dev/video0",
+           what);
+  const std::string path = fmt::format("/dev/video{}", *number);
+  return open_v4l2_camera(
+      path, [path] { return open_video_device(path); }, settings);
 }
 
 std::vector<CameraDescription> list_cameras() {

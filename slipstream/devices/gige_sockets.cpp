@@ -45,11 +45,6 @@ in_addr broadcast_of(const std::string& address) {
                   address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
 }
 
-bool is_discovery(std::span<const std::uint8_t> packet) {
-  constexpr std::uint16_t discovery = 0x02;
-  return packet.size() >= 4 && number_at<std::uint16_t, std::endian::big>(packet, 2) == discovery;
-}
-
 // Instructions of the kernel's packet filter. A load past the packet's end drops the packet.
 constexpr unsigned short load_word = BPF_LD | BPF_W | BPF_ABS, load_byte = BPF_LD | BPF_B | BPF_ABS;
 constexpr unsigned short load_length = BPF_LD | BPF_W | BPF_LEN, set_offset = BPF_LDX | BPF_IMM;
@@ -136,7 +131,10 @@ void GigeControlSockets::answer(std::chrono::nanoseconds longest_wait, const Ans
   for (const UdpSocket& socket : sockets_) {
     sockaddr_in from{};
     const auto packet = socket.receive(from);
-    if (&socket != &sockets_.front() && !is_discovery(packet)) continue;
+    constexpr std::uint16_t discovery = 0x02;
+    const bool is_discovery =
+        packet.size() >= 4 && number_at<std::uint16_t, std::endian::big>(packet, 2) == discovery;
+    if (&socket != &sockets_.front() && !is_discovery) continue;
     const auto answered = answer(packet, from);
     if (!answered.empty()) sockets_.front().send(answered, from);
   }

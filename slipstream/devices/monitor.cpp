@@ -1,6 +1,5 @@
 #include "slipstream/devices/monitor.h"
 
-#include <algorithm>
 #include <cmath>
 #include <thread>
 

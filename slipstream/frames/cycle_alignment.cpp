@@ -47,12 +47,6 @@ double spread_over_runs(const Fits& fits, std::size_t sample, const Value& value
   return squares - sum * sum / frames;
 }
 
-/// B_1 B_2 (1 - cos(phi_1 - phi_2)).
-template <class Fit>
-double turn_between(const Fit& a, const Fit& b) {
-  return a.modulation() * b.modulation() - a.cosine * b.cosine - a.sine * b.sine;
-}
-
 /// Mean fraction of each sample's range by which each frame is darker (`sign` 1) or brighter (-1)
 /// than all others, where the patterns show; negative if another frame is the extreme.
 std::vector<double> extremity(const CycleSamples& cycle, double sign) {
@@ -242,7 +236,8 @@ CycleAlignment::Explanation CycleAlignment::explain(const CycleSamples& cycle, i
           spread_over_runs(fits_, i, [](const Fit& of) { return of.modulation(); }) / 2;
     }
     for (std::size_t r = 0; r < runs_.size(); ++r) {
-      turns_[r] += turn_between(fits_[r][0], fits_[r][1]);
+      const auto& [a, b] = fits_[r];  // adds B_1 B_2 (1 - cos(phi_1 - phi_2))
+      turns_[r] += a.modulation() * b.modulation() - a.cosine * b.cosine - a.sine * b.sine;
     }
   }
   explanation.is_ordered = std::is_sorted(turns_.begin(), turns_.end(), std::less_equal<>());

@@ -33,8 +33,12 @@ void for_each_level(const FrameViews& frames, const Body& body) {
   });
 }
 
-void require_bits(int bits) {
-  throw_if(bits < 8 || bits > 16, "{} bits per camera pixel are out of range; 8 to 16", bits);
+/// Of frames of this type; `given` for 16-bit pixels.
+template <class Pixel>
+int bits_of(int given) {
+  if (!std::is_same_v<Pixel, std::uint16_t>) return 8;
+  throw_if(given < 8 || given > 16, "{} bits per camera pixel are out of range; 8 to 16", given);
+  return given;
 }
 
 /// A merged level is at most sqrt(16) full scales: these bits, stored in 16.
@@ -116,19 +120,15 @@ struct Merge {
 
 }  // namespace
 
-FrameViews::FrameViews(Frames<std::uint8_t> frames) : frames_(std::move(frames)) {
-  require_same_size(std::get<Frames<std::uint8_t>>(frames_));
+template <class Pixel>
+FrameViews::FrameViews(Frames<Pixel> frames, int bits)
+    : frames_(std::move(frames)), bits_(bits_of<Pixel>(bits)) {
+  require_same_size(std::get<Frames<Pixel>>(frames_));
 }
 
-FrameViews::FrameViews(Frames<std::uint16_t> frames, int bits)
-    : frames_(std::move(frames)), bits_(bits) {
-  require_bits(bits);
-  require_same_size(std::get<Frames<std::uint16_t>>(frames_));
-}
-
-FrameViews::FrameViews(Frames<double> frames) : frames_(std::move(frames)) {
-  require_same_size(std::get<Frames<double>>(frames_));
-}
+template FrameViews::FrameViews(Frames<std::uint8_t> frames, int bits);
+template FrameViews::FrameViews(Frames<std::uint16_t> frames, int bits);
+template FrameViews::FrameViews(Frames<double> frames, int bits);
 
 int FrameViews::count() const {
   return visit([](const auto& views) { return static_cast<int>(views.size()); });
@@ -188,27 +188,22 @@ Image<double> weighted_sum(const FrameViews& frames, const std::vector<double>& 
   return sums;
 }
 
-FrameSet::FrameSet(Images8 images) : images_(std::move(images)) {
-  require_same_size(std::get<Images8>(images_));
+template <class Pixel>
+FrameSet::FrameSet(std::vector<Image<Pixel>> images, int bits, Image<float> gain)
+    : images_(std::move(images)), bits_(bits_of<Pixel>(bits)), gain_(std::move(gain)) {
+  require_same_size(std::get<std::vector<Image<Pixel>>>(images_));
 }
 
-FrameSet::FrameSet(Images16 images, int bits, Image<float> gain)
-    : images_(std::move(images)), bits_(bits), gain_(std::move(gain)) {
-  require_bits(bits);
-  require_same_size(std::get<Images16>(images_));
-}
-
-FrameSet::FrameSet(ImagesUnquantised images) : images_(std::move(images)) {
-  require_same_size(std::get<ImagesUnquantised>(images_));
-}
+template FrameSet::FrameSet(Images8 images, int bits, Image<float> gain);
+template FrameSet::FrameSet(Images16 images, int bits, Image<float> gain);
+template FrameSet::FrameSet(ImagesUnquantised images, int bits, Image<float> gain);
 
 FrameViews FrameSet::views() const {
   return std::visit(
       [&](const auto& images) {
         using Pixel = std::remove_cvref_t<decltype(*images[0].begin())>;
         FrameViews views;
-        views.assign<Pixel>(
-            images, bits_, [](const Image<Pixel>& image) { return ImageView<const Pixel>(image); });
+        views.assign<Pixel>(images, bits_);
         views.set_gain(gain_);
         return views;
       },
@@ -331,9 +326,7 @@ void merge_exposures(const FrameViews& frames, const std::vector<double>& exposu
       throw Error("merging exposures requires quantised frames");
     }
   });
-  merged.views.assign<std::uint16_t>(
-      merged.images, merged_bits,
-      [](const Image<std::uint16_t>& image) { return ImageView<const std::uint16_t>(image); });
+  merged.views.assign<std::uint16_t>(merged.images, merged_bits);
   merged.views.set_gain(merged.gain);
 }
 

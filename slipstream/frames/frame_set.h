@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <variant>
 #include <vector>
 
@@ -17,10 +18,9 @@ using Frames = std::vector<ImageView<const Pixel>>;
 class FrameViews {
  public:
   FrameViews() = default;
-  /// Throws Error if the frames have different sizes or `bits` is not 8 to 16.
-  FrameViews(Frames<std::uint8_t> frames);  // NOLINT(google-explicit-constructor)
-  FrameViews(Frames<std::uint16_t> frames, int bits);
-  FrameViews(Frames<double> frames);  // NOLINT(google-explicit-constructor)
+  /// `bits` of 16-bit pixels. Throws Error if the frames have different sizes or it is not 8 to 16.
+  template <class Pixel>
+  FrameViews(Frames<Pixel> frames, int bits = 8);  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] int count() const;
   [[nodiscard]] Size size() const;
@@ -42,12 +42,12 @@ class FrameViews {
   [[nodiscard]] FrameViews part(int first, int count) const;
 
   /// Replaces the views; does not allocate if the number of frames is unchanged.
-  template <class Pixel, class Owners, class ViewOf>
-  void assign(const Owners& owners, int bits, const ViewOf& view_of) {
+  template <class Pixel, class Owners, class ViewOf = std::identity>
+  void assign(const Owners& owners, int bits, const ViewOf& view_of = {}) {
     if (!std::holds_alternative<Frames<Pixel>>(frames_)) frames_ = Frames<Pixel>();
     auto& views = std::get<Frames<Pixel>>(frames_);
     views.clear();
-    for (const auto& owner : owners) views.push_back(view_of(owner));
+    for (const auto& owner : owners) views.emplace_back(view_of(owner));
     bits_ = bits;
     gain_ = {};
   }
@@ -84,11 +84,9 @@ class FrameSet {
   using ImagesUnquantised = std::vector<Image<double>>;
 
   FrameSet() = default;
-  /// Throws Error if the frames have different sizes or `bits` does not fit the pixel type.
-  explicit FrameSet(Images8 images);
-  /// `gain`: of merged frames, see merged_exposures.
-  FrameSet(Images16 images, int bits, Image<float> gain = {});
-  explicit FrameSet(ImagesUnquantised images);
+  /// As for FrameViews. `gain`: of merged frames, see merged_exposures.
+  template <class Pixel>
+  FrameSet(std::vector<Image<Pixel>> images, int bits = 8, Image<float> gain = {});  // NOLINT
 
   /// Views of these frames; invalid once they move.
   [[nodiscard]] FrameViews views() const;

@@ -51,11 +51,7 @@ FrameSet frame_set_of(std::vector<Frame> frames) {
         for (Frame& frame : frames) {
           images.push_back(std::move(std::get<Image<Pixel>>(frame.pixels)));
         }
-        if constexpr (sizeof(Pixel) == 1) {
-          return FrameSet(std::move(images));
-        } else {
-          return FrameSet(std::move(images), frames.front().bits);
-        }
+        return FrameSet(std::move(images), frames.front().bits);
       },
       frames.at(0).pixels);
 }

@@ -75,14 +75,9 @@ PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y
   return {a.x() * D, b.x() * D, a.y() * D, b.y() * D, a.z() * D, b.z() * D, a.w() * D};
 }
 
-PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y) {
-  const PointForm1 form = point_form1(coefficients, x, y);
-  const double M_x = form.A_x / form.C, M_y = form.A_y / form.C, M_z = form.A_z / form.C;
-  return {M_x, form.B_x - M_x, M_y, form.B_y - M_y, M_z, form.B_z - M_z, form.C};
-}
-
 PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y) {
-  const PointForm2 form = point_form2(coefficients, x, y);
+  const PointForm1 form = point_form1(coefficients, x, y);
+  const double M_z = form.A_z / form.C;
   const auto& m = coefficients.camera;
   // Minors of M^c's columns p and q, as a function of the pixel; E and F are ratios of them.
   const auto minors = [&](int p, int q) {
@@ -90,8 +85,8 @@ PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y
            (m(0, q) * m(2, p) - m(0, p) * m(2, q)) * y + (m(0, p) * m(1, q) - m(0, q) * m(1, p));
   };
   const double denominator = minors(0, 1);
-  return {.M_z = form.M_z,
-          .N_z = form.N_z,
+  return {.M_z = M_z,
+          .N_z = form.B_z - M_z,
           .C = form.C,
           .E_x = minors(1, 2) / denominator,
           .F_x = minors(1, 3) / denominator,
@@ -102,11 +97,6 @@ PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y
 Eigen::Vector3d PointForm1::operator()(double y_p) const {
   const double T_1 = 1 / (C * y_p + 1);                                                // (2.21)
   return {(A_x * y_p + B_x) * T_1, (A_y * y_p + B_y) * T_1, (A_z * y_p + B_z) * T_1};  // -(2.24)
-}
-
-Eigen::Vector3d PointForm2::operator()(double y_p) const {
-  const double T_2 = 1 / (C * y_p + 1);                        // (2.25)
-  return {M_x + N_x * T_2, M_y + N_y * T_2, M_z + N_z * T_2};  // (2.26)-(2.28)
 }
 
 Eigen::Vector3d PointForm3::operator()(double y_p) const {
@@ -122,7 +112,6 @@ Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method
   const Image<PixelPosition> pixels = undistorted_pixels(scanner.camera);
   if (method == PointMethod::inverse) table_ = pixels;
   if (method == PointMethod::form1) table_ = point_table(pixels, matrices_, point_form1);
-  if (method == PointMethod::form2) table_ = point_table(pixels, matrices_, point_form2);
   if (method == PointMethod::form3) table_ = point_table(pixels, matrices_, point_form3);
 }
 

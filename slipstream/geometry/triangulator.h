@@ -44,23 +44,15 @@ struct PointForm1 {
   [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
 };
 
-/// Second form, Eqs. (2.25)-(2.28): 4 multiplications, 1 division, 4 additions.
-struct PointForm2 {
-  double M_x, N_x, M_y, N_y, M_z, N_z, C;
-  [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
-};
-
 /// Third form, Eqs. (2.29)-(2.31): 3 multiplications, 1 division, 4 additions.
 struct PointForm3 {
   double M_z, N_z, C, E_x, F_x, E_y, F_y;
   [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
 };
 
-/// The table entries at undistorted camera pixel (x, y), for the points of Eq. (1.15). The second
-/// and third form give NaN at a pixel whose ray is perpendicular to the projector's optical axis (C
-/// = 0).
+/// The table entries at undistorted camera pixel (x, y), for the points of Eq. (1.15). The third
+/// form gives NaN at a pixel whose ray is perpendicular to the projector's optical axis (C = 0).
 PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y);
-PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y);
 PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y);
 
 /// Table of a form at each undistorted pixel; `form` is one of the functions above.
@@ -78,7 +70,6 @@ Image<Form> point_table(const Image<PixelPosition>& pixels, const ProjectionMatr
 enum class PointMethod {
   inverse,  ///< Eq. (1.15), inverting a matrix for each point
   form1,    ///< Eqs. (2.21)-(2.24)
-  form2,    ///< Eqs. (2.25)-(2.28)
   form3,    ///< Eqs. (2.29)-(2.31)
 };
 
@@ -105,8 +96,7 @@ class Triangulator {
   Scanner scanner_;
   Axis axis_;
   ProjectionMatrices matrices_;
-  std::variant<Image<PixelPosition>, Image<PointForm1>, Image<PointForm2>, Image<PointForm3>>
-      table_;
+  std::variant<Image<PixelPosition>, Image<PointForm1>, Image<PointForm3>> table_;
 };
 
 }  // namespace slipstream

@@ -40,13 +40,6 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// Not longer than allowed if the path's own name is not.
-std::string temporary_name(const fs::path& path) {
-  std::random_device random;
-  return folder_of(path) / fmt::format("{}.{:08x}{:08x}.part",
-                                       path.filename().string().substr(0, 200), random(), random());
-}
-
 int create(const std::string& name) {
   return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
@@ -168,7 +161,9 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
     claim();
   }
   if (descriptor_ >= 0) return;
-  name_ = temporary_name(path);
+  std::random_device random;
+  const std::string own = path.filename().string().substr(0, 200);  // so that both names fit
+  name_ = folder_of(path) / fmt::format("{}.{:08x}{:08x}.part", own, random(), random());
   remembered_ = writing == Writing::at_once && replace_name(nullptr, &name_);
   descriptor_ = create(name_);
   if (descriptor_ >= 0) return;

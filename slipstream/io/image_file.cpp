@@ -196,11 +196,7 @@ FrameSet frame_set_from(std::vector<Picture> frames, int bits) {
         for (Picture& frame : frames) {
           images.push_back(std::get<Image<Pixel>>(std::move(frame.samples)));
         }
-        if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-          return {std::move(images), bits};
-        } else if constexpr (!std::is_same_v<Pixel, float>) {
-          return FrameSet(std::move(images));
-        }
+        if constexpr (!std::is_same_v<Pixel, float>) return {std::move(images), bits};
         return {};  // frames are never 32-bit float
       },
       frames.front().samples);

@@ -88,17 +88,10 @@ constexpr int vertex_buffer = 34962, index_buffer = 34963;
 constexpr int linear = 9729, clamped = 33071;
 constexpr std::size_t glb_header = 12, chunk_header = 8;
 
-/// From mm, y down and z forward, to metres, y up and z towards the camera; and back.
+/// From mm, y down and z forward, to metres, y up and z towards the camera.
 Eigen::Vector3f to_gltf(const Eigen::Vector3f& point) {
   return Eigen::Vector3f(point.x(), -point.y(), -point.z()) / 1000;
 }
-StoredPoint from_gltf(const std::array<float, 3>& point, double intensity) {
-  return {.x = 1000.0 * point[0],
-          .y = -1000.0 * point[1],
-          .z = -1000.0 * point[2],
-          .intensity = intensity};
-}
-
 /// The binary part of the file, and its buffer views.
 struct Binary {
   std::string bytes;
@@ -224,7 +217,8 @@ StoredPoints points_in(const json& document, std::span<const std::uint8_t> binar
       }
       intensity.resize(positions.size());
       for (std::size_t i = 0; i < positions.size(); ++i) {
-        stored.points.push_back(from_gltf(positions[i], intensity[i][0]));
+        const auto& [x, y, z] = positions[i];
+        stored.points.push_back({1000.0 * x, -1000.0 * y, -1000.0 * z, intensity[i][0]});
       }
     }
   }

@@ -183,15 +183,6 @@ cv::Mat coloured(const Image<double>& map, const ValueRange& range, const Colour
   return picture;
 }
 
-void shade(cv::Mat& picture, const Cloud& cloud) {
-  const Image<float> brightness = shading(cloud);
-  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
-    if (!std::isfinite(cloud.z(column, row))) return;
-    auto& pixel = picture.at<cv::Vec3b>(row, column);
-    pixel = cv::Vec3f(pixel) * brightness(column, row);
-  });
-}
-
 /// The picture with a colour bar at its right, labelled at round values.
 cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::string& unit,
                    const ColourMap& colours) {
@@ -288,7 +279,12 @@ std::vector<std::uint8_t> depth_preview(const Cloud& cloud) {
   const ValueRange range = robust_range(depth);
   const ColourMap colours = depth_colours();
   cv::Mat picture = coloured(depth, range, colours);
-  shade(picture, cloud);
+  const Image<float> brightness = shading(cloud);
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (!std::isfinite(cloud.z(column, row))) return;
+    auto& pixel = picture.at<cv::Vec3b>(row, column);
+    pixel = cv::Vec3f(pixel) * brightness(column, row);
+  });
   return preview(std::move(picture), range, "depth, mm", colours);
 }
 

@@ -36,17 +36,6 @@ FrameSet recorded_frames(const ScanFiles& files) {
                           files.path.string(), recording.count(), cycle_length(files.sequence)));
 }
 
-/// The frames in pattern order.
-FrameSet in_order(FrameSet frames, const ScanFiles& files) {
-  if (files.order.empty()) return frames;
-  throw_if(
-      !is_order_of(files.order, frames.count()),
-      "{}: --order {} is not an order of its {} frames; list each of 0 to {} once, separated by "
-      "commas",
-      files.path.string(), fmt::join(files.order, ","), frames.count(), frames.count() - 1);
-  return reordered(std::move(frames), files.order);
-}
-
 /// Writes one complete cycle.
 void save_recording(const fs::path& path, const FrameViews& frames, RecordingHeader header) {
   const std::vector<Frame> cycle = frames_of(frames, path.string());
@@ -55,14 +44,6 @@ void save_recording(const fs::path& path, const FrameViews& frames, RecordingHea
   RecordingWriter writer(path, header, OutputFile::Writing::at_once);
   for (const Frame& frame : cycle) writer.append(frame);
   writer.finish();
-}
-
-std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& frames) {
-  std::vector<fs::path> names;
-  for (int n = 0; n < frames.count(); ++n) {
-    names.push_back(folder / fmt::format("frame_{:02}.{}", n, frames.quantised() ? "png" : "tiff"));
-  }
-  return names;
 }
 
 /// Removes the frames of a longer scan that was here before.
@@ -80,14 +61,6 @@ void remove_other_frames(const fs::path& folder, const std::vector<fs::path>& na
 FrameSet white_of(const ScanFiles& files) {
   if (files.recording) return files.recording->header().white;
   return files.white ? read_colour_frames({*files.white}) : FrameSet();
-}
-
-/// The figures are those of docs/reference/files.md.
-std::string lossy_warning(const std::string& name, int count) {
-  return fmt::format(
-      "{}: {} frames are JPEG, which costs accuracy: a virtual statue's median depth error is "
-      "0.49 mm without, 0.40 at quality 90 (smoothed), 0.76 at 50 and 1.32 at 20; prefer PNG",
-      name, count);
 }
 
 /// The frames as captured; grey pictures in pattern order.
@@ -108,7 +81,10 @@ Scan taken_scan(const ScanFiles& files) {
   scan.frames = std::move(loaded.frames);
   scan.warnings = std::move(loaded.warnings);
   if (loaded.lossy > 0 && !measuring_frames(scan.sequence.strategy.layout()).empty()) {
-    scan.warnings.push_back(lossy_warning(files.path.string(), loaded.lossy));
+    scan.warnings.push_back(fmt::format(  // with the figures of docs/reference/files.md
+        "{}: {} frames are JPEG, which costs accuracy: a virtual statue's median depth error is "
+        "0.49 mm without, 0.40 at quality 90 (smoothed), 0.76 at 50 and 1.32 at 20; prefer PNG",
+        files.path.string(), loaded.lossy));
   }
   return scan;
 }
@@ -123,9 +99,14 @@ Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixtu
     if (!doubt.empty()) scan.warnings.push_back(doubt);
   }
   scan.order = files.order;
-  if (files.recording || is_in_colour(files)) {
-    scan.frames = in_order(std::move(scan.frames), files);
-  }
+  if (files.order.empty() || !(files.recording || is_in_colour(files))) return scan;
+  const int count = scan.frames.count();
+  throw_if(
+      !is_order_of(files.order, count),
+      "{}: --order {} is not an order of its {} frames; list each of 0 to {} once, separated by "
+      "commas",
+      files.path.string(), fmt::join(files.order, ","), count, count - 1);
+  scan.frames = reordered(std::move(scan.frames), files.order);
   return scan;
 }
 
@@ -290,8 +271,11 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
                   .described = true,
                   .sequence = sequence,
                   .bits = frames.quantised() ? frames.bits() : 0,
-                  .frames = frame_names(path, frames),
                   .scanner = scanner_file};
+  const char* const ending = frames.quantised() ? "png" : "tiff";
+  for (int n = 0; n < frames.count(); ++n) {
+    files.frames.push_back(path / fmt::format("frame_{:02}.{}", n, ending));
+  }
   if (in_colour) {
     files.frames.resize(files.frames.size() / 3);
     write_colour_frames(files.frames, frames);

@@ -19,10 +19,6 @@ std::vector<MeasuredPoint> thinned(std::vector<MeasuredPoint> points) {
   return points;
 }
 
-std::vector<MeasuredPoint> points_of(const Cloud& cloud) {
-  return points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
-}
-
 }  // namespace
 
 TrackedShape tracked_shape_named(std::string_view name) {
@@ -82,7 +78,7 @@ FittedSphere ObjectTracker::sphere_in(const Cloud& cloud, double seconds) const 
   const double radius = *track_.shape.radius;
   FittedSphere near{.centre = {}, .radius = radius, .residuals = {}};
   const auto points_near = [&] {
-    std::vector<MeasuredPoint> points = points_of(cloud);
+    std::vector<MeasuredPoint> points = points_in(cloud);
     std::erase_if(points, [&](const MeasuredPoint& point) {
       return !is_on_cap(near, point.position, sure_angle) ||
              std::abs(signed_distance(near, point.position)) > radius / 5;
@@ -105,7 +101,7 @@ void ObjectTracker::fit(const Cloud& cloud, double seconds) {
     track_.residuals = sphere.residuals;
     return;
   }
-  const FittedPlane plane = fit_plane(thinned(points_of(cloud)));
+  const FittedPlane plane = fit_plane(thinned(points_in(cloud)));
   const double depth = plane.normal.dot(plane.centre) / plane.normal.z();
   track_.place = {0, 0, depth};
   track_.normal = plane.normal;

@@ -41,14 +41,6 @@ LiveCheck::LiveCheck(const Sequence& sequence, const std::optional<Scanner>& sca
       judge_(model_),
       samples_(camera, frame_count(sequence.strategy)) {}
 
-bool LiveCheck::darkened() const {
-  constexpr double much = 0.5;
-  for (std::size_t n = 0; n < right_sums_.size(); ++n) {
-    if (samples_.sums()[n] < much * right_sums_[n]) return true;
-  }
-  return false;
-}
-
 LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   ScanSamples::Effort effort = few;
   effort.least_range = least_range(settings_);
@@ -61,7 +53,10 @@ LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   raised[0] = fit_.frames.residual > std::max(most_residual, harmless_residual_);
   raised[1] = !fit_.bands_agree();
   raised[2] = !fit_.no_seam();
-  raised[3] = darkened();
+  constexpr double much = 0.5;  // of a frame's light since the last good check
+  for (std::size_t n = 0; n < right_sums_.size(); ++n) {
+    if (samples_.sums()[n] < much * right_sums_[n]) raised[3] = true;
+  }
   return raised;
 }
 

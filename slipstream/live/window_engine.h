@@ -26,8 +26,6 @@ class LiveCheck {
   using Suspicion = std::bitset<4>;
 
   Suspicion suspicion(const FrameViews& window);
-  /// Whether a frame has lost much of its light since the last good check.
-  [[nodiscard]] bool darkened() const;
 
   Sequence sequence_;
   std::optional<Scanner> scanner_;

@@ -232,16 +232,11 @@ std::string escaped(const std::string& words) {
   return text;
 }
 
-/// Settings with an SFNC name, and one whose name would clash.
-std::string feature_name(const RunSetting& setting) {
-  return setting.name == "exposure" ? "ExposureTime"
-         : setting.name == "rate"   ? "CameraFrameRate"
-                                    : name_from(setting.name);
-}
-
 void add_setting(Features& features, const RunSetting& setting, GigeRegister where) {
   const auto& [name, help, unit, value, choices, least, most, state] = setting;
-  const std::string shown = feature_name(setting);
+  const std::string shown = name == "exposure" ? "ExposureTime"     // its SFNC name
+                            : name == "rate"   ? "CameraFrameRate"  // its own would clash
+                                               : name_from(name);
   const std::string words = "<ToolTip>" + escaped(help) + "</ToolTip>";
   if (choices.empty()) {
     const double scale = feature_scale(setting);

@@ -22,13 +22,6 @@ Size thinned(Size size, int step) {
   return {(size.width + step - 1) / step, (size.height + step - 1) / step};
 }
 
-DepthRange range_of(const Image<float>& depth) {
-  const std::vector<float> values = finite_values(depth);
-  if (values.empty()) return {};
-  const auto [nearest, farthest] = std::ranges::minmax(values);
-  return {nearest, farthest};
-}
-
 /// Appends values in binary form.
 template <class Value>
 void put(char*& at, Value value) {
@@ -109,7 +102,11 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const int every = web_step(frame.format().size);
   const auto [width, height] = thinned(frame.format().size, every);
   const Image<float> depth = subsampled(cloud.z, every);
-  const DepthRange range = range_of(depth);
+  DepthRange range;
+  if (const std::vector<float> values = finite_values(depth); !values.empty()) {
+    const auto [least, largest] = std::ranges::minmax(values);
+    range = {least, largest};
+  }
   const auto nearest = static_cast<float>(range.nearest);
   constexpr double finest = 1e-6;  // depth step, representable as a float
   const auto step = static_cast<float>(

@@ -47,18 +47,6 @@ struct OrderVolume {
   Image<Disagreement> values;
 };
 
-/// Whole turns from one pixel's phase to its neighbour's, if the phase is continuous.
-struct Turn {
-  bool runs_on = false;
-  int turns = 0;
-};
-
-Turn turn_between(double phi, double next) {
-  const double turns = std::round((phi - next) / two_pi);
-  const double step = next + two_pi * turns - phi;
-  return {std::abs(step) < std::numbers::pi / 2, static_cast<int>(turns)};
-}
-
 /// Half width of a window, pixels.
 constexpr int reach = 7;
 
@@ -71,9 +59,10 @@ void add_side(const OrderVolume& from, const CameraPhases& phases, int dx, int d
     const int x = column + i * dx, y = row + i * dy;
     if (x < 0 || y < 0 || x >= phi.width() || y >= phi.height()) return;
     if (phases.validity(x, y) != Validity::valid) return;
-    const Turn turn = turn_between(phi(x - dx, y - dy), phi(x, y));
-    if (!turn.runs_on) return;
-    turns += turn.turns;
+    const double before = phi(x - dx, y - dy), turn = std::round((before - phi(x, y)) / two_pi);
+    const double step = phi(x, y) + two_pi * turn - before;
+    if (!(std::abs(step) < std::numbers::pi / 2)) return;  // the phase is not continuous
+    turns += static_cast<int>(turn);
     const Disagreement* other = from.at(x, y);
     const int first = std::max(0, -turns), last = std::min(from.orders, from.orders - turns);
     for (int k = first; k < last; ++k) to[k] += other[k + turns];

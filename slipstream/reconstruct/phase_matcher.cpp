@@ -11,13 +11,6 @@
 namespace slipstream {
 namespace {
 
-Image<Phasor> phasors(const Image<double>& modulation, const Image<double>& phase) {
-  Image<Phasor> result(phase.size());
-  std::ranges::transform(modulation, phase, result.begin(),
-                         [](double B, double phi) { return std::polar(B, phi); });
-  return result;
-}
-
 CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
                        const ReconstructSettings& settings) {
   LayoutPhases decoded = decode.demodulate(frames);
@@ -25,7 +18,9 @@ CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
   // Each band by itself: gamma may put the coordinate in different fringes in the two cameras.
   for (const std::size_t i : coarse_to_fine(decode.layout())) {
     const PhaseMaps& band = decoded.bands[i];
-    phases.bands.push_back(phasors(band.modulation, band.wrapped_phase));
+    auto& phasors = phases.bands.emplace_back(band.wrapped_phase.size());
+    std::ranges::transform(band.modulation, band.wrapped_phase, phasors.begin(),
+                           [](double B, double phi) { return std::polar(B, phi); });
   }
   if (phases.bands.size() == 1) phases.bands.push_back(phases.bands.front());
   phases.maps = decode.unwrapped(std::move(decoded), frames.full_scale(), 0);

@@ -7,14 +7,6 @@
 #include "slipstream/base/error.h"
 
 namespace slipstream {
-namespace {
-
-PointMethod point_method(PhaseMethod method) {
-  if (method == PhaseMethod::closed_form) return PointMethod::form1;
-  return method == PhaseMethod::tables ? PointMethod::form3 : PointMethod::inverse;
-}
-
-}  // namespace
 
 void require_size(const FrameViews& frames, Size camera) {
   if (frames.size() == camera) return;
@@ -24,7 +16,10 @@ void require_size(const FrameViews& frames, Size camera) {
 
 ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections)
     : setup_(setup),
-      triangulate_(setup.scanner, setup.sequence.axis, point_method(setup.settings.phase_method)),
+      triangulate_(setup.scanner, setup.sequence.axis,
+                   setup.settings.phase_method == PhaseMethod::closed_form ? PointMethod::form1
+                   : setup.settings.phase_method == PhaseMethod::tables    ? PointMethod::form3
+                                                                           : PointMethod::inverse),
       decode_(setup.sequence.strategy.layout(), projector_length(setup),
               setup.settings.phase_method, corrections, cue_settings(setup)) {
   if (unwraps_by_depth(setup)) unwrap_by_depth_.emplace(setup);

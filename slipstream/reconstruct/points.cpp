@@ -1,7 +1,5 @@
 // Which pixels become points, where the points are, and their uncertainty.
 
-#include <fmt/format.h>
-
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
@@ -59,13 +57,6 @@ double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) 
     return coordinate_along(sequence.axis, pixel, scanner.projector.size);
   };
   return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
-}
-
-/// Of a code only pixels with doubtful bits need neighbours: these may be stripes apart.
-FringeOrderConsensus consensus_for(const Layout& layout, const ReconstructSettings& settings) {
-  FringeOrderConsensus consensus = settings.fringe_order;
-  if (layout.unwrapping->whole_stripes) consensus.fewest_neighbours = 0;
-  return consensus;
 }
 
 /// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see the
@@ -131,9 +122,11 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
     const Image<std::uint8_t> asked =
         voted ? modulation_mask(maps.modulation, least_neighbour_modulation(settings, full_scale))
               : lit;
-    unconfirmed =
-        unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
-                                  highest_frequency(layout), consensus_for(layout, settings));
+    FringeOrderConsensus consensus = settings.fringe_order;
+    // Of a code only pixels with doubtful bits need neighbours: these may be stripes apart.
+    if (layout.unwrapping->whole_stripes) consensus.fewest_neighbours = 0;
+    unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
+                                            highest_frequency(layout), consensus);
   }
   Image<Validity> validity = order.empty() ? Image<Validity>(frames.size()) : order;
   for (std::size_t i = 0; i < validity.pixel_count(); ++i) {

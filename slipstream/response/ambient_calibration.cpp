@@ -16,15 +16,6 @@ namespace {
 
 using std::numbers::pi;
 
-std::optional<StepRun> first_run_of_four(const Layout& layout) {
-  constexpr int fewest_steps = 4;
-  for (const Band& band : layout.bands) {
-    const auto run = step_run(band);
-    if (run && run->steps >= fewest_steps) return run;
-  }
-  return std::nullopt;
-}
-
 /// Light of the patterns at an angle of their sinusoid, grey levels of 255.
 double light_at_angle(const PatternLight& light, const Response& response, double angle) {
   const double value = light.alpha_p * (1 + std::cos(angle)) / 2 + light.beta_p;
@@ -119,8 +110,9 @@ double second_harmonic(const PatternLight& light, const Response& response, int 
 
 std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
   constexpr std::size_t fewest_pixels = 100;
-  const auto run = first_run_of_four(scans.sequence.strategy.layout());
-  if (!run) return std::nullopt;
+  const std::vector<StepRun> runs = step_runs(scans.sequence.strategy.layout());
+  const auto run = std::ranges::find_if(runs, [](const StepRun& of) { return of.steps >= 4; });
+  if (run == runs.end()) return std::nullopt;
   const FrameSet frames = scans.frames.mean();
   const auto pixels = pixel_harmonics(frames, run->first, run->steps);
   const Image<std::uint8_t> lit = well_lit(pixels, frames);

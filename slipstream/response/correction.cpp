@@ -117,11 +117,6 @@ bool has_angles(const Eigen::MatrixX3d& frames) {
   });
 }
 
-bool are_near(const PhaseCorrection& a, const PhaseCorrection& b) {
-  return std::ranges::equal(a.added, b.added,
-                            [](double x, double y) { return std::abs(x - y) < 1e-9; });
-}
-
 }  // namespace
 
 Image<MeasuredHarmonics> pixel_harmonics(const FrameViews& frames, int first, int steps) {
@@ -386,7 +381,9 @@ PhaseCorrections phase_corrections(const Response& response, const Layout& layou
     if (bent_run(band)) continue;
     const auto found = phase_correction(response, band);
     const bool is_shared =
-        found && are_near(corrections.try_emplace(1, *found).first->second, *found);
+        found &&
+        std::ranges::equal(corrections.try_emplace(1, *found).first->second.added, found->added,
+                           [](double a, double b) { return std::abs(a - b) < 1e-9; });
     if (!is_shared) {
       corrections.erase(1);
       return corrections;

@@ -3,7 +3,6 @@
 #include <complex>
 #include <functional>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "slipstream/base/image.h"

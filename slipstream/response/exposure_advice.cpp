@@ -8,7 +8,6 @@
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 namespace {
@@ -199,18 +198,14 @@ void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureA
   }
 }
 
-void require_good(const ExposureNeeds& needs) {
-  require_in_range(needs.least_modulation > 0 && needs.least_modulation <= 127, "least modulation",
-                   needs.least_modulation, "above 0, up to 127 grey levels");
-  require_in_range(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance),
-                   "noise variance", needs.noise_variance, "0 or more");
-}
-
 }  // namespace
 
 ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence,
                                const ExposureNeeds& needs) {
-  require_good(needs);
+  require_in_range(needs.least_modulation > 0 && needs.least_modulation <= 127, "least modulation",
+                   needs.least_modulation, "above 0, up to 127 grey levels");
+  require_in_range(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance),
+                   "noise variance", needs.noise_variance, "0 or more");
   const std::vector<double>& exposures = sequence.exposures;
   if (!given.merged() && exposures.size() > 1) {
     return exposure_advice(merged_exposures(given, exposures), sequence, needs);

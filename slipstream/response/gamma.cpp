@@ -89,12 +89,6 @@ Fit fitted(const Samples& samples, int steps, double gamma, Offset offset) {
   return fit;
 }
 
-/// Clamps to the range if the excess is within noise.
-double clamped_within_noise(double gamma) {
-  const double inside = std::clamp(gamma, least_gamma, largest_gamma);
-  return std::abs(inside - gamma) <= 0.01 * gamma ? inside : gamma;
-}
-
 /// Whether the residual of the power law is no more than noise, or a small part of its effect. With
 /// fewer steps, other responses are harder to distinguish: four detect odd harmonics, which distort
 /// their phase, in the mean alone, and three have only the mean.
@@ -170,17 +164,6 @@ GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
 
 bool is_power_law(const BlindGamma& fit) {
   return fit.accepted() || fit.refusal == BlindRefusal::no_distortion;
-}
-
-StepRun longest_run(const Sequence& sequence) {
-  std::optional<StepRun> longest;
-  for (const Band& band : sequence.strategy.layout().bands) {
-    const auto run = step_run(band);
-    if (run && (!longest || run->steps > longest->steps)) longest = run;
-  }
-  if (longest) return *longest;
-  throw Error(
-      fmt::format("{}: measuring gamma requires a run of phase steps", sequence.strategy.name()));
 }
 
 PixelGamma gamma_of_pixels(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit) {
@@ -269,7 +252,9 @@ BlindGamma find_gamma(const Image<MeasuredHarmonics>& pixels, const Image<std::u
     return found;
   }
   const Fit fit = fitted(samples, steps, agreed_gamma(samples, steps), Offset::none);
-  found.gamma = clamped_within_noise(fit.gamma);
+  const double inside = std::clamp(fit.gamma, least_gamma, largest_gamma);
+  const bool within_noise = std::abs(inside - fit.gamma) <= 0.01 * fit.gamma;
+  found.gamma = within_noise ? inside : fit.gamma;
   found.standard_error = fit.standard_error;
   if (steps == 3 && !survives_ambient_light(samples, fit, ambient_tolerance * fit.gamma)) {
     found.refusal = BlindRefusal::ambient_light;
@@ -352,7 +337,10 @@ GammaEstimate robust_gamma(const Image<double>& map) {
 }
 
 GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modulation) {
-  const StepRun run = longest_run(scans.sequence);
+  const Strategy& strategy = scans.sequence.strategy;
+  const std::vector<StepRun> runs = step_runs(strategy);
+  throw_if(runs.empty(), "{}: measuring gamma requires a run of phase steps", strategy.name());
+  const StepRun run = *std::ranges::max_element(runs, {}, &StepRun::steps);
   const FrameSet frames = scans.frames.mean();
   const auto pixels = pixel_harmonics(frames, run.first, run.steps);
   Image<std::uint8_t> lit = well_lit(pixels, frames, minimum_modulation);

@@ -54,14 +54,6 @@ bool of_one_band(const Layout& layout) {
   return layout.bands.size() == 1 && !layout.cue;
 }
 
-/// Throws Error for images that are identical, as noise would make them differ.
-void require_two_takes(const Image<double>& a, const Image<double>& b) {
-  if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return;
-  throw Error(
-      "two of the scans have identical frames: copies, or virtual scans with the same --seed; "
-      "measuring noise requires two takes");
-}
-
 /// Why a measurement differs from the most trusted one; otherwise empty.
 std::string disagreement(const NoiseMeasurement& other, const NoiseMeasurement& trusted) {
   const double difference = other.variance - trusted.variance;
@@ -188,7 +180,9 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
     for (const NoiseScan& b : scans.subspan(i + 1)) {
       const bool alike = a.strategy == b.strategy;
       if (!alike && !(of_one_band(layout) && of_one_band(b.strategy.layout()))) continue;
-      if (alike) require_two_takes(a.mean, b.mean);
+      throw_if(alike && std::ranges::equal(a.mean, b.mean),  // noise would make them differ
+               "two of the scans have identical frames: copies, or virtual scans with the same "
+               "--seed; measuring noise requires two takes");
       const Image<std::uint8_t> both = in_both(a.measured, b.measured);
       add(alike ? means : unequal_means, noise_from_means(a.mean, a.steps, b.mean, b.steps, both));
       if (alike && !a.b_cos.empty()) add(halves, noise_from_half_phases(a.b_cos, b.b_cos, both));

@@ -3,7 +3,6 @@
 #include <map>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/page.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/cloud/cleaner.h"
@@ -29,10 +28,6 @@ double narrowest_range(const std::vector<double>& values, double share) {
     width = std::min(width, values[i + held - 1] - values[i]);
   }
   return width;
-}
-
-Points points_of(const Cloud& cloud) {
-  return points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
 }
 
 /// Crops a map to its finite values; it must have some.
@@ -63,7 +58,7 @@ Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
 /// Fits the shape to a cloud and evaluates the deviations of its points.
 template <class Fit>
 auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) {
-  const auto shape = fit(points_of(cloud), left_out);
+  const auto shape = fit(points_in(cloud), left_out);
   Image<double> map(cloud.size(), nan);
   for_each_pixel_in_order(map.size(), [&](int column, int row) {
     const auto point = point_at(cloud, nullptr, column, row);
@@ -126,7 +121,7 @@ double rms_of_means(const Image<double>& map) {
 }
 
 ShapeAccuracy measure_plane(const Cloud& cloud) {
-  const Points points = points_of(cloud);
+  const Points points = points_in(cloud);
   const FittedPlane rough = fit_plane(points);
   std::vector<double> reaches;
   for (const MeasuredPoint& point : points) {
@@ -233,23 +228,6 @@ std::string fault_of(const Artefacts& artefacts) {
 
 std::string cell(std::optional<double> value) {
   return value ? fmt::format("{:.4f}", *value) : "";
-}
-
-void write_figures(Page& page, const Accuracy& accuracy, std::optional<double> diagonal) {
-  page.table({"worst position", "mm", "per mille of the diagonal"});
-  for (const AccuracyFigure& figure : accuracy_figures(accuracy)) {
-    page.row({std::string(figure.what), cell(figure.value),
-              diagonal ? cell(1000 * figure.value / *diagonal) : ""});
-  }
-}
-
-void write_shapes(Page& page, const Accuracy& accuracy) {
-  page.heading("Spheres and planes, mm");
-  page.table({"", "99.7 %", "95 %", "RMS", "size", "spacing", "planarity"});
-  for (const ShapeAccuracy& shape : accuracy.shapes) {
-    page.row({shape.scan, cell(shape.range), cell(shape.range_95), cell(shape.rms),
-              cell(shape.size), cell(shape.spacing), cell(shape.bending)});
-  }
 }
 
 /// Pictures of the sphere and the plane with the largest form error, and of the repeated scans.
@@ -369,8 +347,17 @@ void write_accuracy_report(const fs::path& folder, const std::string& subject,
   page.paragraph(
       "{}{}", subject,
       diagonal ? fmt::format("; diagonal of the measured volume {:.0f} mm", *diagonal) : "");
-  write_figures(page, accuracy, diagonal);
-  write_shapes(page, accuracy);
+  page.table({"worst position", "mm", "per mille of the diagonal"});
+  for (const AccuracyFigure& figure : accuracy_figures(accuracy)) {
+    page.row({std::string(figure.what), cell(figure.value),
+              diagonal ? cell(1000 * figure.value / *diagonal) : ""});
+  }
+  page.heading("Spheres and planes, mm");
+  page.table({"", "99.7 %", "95 %", "RMS", "size", "spacing", "planarity"});
+  for (const ShapeAccuracy& shape : accuracy.shapes) {
+    page.row({shape.scan, cell(shape.range), cell(shape.range_95), cell(shape.rms),
+              cell(shape.size), cell(shape.spacing), cell(shape.bending)});
+  }
   write_pictures(page, folder, accuracy);
   write_page(folder / "report.html", page);
 }

@@ -1,7 +1,5 @@
 #include "slipstream/simulate/named_scenes.h"
 
-#include <Eigen/LU>
-
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 
@@ -78,16 +76,6 @@ Eigen::Isometry3d placed(const Vector& position, double about_x = 0, double abou
 
 /// Rotation about X from a mesh's Y up, facing +Z, to upright in the picture, facing the camera.
 constexpr double upright = std::numbers::pi;
-
-Scene board_scene(const WorkingVolume& volume) {
-  const double side = 4 * volume.extent;
-  return {
-      Body{.shape = Board{side, side}, .pose = placed(volume.centre, -12 * degree, 20 * degree)}};
-}
-
-Scene sphere_scene(const WorkingVolume& volume) {
-  return {Body{.shape = Sphere{0.4 * volume.extent}, .pose = placed(volume.centre)}};
-}
 
 Scene boxes_scene(const WorkingVolume& volume) {
   const double side = 0.32 * volume.extent;
@@ -213,8 +201,12 @@ std::vector<std::string_view> scene_names() {
 
 Scene scene_named(std::string_view name, const Scanner& scanner) {
   const WorkingVolume volume = working_volume(scanner);
-  if (name == "board") return board_scene(volume);
-  if (name == "sphere") return sphere_scene(volume);
+  if (name == "board") {
+    const Board board{4 * volume.extent, 4 * volume.extent};
+    return {Body{.shape = board, .pose = placed(volume.centre, -12 * degree, 20 * degree)}};
+  }
+  if (name == "sphere")
+    return {Body{.shape = Sphere{0.4 * volume.extent}, .pose = placed(volume.centre)}};
   if (name == "boxes") return boxes_scene(volume);
   if (name == "statue") return statue_scene(scanner, volume);
   if (name == "contrast") return contrast_scene(volume);

@@ -201,14 +201,6 @@ void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, do
   }
 }
 
-MetByCentres meet(const Onlooker& onlooker, Size size) {
-  MetByCentres centres{size, std::vector<std::optional<Met>>(size.width * size.height)};
-  for_each_pixel(size, [&](int column, int row) {
-    centres.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
-  });
-  return centres;
-}
-
 /// Convolves along one direction with a Gaussian whose `deviation` varies from pixel to pixel.
 Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
                       int down) {
@@ -241,7 +233,10 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
                double time) {
   const Size size = scanner.camera.size;
   const Onlooker onlooker{scanner, scene, photometry, time};
-  MetByCentres met = meet(onlooker, size);
+  MetByCentres met{size, std::vector<std::optional<Met>>(size.width * size.height)};
+  for_each_pixel(size, [&](int column, int row) {
+    met.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
+  });
   SeenScene seen(size);
   for_each_row(size.height, [&](int row) {
     std::vector<LitSample>& samples = seen.samples[row];

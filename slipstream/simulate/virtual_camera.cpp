@@ -16,15 +16,6 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d
          turn.slerp(share, end);
 }
 
-/// Each pattern separately, in the order shown.
-std::vector<PatternSet> cycle_of(const std::vector<PatternSet>& sets) {
-  std::vector<PatternSet> cycle;
-  for (const PatternSet& set : sets) {
-    for (int n = 0; n < set.count; ++n) cycle.push_back(pattern_alone(set, n));
-  }
-  return cycle;
-}
-
 }  // namespace
 
 Frame first_frame(const FrameSet& exposed) {
@@ -80,7 +71,10 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
                  const std::function<void()>& rendered) {
   throw_if(poses.empty() || sets.empty() || still_cycles < 1,
            "a moving board requires at least one pose, one set of patterns and one cycle");
-  const std::vector<PatternSet> cycle = cycle_of(sets);
+  std::vector<PatternSet> cycle;  // each pattern separately, in the order shown
+  for (const PatternSet& set : sets) {
+    for (int n = 0; n < set.count; ++n) cycle.push_back(pattern_alone(set, n));
+  }
   Photometry photometry = world.photometry;
   photometry.rays = 1;  // a printed sheet already has soft edges
   Reel reel;

@@ -7,7 +7,6 @@
 #include <imgui.h>
 
 #include "slipstream/cloud/surface.h"
-#include "slipstream/reconstruct/engine.h"
 #include "slipstream/view/scene_renderer.h"
 
 namespace slipstream::view {
@@ -19,13 +18,6 @@ constexpr int most_exposures = 4;
 
 PointImages images_of(const Cloud& cloud) {
   return {cloud.x, cloud.y, cloud.z, cloud.intensity};
-}
-
-Area area_between(const PanelWidths& widths, const Screen& screen) {
-  const auto width = static_cast<float>(screen.window.width) - widths.left - widths.right;
-  return {.left = widths.left,
-          .width = std::max(width, 1.0F),
-          .height = static_cast<float>(screen.window.height)};
 }
 
 /// The part of the framebuffer between panel and pictures.
@@ -171,7 +163,8 @@ void CloudScreen::draw(const Screen& screen) {
     guide_picture_.upload(guide_.picture);
   }
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
-  const Area area = area_between(widths, screen);
+  const auto width = static_cast<float>(screen.window.width) - widths.left - widths.right;
+  const Area area{widths.left, 0, std::max(width, 1.0F), static_cast<float>(screen.window.height)};
   draw_over(area, screen);
   draw_panel(state_, requests, source_, statistics, screen);
   draw_pictures(state_, pictures_, source_, screen);

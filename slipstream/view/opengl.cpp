@@ -62,17 +62,13 @@ std::vector<GLFWmonitor*> connected_monitors() {
   return {first, first + count};
 }
 
-EGLDisplay display_without_surface() {
-  if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
-    return eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-  }
-  return eglGetDisplay(EGL_DEFAULT_DISPLAY);
-}
-
 /// An EGL display with a current surfaceless context; null if unavailable.
 std::shared_ptr<void> egl_context() {
   if (!epoxy_has_egl()) return nullptr;
-  const EGLDisplay display = display_without_surface();
+  const EGLDisplay display =
+      epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")
+          ? eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)
+          : eglGetDisplay(EGL_DEFAULT_DISPLAY);
   if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE) {
     return nullptr;
   }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "slipstream/codes/registry.h"
 #include "slipstream/frames/pattern_windows.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/view/cloud_screen.h"
@@ -18,17 +17,6 @@ ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const En
   made->second = frames;
   Engine(setup).cloud(*frames, made->first);
   return {.cloud = {made, &made->first}, .frames = *frames};
-}
-
-/// The given one first; others if a projector may show their patterns.
-std::vector<std::pair<std::string, Strategy>> strategies_beside(const Strategy& given,
-                                                                bool patterns_can_change) {
-  std::vector<std::pair<std::string, Strategy>> choices{{label_of(given), given}};
-  if (!patterns_can_change) return choices;
-  for (const Strategy& strategy : usual_strategies()) {
-    if (strategy != given) choices.emplace_back(label_of(strategy), strategy);
-  }
-  return choices;
 }
 
 std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas_beside(
@@ -133,12 +121,17 @@ ViewSource still_source(FrameSet frames, const EngineSetup& setup) {
 }
 
 ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change) {
+  std::vector<std::pair<std::string, Strategy>> strategies;
+  for (const Strategy& choice : strategies_beside(setup.sequence.strategy)) {
+    if (patterns_can_change || strategies.empty())
+      strategies.emplace_back(label_of(choice), choice);
+  }
   return {.newest = [&pipeline] { return shown_cloud(pipeline.newest()); },
           .shown = [&pipeline](const ShownCloud& cloud) { pipeline.shown(cloud.captured); },
           .statistics = [&pipeline] { return pipeline.statistics(); },
           .setup = setup,
           .change = [&pipeline](const EngineSetup& other) { pipeline.change(other); },
-          .strategies = strategies_beside(setup.sequence.strategy, patterns_can_change),
+          .strategies = strategies,
           .gammas = gammas_beside(setup.scanner.photometry.response)};
 }
 

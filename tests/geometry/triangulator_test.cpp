@@ -44,12 +44,10 @@ RC_GTEST_PROP(PointForms, GiveThePointsOfEquation115, ()) {
   for (double x = 0; x < 640; x += 71.3) {
     for (double y = 0; y < 480; y += 67.1) {
       const PointForm1 form1 = point_form1(coefficients, x, y);
-      const PointForm2 form2 = point_form2(coefficients, x, y);
       const PointForm3 form3 = point_form3(coefficients, x, y);
       for (const double y_p : {0.03, 0.31, 0.72, 0.98}) {
         const Eigen::Vector3d exact = triangulate(matrices, x, y, y_p);
         RC_ASSERT(relative_difference(form1(y_p), exact) < 1e-9);
-        RC_ASSERT(relative_difference(form2(y_p), exact) < 1e-9);
         RC_ASSERT(relative_difference(form3(y_p), exact) < 1e-9);
       }
     }
@@ -112,7 +110,6 @@ TEST(PointForm1, HoldsAtAPixelWhoseRayIsParallelToTheFirstStripe) {
   const PointCoefficients coefficients = point_coefficients(matrices);
   const Eigen::Vector3d exact = triangulate(matrices, 0, 100, 0.4);
   EXPECT_LT(relative_difference(point_form1(coefficients, 0, 100)(0.4), exact), 1e-9);
-  EXPECT_LT(relative_difference(point_form2(coefficients, 0, 100)(0.4), exact), 1e-9);
   EXPECT_LT(relative_difference(point_form3(coefficients, 0, 100)(0.4), exact), 1e-9);
 }
 
@@ -142,13 +139,13 @@ TEST_P(TriangulatorBy, FindsThePointThroughBothLenses) {
 }
 
 std::string method_name(const testing::TestParamInfo<PointMethod>& info) {
-  static constexpr std::array names{"inverse", "form1", "form2", "form3"};
+  static constexpr std::array names{"inverse", "form1", "form3"};
   return names[static_cast<std::size_t>(info.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Method, TriangulatorBy,
                          testing::Values(PointMethod::inverse, PointMethod::form1,
-                                         PointMethod::form2, PointMethod::form3),
+                                         PointMethod::form3),
                          method_name);
 
 TEST(Triangulator, RefusesSingularCalibrations) {

@@ -1,7 +1,6 @@
 // Uncompressed picture formats: BMP, PGM and NumPy; and JPEG, by libjpeg-turbo.
 #include <bit>
 #include <cctype>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 

@@ -58,9 +58,6 @@ class VoteBlock : public KeptRows {
   [[nodiscard]] std::int16_t* shifts(int row) { return shift_.row(place(row)) + side; }
   [[nodiscard]] BallotRows ballots(float periods);
 
-  /// Undoes the last vote, so that the next one starts from each pixel's own coordinate.
-  void forget_vote();
-
   /// A pixel changed by a vote, with its values before.
   struct Moved {
     PixelPlace at;

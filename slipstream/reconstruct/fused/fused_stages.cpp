@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "slipstream/codes/unwrapping.h"
-#include "slipstream/geometry/stripe_geometry.h"
 
 namespace slipstream {
 namespace {
@@ -19,12 +18,6 @@ CoordinateStage coordinate_stage(double frequency, double widest, int projector_
   const double period = 1 / widest;
   return placing(narrow(1 / frequency), narrow(period),
                  narrow(-0.5 / projector_length - (period - 1) / 2));
-}
-
-ConsensusStage consensus_stage(double frequency, const FringeOrderConsensus& settings) {
-  return {.half_fringe = narrow(0.5 / frequency),
-          .fewest_neighbours = settings.fewest_neighbours,
-          .fewest_if_doubtful = settings.fewest_if_doubtful};
 }
 
 /// Stage that does not move coordinates into the field.
@@ -214,12 +207,6 @@ FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
           .costs = order_cost_stage(layout, exact, exact.margin(projector_length(setup)))};
 }
 
-/// The least compiled degree that is large enough.
-int compiled_degree(int degree) {
-  if (degree == 0) return 0;
-  return std::max(3, degree + (degree % 2 == 0 ? 1 : 0));
-}
-
 std::vector<float> kernel_order(const PlanePolynomial& polynomial, int degree) {
   std::vector<float> coefficients;
   auto c = polynomial.coefficients.begin();
@@ -244,7 +231,8 @@ EdgeTerms edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
 }
 
 PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths) {
-  const int degree = compiled_degree(geometry.lens.degree);
+  const int needed = geometry.lens.degree;
+  const int degree = needed == 0 ? 0 : std::max(3, needed + (needed % 2 == 0 ? 1 : 0));  // compiled
   const auto [inner_low, inner_high] = geometry.inner_places();
   constexpr double largest = std::numeric_limits<float>::max();
   return {PointNumbers{.coordinate = linear(geometry.coordinate),
@@ -304,7 +292,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
 
   const double f = measuring_band(layout).periods, widest = least_periods(layout);
   FusedStages stages{.frames = layout.frames,
-                     .consensus = consensus_stage(f, settings.fringe_order),
+                     .consensus = {narrow(0.5 / f), settings.fringe_order.fewest_neighbours,
+                                   settings.fringe_order.fewest_if_doubtful},
                      .coordinate = coordinate_stage(f, widest, projector_length(setup)),
                      .point = point_stage(*geometry, depth_range(setup)),
                      .rays = std::move(*rays),

@@ -205,7 +205,11 @@ void voted_band(const FusedBand& band) {
   };
   for (int begin = band.first, end = begin; begin < band.last; begin = end) {
     end = std::min(begin + Block::most_rows, band.last);
-    block.forget_vote();
+    for (const auto& [at, coordinate, flags] : block.moved) {  // votes start from own coordinates
+      block.coordinates(at.row)[at.column] = coordinate;
+      block.flags(at.row)[at.column] = flags;
+    }
+    block.moved.clear();
     std::erase_if(block.disagreeing,
                   [begin](PixelPlace at) { return at.row < begin - Block::voters; });
     for (; decoded < within(end + Block::seen); ++decoded) {
@@ -243,14 +247,6 @@ BallotRows VoteBlock::ballots(float periods) {
           .stride = coordinate_.width(),
           .kept_rows = coordinate_.height(),
           .periods = periods};
-}
-
-void VoteBlock::forget_vote() {
-  for (const auto& [at, coordinate, pixel_flags] : moved) {
-    coordinates(at.row)[at.column] = coordinate;
-    flags(at.row)[at.column] = pixel_flags;
-  }
-  moved.clear();
 }
 
 }  // namespace slipstream

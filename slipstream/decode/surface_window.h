@@ -93,9 +93,11 @@ struct SurfaceWindow : WindowCells {
       }
       for (std::size_t i = first; i < last - distance; ++i) {
         const float before = part[i - distance], step = part[i], after = part[i + distance];
-        const bool alone = (before != before) & (after != after);
-        const bool smooth = (std::abs(step - before) <= rough) | (std::abs(step - after) <= rough);
-        linked[i] = ((std::abs(step) <= most) & (alone | smooth)) ? 1 : 0;
+        // Of integers, as && and || would branch.
+        const int alone = int{before != before} & int{after != after};
+        const int smooth =
+            int{std::abs(step - before) <= rough} | int{std::abs(step - after) <= rough};
+        linked[i] = (int{std::abs(step) <= most} & (alone | smooth)) != 0 ? 1 : 0;
       }
     }
 

@@ -145,11 +145,11 @@ TEST(PointAt, KnowsNothingOfOtherPixels) {
   EXPECT_FALSE(point_at(cloud, nullptr, 0, 0));
   EXPECT_FALSE(point_at(cloud, nullptr, 4, 0));
   EXPECT_FALSE(point_at(cloud, nullptr, 0, -1));
-  EXPECT_EQ(points_in(cloud, nullptr, {1, 1, {99, 99}}).size(), 1U);
-  EXPECT_EQ(points_in(cloud, nullptr, {2, 0, {99, 99}}).size(), 0U);
+  EXPECT_EQ(points_in(cloud, nullptr, Rectangle{1, 1, {99, 99}}).size(), 1U);
+  EXPECT_EQ(points_in(cloud, nullptr, Rectangle{2, 0, {99, 99}}).size(), 0U);
   constexpr int most = std::numeric_limits<int>::max();
-  EXPECT_EQ(points_in(cloud, nullptr, {1, 2, {most, most}}).size(), 1U);
-  EXPECT_EQ(points_in(cloud, nullptr, {most, most, {most, most}}).size(), 0U);
+  EXPECT_EQ(points_in(cloud, nullptr, Rectangle{1, 2, {most, most}}).size(), 1U);
+  EXPECT_EQ(points_in(cloud, nullptr, Rectangle{most, most, {most, most}}).size(), 0U);
 }
 
 /// A scene of the virtual scanner with noise, as a cloud with its uncertainty.
@@ -247,7 +247,7 @@ TEST(FindSpheres, RefusesWhereThereIsNone) {
 TEST(IsOnCap, AsksTheRayAndNotTheDistance) {
   const FittedSphere sphere{.centre = {0, 0, 600}, .radius = 30, .residuals = {}};
   for (const MeasuredPoint& point :
-       points_in(cast_cloud({sphere_at({0, 0, 600}, 30)}), nullptr, {0, 0, {320, 240}})) {
+       points_in(cast_cloud({sphere_at({0, 0, 600}, 30)}), nullptr, Rectangle{0, 0, {320, 240}})) {
     const Vector3d inwards = (sphere.centre - point.position).normalized();
     const double angle = std::acos(inwards.dot(point.position.normalized()));
     EXPECT_TRUE(is_on_cap(sphere, point.position, angle + 1e-3));

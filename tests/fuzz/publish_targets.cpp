@@ -83,7 +83,7 @@ std::vector<Bytes> files() {
         const RosType picture = image_type();
         RosMessage frame;
         write_image(Frame({{3, 2}, 8}), {5}, frame);
-        writer.write(writer.add_channel("/frames/0", picture.name, picture.definition), {5}, frame);
+        writer.write(writer.add_channel("/frames/0", picture.name, picture.definition), 5, frame);
         writer.attach("scan.yaml", "application/yaml", 5, "strategy: {name: pmp}");
         writer.finish();
       })};

@@ -177,7 +177,7 @@ MeasuredScene measured(const char* scene) {
 TEST(VirtualBoard, ItsResidualIsThatOfTheNoise) {
   const MeasuredScene board = measured("board");
   const Residuals residuals =
-      fit_plane(points_in(board.cloud, &board.sigma, {60, 40, {200, 160}})).residuals;
+      fit_plane(points_in(board.cloud, &board.sigma, Rectangle{60, 40, {200, 160}})).residuals;
   EXPECT_GT(residuals.points, 31000U);
   ASSERT_TRUE(residuals.noise);
   EXPECT_NEAR(residuals.rms / *residuals.noise, 1, 0.05);
@@ -188,7 +188,7 @@ TEST(VirtualSphere, HasItsRadius) {
   const double radius = std::get<Sphere>(scene_named("sphere", scanner).front().shape).radius;
   const MeasuredScene scene = measured("sphere");
   const FittedSphere sphere =
-      fit_sphere(points_in(scene.cloud, &scene.sigma, {110, 70, {100, 100}}));
+      fit_sphere(points_in(scene.cloud, &scene.sigma, Rectangle{110, 70, {100, 100}}));
   EXPECT_NEAR(sphere.radius, radius, 5 * sphere.radius_sigma);
   EXPECT_LT(sphere.radius_sigma, 1e-3 * radius);
   EXPECT_NEAR(sphere.residuals.rms / sphere.residuals.noise.value(), 1, 0.1);

@@ -34,6 +34,8 @@ std::vector<std::uint8_t> packed(PixelFormat format, const std::vector<std::uint
         case PixelFormat::mono12p:
           set_bit(bits * i + bit, value);
           break;
+        case PixelFormat::mjpg:
+          break;  // has no bits of pixels
         case PixelFormat::mono10_packed:
         case PixelFormat::mono12_packed:
           const std::size_t pair = i / 2 * 24, second = i % 2;

@@ -23,13 +23,21 @@ inline constexpr double two_pi = 2 * std::numbers::pi;    ///< a full turn, rad
 inline constexpr double degree = std::numbers::pi / 180;  ///< radians
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+/// number_in<double> by std::strtod, for standard libraries whose std::from_chars takes only
+/// integers.
+std::optional<double> number_by_strtod(std::string_view text);
+
 /// Parses a number; nullopt unless the whole text is one.
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {
   Number number{};
   const char* const end = text.data() + text.size();
-  const auto [after, failure] = std::from_chars(text.data(), end, number);
-  return failure == std::errc() && after == end ? std::optional(number) : std::nullopt;
+  if constexpr (requires { std::from_chars(end, end, number); }) {
+    const auto [after, failure] = std::from_chars(text.data(), end, number);
+    return failure == std::errc() && after == end ? std::optional(number) : std::nullopt;
+  } else {
+    return number_by_strtod(text);
+  }
 }
 
 /// Parses numbers separated by `mark`, such as "2,0,1"; any other text gives an empty list.

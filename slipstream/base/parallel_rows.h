@@ -7,7 +7,8 @@
 namespace slipstream {
 
 /// Calls `body(row)` for every row in [0, height), in any order, on as many threads as oneTBB
-/// allows (limit it with `tbb::global_control`). Rethrows the first exception that `body` throws.
+/// allows (limit it with `tbb::global_control`), or without oneTBB as the machine has. Rethrows the
+/// first exception that `body` throws.
 void for_each_row(int height, const std::function<void(int row)>& body);
 
 /// Calls `body(column, row)` for every pixel, rows in parallel as in for_each_row.
@@ -20,14 +21,5 @@ void for_each_pixel(Size size, const Body& body) {
 
 /// The most threads for_each_row would use now.
 int parallel_threads();
-
-/// Lowers the calling thread's priority below the program's other threads. Call it once per thread.
-/// No effect outside Linux, where it would apply to the whole process.
-void let_others_go_first();
-
-/// Lets the calling thread start at once when it wakes, for threads that work briefly: real-time
-/// priority if the system allows it (`ulimit -r`), else, from Linux 6.12 on, the shortest time
-/// slice.
-void go_when_woken();
 
 }  // namespace slipstream

@@ -115,7 +115,12 @@ VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string&
       stream_socket_(host_from(address), 0, false),
       control_(fake_camera_memory(serial, host_from(address),
                                   reels_.front().frames.front().format().size)),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      thread_([this] { run(); }) {}
+
+VirtualGigeCamera::~VirtualGigeCamera() {
+  is_ending_ = true;
+  thread_.join();
+}
 
 /// The pattern, counted since the client's start, that the projector shows in frame k. The caller
 /// holds the mutex.
@@ -158,13 +163,13 @@ void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k, std::size_
   ++sent_;
 }
 
-void VirtualGigeCamera::run(const std::stop_token& stop) {
+void VirtualGigeCamera::run() {
   using enum GigeRegister;
   constexpr std::chrono::nanoseconds idle = std::chrono::milliseconds(50);
   constexpr std::uint32_t line_1_triggers = 2;
   constexpr std::chrono::microseconds trigger_period{40'000};  // limit for software triggers
   steady_clock::time_point due = steady_clock::now();
-  for (std::size_t k = 0; !stop.stop_requested();) {
+  for (std::size_t k = 0; !is_ending_;) {
     std::unique_lock lock(mutex_);
     const auto stream = control_.stream(steady_clock::now());
     const bool is_pulsed = stream && wiring_ == Wiring::trigger && !stream->is_free &&

@@ -4,7 +4,6 @@
 #include <functional>
 #include <mutex>
 #include <random>
-#include <stop_token>
 #include <thread>
 
 #include "slipstream/devices/gige_protocol.h"
@@ -37,7 +36,7 @@ class VirtualGigeCamera {
   /// One reel in which each frame is shown once.
   VirtualGigeCamera(std::vector<Frame> loop, const std::string& address, const std::string& serial)
       : VirtualGigeCamera(std::vector<Reel>{reel_of(std::move(loop))}, address, serial) {}
-  ~VirtualGigeCamera() = default;  ///< disappears without notifying its client
+  ~VirtualGigeCamera();  ///< disappears without notifying its client
 
   /// Frame rate until a client changes it, and the projector's pattern rate, 0.001 to 1e6 Hz.
   void set_frame_rate(double rate);
@@ -54,7 +53,7 @@ class VirtualGigeCamera {
   [[nodiscard]] std::size_t shown_in(std::size_t k) const;
   const Image<std::uint8_t>& picture(std::size_t k, std::size_t shown);
   void send(const GigeStream& stream, std::size_t k, std::size_t shown);
-  void run(const std::stop_token& stop);
+  void run();
 
   const std::vector<Reel> reels_;
   const GigeControlSockets control_sockets_;
@@ -71,7 +70,8 @@ class VirtualGigeCamera {
   std::atomic<double> packet_loss_ = 0;
   std::atomic<std::uint64_t> sent_ = 0;
   std::minstd_rand random_;
-  std::jthread thread_;  ///< uses the members above; destroyed first
+  std::atomic<bool> is_ending_ = false;
+  std::thread thread_;  ///< uses the members above
 };
 
 }  // namespace slipstream

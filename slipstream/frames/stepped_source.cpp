@@ -43,11 +43,13 @@ void SteppedSource::start() {
   source_->start();
   if (delay_.ends == nanoseconds{}) measure_delay();
   sink_.load(patterns_);
-  if (!triggered_) thread_ = std::jthread([this](const std::stop_token& ending) { run(ending); });
+  if (!triggered_) thread_ = std::thread([this] { run(); });
 }
 
 void SteppedSource::stop() {
-  thread_ = {};
+  is_ending_ = true;
+  if (thread_.joinable()) thread_.join();
+  is_ending_ = false;
   source_->stop();
 }
 
@@ -151,9 +153,9 @@ void SteppedSource::show(std::uint64_t sequence) {
   shown_.push_back({sequence, Clock::now()});
 }
 
-void SteppedSource::run(const std::stop_token& ending) {
+void SteppedSource::run() {
   try {
-    while (!ending.stop_requested()) {
+    while (!is_ending_) {
       show(next_++);
       std::this_thread::sleep_for(hold());
     }

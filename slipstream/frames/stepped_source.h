@@ -62,7 +62,7 @@ class SteppedSource : public SourceOver {
   void flash(std::size_t pattern);
   void show(std::uint64_t sequence);
   /// Shows patterns to a camera that runs freely.
-  void run(const std::stop_token& ending);
+  void run();
 
   PatternSink& sink_;
   std::vector<Image<std::uint8_t>> patterns_;
@@ -77,7 +77,8 @@ class SteppedSource : public SourceOver {
   std::exception_ptr failure_;
   std::uint64_t next_ = 0;  ///< sequence number of the next pattern
   std::atomic<std::uint64_t> taken_ = 0, missed_ = 0;
-  std::jthread thread_;
+  std::atomic<bool> is_ending_ = false;
+  std::thread thread_;
 };
 
 }  // namespace slipstream

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/thread_priority.h"
 #include "slipstream/decode/frame_adapter.h"
 #include "slipstream/live/followed_object-inl.h"
 #include "slipstream/live/window_engine.h"

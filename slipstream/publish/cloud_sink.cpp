@@ -4,7 +4,7 @@
 #include <atomic>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/thread_priority.h"
 #include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <stop_token>
 #include <tuple>
 
 #include <arpa/inet.h>
@@ -71,7 +70,8 @@ class GenicamSink final : public CloudSink {
         stream_socket_(host_from(address), 0, false),
         control_(scan3d_memory(address, run_, settings_, stream_socket_.port()), writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
-        thread_([this](const std::stop_token& stop) { serve(stop); }) {}
+        thread_([this] { serve(); }) {}
+  ~GenicamSink() override { finish(); }
 
   bool wants(const LiveCloud& cloud) override {
     if (is_sending_) return false;
@@ -108,17 +108,17 @@ class GenicamSink final : public CloudSink {
   }
 
   void finish() override {
-    thread_.request_stop();
+    is_ending_ = true;
     if (thread_.joinable()) thread_.join();
   }
 
  private:
-  void serve(const std::stop_token& stop) {
+  void serve() {
     auto looked = steady_clock::now() - between_checks;
     std::unique_lock at_the_start(mutex_);
     refresh();
     at_the_start.unlock();
-    while (!stop.stop_requested()) {
+    while (!is_ending_) {
       if (run_.settings && steady_clock::now() - looked >= between_checks) {
         look_at_settings();
         looked = steady_clock::now();
@@ -342,7 +342,7 @@ class GenicamSink final : public CloudSink {
         std::min(asked, longest_block / packets));
     auto due = steady_clock::now();
     std::vector<std::uint8_t> packet;
-    for (std::size_t i = 0; i < count && !thread_.get_stop_token().stop_requested(); ++i) {
+    for (std::size_t i = 0; i < count && !is_ending_; ++i) {
       write_packet(block, i, packet);
       stream_socket_.send(packet, stream.to);
       const auto now = steady_clock::now();
@@ -365,7 +365,8 @@ class GenicamSink final : public CloudSink {
   std::atomic<bool> is_sending_ = false;
   std::uint64_t number_ = 0;        ///< ID of the newest block since the client opened its port
   steady_clock::time_point due_{};  ///< publisher's thread only, also below
-  std::jthread thread_;             ///< destroyed first
+  std::atomic<bool> is_ending_ = false;
+  std::thread thread_;
 };
 
 std::string address_from(const std::string& where) {

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/thread_priority.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/devices/gige_sockets.h"
 #include "slipstream/publish/dds_messages.h"

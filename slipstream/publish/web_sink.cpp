@@ -13,7 +13,7 @@
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/thread_priority.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/publish/cloud_sink.h"
 #include "slipstream/publish/web_content.h"

@@ -194,6 +194,12 @@ VirtualWorld seen_from_second(const VirtualWorld& first) {
   return second;
 }
 
+#ifndef SLIPSTREAM_IO
+Mesh read_mesh(const std::filesystem::path& path) {
+  throw Error(fmt::format("{}: this build reads no files (SLIPSTREAM_IO is off)", path.string()));
+}
+#endif
+
 VirtualWorld virtual_world(const WorldSettings& settings) {
   require_in_range(settings);
   VirtualWorld world{

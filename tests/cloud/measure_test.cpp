@@ -160,7 +160,7 @@ struct MeasuredScene {
 
 MeasuredScene measured(const char* scene) {
   constexpr PatternLight light{.alpha_p = 200, .beta_p = 40};
-  constexpr Photometry photometry{.ambient = 4, .noise_variance = 1.55, .bits = 8};
+  const Photometry photometry{.ambient = 4, .noise_variance = 1.55, .bits = 8};
   Scanner scanner = example_scanner({320, 240});
   const Strategy strategy = DualFrequency{.steps = 4, .high = 16, .low = 1};
   const VirtualScan scan = take_scan(scanner, scene_named(scene, scanner),

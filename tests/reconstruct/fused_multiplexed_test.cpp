@@ -1,5 +1,6 @@
 // PCMP through the fused pass: the points, reasons and images of the reference engine.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <random>
 #include <string>
@@ -29,7 +30,7 @@ EngineSetup setup_for_pcmp(const Scanner& scanner, int steps, Axis axis = Axis::
 }
 
 /// Photometry at which many pixels are of a wrong order before the neighbours are asked.
-constexpr Photometry noisy{.ambient = ambient, .noise_variance = 6};
+const Photometry noisy{.ambient = ambient, .noise_variance = 6};
 
 class FusedMultiplexedOn : public testing::TestWithParam<std::string> {};
 
@@ -57,14 +58,13 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquations) {
 /// Three rows each of random pixels, black, white, one frame full, and one frame constant.
 std::vector<Image<std::uint16_t>> hard_frames(int count, Size size, int full, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_int_distribution<int> levels(0, full);
   std::vector<Image<std::uint16_t>> frames(static_cast<std::size_t>(count),
                                            Image<std::uint16_t>(size));
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
       const std::size_t one = static_cast<std::size_t>(column) % frames.size();
       for (std::size_t n = 0; n < frames.size(); ++n) {
-        const int level = levels(random);
+        const auto level = static_cast<int>(random() >> (32 - std::bit_width(unsigned(full))));
         const int kinds[] = {level, 0, full, n == one ? full : level / 2,
                              n == 1 ? full / 3 : level};
         frames[n](column, row) = static_cast<std::uint16_t>(kinds[row / 3 % 5]);

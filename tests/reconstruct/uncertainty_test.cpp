@@ -12,7 +12,7 @@
 namespace slipstream::uncertainty_test {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 40};
-constexpr Photometry photometry{.ambient = 4, .noise_variance = 1.55, .bits = 8};
+const Photometry photometry{.ambient = 4, .noise_variance = 1.55, .bits = 8};
 
 /// RMS of the errors of X, Y, Z and y over their predicted standard deviations.
 struct Normalised {

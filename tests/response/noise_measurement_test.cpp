@@ -65,8 +65,8 @@ NoiseEstimate by_half_phases(Board& board) {
   return noise_from_half_phases(b_cos(board), b_cos(board), board.lit());
 }
 
-constexpr Photometry linear{.ambient = 5, .noise_variance = 2, .bits = std::nullopt};
-constexpr Photometry bent{
+const Photometry linear{.ambient = 5, .noise_variance = 2, .bits = std::nullopt};
+const Photometry bent{
     .ambient = 5, .response = PowerLaw{1.1}, .noise_variance = 2, .bits = std::nullopt};
 
 TEST(NoiseMeasurement, IsRightWithinOnePercentOverTenRuns) {

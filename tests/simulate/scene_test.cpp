@@ -21,7 +21,7 @@ Eigen::Isometry3d at(const Vector& position) {
 Mesh sphere_mesh(double radius) {
   Mesh mesh;
   append_surface(mesh, 60, 120, [radius](double u, double v) {
-    const double longitude = 2 * M_PI * u, latitude = M_PI * v;
+    const double longitude = 2 * std::numbers::pi * u, latitude = std::numbers::pi * v;
     return Vector(radius * std::sin(latitude) * std::cos(longitude), radius * std::cos(latitude),
                   radius * std::sin(latitude) * std::sin(longitude));
   });

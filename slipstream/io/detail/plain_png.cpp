@@ -51,7 +51,7 @@ int closest(int left, int above, int corner) {
   return by_above <= by_corner ? above : corner;
 }
 
-/// Adds to each byte what is predicted from those to the left, above and in the corner between.
+/// Adds to each byte its prediction from the bytes to the left, above and in the corner between.
 template <std::size_t pixel, class Predict>
 void add_predicted(std::span<std::uint8_t> row, const std::uint8_t* above, Predict predict) {
   std::array<std::uint8_t, pixel> left{}, corner{};

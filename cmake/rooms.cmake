@@ -86,6 +86,11 @@ function(slipstream_room room)
       string(APPEND unused_targets "|HWY_SSE4|HWY_AVX3")
     endif()
     target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(${unused_targets})")
+    # On Windows GCC stores vectors of 32 and 64 bytes on a stack aligned to 16 as if it were aligned
+    # to them, and the program crashes; the assembler makes these moves unaligned.
+    if(MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE -Wa,-muse-unaligned-vector-move)
+    endif()
   endif()
   list(TRANSFORM arg_USES PREPEND slipstream_ OUTPUT_VARIABLE used_targets)
   target_link_libraries(${target} ${scope} ${used_targets} ${arg_LINKS})

@@ -54,6 +54,13 @@ std::vector<Number> numbers_in(std::string_view text, char mark) {
   }
 }
 
+/// Removes and returns the text before `mark`, and removes the mark; all without a mark.
+inline std::string_view take_until(std::string_view& text, char mark) {
+  const std::string_view taken = text.substr(0, text.find(mark));
+  text.remove_prefix(std::min(taken.size() + 1, text.size()));
+  return taken;
+}
+
 /// Parses a size such as "1824x1140", 1 to 65536 pixels each way; nullopt for any other text.
 inline std::optional<Size> size_of_text(std::string_view text) {
   const std::vector<int> sides = numbers_in<int>(text, 'x');

@@ -63,24 +63,17 @@ bool may_become(const fs::path& output, const fs::path& file) {
   return ::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0;
 }
 
-/// Removes and returns the text before `mark`, and removes the mark; all without a mark.
-std::string_view take(std::string_view& text, char mark) {
-  const std::size_t end = std::min(text.find(mark), text.size());
-  const std::string_view taken = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return taken;
-}
-
 /// Parses a whole number; returns `otherwise` for an empty text.
 std::optional<std::uint64_t> number_from(std::string_view text, std::uint64_t otherwise) {
   return text.empty() ? otherwise : number_in<std::uint64_t>(text);
 }
 
 ListedScans listed_from(std::string_view line) {
-  ListedScans scans{.path = std::string(take(line, '\t'))};
-  const std::string_view windows = take(line, '\t');
+  ListedScans scans{.path = std::string(take_until(line, '\t'))};
+  const std::string_view windows = take_until(line, '\t');
   if (!windows.empty()) scans.windows = window_range_from(windows);
-  const auto cost = number_from(take(line, '\t'), 0), shard = number_from(take(line, '\t'), 0);
+  const auto cost = number_from(take_until(line, '\t'), 0),
+             shard = number_from(take_until(line, '\t'), 0);
   constexpr std::uint64_t exact = std::uint64_t{1} << 53;  // in a double
   throw_if(scans.path.empty() || !cost || *cost > exact || !shard || !line.empty(),
            "expected PATH, A:B, COST and SHARD separated by tabs");
@@ -109,14 +102,13 @@ std::vector<std::string> ResultFiles::written() const {
 }
 
 bool ResultFiles::any_map() const {
-  return std::any_of(all_files.begin(), all_files.end(), [this](const NamedFile& file) {
+  return std::ranges::any_of(all_files, [this](const NamedFile& file) {
     return file.map != nullptr && !(this->*file.path).empty();
   });
 }
 
 bool ResultFiles::only_maps() const {
-  return any_map() &&
-         std::all_of(all_files.begin(), all_files.end(), [this](const NamedFile& file) {
+  return any_map() && std::ranges::all_of(all_files, [this](const NamedFile& file) {
            const bool of_points = file.map == nullptr || file.map == &Maps::epipolar_distance;
            return !of_points || (this->*file.path).empty();
          });
@@ -228,7 +220,7 @@ void DistinctFiles::add_scanner_output(const fs::path& path) {
 
 WindowRange window_range_from(std::string_view text) {
   std::string_view rest = text;
-  const auto first = number_from(take(rest, ':'), 0);
+  const auto first = number_from(take_until(rest, ':'), 0);
   const bool is_one = text.find(':') == std::string_view::npos;
   const auto end = is_one && first ? *first + 1 : number_from(rest, WindowRange::last);
   throw_if(text.empty() || !first || !end || *end <= *first,
@@ -239,7 +231,7 @@ WindowRange window_range_from(std::string_view text) {
 std::vector<ListedScans> scan_list_from(std::string_view text, const std::string& name) {
   std::vector<ListedScans> scans;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view line = take(text, '\n');
+    const std::string_view line = take_until(text, '\n');
     if (line.empty()) continue;
     naming(fmt::format("{}: line {}", name, number), [&] { scans.push_back(listed_from(line)); });
   }

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_files.h"
@@ -145,14 +146,9 @@ std::vector<std::string_view> effect_names() {
 }
 
 Photometry photometry_named(std::string_view text) {
-  const auto next_name = [&] {
-    const std::string_view name = text.substr(0, text.find(','));
-    text.remove_prefix(std::min(text.size(), name.size() + 1));
-    return name;
-  };
-  Photometry photometry = entry_named(worlds, next_name(), "world").photometry();
+  Photometry photometry = entry_named(worlds, take_until(text, ','), "world").photometry();
   while (!text.empty()) {
-    std::string_view name = next_name();
+    std::string_view name = take_until(text, ',');
     const bool out = name.starts_with("no-");
     if (out) name.remove_prefix(3);
     entry_named(effects, name, "effect").take(photometry, out ? ideal() : harsh());

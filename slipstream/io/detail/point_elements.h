@@ -46,9 +46,7 @@ class NumberReader {
 
   std::string_view line() {
     if (text_.empty()) throw Error("it ends within its header");
-    const std::size_t end = std::min(text_.find('\n'), text_.size());
-    std::string_view line = text_.substr(0, end);
-    text_.remove_prefix(std::min(end + 1, text_.size()));
+    std::string_view line = take_until(text_, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }

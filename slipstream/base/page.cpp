@@ -19,6 +19,8 @@ img { max-width: 100%; } figcaption { font-size: .85rem; opacity: .75; }
 @media print { body { margin: 0; max-width: none; } tr, .verdict { break-inside: avoid; } }
 )";
 
+}  // namespace
+
 std::string escaped(std::string_view text) {
   static const std::map<char, std::string> entities{
       {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
@@ -29,8 +31,6 @@ std::string escaped(std::string_view text) {
   }
   return safe;
 }
-
-}  // namespace
 
 Page::Page(std::string_view title)
     : text_(fmt::format("<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta "

@@ -12,6 +12,9 @@
 
 namespace slipstream {
 
+/// Escapes & < > " as in HTML and XML.
+std::string escaped(std::string_view text);
+
 /// The answer of a report.
 struct Verdict {
   const char* grade;  ///< "good", "usable" or "bad"

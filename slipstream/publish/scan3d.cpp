@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/page.h"
 #include "slipstream/devices/gige_sockets.h"
 
 namespace slipstream {
@@ -224,12 +225,6 @@ std::string name_from(const std::string& words) {
     if (begins && !name.empty() && name.back() != '_' && c != '-') name += '_';
   }
   return std::isalpha(static_cast<unsigned char>(name[0])) != 0 ? name : "N" + name;
-}
-
-std::string escaped(const std::string& words) {
-  std::string text;
-  for (const char c : words) text += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-  return text;
 }
 
 void add_setting(Features& features, const RunSetting& setting, GigeRegister where) {

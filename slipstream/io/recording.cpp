@@ -271,12 +271,10 @@ void RecordingWriter::finish() {
   std::exchange(file_, nullptr)->keep();
 }
 
-void RecordingWriter::write(std::initializer_list<Bytes> parts) {
-  try {
-    file_->write(parts);
-  } catch (const WorldError&) {
-    give_up();
-  }
+void RecordingWriter::write(std::initializer_list<Bytes> parts) try {
+  file_->write(parts);
+} catch (const WorldError&) {
+  give_up();
 }
 
 void RecordingWriter::give_up() {
@@ -357,9 +355,7 @@ void RecordingReader::find_end() {
 }
 
 bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
-  if (index >= count_) {
-    throw Error(fmt::format("{}: no frame {}; it has {} frames", path_.string(), index, count_));
-  }
+  throw_if(index >= count_, "{}: no frame {}; it has {} frames", path_.string(), index, count_);
   RecordHeader header;
   const std::uint64_t offset = header_size_ + index * record_size(header_.format);
   if (!file_.read(offset, {writable_bytes_of(header)}) || header.index != index ||

@@ -107,20 +107,16 @@ class RecordingReader {
   bool finished_ = false;
 };
 
-/// The first complete cycle of a recording that shows that sequence, in pattern order by
-/// PatternWindows; nullopt if its first cycles are all incomplete.
-std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence);
-
 /// Number of windows of a recording that shows that sequence: consecutive cycles from the first
 /// pattern on; with motion frames, only cycles followed by these count.
 std::uint64_t window_count(const RecordingReader& recording, const Sequence& sequence);
 
-/// The frames of a window, below window_count, in pattern order; nullopt if lost or damaged frames
-/// leave no complete cycle there.
+/// The frames of a window below window_count or, without one, of the first complete cycle, in
+/// pattern order; nullopt if lost or damaged frames leave no complete cycle there.
 std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequence& sequence,
-                                  std::uint64_t window);
+                                  std::optional<std::uint64_t> window);
 
-/// RecordingReader::checksum of the frames that window_at, or first_cycle without a window, reads.
+/// RecordingReader::checksum of the frames that window_at reads.
 std::uint32_t cycle_checksum(const RecordingReader& recording, const Sequence& sequence,
                              std::optional<std::uint64_t> window, std::uint32_t before);
 

@@ -19,38 +19,11 @@ namespace {
 /// Cycles searched for a complete one, and cycles that PatternWindows may keep.
 constexpr std::uint64_t searched_cycles = 8, kept_cycles = 4;
 
-/// A range of frames in a recording, last exclusive.
+/// A range of frames in a recording.
 struct Places {
-  std::uint64_t first = 0, end = 0;
+  std::uint64_t first = 0, end = 0;      ///< last exclusive
+  std::optional<std::uint64_t> least{};  ///< from which on a complete cycle begins; nullopt: any
 };
-
-/// The first complete cycle among the frames read; with `least`, the first that begins there or
-/// later with the first pattern.
-std::optional<FrameSet> cycle_among(const RecordingReader& recording, const Sequence& sequence,
-                                    const Places& read, std::optional<std::uint64_t> least = {}) {
-  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
-  PatternWindows windows(pattern_cycle(sequence),
-                         sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
-                         recording.header().format.size);
-  // Frames allocate their memory when read.
-  Pool<Frame> pool(std::min(read.end - read.first, kept_cycles * cycle + 1),
-                   [] { return Frame(); });
-  std::vector<Pooled<Frame>> window;
-  for (std::uint64_t n = read.first; n < read.end; ++n) {
-    Pooled<Frame> frame = pool.take();
-    if (!frame) break;
-    if (!recording.read(n, frame.fill())) continue;
-    windows.put(frame);
-    frame = {};
-    if (!windows.next(window) || windows.first_pattern() != 0) continue;
-    const bool in_order = window.front()->stamp.sequence <= window.back()->stamp.sequence;
-    if (least && (n + 1 < *least + window.size() || !in_order)) continue;
-    std::vector<Frame> frames;  // not shared any more
-    for (Pooled<Frame>& placed : window) frames.push_back(std::move(placed.fill()));
-    return frame_set_of(std::move(frames));
-  }
-  return std::nullopt;
-}
 
 /// Index of the first frame that shows pattern 0, by the first frame's stamp; unknown with a
 /// marker.
@@ -58,17 +31,9 @@ std::uint64_t first_start(const RecordingReader& recording, const Sequence& sequ
   Frame frame;
   if (sequence.marker || recording.count() == 0 || !recording.read(0, frame)) return 0;
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
-  const FrameStamp& stamp = frame.stamp;
-  const std::uint64_t index = stamp.pattern_index
-                                  ? static_cast<std::uint64_t>(std::max(*stamp.pattern_index, 0))
-                                  : stamp.sequence;
+  const std::optional<int> pattern = frame.stamp.pattern_index;  // never negative
+  const std::uint64_t index = pattern ? static_cast<std::uint64_t>(*pattern) : frame.stamp.sequence;
   return (cycle - index % cycle) % cycle;
-}
-
-std::uint64_t start_of(const RecordingReader& recording, const Sequence& sequence,
-                       std::uint64_t window) {
-  return first_start(recording, sequence) +
-         window * static_cast<std::uint64_t>(cycle_length(sequence));
 }
 
 /// The range searched for a window's frames, or for the first cycle.
@@ -77,19 +42,15 @@ Places searched(const RecordingReader& recording, const Sequence& sequence,
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
   const auto motion = static_cast<std::uint64_t>(sequence.motion);
   if (!window) return {0, std::min(recording.count(), searched_cycles * (cycle + motion))};
-  const std::uint64_t least = start_of(recording, sequence, *window);
+  const std::uint64_t least = first_start(recording, sequence) + *window * cycle;
   // A marker precedes its cycle. After lost frames the next cycle begins earlier, but only one
   // complete cycle can begin within this range.
   const bool marked = sequence.marker && least >= cycle;
   const std::uint64_t end = least + 2 * cycle - (sequence.marker ? 2 : 1) + motion;
-  return {marked ? least - cycle : least, std::min(end, recording.count())};
+  return {marked ? least - cycle : least, std::min(end, recording.count()), least};
 }
 
 }  // namespace
-
-std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence) {
-  return cycle_among(recording, sequence, searched(recording, sequence, std::nullopt));
-}
 
 std::uint32_t cycle_checksum(const RecordingReader& recording, const Sequence& sequence,
                              std::optional<std::uint64_t> window, std::uint32_t before) {
@@ -105,9 +66,29 @@ std::uint64_t window_count(const RecordingReader& recording, const Sequence& seq
 }
 
 std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequence& sequence,
-                                  std::uint64_t window) {
-  return cycle_among(recording, sequence, searched(recording, sequence, window),
-                     start_of(recording, sequence, window));
+                                  std::optional<std::uint64_t> window) {
+  const auto [first, end, least] = searched(recording, sequence, window);
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
+  PatternWindows windows(pattern_cycle(sequence),
+                         sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
+                         recording.header().format.size);
+  // Frames allocate their memory when read.
+  Pool<Frame> pool(std::min(end - first, kept_cycles * cycle + 1), [] { return Frame(); });
+  std::vector<Pooled<Frame>> found;
+  for (std::uint64_t n = first; n < end; ++n) {
+    Pooled<Frame> frame = pool.take();
+    if (!frame) break;
+    if (!recording.read(n, frame.fill())) continue;
+    windows.put(frame);
+    frame = {};
+    if (!windows.next(found) || windows.first_pattern() != 0) continue;
+    const bool in_order = found.front()->stamp.sequence <= found.back()->stamp.sequence;
+    if (least && (n + 1 < *least + found.size() || !in_order)) continue;
+    std::vector<Frame> frames;  // not shared any more
+    for (Pooled<Frame>& placed : found) frames.push_back(std::move(placed.fill()));
+    return frame_set_of(std::move(frames));
+  }
+  return std::nullopt;
 }
 
 std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name) {
@@ -288,10 +269,6 @@ Arrival ReplaySource::next(Frame& frame, std::chrono::milliseconds timeout) {
   frame.stamp.host_time = steady_clock::now();
   ++delivered_;
   return Arrival::frame;
-}
-
-SourceCounters ReplaySource::counters() const {
-  return {.delivered = delivered_, .lost = damaged_};
 }
 
 }  // namespace slipstream

@@ -37,7 +37,9 @@ class ReplaySource : public FrameSource {
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override {}
-  [[nodiscard]] SourceCounters counters() const override;
+  [[nodiscard]] SourceCounters counters() const override {
+    return {.delivered = delivered_, .lost = damaged_};
+  }
   [[nodiscard]] std::string state() const override { return {}; }
 
  private:

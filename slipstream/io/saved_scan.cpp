@@ -26,8 +26,7 @@ FrameSet recorded_frames(const ScanFiles& files) {
     require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
                       byte_count(recording.header().format));
   });
-  auto frames = files.window ? window_at(recording, files.sequence, *files.window)
-                             : first_cycle(recording, files.sequence);
+  auto frames = window_at(recording, files.sequence, files.window);
   if (frames) return *std::move(frames);
   throw_if(files.window.has_value(),
            "{}: frames of window {} are missing or damaged; use another window",
@@ -240,9 +239,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& c
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && is_scan_folder(entry.path())) folders.push_back(entry.path());
   }
-  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
-    return before_in_order(a.filename().string(), b.filename().string());
-  });
+  std::ranges::sort(folders, before_in_order);
   throw_if(folders.empty(), "{}: no subfolders; expected one for each pose of the board",
            folder.string());
   std::vector<BoardScans> poses;

@@ -94,12 +94,10 @@ class YamlMap {
 
   template <class Value>
   [[nodiscard]] Value convert(const YAML::Node& node, const std::string& key,
-                              const char* wanted) const {
-    try {
-      return node.as<Value>();
-    } catch (const YAML::Exception&) {
-      refuse(fmt::format("{} is not {}", key, wanted));
-    }
+                              const char* wanted) const try {
+    return node.as<Value>();
+  } catch (const YAML::Exception&) {
+    refuse(fmt::format("{} is not {}", key, wanted));
   }
 
   YAML::Node node_;
@@ -179,12 +177,10 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   return scan;
 }
 
-YAML::Node parsed(const std::string& text) {
-  try {
-    return yaml_document(text);
-  } catch (const YAML::Exception& exception) {
-    throw Error(fmt::format("line {}: not YAML: {}", exception.mark.line + 1, exception.msg));
-  }
+YAML::Node parsed(const std::string& text) try {
+  return yaml_document(text);
+} catch (const YAML::Exception& exception) {
+  throw Error(fmt::format("line {}: not YAML: {}", exception.mark.line + 1, exception.msg));
 }
 
 /// The order if the code or the sinusoids come first in each cycle.
@@ -245,9 +241,10 @@ ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingRe
 
 }  // namespace
 
-bool before_in_order(const std::string& a, const std::string& b) {
+bool before_in_order(const fs::path& a, const fs::path& b) {
   // Prefixes each number with its number of digits.
-  const auto key_of = [](const std::string& name) {
+  const auto key_of = [](const fs::path& path) {
+    const std::string name = path.filename().string();
     constexpr const char* digits = "0123456789";
     std::vector<int> key;
     for (std::size_t i = 0; i < name.size();) {
@@ -400,9 +397,7 @@ std::vector<fs::path> images_in_folder(const fs::path& folder) {
   if (images.empty()) images = std::move(jpegs);
   throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
            folder.string());
-  std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
-    return before_in_order(a.filename().string(), b.filename().string());
-  });
+  std::ranges::sort(images, before_in_order);
   return with_pages(images);
 }
 

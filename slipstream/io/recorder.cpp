@@ -72,21 +72,19 @@ Recorder::~Recorder() {
 
 bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
   Pooled<Frame> kept;
-  {
-    std::unique_lock lock(mutex_);
-    room_.wait_for(lock, patience, [&] { return status_.ended || (kept = pool_.take()); });
-    if (status_.ended) return false;
-    if (!kept) {
-      ++status_.lost;
-      return false;
-    }
+  std::unique_lock lock(mutex_);
+  room_.wait_for(lock, patience, [&] { return status_.ended || (kept = pool_.take()); });
+  if (status_.ended) return false;
+  if (!kept) {
+    ++status_.lost;
+    return false;
   }
+  lock.unlock();
   kept.fill() = frame;
-  {
-    const std::lock_guard lock(mutex_);
-    if (status_.ended) return false;
-    waiting_.push_back(std::move(kept));
-  }
+  lock.lock();
+  if (status_.ended) return false;
+  waiting_.push_back(std::move(kept));
+  lock.unlock();
   changed_.notify_one();
   return true;
 }
@@ -193,12 +191,8 @@ void RecordedSource::set_strategy(const Strategy& strategy) {
 
 void RecordedSource::record_to(const std::filesystem::path& path) {
   finish_recording();
-  RecordingHeader header;
-  {
-    const std::lock_guard lock(mutex_);
-    header = header_;
-  }
-  auto recorder = std::make_shared<Recorder>(path, header, Recorder::default_memory, limit_);
+  auto recorder =
+      std::make_shared<Recorder>(path, locked(header_), Recorder::default_memory, limit_);
   const std::lock_guard lock(mutex_);
   path_ = path;
   recorder_ = std::move(recorder);
@@ -222,20 +216,15 @@ std::optional<RecordedSource::Recording> RecordedSource::recording() const {
 Arrival RecordedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   const Arrival arrival = source_->next(frame, timeout);
   if (arrival == Arrival::frame) {
-    if (const std::shared_ptr<Recorder> current = recorder()) current->record(frame);
+    if (const auto current = locked(recorder_)) current->record(frame);
   }
   return arrival;
 }
 
 std::string RecordedSource::state() const {
   const std::string state = source_->state();
-  const std::shared_ptr<Recorder> current = recorder();
+  const auto current = locked(recorder_);
   return state.empty() && current ? current->status().error : state;
-}
-
-std::shared_ptr<Recorder> RecordedSource::recorder() const {
-  const std::lock_guard lock(mutex_);
-  return recorder_;
 }
 
 std::string text_of(const RecordedSource::Recording& recording) {

@@ -126,7 +126,12 @@ class RecordedSource : public SourceOver {
   [[nodiscard]] std::string state() const override;
 
  private:
-  [[nodiscard]] std::shared_ptr<Recorder> recorder() const;
+  /// Copy of a member that the mutex guards.
+  template <class Value>
+  [[nodiscard]] Value locked(const Value& value) const {
+    const std::lock_guard lock(mutex_);
+    return value;
+  }
 
   const FileLimit limit_;
   mutable std::mutex mutex_;  ///< guards all members below

@@ -157,7 +157,7 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
   if (writing == Writing::over_time) {
     name_ = path.string();  // before the file exists, so that it is always removed
     descriptor_ = create(name_);
-    if (descriptor_ < 0 && errno != EEXIST) fail();
+    if (descriptor_ < 0 && errno != EEXIST) fail(errno);
     claim();
   }
   if (descriptor_ >= 0) return;
@@ -169,8 +169,7 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
   if (descriptor_ >= 0) return;
   const int reason = errno;
   discard();
-  errno = reason;
-  fail();
+  fail(reason);
 }
 
 OutputFile::~OutputFile() {
@@ -193,7 +192,7 @@ void OutputFile::claim() {
 
 void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> parts) {
   for (const std::span<const std::uint8_t> part : parts) {
-    if (!write_all(descriptor_, part)) fail();
+    if (!write_all(descriptor_, part)) fail(errno);
     written_ += part.size();
   }
   if (writing_ == Writing::at_once) return;
@@ -210,14 +209,14 @@ void OutputFile::pass_on() {
       ::sync_file_range(descriptor_, before, now - before, SYNC_FILE_RANGE_WRITE) == 0 &&
       ::sync_file_range(descriptor_, 0, before, SYNC_FILE_RANGE_WRITE_AND_WAIT) == 0;
   // The system reports a disk failure only once, so sync() would miss it.
-  if (!done && (errno == EIO || errno == ENOSPC || errno == EDQUOT)) fail_to_sync();
+  if (!done && (errno == EIO || errno == ENOSPC || errno == EDQUOT)) fail(disk_failure_ = errno);
   ::posix_fadvise(descriptor_, 0, before, POSIX_FADV_DONTNEED);
   passed_on_ = written_;
 }
 
 void OutputFile::sync() {
-  if (!is_synced(descriptor_)) fail_to_sync();
-  if (!is_folder_synced(folder_)) fail();
+  if (!is_synced(descriptor_)) fail(disk_failure_ = errno);
+  if (!is_folder_synced(folder_)) fail(errno);
   synced_ = written_;
 }
 
@@ -237,13 +236,12 @@ void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
       const OutputFile& kept = **--place;
       if (!kept.swapped_ || !swap_names(kept.name_, kept.path_)) ::unlink(kept.path_.c_str());
     }
-    errno = reason;
-    file.fail();
+    file.fail(reason);
   }
   for (OutputFile* const file : files) {
     if (file->swapped_) ::unlink(file->name_.c_str());
     file->let_go();
-    if (!is_folder_synced(file->folder_)) file->fail();
+    if (!is_folder_synced(file->folder_)) file->fail(errno);
     file->synced_ = file->written_;
   }
 }
@@ -252,8 +250,8 @@ void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
 void OutputFile::finish() {
   if (!is_synced(descriptor_) && disk_failure_ == 0) disk_failure_ = errno;
   const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
-  if (disk_failure_ != 0) errno = disk_failure_;
-  if (disk_failure_ != 0 || !closed) fail();
+  if (disk_failure_ != 0) fail(disk_failure_);
+  if (!closed) fail(errno);
 }
 
 std::string OutputFile::give_up(std::uint64_t size) {
@@ -283,14 +281,9 @@ void OutputFile::let_go() noexcept {
   name_.clear();
 }
 
-void OutputFile::fail_to_sync() {
-  disk_failure_ = errno;
-  fail();
-}
-
-void OutputFile::fail() {
+void OutputFile::fail(int reason) {
   const std::string failure =
-      fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno));
+      fmt::format("cannot write {}: {}", path_.string(), std::strerror(reason));
   if (failure_.empty()) failure_ = failure;
   const bool stays = writing_ == Writing::over_time && !name_.empty() && name_ != path_;
   throw WorldError(failure + (stays ? "; the data before that are in " + name_ : ""));

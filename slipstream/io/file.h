@@ -125,8 +125,7 @@ class OutputFile {
   void pass_on();
   void finish();
   void let_go() noexcept;
-  [[noreturn]] void fail_to_sync();
-  [[noreturn]] void fail();
+  [[noreturn]] void fail(int reason);
 
   std::filesystem::path path_, folder_;
   std::string name_{};  ///< current name
@@ -169,12 +168,10 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// Returns read(); prefixes an Error's message with `name`, such as a file's.
 template <class Read>
-auto naming(const std::string& name, const Read& read) {
-  try {
-    return read();
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", name, error.what()));
-  }
+auto naming(const std::string& name, const Read& read) try {
+  return read();
+} catch (const Error& error) {
+  throw Error(fmt::format("{}: {}", name, error.what()));
 }
 
 /// Removes files being written `at_once`. For a signal handler that then ends the program.

@@ -1,6 +1,5 @@
 #include <map>
 
-#include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/point_elements.h"
 #include "slipstream/io/file.h"

@@ -169,11 +169,6 @@ void write_picture(const fs::path& path, const PictureView& picture) {
   write_file(path, bytes);
 }
 
-template <class Pixel>
-PictureView grey(const Image<Pixel>& image) {
-  return PictureView(ImageView<const Pixel>(image));
-}
-
 bool is_npy(const fs::path& path) {
   return lower_case_extension(path) == ".npy";
 }
@@ -320,11 +315,11 @@ FrameSet read_colour_frames(const std::vector<fs::path>& paths, int bits) {
 }
 
 void write_image(const fs::path& path, const Image<std::uint8_t>& image) {
-  write_picture(path, grey(image));
+  write_picture(path, image);
 }
 
 void write_image(const fs::path& path, const Image<std::uint16_t>& image) {
-  write_picture(path, grey(image));
+  write_picture(path, image);
 }
 
 void write_image(const fs::path& path, const Image<Colour>& image) {
@@ -353,7 +348,7 @@ void write_one_bit_image(const fs::path& path, const Image<std::uint8_t>& image)
 }
 
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image) {
-  return png_file_of(grey(image));
+  return png_file_of(image);
 }
 
 void require_map_ending(const fs::path& path) {
@@ -362,12 +357,12 @@ void require_map_ending(const fs::path& path) {
 
 void write_map(const fs::path& path, const Image<float>& map) {
   require_map_ending(path);
-  is_npy(path) ? write_file(path, npy_file_of(grey(map))) : write_picture(path, grey(map));
+  is_npy(path) ? write_file(path, npy_file_of(map)) : write_picture(path, map);
 }
 
 void write_map(const fs::path& path, const Image<double>& map) {
   require_map_ending(path);
-  is_npy(path) ? write_file(path, npy_file_of(grey(map))) : write_map(path, converted<float>(map));
+  is_npy(path) ? write_file(path, npy_file_of(map)) : write_map(path, converted<float>(map));
 }
 
 Image<double> read_map(const fs::path& path) {

@@ -118,15 +118,11 @@ struct Binary {
 json positions_of(const Surface& surface, Binary& binary) {
   std::vector<Eigen::Vector3f> positions(surface.vertices.size());
   std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(), to_gltf);
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  Eigen::Array3f least = Eigen::Array3f::Constant(infinity), most = -least;
-  for (const Eigen::Vector3f& position : positions) {
-    least = least.min(position.array());
-    most = most.max(position.array());
-  }
+  Eigen::AlignedBox3f bounds;
+  for (const Eigen::Vector3f& position : positions) bounds.extend(position);
   json accessor = binary.accessor(positions, "VEC3", float32, vertex_buffer);
-  accessor["min"] = {least.x(), least.y(), least.z()};
-  accessor["max"] = {most.x(), most.y(), most.z()};
+  accessor["min"] = {bounds.min().x(), bounds.min().y(), bounds.min().z()};
+  accessor["max"] = {bounds.max().x(), bounds.max().y(), bounds.max().z()};
   return accessor;
 }
 

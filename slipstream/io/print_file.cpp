@@ -7,13 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 
 namespace slipstream {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// From the page's upper left corner, mm.
 struct Rectangle {
@@ -116,14 +115,9 @@ std::string pdf_of(const Sheet& sheet) {
 /// A PNG file with a chunk for its resolution after the header.
 std::vector<std::uint8_t> png_of(const Image<std::uint8_t>& picture, double mm_per_pixel) {
   std::vector<std::uint8_t> file = png_file(picture), chunk{0, 0, 0, 9, 'p', 'H', 'Y', 's'};
-  const auto put = [&](std::uint32_t number) {
-    for (const int shift : {24, 16, 8, 0}) chunk.push_back(number >> shift & 0xff);
-  };
   const auto per_metre = static_cast<std::uint32_t>(std::lround(1000 / mm_per_pixel));
-  put(per_metre);
-  put(per_metre);
-  chunk.push_back(1);  // of a metre
-  put(checksum(std::span(chunk).subspan(4)));
+  append_numbers<std::endian::big>(chunk, per_metre, per_metre, std::uint8_t{1});  // of a metre
+  append_numbers<std::endian::big>(chunk, checksum(std::span(chunk).subspan(4)));
   constexpr std::ptrdiff_t header = 33;
   file.insert(file.begin() + header, chunk.begin(), chunk.end());
   return file;
@@ -131,7 +125,8 @@ std::vector<std::uint8_t> png_of(const Image<std::uint8_t>& picture, double mm_p
 
 }  // namespace
 
-void write_print(const fs::path& path, const Image<std::uint8_t>& picture, double mm_per_pixel) {
+void write_print(const std::filesystem::path& path, const Image<std::uint8_t>& picture,
+                 double mm_per_pixel) {
   const std::string ending = lower_case_extension(path);
   if (ending == ".png") return write_file(path, png_of(picture, mm_per_pixel));
   if (ending != ".pdf" && ending != ".svg") return write_image(path, picture);

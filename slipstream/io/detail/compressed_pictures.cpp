@@ -282,9 +282,8 @@ std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
     ++directory;
   } while (TIFFReadDirectory(tiff) == 1);
   require(memory.fault.front() == 0, memory);
-  if (hidden && directory == 1) {
-    throw Error("an ImageJ stack with one directory for all pages; save each page as a file");
-  }
+  throw_if(hidden && directory == 1,
+           "an ImageJ stack with one directory for all pages; save each page as a file");
   return pages;
 }
 
@@ -302,9 +301,8 @@ Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames) {
   const PngReader reader(memory);
   if (reader.info == nullptr) throw std::bad_alloc();
   std::optional<Picture> picture;
-  if (!read_png_rows(reader.png, reader.info, frames, picture)) {
-    throw Error(std::string("incomplete PNG file: ") + memory.fault.data());
-  }
+  throw_if(!read_png_rows(reader.png, reader.info, frames, picture), "incomplete PNG file: {}",
+           memory.fault.data());
   return *std::move(picture);
 }
 
@@ -314,7 +312,7 @@ std::vector<std::uint8_t> png_file_of(const PictureView& picture) {
 }
 
 std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture) {
-  return png_of_depth(PictureView(ImageView<const std::uint8_t>(picture)), 1);
+  return png_of_depth(picture, 1);
 }
 
 std::vector<int> tiff_pages(const InputFile& file) {

@@ -45,6 +45,9 @@ struct PictureView {
       : kind{{samples.width() / channels, samples.height()}, channels, 8 * int{sizeof(Sample)}},
         first(reinterpret_cast<const std::uint8_t*>(samples.row(0))),
         stride(samples.stride() * std::ptrdiff_t{sizeof(Sample)}) {}
+  template <class Sample>
+  PictureView(const Image<Sample>& grey)  // NOLINT(google-explicit-constructor)
+      : PictureView(ImageView<const Sample>(grey)) {}
   [[nodiscard]] const std::uint8_t* row(int row) const { return first + row * stride; }
 
   PictureKind kind;

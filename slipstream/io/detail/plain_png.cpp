@@ -103,10 +103,8 @@ std::optional<Picture> read_plain_png(std::span<const std::uint8_t> file, std::s
   const std::optional<std::vector<std::uint8_t>> packed = packed_samples(file);
   if (!packed) return std::nullopt;
 
-  std::optional<Picture> picture(
-      std::in_place,
-      PictureKind{{static_cast<int>(columns), static_cast<int>(rows)}, colour == 0 ? 1 : 3, bits});
-  const std::size_t row_bytes = picture->kind.row_bytes();
+  Picture picture({{static_cast<int>(columns), static_cast<int>(rows)}, colour == 0 ? 1 : 3, bits});
+  const std::size_t row_bytes = picture.kind.row_bytes();
   auto* const unfilter = colour == 0 ? (bits == 8 ? undo_filter<1> : undo_filter<2>)
                                      : (bits == 8 ? undo_filter<3> : undo_filter<6>);
   const auto unpacked = std::make_unique_for_overwrite<std::uint8_t[]>((row_bytes + 1) * rows);
@@ -123,7 +121,7 @@ std::optional<Picture> read_plain_png(std::span<const std::uint8_t> file, std::s
     std::uint8_t* const row = unpacked.get() + n * (row_bytes + 1) + 1;
     if (!unfilter(row[-1], {row, row_bytes}, above)) return std::nullopt;
     above = row;
-    std::uint8_t* const to = picture->row(static_cast<int>(n));
+    std::uint8_t* const to = picture.row(static_cast<int>(n));
     for (std::size_t i = 0; bits == 16 && i < row_bytes; i += 2) {
       to[i] = row[i + 1];
       to[i + 1] = row[i];

@@ -14,8 +14,6 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-using Entries = std::map<std::string, StoredMatrix>;
-
 /// OpenCV writes NaN as .Nan and infinity as .Inf.
 std::optional<double> number_from(std::string_view text) {
   if (text == ".Nan" || text == ".nan" || text == ".NaN") return nan;
@@ -61,12 +59,12 @@ StoredMatrix entry_from(const YAML::Node& node) {
 }
 
 /// Returns nullopt, or throws a YAML exception, if it is not such a file.
-std::optional<Entries> entries_from_yaml(std::string text) {
+std::optional<StoredEntries> entries_from_yaml(std::string text) {
   // OpenCV's first line, "%YAML:1.0", is not YAML.
   if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
   const YAML::Node root = yaml_document(text);
   if (!root.IsMap()) return std::nullopt;
-  Entries entries;
+  StoredEntries entries;
   for (const auto& entry : root) entries[text_of(entry.first)] = entry_from(entry.second);
   return entries;
 }
@@ -92,12 +90,12 @@ void require_unique_elements(const pugi::xml_node& parent, const std::string& te
   }
 }
 
-std::optional<Entries> entries_from_xml(const std::string& text) {
+std::optional<StoredEntries> entries_from_xml(const std::string& text) {
   pugi::xml_document document;
   const bool whole = document.load_buffer(text.data(), text.size());
   const pugi::xml_node root = document.child("opencv_storage");
   if (!whole || !root) return std::nullopt;
-  Entries entries;
+  StoredEntries entries;
   require_unique_elements(document, text);
   require_unique_elements(root, text);
   for (const pugi::xml_node& node : root.children()) {
@@ -129,7 +127,7 @@ std::string yaml_of(const std::string& name, const StoredMatrix& entry) {
 }
 
 /// Top-level entries of YAML start in the first column, their contents do not.
-std::string with_yaml_entries(const std::string& text, const Entries& entries) {
+std::string with_yaml_entries(const std::string& text, const StoredEntries& entries) {
   std::istringstream lines(text);
   std::string kept, end;
   bool dropping = false;
@@ -148,7 +146,7 @@ std::string with_yaml_entries(const std::string& text, const Entries& entries) {
   return kept + end;
 }
 
-std::string with_xml_entries(const std::string& text, const Entries& entries) {
+std::string with_xml_entries(const std::string& text, const StoredEntries& entries) {
   pugi::xml_document document;
   document.load_buffer(text.data(), text.size(), pugi::parse_full);
   pugi::xml_node root = document.child("opencv_storage");
@@ -186,7 +184,7 @@ std::string text_in(const fs::path& path) {
 
 }  // namespace
 
-Entries opencv_entries(const std::string& text, const std::string& name) {
+StoredEntries opencv_entries(const std::string& text, const std::string& name) {
   try {
     auto entries = is_xml(text) ? entries_from_xml(text) : entries_from_yaml(text);
     if (entries) return *std::move(entries);
@@ -198,23 +196,24 @@ Entries opencv_entries(const std::string& text, const std::string& name) {
   throw Error(fmt::format("{}: not a scanner file; expected OpenCV's YAML or XML", name));
 }
 
-Entries read_opencv_storage(const fs::path& path) {
+StoredEntries read_opencv_storage(const fs::path& path) {
   return opencv_entries(text_in(path), path.string());
 }
 
-std::string new_storage(const Entries& entries, bool xml) {
+std::string new_storage(const StoredEntries& entries, bool xml) {
   return xml ? with_xml_entries("<opencv_storage/>", entries)
              : with_yaml_entries("%YAML:1.0\n---\n", entries);
 }
 
-std::string with_entries(const std::string& text, const Entries& entries, const std::string& name) {
-  const Entries before = opencv_entries(text, name);
+std::string with_entries(const std::string& text, const StoredEntries& entries,
+                         const std::string& name) {
+  const StoredEntries before = opencv_entries(text, name);
   std::string changed =
       is_xml(text) ? with_xml_entries(text, entries) : with_yaml_entries(text, entries);
   const auto refuse = [&](const std::string& entry) {
     throw Error(fmt::format("{}: cannot replace {}; each entry must begin a line", name, entry));
   };
-  Entries after;
+  StoredEntries after;
   try {
     after = opencv_entries(changed, name);
   } catch (const Error&) {
@@ -232,7 +231,7 @@ std::string with_entries(const std::string& text, const Entries& entries, const 
 }
 
 void write_entries(const std::optional<fs::path>& from, const fs::path& to,
-                   const Entries& entries) {
+                   const StoredEntries& entries) {
   const bool xml = lower_case_extension(to) == ".xml";
   const auto is_of_xml = [](const fs::path& path) {
     return scanner_files(path).size() == 1 && lower_case_extension(path) == ".xml";

@@ -4,7 +4,6 @@
 #include <set>
 
 #include <Eigen/LU>
-#include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -18,22 +17,20 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-using Entries = std::map<std::string, StoredMatrix>;
-
 constexpr const char* gamma_entry = "gamma";
 constexpr const char* error_entry = "gamma_standard_error";
 constexpr const char* values_entry = "response_values";
 constexpr const char* light_entry = "response_light";
 constexpr const char* mixture_entry = "colour_mixture";
 
-std::optional<double> number(const Entries& entries, const char* name) {
+std::optional<double> number(const StoredEntries& entries, const char* name) {
   const auto found = entries.find(name);
   if (found == entries.end()) return std::nullopt;
   throw_if(found->second.numbers.size() != 1, "{} is not a number", name);
   return found->second.numbers[0];
 }
 
-std::optional<MeasuredResponse> response_of(const Entries& entries) {
+std::optional<MeasuredResponse> response_of(const StoredEntries& entries) {
   const std::optional<double> gamma = number(entries, gamma_entry);
   MeasuredResponse measured{.gamma = gamma.value_or(1),
                             .standard_error = number(entries, error_entry).value_or(0)};
@@ -49,7 +46,7 @@ std::optional<MeasuredResponse> response_of(const Entries& entries) {
   return measured;
 }
 
-std::optional<ColourMixture> mixture_of(const Entries& entries) {
+std::optional<ColourMixture> mixture_of(const StoredEntries& entries) {
   const auto found = entries.find(mixture_entry);
   if (found == entries.end()) return std::nullopt;
   const auto& [rows, columns, numbers, text] = found->second;
@@ -64,7 +61,7 @@ StoredMatrix row_of(std::vector<double> numbers) {
   return {1, static_cast<int>(numbers.size()), std::move(numbers)};
 }
 
-PhotometricCalibration photometric_calibration_of(const Entries& entries) {
+PhotometricCalibration photometric_calibration_of(const StoredEntries& entries) {
   PhotometricCalibration read{.response = response_of(entries),
                               .colour_mixture = mixture_of(entries)};
   PhotometricCalibration::for_each_setting(read, [&](const Setting& setting, auto& value) {
@@ -74,8 +71,8 @@ PhotometricCalibration photometric_calibration_of(const Entries& entries) {
   return read;
 }
 
-Entries entries_of(const PhotometricCalibration& calibration) {
-  Entries entries;
+StoredEntries entries_of(const PhotometricCalibration& calibration) {
+  StoredEntries entries;
   PhotometricCalibration::for_each_setting(
       calibration, [&](const Setting& setting, const std::optional<double>& value) {
         if (value) entries[setting.name] = row_of({*value});
@@ -169,12 +166,12 @@ constexpr std::array<std::string_view, 2> projections{"camera_projection", "proj
 constexpr const char* measured_entry = "measured";
 constexpr const char* depths_entry = "calibrated_depths";
 
-bool has(const Entries& entries, std::string_view name) {
+bool has(const StoredEntries& entries, std::string_view name) {
   return !name.empty() && entries.contains(std::string(name));
 }
 
 /// The layout that has most of its names in the file.
-const Layout& layout_of(const Entries& entries) {
+const Layout& layout_of(const StoredEntries& entries) {
   const auto count = [&](const Layout& layout) -> std::ptrdiff_t {
     if (!has(entries, layout.camera.matrix) && !has(entries, layout.projector.matrix)) return 0;
     return std::ranges::count_if(names_of(layout), [&](auto name) { return has(entries, name); });
@@ -187,7 +184,7 @@ const Layout& layout_of(const Entries& entries) {
 }
 
 /// Throws Error with the likely cause if the entry is missing.
-void require_present(const Entries& entries, std::string_view name) {
+void require_present(const StoredEntries& entries, std::string_view name) {
   if (has(entries, name)) return;
   const bool is_one_file = std::ranges::none_of(
       entries, [](const auto& entry) { return entry.first.starts_with(of_projector); });
@@ -200,32 +197,30 @@ void require_present(const Entries& entries, std::string_view name) {
 }
 
 /// The numbers of an existing entry.
-const std::vector<double>& numbers_of(const Entries& entries, std::string_view name) {
+const std::vector<double>& numbers_of(const StoredEntries& entries, std::string_view name) {
   const StoredMatrix& matrix = entries.at(std::string(name));
   throw_if(matrix.rows == 0, "{} is not a matrix of numbers", name);
   for (const double value : matrix.numbers) {
-    if (std::isfinite(value)) continue;
-    throw Error(fmt::format("{} contains {}; every number must be finite", name, value));
+    throw_if(!std::isfinite(value), "{} contains {}; every number must be finite", name, value);
   }
   return matrix.numbers;
 }
 
 /// rows x columns numbers, row by row.
 template <int rows, int columns>
-Eigen::Matrix<double, rows, columns> matrix_of(const Entries& entries, std::string_view name) {
+Eigen::Matrix<double, rows, columns> matrix_of(const StoredEntries& entries,
+                                               std::string_view name) {
   require_present(entries, name);
   const std::vector<double>& values = numbers_of(entries, name);
   throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; expected {}x{}", name,
            values.size(), rows, columns);
-  Eigen::Matrix<double, rows, columns> matrix;
-  for (int i = 0; i < rows * columns; ++i) {
-    matrix(i / columns, i % columns) = values[static_cast<std::size_t>(i)];
-  }
-  return matrix;
+  const Eigen::Map<const Eigen::Vector<double, rows * columns>> numbers(values.data());
+  return numbers.template reshaped<Eigen::RowMajor>(rows, columns);
 }
 
 /// Whole numbers of pixels; 0 if missing.
-std::vector<int> pixel_counts(const Entries& entries, std::string_view name, std::size_t count) {
+std::vector<int> pixel_counts(const StoredEntries& entries, std::string_view name,
+                              std::size_t count) {
   if (!has(entries, name)) return std::vector<int>(count, 0);
   const std::vector<double>& values = numbers_of(entries, name);
   const auto is_count = [](double value) {
@@ -236,7 +231,7 @@ std::vector<int> pixel_counts(const Entries& entries, std::string_view name, std
   return {values.begin(), values.end()};
 }
 
-Size size_of(const Entries& entries, const LensNames& names) {
+Size size_of(const StoredEntries& entries, const LensNames& names) {
   if (names.width.empty()) {
     const std::vector<int> both = pixel_counts(entries, names.height, 2);
     return {both[1], both[0]};
@@ -248,7 +243,7 @@ Size size_of(const Entries& entries, const LensNames& names) {
   return {both[0], both[1]};
 }
 
-Lens lens_of(const Entries& entries, const LensNames& names) {
+Lens lens_of(const StoredEntries& entries, const LensNames& names) {
   Lens lens{.intrinsic = matrix_of<3, 3>(entries, names.matrix), .distortion = {}, .size = {}};
   if (has(entries, names.distortion)) {
     const std::vector<double>& coefficients = numbers_of(entries, names.distortion);
@@ -259,14 +254,13 @@ Lens lens_of(const Entries& entries, const LensNames& names) {
   return lens;
 }
 
-Entries entries_of(const Scanner& scanner) {
-  Entries entries = entries_of(scanner.photometry);
+StoredEntries entries_of(const Scanner& scanner) {
+  StoredEntries entries = entries_of(scanner.photometry);
   const auto put = [&](std::string_view name, const auto& matrix) {
-    StoredMatrix& entry = entries[std::string(name)];
-    entry = {static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols())};
-    for (const auto& row : matrix.rowwise()) {
-      entry.numbers.insert(entry.numbers.end(), row.begin(), row.end());
-    }
+    const auto numbers = matrix.template reshaped<Eigen::RowMajor>();
+    entries[std::string(name)] = {static_cast<int>(matrix.rows()),
+                                  static_cast<int>(matrix.cols()),
+                                  {numbers.begin(), numbers.end()}};
   };
   const auto put_lens = [&](const LensNames& names, const Lens& lens) {
     const auto& k = lens.distortion.coefficients;
@@ -302,8 +296,8 @@ bool names_geometry(std::string_view entry) {
 }
 
 /// A file's entries other than geometry; {} without such a file.
-Entries other_entries(const fs::path& path) {
-  Entries entries;
+StoredEntries other_entries(const fs::path& path) {
+  StoredEntries entries;
   if (!fs::exists(path)) return entries;
   try {
     entries = read_opencv_storage(path);
@@ -321,7 +315,7 @@ Entries other_entries(const fs::path& path) {
 
 /// Sets the pose of two devices calibrated as a stereo pair of ROS: rectification_matrix turns a
 /// device's frame into the rectified one, in which projection_matrix is K [I | t], t in metres.
-void set_rectified_pose(const Entries& entries, Scanner& scanner) {
+void set_rectified_pose(const StoredEntries& entries, Scanner& scanner) {
   const auto rectified = [&](std::string_view device) {
     const auto name = [&](const char* of) { return fmt::format("{}{}", device, of); };
     if (const auto model = entries.find(name("distortion_model")); model != entries.end()) {
@@ -344,7 +338,7 @@ void set_rectified_pose(const Entries& entries, Scanner& scanner) {
 }
 
 /// The lenses and pose of a camera and a projector or, as a `pair`, a second camera.
-Scanner geometry_of(const Entries& entries, bool pair) {
+Scanner geometry_of(const StoredEntries& entries, bool pair) {
   if (has(entries, projections[0]) || has(entries, projections[1])) {
     const Size projector_size = size_of(entries, layouts.front().projector);
     const auto projector = matrix_of<3, 4>(entries, projections[1]);
@@ -369,7 +363,7 @@ Scanner geometry_of(const Entries& entries, bool pair) {
   return scanner;
 }
 
-Scanner scanner_of(const Entries& entries, const std::string& name, bool pair = false) {
+Scanner scanner_of(const StoredEntries& entries, const std::string& name, bool pair = false) {
   return naming(name, [&] {
     Scanner scanner = geometry_of(entries, pair);
     scanner.photometry = photometric_calibration_of(entries);
@@ -383,7 +377,7 @@ Scanner scanner_of(const Entries& entries, const std::string& name, bool pair = 
 }
 
 /// The entries of two files. If both name their geometry alike, the second is the projector's.
-Entries joined(Entries first, const Entries& second) {
+StoredEntries joined(StoredEntries first, const StoredEntries& second) {
   const bool are_alike = std::ranges::any_of(second, [&](const auto& entry) {
     return names_geometry(entry.first) && has(first, entry.first);
   });
@@ -396,11 +390,11 @@ Entries joined(Entries first, const Entries& second) {
   return first;
 }
 
-Entries entries_in(const fs::path& path) {
+StoredEntries entries_in(const fs::path& path) {
   const std::vector<fs::path> files = scanner_files(path);
-  const Entries first = read_opencv_storage(files[0]);
+  const StoredEntries first = read_opencv_storage(files[0]);
   if (files.size() == 1) return first;
-  const Entries second = read_opencv_storage(files[1]);
+  const StoredEntries second = read_opencv_storage(files[1]);
   return naming(path.string(), [&] { return joined(first, second); });
 }
 
@@ -429,7 +423,7 @@ Scanner read_camera_pair(const fs::path& path) {
 }
 
 bool is_camera_pair(const fs::path& path, bool if_either) {
-  const Entries entries = entries_in(path);
+  const StoredEntries entries = entries_in(path);
   return !has(entries, projections[0]) &&
          naming(path.string(), [&] { return is_camera_pair(layout_of(entries), if_either); });
 }
@@ -447,7 +441,7 @@ void write_scanner(const fs::path& path, const Scanner& scanner) {
 }
 
 std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& scanner) {
-  const Entries kept = other_entries(path);
+  const StoredEntries kept = other_entries(path);
   write_file(path, with_entries(text_of(path, scanner), kept, path.string()));
   std::vector<std::string> names;
   for (const auto& [name, numbers] : kept) names.push_back(name);
@@ -455,7 +449,7 @@ std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& s
 }
 
 PhotometricCalibration read_photometric_calibration(const fs::path& scanner_file) {
-  const Entries entries = read_opencv_storage(scanner_file);
+  const StoredEntries entries = read_opencv_storage(scanner_file);
   return naming(scanner_file.string(), [&] { return photometric_calibration_of(entries); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <ranges>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/thread_priority.h"
@@ -24,19 +25,13 @@ namespace {
 
 constexpr std::array kinds{&web_sink, &mcap_sink, &ros2_sink, &genicam_sink};
 
-std::vector<std::string> each(const char* SinkKind::*what) {
-  std::vector<std::string> all;
-  for (const SinkKind* const kind : kinds) all.emplace_back(kind->*what);
-  return all;
-}
-
 /// The kind of sink and the text after the colon.
 std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
   const std::size_t colon = std::min(name.find(':'), name.size());
   const std::string called = name.substr(0, colon), what = name.substr(colon);
   const auto kind = std::ranges::find(kinds, called, &SinkKind::name);
   throw_if(kind == kinds.end(), "--publish {}: unknown kind of sink{}; {}", name,
-           did_you_mean(called, each(&SinkKind::name)), sink_forms());
+           did_you_mean(called, kinds | std::views::transform(&SinkKind::name)), sink_forms());
   if (what.size() < 2) throw Error(fmt::format("--publish {}: expected {}", name, (*kind)->form));
   return {**kind, what.substr(1)};
 }
@@ -47,8 +42,7 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
                       const std::string& value) {
   const auto setting = std::ranges::find(settings, name, &RunSetting::name);
   if (setting == settings.end()) {
-    std::vector<std::string> names;
-    for (const RunSetting& known : settings) names.push_back(known.name);
+    const auto names = settings | std::views::transform(&RunSetting::name);
     throw Error(fmt::format("there is no setting '{}' now{}; available: {}", name,
                             did_you_mean(name, names), fmt::join(names, ", ")));
   }
@@ -65,7 +59,7 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
 }
 
 std::string sink_forms() {
-  return fmt::format("{}", fmt::join(each(&SinkKind::form), ", "));
+  return fmt::format("{}", fmt::join(kinds | std::views::transform(&SinkKind::form), ", "));
 }
 
 void require_sink(const std::string& name) {

@@ -209,14 +209,13 @@ class GenicamSink final : public CloudSink {
     const std::vector<RunSetting> all = run_.settings();
     const std::lock_guard lock(mutex_);
     for (std::uint32_t i = 0; i < settings_.size(); ++i) {
-      for (const RunSetting& now : all) {
-        if (now.name != settings_[i].name) continue;
-        const auto choice = std::find(now.choices.begin(), now.choices.end(), now.value);
-        control_.write(at(setting, i),
-                       now.choices.empty()
-                           ? bits_of(number_in<double>(now.value).value_or(0) * feature_scale(now))
-                           : static_cast<std::uint32_t>(choice - now.choices.begin()));
-      }
+      const auto now = std::ranges::find(all, settings_[i].name, &RunSetting::name);
+      if (now == all.end()) continue;
+      const auto choice = std::ranges::find(now->choices, now->value);
+      control_.write(at(setting, i),
+                     now->choices.empty()
+                         ? bits_of(number_in<double>(now->value).value_or(0) * feature_scale(*now))
+                         : static_cast<std::uint32_t>(choice - now->choices.begin()));
     }
   } catch (const std::exception&) {  // the camera is shutting down
   }

@@ -16,6 +16,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// A chunk ends once it holds this many bytes.
 constexpr std::size_t chunk_bytes = 4 << 20;
+constexpr std::uint32_t metadata = 0;  // none
 /// zstd level: for 32-bit floats the fastest levels save nearly as much as the slow ones.
 constexpr int compression = -3;
 
@@ -44,7 +45,7 @@ constexpr std::uint64_t largest_record = std::uint64_t{1} << 30;
 /// A block of zstd has 128 KiB at most and takes 4 bytes at least.
 constexpr std::uint64_t most_times_smaller = (128 << 10) / 4;
 
-/// Encoders of records.
+/// Decodes records and passes on their messages.
 class Records {
  public:
   explicit Records(const std::function<void(const McapMessage&)>& see) : see_(see) {}
@@ -247,11 +248,11 @@ class McapSink final : public DisjointCloudSink {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
-    : path_(path) {
+McapWriter::McapWriter(const std::filesystem::path& path) : path_(path) {
   Bytes begin(magic.begin(), magic.end());
   append_record(begin, header, "ros2"sv, "slipstream"sv);
-  file_ = std::make_unique<OutputFile>(path, writing);  // last: kept if memory runs out before
+  // Last: kept if memory runs out before.
+  file_ = std::make_unique<OutputFile>(path, OutputFile::Writing::over_time);
   put({begin});
 }
 
@@ -279,7 +280,6 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
   const auto number = static_cast<std::uint16_t>(messages_.size() + 1);  // also its schema's
   Bytes of_schema, of_channel;
   append_record(of_schema, schema, number, schema_name, "ros2msg"sv, text);
-  constexpr std::uint32_t metadata = 0;  // not described further
   append_record(of_channel, channel, number, number, topic, "cdr"sv, metadata);
   append(schemas_, of_schema);
   append(channels_, of_channel);
@@ -362,7 +362,6 @@ void McapWriter::finish() {
     append(records, group);
   };
   Bytes counts;
-  constexpr std::uint32_t metadata = 0;
   std::uint64_t messages = 0;
   for (const auto& [number, count] : messages_) messages += count;
   append_record(counts, statistics, messages, static_cast<std::uint16_t>(messages_.size()),

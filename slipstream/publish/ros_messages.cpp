@@ -38,7 +38,7 @@ constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
 /// Starts an Image message.
 Cdr begin_picture(RosMessage& message, const RosHeader& header, Size size) {
   Cdr cdr(message);
-  cdr.add_header(header).add(static_cast<std::uint32_t>(size.height));
+  cdr.add_time(header.time).add_text(header.frame_id).add(static_cast<std::uint32_t>(size.height));
   return cdr.add(static_cast<std::uint32_t>(size.width));
 }
 
@@ -69,9 +69,7 @@ void write_camera_info(const Lens& lens, Size size, const RosHeader& header, Ros
   cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial").add_count(count);
   for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
   const auto add_rows = [&](const auto& matrix) {
-    for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-      for (Eigen::Index column = 0; column < matrix.cols(); ++column) cdr.add(matrix(row, column));
-    }
+    for (const double number : matrix.template reshaped<Eigen::RowMajor>()) cdr.add(number);
   };
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
   projection.leftCols<3>() = lens.intrinsic;

@@ -49,7 +49,6 @@ class Cdr {
     add(static_cast<std::int32_t>(nanoseconds / second));
     return add(static_cast<std::uint32_t>(nanoseconds % second));
   }
-  Cdr& add_header(const RosHeader& of) { return add_time(of.time).add_text(of.frame_id); }
   /// Appends a list of this many bytes; fill it before appending more.
   std::span<std::uint8_t> add_bytes(std::size_t count) {
     add_count(count);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
 #include <map>
 #include <variant>
 
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/statistics.h"
 
 namespace slipstream {
@@ -22,11 +22,10 @@ Size thinned(Size size, int step) {
   return {(size.width + step - 1) / step, (size.height + step - 1) / step};
 }
 
-/// Appends values in binary form.
-template <class Value>
-void put(char*& at, Value value) {
-  std::memcpy(at, &value, sizeof value);
-  at += sizeof value;
+/// Appends pixels as they lie in memory.
+template <class Pixel>
+void append(std::string& bytes, const Image<Pixel>& image) {
+  bytes.append(reinterpret_cast<const char*>(image.begin()), image.pixel_count() * sizeof(Pixel));
 }
 
 constexpr std::array counts{
@@ -100,7 +99,7 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const Frame& frame = *live.frames.front();
   const bool has_depth = !cloud.z.empty();
   const int every = web_step(frame.format().size);
-  const auto [width, height] = thinned(frame.format().size, every);
+  const Size size = thinned(frame.format().size, every);
   const Image<float> depth = subsampled(cloud.z, every);
   DepthRange range;
   if (const std::vector<float> values = finite_values(depth); !values.empty()) {
@@ -113,29 +112,27 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
       std::max({(range.farthest - range.nearest) / most_levels, finest * range.farthest,
                 double{std::numeric_limits<float>::min()}}));
   const DepthScale numbers{step, nearest - step};
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::string bytes(24 + (phase.empty() ? 3 : 4) * pixels, '\0');
-  char* at = bytes.data();
-  for (const int number :
-       {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
-    put(at, number);
-  }
-  put(at, nearest);
-  put(at, step);
-  char* greys = at + 2 * pixels;
+  Image<std::uint16_t> depths(size);
+  Image<std::uint8_t> greys(size);
   if (has_depth) {
-    for (const float z : depth) put(at, numbers(z));
-    for (const float grey : subsampled(cloud.intensity, every)) put(greys, grey_level(grey));
+    std::ranges::transform(depth, depths.begin(), numbers);
+    std::ranges::transform(subsampled(cloud.intensity, every), greys.begin(), grey_level);
   } else {
+    const auto in_8_bits = [&](auto grey) {
+      return static_cast<std::uint8_t>(grey >> (frame.bits - 8));
+    };
     std::visit(
         [&](const auto& picture) {
-          for (const auto grey : subsampled(picture, every)) {
-            put(greys, static_cast<std::uint8_t>(grey >> (frame.bits - 8)));
-          }
+          std::ranges::transform(subsampled(picture, every), greys.begin(), in_8_bits);
         },
         frame.pixels);
   }
-  for (const std::uint8_t level : subsampled(phase, every)) put(greys, level);
+  std::string bytes;
+  const int points = static_cast<int>(has_depth ? point_count(cloud) : 0);
+  append_numbers(bytes, size.width, size.height, int{has_depth}, points, nearest, step);
+  append(bytes, depths);
+  append(bytes, greys);
+  append(bytes, subsampled(phase, every));
   return bytes;
 }
 

@@ -147,10 +147,10 @@ class AravisSource final : public CameraSource<AravisConnection> {
       seeking_ = std::async(std::launch::async, [this] { return connect_again(); });
     }
     if (seeking_.wait_for(timeout) != std::future_status::ready) return Arrival::nothing;
-    std::shared_ptr<AravisConnection> found = seeking_.get();
-    if (!found) return Arrival::nothing;
-    regain(std::move(found));
-    begin();
+    if (std::shared_ptr<AravisConnection> found = seeking_.get()) {
+      regain(std::move(found));
+      begin();
+    }
     return Arrival::nothing;
   }
 

@@ -65,7 +65,7 @@ struct GigeResend {
   bool long_numbers = false;  ///< as in multi-part blocks
 };
 
-/// Identity and limits of a camera.
+/// Status of an answer.
 enum class GigeStatus : std::uint16_t {
   success = 0,
   not_implemented = 0x8001,

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/base/error.h"
 #include "slipstream/devices/dlp.h"
 
 #ifdef SLIPSTREAM_DLP

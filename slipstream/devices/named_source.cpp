@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
@@ -10,18 +11,7 @@
 #include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream {
-namespace fs = std::filesystem;
 namespace {
-
-/// Replaces the source's scanner by the requested one.
-void set_scanner(NamedSource& opened, const SourceRequest& request,
-                 const std::optional<Scanner>& otherwise, const std::string& name) {
-  opened.scanner = otherwise;
-  opened.scanner_name = name;
-  if (!request.scanner) return;
-  opened.scanner = read_scanner(*request.scanner);
-  opened.scanner_name = request.scanner->string();
-}
 
 /// Cycles of a loop: enough to see motion, or one full turn if that is not too many.
 int cycles_to_see(const Scene& scene, int patterns) {
@@ -66,7 +56,8 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
   opened.sequence.marker |= request.marker;
   opened.warning = replay->warning();
-  set_scanner(opened, request, header.scanner, path);
+  opened.scanner = header.scanner;
+  opened.scanner_name = path;
   opened.in_colour = header.in_colour;
   if (opened.in_colour) require_in_colour(opened.sequence, path);
   opened.white = header.white;
@@ -94,7 +85,7 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
   settings.cycle /= patterns;
   opened.frames = open_camera(request.source, settings);
   if (opened.in_colour) opened.frames = std::make_unique<ColourSource>(std::move(opened.frames));
-  set_scanner(opened, request, std::nullopt, request.source);
+  opened.scanner_name = request.source;
   return opened;
 }
 
@@ -111,12 +102,6 @@ constexpr std::array schemes{
     Scheme{"v4l2", "v4l2:NUMBER", open_camera_source},
 };
 
-std::vector<std::string_view> each(std::string_view Scheme::*what) {
-  std::vector<std::string_view> all;
-  for (const Scheme& scheme : schemes) all.push_back(scheme.*what);
-  return all;
-}
-
 }  // namespace
 
 std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels,
@@ -129,7 +114,7 @@ std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels
 }
 
 std::string source_forms() {
-  return fmt::format("{}", fmt::join(each(&Scheme::form), ", "));
+  return fmt::format("{}", fmt::join(schemes | std::views::transform(&Scheme::form), ", "));
 }
 
 std::string scheme_of(const std::string& source) {
@@ -141,16 +126,21 @@ NamedSource open_source(const SourceRequest& request) {
   const std::string what = request.source.substr(std::min(name.size() + 1, request.source.size()));
   const auto* const scheme = std::ranges::find(schemes, name, &Scheme::name);
   if (scheme == schemes.end()) {
-    const bool is_path = fs::exists(request.source);
+    const std::string meant =
+        std::filesystem::exists(request.source)
+            ? fmt::format("; did you mean replay:{}?", request.source)
+            : did_you_mean(name, schemes | std::views::transform(&Scheme::name));
     throw Error(fmt::format("source '{}' is unknown; expected one of: {}{}", request.source,
-                            source_forms(),
-                            is_path ? fmt::format("; did you mean replay:{}?", request.source)
-                                    : did_you_mean(name, each(&Scheme::name))));
+                            source_forms(), meant));
   }
   const double rate = request.rate.value_or(0);
   throw_if(!(rate == 0 || (rate >= 1e-3 && rate <= 1e6)),
            "--rate {} is out of range; expected 0 (as fast as possible) or 0.001 to 1e6 Hz", rate);
   NamedSource opened = scheme->open(what, request);
+  if (request.scanner && scheme->open != open_virtual) {  // the virtual world has its own
+    opened.scanner = read_scanner(*request.scanner);
+    opened.scanner_name = request.scanner->string();
+  }
   if (!opened.in_colour) return opened;
   const bool mixed = opened.scanner && opened.scanner->photometry.colour_mixture;
   const std::string doubt = doubt_about_colours(mixed, opened.white.count() != 0);

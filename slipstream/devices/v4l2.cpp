@@ -435,8 +435,7 @@ std::vector<CameraDescription> list_v4l2_cameras() {
                          .serial = "",
                          .address = text_of(capability->bus_info),
                          .protocol = "V4L2"});
-    } catch (const WorldError&) {
-      continue;
+    } catch (const WorldError&) {  // no such device, or no permission
     }
   }
   return cameras;

@@ -38,26 +38,22 @@ std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
     windows_.put(frame);
     frame = {};
     if (!windows_.next(window_) || windows_.first_pattern() != 0) continue;
-    std::optional<std::vector<FrameSet>> frames = cycle_of(window_);
+    std::optional<std::vector<FrameSet>> frames = scans_of_window();
     if (!frames) continue;
-    const bool still =
-        std::equal(seen_.begin(), seen_.end(), frames->begin(), frames->end(),
-                   [](const FrameSet& a, const FrameSet& b) { return is_still(a, b); });
+    const bool still = std::ranges::equal(seen_, *frames, is_still);
     seen_ = std::move(*frames);
     return Glimpse{seen_, still};
   } while (std::chrono::steady_clock::now() < end);
   return std::nullopt;
 }
 
-std::optional<std::vector<FrameSet>> CyclicScans::cycle_of(
-    const std::vector<Pooled<Frame>>& window) {
-  const auto [oldest, newest] = std::minmax_element(
-      window.begin(), window.end(),
-      [](const auto& a, const auto& b) { return a->stamp.sequence < b->stamp.sequence; });
+std::optional<std::vector<FrameSet>> CyclicScans::scans_of_window() {
+  const auto [oldest, newest] = std::ranges::minmax_element(
+      window_, {}, [](const auto& frame) { return frame->stamp.sequence; });
   if (newest_ && (*oldest)->stamp.sequence <= *newest_) return std::nullopt;
   newest_ = (*newest)->stamp.sequence;
   std::vector<FrameSet> scans;
-  for (auto first = window.begin(); first != window.end(); first += frames_) {
+  for (auto first = window_.begin(); first != window_.end(); first += frames_) {
     std::vector<Frame> frames;
     std::transform(first, first + frames_, std::back_inserter(frames),
                    [](const Pooled<Frame>& frame) { return *frame; });

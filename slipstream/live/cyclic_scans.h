@@ -20,9 +20,8 @@ class CyclicScans : public ScanCamera {
   std::optional<std::vector<FrameSet>> take() override;
 
  private:
-  /// Frames of the window, scan by scan; nullopt if it shares any with the last look.
-  [[nodiscard]] std::optional<std::vector<FrameSet>> cycle_of(
-      const std::vector<Pooled<Frame>>& window);
+  /// Frames of `window_`, scan by scan; nullopt if it shares any with the last look.
+  std::optional<std::vector<FrameSet>> scans_of_window();
 
   static constexpr int kept_cycles = 4;  ///< cycles of frames that PatternWindows may keep
 

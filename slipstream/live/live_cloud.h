@@ -36,19 +36,22 @@ class BoundedQueue {
     return !closed_;
   }
 
-  /// Waits for room. False, without taking the value, if the queue is closed.
-  bool push_when_room(Value value) {
-    std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return closed_ || waiting_ < places_.size(); });
-    return push(std::move(value), lock);
+  /// The same, then adds the value unless the queue is closed.
+  void push_when_room(Value value) {
+    if (wait_for_room()) push_over_oldest(std::move(value));
   }
 
-  /// Never waits: if the queue is full, removes the oldest value and returns it.
+  /// Never waits: if the queue is full, removes the oldest value and returns it. Does nothing if
+  /// the queue is closed.
   std::optional<Value> push_over_oldest(Value value) {
     std::unique_lock lock(mutex_);
+    if (closed_) return std::nullopt;
     std::optional<Value> overwritten;
     if (waiting_ == places_.size()) overwritten = take_oldest();
-    push(std::move(value), lock);
+    places_[(first_ + waiting_) % places_.size()] = std::move(value);
+    ++waiting_;
+    lock.unlock();
+    filled_.notify_one();
     return overwritten;
   }
 
@@ -87,15 +90,6 @@ class BoundedQueue {
   [[nodiscard]] std::size_t capacity() const { return places_.size(); }
 
  private:
-  bool push(Value value, std::unique_lock<std::mutex>& lock) {
-    if (closed_) return false;
-    places_[(first_ + waiting_) % places_.size()] = std::move(value);
-    ++waiting_;
-    lock.unlock();
-    filled_.notify_one();
-    return true;
-  }
-
   Value take_oldest() {
     Value value = std::exchange(places_[first_], Value());
     first_ = (first_ + 1) % places_.size();

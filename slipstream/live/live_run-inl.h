@@ -88,11 +88,10 @@ class LiveRun {
     statistics.screen_latency = screen_latency_.latency();
     const auto add = [&](const char* name, const StageMeter& meter, std::size_t waiting,
                          std::size_t capacity) {
-      StageStatistics stage = meter.statistics(now);
+      StageStatistics& stage = statistics.stages.emplace_back(meter.statistics(now));
       stage.name = name;
       stage.waiting = waiting;
       stage.capacity = capacity;
-      statistics.stages.push_back(std::move(stage));
     };
     add("capture", capture_meter_, 0, 0);
     add("window", window_meter_, captured_.waiting(), captured_.capacity());
@@ -198,9 +197,8 @@ class LiveRun {
         std::swap(filled.frames, window);
         window.clear();
         filled.first_pattern = windows->first_pattern();
-        const auto newest = std::max_element(
-            filled.frames.begin(), filled.frames.end(),
-            [](const auto& a, const auto& b) { return a->stamp.sequence < b->stamp.sequence; });
+        const auto newest = std::ranges::max_element(
+            filled.frames, {}, [](const auto& frame) { return frame->stamp.sequence; });
         filled.newest = (*newest)->stamp;
         window_meter_.done(filled.newest.host_time);
         windows_.push_when_room({std::move(cloud), current});

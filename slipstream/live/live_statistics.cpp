@@ -135,13 +135,11 @@ SequenceWatch::Kind SequenceWatch::look(std::uint64_t sequence) {
 
 void FindingLog::replace(std::vector<Finding> findings, std::uint64_t sequence) {
   for (LiveFinding& told : told_) {
-    const bool found = std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
-      return finding.what == told.finding.what;
-    });
+    const bool found = std::ranges::count(findings, told.finding.what, &Finding::what) > 0;
     if (!told.end && !found) told.end = sequence;
   }
   for (const Finding& finding : findings) {
-    const bool lasts = std::any_of(told_.begin(), told_.end(), [&](const LiveFinding& told) {
+    const bool lasts = std::ranges::any_of(told_, [&](const LiveFinding& told) {
       return !told.end && told.finding.what == finding.what;
     });
     if (!lasts) told_.push_back({finding, sequence});

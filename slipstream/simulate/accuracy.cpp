@@ -16,8 +16,6 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-using Points = std::vector<MeasuredPoint>;
-
 constexpr double left_out = 0.003;
 
 /// Width of the narrowest range with a share of the sorted `values`.
@@ -121,7 +119,7 @@ double rms_of_means(const Image<double>& map) {
 }
 
 ShapeAccuracy measure_plane(const Cloud& cloud) {
-  const Points points = points_in(cloud);
+  const std::vector<MeasuredPoint> points = points_in(cloud);
   const FittedPlane rough = fit_plane(points);
   std::vector<double> reaches;
   for (const MeasuredPoint& point : points) {

@@ -11,11 +11,12 @@ namespace {
 /// Distance of a point to the surfaces within one and a half pixels, mm.
 double distance_to_surfaces(const Cloud& cloud, int column, int row, const VirtualWorld& world) {
   const Eigen::Vector3d point = position_at(cloud, column, row);
+  const std::vector<PlacedBody> bodies = placed_at(world.scene, 0);
   double nearest = std::numeric_limits<double>::infinity();
   for (double y = row - 1.5; y <= row + 1.5; y += 0.25) {
     for (double x = column - 1.5; x <= column + 1.5; x += 0.25) {
       const Ray ray{Eigen::Vector3d::Zero(), ray_through(world.scanner.camera, {x, y})};
-      const auto surface = first_surface(world.scene, ray, 0);
+      const auto surface = first_surface(bodies, ray);
       if (surface) nearest = std::min(nearest, (surface->point - point).norm());
     }
   }

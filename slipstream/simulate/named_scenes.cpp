@@ -157,8 +157,7 @@ WorkingVolume working_volume(const Scanner& scanner) {
   const Vector centre = projector_centre(scanner);
   const Vector axis = scanner.rotation.row(2);
   const double across = 1 - axis.z() * axis.z();
-  double depth = 4 * centre.norm();
-  if (across > 1e-6) depth = (centre.z() - axis.z() * axis.dot(centre)) / across;
+  double depth = across > 1e-6 ? (centre.z() - axis.z() * axis.dot(centre)) / across : 0;
   if (depth <= 0) depth = 4 * centre.norm();
   const Vector place(0, 0, depth);
   const double extent = std::min(visible_extent(scanner.camera, depth),

@@ -71,8 +71,6 @@ struct PlanePosition {
 constexpr std::array<PlanePosition, 6> plane_positions{
     {{0, 0, 0}, {-0.3, 0, 0}, {0.3, 0, 0}, {0, 30, 0}, {0, 0, 30}, {0, -20, -20}}};
 
-constexpr int repeats = 10;
-
 using Scenes = std::map<std::string, Scene>;
 
 void add_bars(Rehearsal& test, Scenes& scenes, const Vector& centre, double side) {
@@ -97,6 +95,7 @@ void add_planes(Rehearsal& test, Scenes& scenes, const Vector& centre, double si
     test.artefacts.planes.push_back(fmt::format("plane {}", test.artefacts.planes.size() + 1));
     scenes[test.artefacts.planes.back()] = {Body{.shape = Board{length, length}, .pose = pose}};
   }
+  constexpr int repeats = 10;
   for (int i = 0; i < repeats; ++i) {
     test.artefacts.repeated.push_back(fmt::format("repeat {}", i + 1));
     scenes[test.artefacts.repeated.back()] = scenes[test.artefacts.planes.front()];

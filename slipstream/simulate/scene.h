@@ -10,7 +10,6 @@
 #include <variant>
 #include <vector>
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "slipstream/base/image.h"
@@ -162,9 +161,6 @@ struct PlacedBody {
 std::vector<PlacedBody> placed_at(const Scene& scene, double time);
 
 std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies, const Ray& ray);
-inline std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time) {
-  return first_surface(placed_at(scene, time), ray);
-}
 
 /// Whether anything other than the surface at `point` blocks `light`.
 bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& point,

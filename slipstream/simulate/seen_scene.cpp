@@ -237,7 +237,7 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
   for_each_pixel(size, [&](int column, int row) {
     met.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
   });
-  SeenScene seen(size);
+  SeenScene seen{size};
   for_each_row(size.height, [&](int row) {
     std::vector<LitSample>& samples = seen.samples[row];
     for (int column = 0; column < size.width; ++column) {
@@ -268,7 +268,7 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
 Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
                       const ProjectedLight& light) {
   const Physics& physics = photometry.physics;
-  const Size size = seen.depth.size();
+  const Size size = seen.size;
   // A frequency that is incommensurable with any number of steps.
   const double flicker = 1 + physics.flicker * std::sin(2.4 * n + 1);
   Image<double> frame(size);

@@ -38,24 +38,16 @@ struct LitSample {
 
 /// A scene as seen by the camera at one time, for frames of any patterns and noise.
 struct SeenScene {
-  explicit SeenScene(Size size)
-      : depth(size, nan),
-        reflectivity(size),
-        albedo(size),
-        blur(size),
-        lit_column(size, nan),
-        lit_row(size, nan),
-        samples(size.height),
-        sample_count(size) {}
-
-  Image<double> depth;         ///< at the pixels' centres, mm; NaN without a surface
-  Image<double> reflectivity;  ///< alpha with shading and gloss; 0 without a surface
-  Image<double> albedo;        ///< mean alpha of a pixel, for ambient light
-  Image<double> blur;          ///< standard deviation of the camera's Gaussian, pixels
+  Size size;                         ///< of the camera
+  Image<double> depth{size, nan};    ///< at the pixels' centres, mm; NaN without a surface
+  Image<double> reflectivity{size};  ///< alpha with shading and gloss; 0 without a surface
+  Image<double> albedo{size};        ///< mean alpha of a pixel, for ambient light
+  Image<double> blur{size};          ///< standard deviation of the camera's Gaussian, pixels
   /// The projector's pixel that lights a pixel's centre; NaN in shadow and outside the field.
-  Image<double> lit_column, lit_row;
-  std::vector<std::vector<LitSample>> samples;  ///< for each row, pixel by pixel
-  Image<int> sample_count;                      ///< for each pixel
+  Image<double> lit_column{size, nan}, lit_row{size, nan};
+  /// For each row, pixel by pixel.
+  std::vector<std::vector<LitSample>> samples = std::vector<std::vector<LitSample>>(size.height);
+  Image<int> sample_count{size};  ///< for each pixel
 };
 
 /// `time`: in frames, 0 at the first; of the first row for a rolling shutter. On even surfaces a

@@ -19,7 +19,7 @@ inline Cloud cast_cloud(
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
       const Eigen::Vector3d ray = ray_through(camera, Eigen::Vector2d(column, row));
-      const auto surface = first_surface(scene, {Eigen::Vector3d::Zero(), ray}, 0);
+      const auto surface = first_surface(placed_at(scene, 0), {Eigen::Vector3d::Zero(), ray});
       if (!surface) continue;
       const Eigen::Vector3d point = surface->point + error(column, row) * ray.normalized();
       cloud.x(column, row) = static_cast<float>(point.x());

@@ -31,7 +31,7 @@ PatternSet fringes(int steps, double period, bool binary = true) {
 }
 
 ProjectedLight light(const PatternSet& patterns, int n, const Photometry& photometry = {}) {
-  return projected_light(patterns, n, projector, photometry, SeenScene({1, 1}));
+  return projected_light(patterns, n, projector, photometry, SeenScene{{1, 1}});
 }
 
 /// Anywhere but near the edges, where it is dark beyond.
@@ -138,7 +138,7 @@ PatternSet oblique(Axis axis) {
 
 /// A + B exp(i phi) at a sample, from three steps.
 std::complex<double> phasor(const LitSample& sample, Axis axis, const Photometry& photometry) {
-  SeenScene seen({1, 1});
+  SeenScene seen{{1, 1}};
   seen.samples.resize(1);
   seen.samples.front().push_back(sample);
   std::complex<double> sum = 0;

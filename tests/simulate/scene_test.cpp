@@ -31,7 +31,8 @@ Mesh sphere_mesh(double radius) {
 TEST(Scene, RaysMeetShapesWhereTheyShould) {
   const Ray ray{Vector::Zero(), Vector(0.1, -0.05, 1)};
   const auto depth = [&](const Shape& shape) {
-    const auto surface = first_surface({Body{.shape = shape, .pose = at({0, 0, 500})}}, ray, 0);
+    const auto surface =
+        first_surface(placed_at({Body{.shape = shape, .pose = at({0, 0, 500})}}, 0), ray);
     return surface ? surface->distance : std::nan("");
   };
   EXPECT_DOUBLE_EQ(depth(Board{200, 200}), 500);
@@ -51,8 +52,8 @@ TEST(Scene, AMeshOfASphereIsNearlyOne) {
   for (double u = -0.3; u <= 0.3; u += 0.01) {
     for (double v = -0.3; v <= 0.3; v += 0.01) {
       const Ray ray{Vector::Zero(), Vector(u, v, 1)};
-      const auto a = first_surface(mesh, ray, 0);
-      const auto b = first_surface(exact, ray, 0);
+      const auto a = first_surface(placed_at(mesh, 0), ray);
+      const auto b = first_surface(placed_at(exact, 0), ray);
       if (!a || !b || b->normal.z() > -0.3) continue;
       ++hits;
       ASSERT_NEAR(a->distance, b->distance, 1.5);
@@ -65,7 +66,8 @@ TEST(Scene, AMeshOfASphereIsNearlyOne) {
 TEST(Scene, TheNearestBodyIsSeenAndShadesTheOthers) {
   const Scene scene{Body{.shape = Board{1000, 1000}, .pose = at({0, 0, 800})},
                     Body{.shape = Sphere{50}, .pose = at({0, 0, 500})}};
-  EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 0)->distance, 450);
+  EXPECT_DOUBLE_EQ(first_surface(placed_at(scene, 0), {Vector::Zero(), Vector(0, 0, 1)})->distance,
+                   450);
   const Vector light(300, 0, 0);
   const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   // The shadow of the sphere's centre falls on the board at x = -180.
@@ -77,7 +79,8 @@ TEST(Scene, TheNearestBodyIsSeenAndShadesTheOthers) {
 TEST(Scene, BodiesMoveFromFrameToFrame) {
   const Scene scene{Body{
       .shape = Board{100, 100}, .pose = at({0, 0, 500}), .motion = {.step = Vector(0, 0, -2)}}};
-  EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 3)->distance, 494);
+  EXPECT_DOUBLE_EQ(first_surface(placed_at(scene, 3), {Vector::Zero(), Vector(0, 0, 1)})->distance,
+                   494);
 }
 
 TEST(Scene, BodiesTurnSwingAndBreatheAboutTheirCentre) {

@@ -150,10 +150,7 @@ GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
                                         found.gamma, found.standard_error, found.pixels);
   GammaChoice choice{.source = "blind", .gamma = found.gamma, .blind = found};
   if (found.accepted()) {
-    MeasuredResponse& measured = choice.response.emplace();
-    measured.response = PowerLaw{found.gamma};
-    measured.gamma = found.gamma;
-    measured.standard_error = found.standard_error;
+    choice.response = {PowerLaw{found.gamma}, found.gamma, found.standard_error};
     choice.sentence = fmt::format("phase corrected blind: {}", value);
   } else {
     choice.sentence =

@@ -33,10 +33,8 @@ struct BlindGamma {
   double standard_error = 0;  ///< if the pixels' errors are independent
   std::size_t pixels = 0;     ///< number of pixels used
 
-  /// The gamma to correct with; nullopt if refused.
-  [[nodiscard]] std::optional<double> accepted() const {
-    return refusal == BlindRefusal::none ? std::optional(gamma) : std::nullopt;
-  }
+  /// Whether to correct with it.
+  [[nodiscard]] bool accepted() const { return refusal == BlindRefusal::none; }
 };
 
 /// Gamma without calibration, Liu 2010, Section 4.3, from the frames of one sinusoid: the gamma for

@@ -36,18 +36,12 @@ NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor
 
 constexpr double least_modulation = 8;  // grey levels
 
-/// Adds an estimate to the sums for divided_by_count.
+/// Adds an estimate to the sums of variances and squared errors.
 void add(NoiseMeasurement& sums, const NoiseEstimate& estimate) {
   sums.variance += estimate.variance;
   sums.standard_error += estimate.standard_error * estimate.standard_error;
   sums.pixels = estimate.pixels;
   ++sums.count;
-}
-
-NoiseMeasurement divided_by_count(NoiseMeasurement sums) {
-  sums.variance /= sums.count;
-  sums.standard_error = std::sqrt(sums.standard_error) / sums.count;
-  return sums;
 }
 
 bool of_one_band(const Layout& layout) {
@@ -164,11 +158,11 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy(scan.sequence.strategy) {
 }
 
 std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) {
-  NoiseMeasurement halves{"3.82", "half phase channels of two scans"};
-  NoiseMeasurement means{"3.20", "means of two scans"};
-  NoiseMeasurement unequal_means{"3.19", "means of two scans with different step counts"};
-  NoiseMeasurement modulations{"3.99", "two modulations of one scan"};
-  NoiseMeasurement half{"3.79", "half phase channel of one scan"};
+  NoiseMeasurement halves{{}, "3.82", "half phase channels of two scans"};
+  NoiseMeasurement means{{}, "3.20", "means of two scans"};
+  NoiseMeasurement unequal_means{{}, "3.19", "means of two scans with different step counts"};
+  NoiseMeasurement modulations{{}, "3.99", "two modulations of one scan"};
+  NoiseMeasurement half{{}, "3.79", "half phase channel of one scan"};
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const NoiseScan& a = scans[i];
     const Layout& layout = a.strategy.layout();
@@ -189,8 +183,11 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
     }
   }
   std::vector<NoiseMeasurement> all;
-  for (const NoiseMeasurement& sums : {halves, means, unequal_means, modulations, half}) {
-    if (sums.count > 0) all.push_back(divided_by_count(sums));
+  for (NoiseMeasurement mean : {halves, means, unequal_means, modulations, half}) {
+    if (mean.count == 0) continue;
+    mean.variance /= mean.count;
+    mean.standard_error = std::sqrt(mean.standard_error) / mean.count;
+    all.push_back(mean);
   }
   throw_if(all.empty(),
            "these scans cannot measure noise; expected two equal scans of a static scene, one of 4 "

@@ -54,14 +54,12 @@ NoiseEstimate noise_from_modulations(const Image<double>& modulation_1,
                                      const Image<double>& modulation_2, int steps, double c1,
                                      const Image<std::uint8_t>& measured);
 
-/// A measurement of sigma_w^2 by one equation, over all scans or pairs of scans that allow it.
-struct NoiseMeasurement {
+/// A measurement of sigma_w^2, grey levels^2 of 255, by one equation: the mean over all scans or
+/// pairs of scans that allow it, with the pixels of one of them.
+struct NoiseMeasurement : NoiseEstimate {
   std::string equation{};  ///< of Liu 2010, e.g. "3.82"
   std::string method{};    ///< description
-  double variance = 0;     ///< sigma_w^2, grey levels^2 of 255
-  double standard_error = 0;
   int count = 0;           ///< scans or pairs averaged
-  std::size_t pixels = 0;  ///< of one of them
   std::string reason{};    ///< why it disagrees with the most trusted one; otherwise empty
 };
 

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
@@ -132,9 +131,7 @@ GammaFit fit_gamma(std::span<const double> values, std::span<const double> inten
            "{} uniform patterns with {} intensities; fitting gamma requires at least 4",
            values.size(), intensities.size());
   const auto [least, most] = std::ranges::minmax_element(values);
-  if (*least == *most) {
-    throw Error(fmt::format("uniform patterns: all have the value {}; use several", *least));
-  }
+  throw_if(*least == *most, "uniform patterns: all have the value {}; use several", *least);
   const auto fit_at = [&](double gamma) {
     return fit_levels(PowerLaw{gamma}, values, intensities);
   };

@@ -210,7 +210,7 @@ TEST(SkullGamma, BlindCorrectionDoesNoHarm) {
   const Image<std::uint8_t> lit = well_lit(pixels, frames);
   const BlindGamma found = find_gamma(pixels, lit, 3);
   PhaseCorrections corrections;
-  if (found.accepted()) corrections[3] = phase_correction(PowerLaw{*found.accepted()}, 3);
+  if (found.accepted()) corrections[3] = phase_correction(PowerLaw{found.gamma}, 3);
   const double before = rms_error(frames, truth, lit, {});
   const double after = rms_error(frames, truth, lit, corrections);
   std::cout << "gamma " << found.gamma << " +- " << found.standard_error << ", "

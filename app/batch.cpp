@@ -25,8 +25,7 @@ std::string manifest_in(const std::string& folder, std::uint64_t shard) {
 std::uint64_t pixels_of(const ScanFiles& scan) {
   const Size size = scan.frames.empty() ? RecordingReader(scan.path).header().format.size
                                         : read_frames({scan.frames.front()}).frames.size();
-  return static_cast<std::uint64_t>(frame_count(scan.sequence)) *
-         static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+  return std::uint64_t{1} * size.width * size.height * frame_count(scan.sequence);
 }
 
 /// Unreadable scans cost little; their shard reports why.
@@ -142,10 +141,9 @@ std::string merge_shard(const ReconstructFlags& flags, Manifest manifest, Sums& 
                         Output& output) {
   std::vector<std::string> faults(flags.scans.size());
   for_each_row(static_cast<int>(faults.size()), [&](int row) {
-    const ScanName& scan = flags.scans[static_cast<std::size_t>(row)];
-    faults[static_cast<std::size_t>(row)] =
-        why_not_done(manifest, scan, entry_for(scan, flags.settings),
-                     files_of_scan(flags.files, scan).written());
+    const ScanName& scan = flags.scans[row];
+    faults[row] = why_not_done(manifest, scan, entry_for(scan, flags.settings),
+                               files_of_scan(flags.files, scan).written());
   });
   std::string lines;
   for (std::size_t i = 0; i < faults.size(); ++i) {

@@ -155,9 +155,8 @@ Size size_from(const std::string& text, const std::string& flag) {
   const std::optional<Size> size = size_of_text(text);
   throw_if(!size.has_value(),
            "{} '{}' is not a size; give width x height in pixels, e.g. 1824x1140", flag, text);
-  const auto side = [](int pixels) { return static_cast<std::uint64_t>(pixels); };
-  throw_if(side(size->width) * side(size->height) > largest_picture, "{} {}: at most {} pixels",
-           flag, text, largest_picture);
+  throw_if(std::uint64_t{1} * size->width * size->height > largest_picture,
+           "{} {}: at most {} pixels", flag, text, largest_picture);
   return *size;
 }
 

@@ -67,7 +67,7 @@ void bench(const BenchFlags& flags, Output& output) {
     output.say("GPU: {}", report.gpu);
   }
   const std::vector<BenchRow> rows = flags.gpu ? gpu_rows(settings) : bench_rows(settings);
-  Progress progress("rows", static_cast<std::size_t>(timing.rounds) * rows.size());
+  Progress progress("rows", timing.rounds * rows.size());
   report.rows = timed(rows, timing, [&] { progress.advance(); });
   progress.finish();
   report.ratios = bench_ratios(report.rows);

@@ -145,7 +145,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
   const Image<Gains> gains = whitening(mixture, white);
   const auto grey = static_cast<float>(255 / frames.full_scale());
   const Size size = frames.size();
-  FrameSet::Images16 alone(static_cast<std::size_t>(frames.count()), Image<std::uint16_t>(size));
+  FrameSet::Images16 alone(frames.count(), Image<std::uint16_t>(size));
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < views.size(); n += colour_channels) {
       const Image<std::uint8_t> saturated =
@@ -158,7 +158,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
             (inverse * Eigen::Vector3f(white_gain.data()).cwiseProduct(seen)).array() + dark.mean();
         const bool is_saturated = saturated(column, row) != 0 || std::isinf(white_gain[0]);
         for (std::size_t p = 0; p < colour_channels; ++p) {
-          const float level = levels * light(static_cast<Eigen::Index>(p)) + 0.5F;
+          const float level = levels * light[p] + 0.5F;
           alone[n + p](column, row) = static_cast<std::uint16_t>(
               is_saturated        ? brightest
               : std::isnan(level) ? 0
@@ -204,8 +204,7 @@ Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
     value += colour_channels;
   }
   frame.stamp = picture_.stamp;
-  frame.stamp.sequence =
-      colour_channels * frame.stamp.sequence + static_cast<std::uint64_t>(given_);
+  frame.stamp.sequence = colour_channels * frame.stamp.sequence + given_;
   if (std::optional<int>& pattern = frame.stamp.pattern_index) {
     *pattern = colour_channels * *pattern + given_;
   }

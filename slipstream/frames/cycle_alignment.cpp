@@ -15,10 +15,6 @@ constexpr int fewest_samples = 16;
 /// distances; a right and a wrong pattern differ by more.
 constexpr float nearer = 0.5F;
 
-constexpr std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Sum of squared deviations from each sample's mean over the cycle.
 double variation(const CycleSamples& cycle) {
   double sum = 0;
@@ -84,8 +80,8 @@ std::vector<std::size_t> sample_places(Size size) {
     const auto [x, y] = spread_place(i);
     const int column = place(x, size.width), row = place(y, size.height);
     for (const int away : {0, beside}) {
-      places.push_back(at(std::min(row + away, size.height - 1)) * at(size.width) +
-                       at(std::min(column + away, size.width - 1)));
+      places.push_back(std::min(row + away, size.height - 1) * size.width +
+                       std::min(column + away, size.width - 1));
     }
   }
   return places;
@@ -105,10 +101,10 @@ void sample(const Frame& frame, const std::vector<std::size_t>& places,
 
 SlipWatch::SlipWatch(int cycle, std::size_t samples)
     : count_(cycle),
-      last_(at(cycle), std::vector<float>(samples)),
-      known_(at(cycle)),
-      distances_(at(cycle)),
-      suspects_(at(cycle), Seen{0, std::vector<float>(samples)}) {}
+      last_(cycle, std::vector<float>(samples)),
+      known_(cycle),
+      distances_(cycle),
+      suspects_(cycle, Seen{0, std::vector<float>(samples)}) {}
 
 bool SlipWatch::has_cycle() const {
   return std::find(known_.begin(), known_.end(), false) == known_.end();
@@ -135,20 +131,20 @@ void SlipWatch::measure_distances(const std::vector<float>& samples) {
 }
 
 void SlipWatch::keep(int index, const std::vector<float>& samples) {
-  std::copy(samples.begin(), samples.end(), last_[at(index)].begin());
-  known_[at(index)] = true;
+  std::ranges::copy(samples, last_[index].begin());
+  known_[index] = true;
 }
 
 void SlipWatch::settle(int places) {
   for (int i = 0; i < suspected_; ++i) {
-    keep(moved(suspects_[at(i)].index, places), suspects_[at(i)].samples);
+    keep(moved(suspects_[i].index, places), suspects_[i].samples);
   }
   suspected_ = 0;
 }
 
 SlipWatch::Finding SlipWatch::look(int index, const std::vector<float>& samples) {
   measure_distances(samples);
-  const float own = distances_[at(index)];
+  const float own = distances_[index];
   const auto nearest = std::min_element(distances_.begin(), distances_.end());
   const auto much_nearer = [](float a, float b) { return std::isfinite(b) && a <= nearer * b; };
 
@@ -163,14 +159,14 @@ SlipWatch::Finding SlipWatch::look(int index, const std::vector<float>& samples)
     keep(index, samples);
     return {};
   }
-  if (much_nearer(own, distances_[at(moved(index, places_))])) {
+  if (much_nearer(own, distances_[moved(index, places_)])) {
     settle(0);
     keep(index, samples);
     return {};
   }
-  Seen& suspect = suspects_[at(suspected_++)];
+  Seen& suspect = suspects_[suspected_++];
   suspect.index = index;
-  std::copy(samples.begin(), samples.end(), suspect.samples.begin());
+  std::ranges::copy(samples, suspect.samples.begin());
   if (other) ++supporting_;
   if (suspected_ == count_) {
     const bool slipped = 2 * supporting_ >= count_;
@@ -206,8 +202,7 @@ CycleAlignment::Fit CycleAlignment::fit(const CycleSamples& cycle, std::size_t s
   Fit fit;
   double squares = 0;
   for (std::size_t n = 0; n < run.cosines.size(); ++n) {
-    const double I =
-        cycle[(static_cast<std::size_t>(first + run.first) + n) % cycle.size()][sample];
+    const double I = cycle[(first + run.first + n) % cycle.size()][sample];
     fit.mean += I;
     fit.cosine += run.cosines[n] * I;
     fit.sine += run.sines[n] * I;

@@ -58,8 +58,7 @@ struct Merge {
 
   [[nodiscard]] std::size_t count() const { return frames.size() / exposures.size(); }
   [[nodiscard]] std::size_t shortest() const {
-    return static_cast<std::size_t>(std::min_element(exposures.begin(), exposures.end()) -
-                                    exposures.begin());
+    return std::ranges::min_element(exposures) - exposures.begin();
   }
   [[nodiscard]] const Pixel* levels(std::size_t e, std::size_t n, int row, int first) const {
     return frames[e * count() + n].row(row) + first;
@@ -144,14 +143,14 @@ FrameViews FrameViews::chosen(const std::vector<int>& frames) const {
       [&](auto& views) {
         const auto all = views;
         views.clear();
-        for (const int n : frames) views.push_back(all[static_cast<std::size_t>(n)]);
+        for (const int n : frames) views.push_back(all[n]);
       },
       chosen.frames_);
   return chosen;
 }
 
 FrameViews FrameViews::part(int first, int count) const {
-  std::vector<int> frames(static_cast<std::size_t>(count));
+  std::vector<int> frames(count);
   std::iota(frames.begin(), frames.end(), first);
   return chosen(frames);
 }
@@ -211,7 +210,7 @@ FrameViews FrameSet::views() const {
 }
 
 bool is_order_of(const std::vector<int>& order, int count) {
-  std::vector<int> all(static_cast<std::size_t>(count));
+  std::vector<int> all(count);
   std::iota(all.begin(), all.end(), 0);
   return std::is_permutation(order.begin(), order.end(), all.begin(), all.end());
 }
@@ -224,9 +223,7 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
       [&](auto& images) {
         std::remove_cvref_t<decltype(images)> ordered;
         ordered.reserve(images.size());
-        for (const int place : order) {
-          ordered.push_back(std::move(images[static_cast<std::size_t>(place)]));
-        }
+        for (const int place : order) ordered.push_back(std::move(images[place]));
         images = std::move(ordered);
       },
       frames.images_);
@@ -234,7 +231,7 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
 }
 
 std::vector<FrameSet> parts_of(FrameSet frames, int count) {
-  std::vector<FrameSet> parts(static_cast<std::size_t>(count));
+  std::vector<FrameSet> parts(count);
   std::visit(
       [&]<class Images>(Images& images) {
         auto next = std::move_iterator(images.begin());
@@ -269,7 +266,7 @@ void MeanFrames::add(const FrameSet& frames) {
   const Image<std::uint8_t> saturated = saturation_mask(frames);
   if (count_ == 0) {
     bits_ = frames.bits();
-    sums_.assign(static_cast<std::size_t>(frames.count()), Image<double>(frames.size()));
+    sums_.assign(frames.count(), Image<double>(frames.size()));
     saturated_ = saturated;
   }
   throw_if(frames.count() != static_cast<int>(sums_.size()) || frames.bits() != bits_ ||
@@ -301,7 +298,7 @@ FrameSet MeanFrames::mean() const {
 
 void merge_exposures(const FrameViews& frames, const std::vector<double>& exposures,
                      MergedFrames& merged) {
-  const auto given = static_cast<std::size_t>(frames.count());
+  const std::size_t given = frames.count();
   throw_if(exposures.empty() || exposures.size() > most_exposures || given == 0 ||
                given % exposures.size() != 0,
            "{} frames cannot be split evenly among {} exposures, at most {}", given,

@@ -8,9 +8,8 @@
 namespace slipstream {
 
 std::uint64_t byte_count(const FrameFormat& format) {
-  const auto [width, height] = format.size;
-  return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) *
-         (format.bits > 8 ? 2 : 1);
+  const std::uint64_t bytes_per_pixel = format.bits > 8 ? 2 : 1;
+  return bytes_per_pixel * format.size.width * format.size.height;
 }
 
 void require_valid(const FrameFormat& format) {

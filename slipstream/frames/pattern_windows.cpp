@@ -41,17 +41,13 @@ FrameViews views_of(const std::vector<Pooled<Frame>>& window) {
 
 FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra) {
   const int N = window.count() - extra;
-  std::vector<int> frames(static_cast<std::size_t>(N));
-  for (int n = extra / 2; n < extra / 2 + N; ++n) {
-    frames[static_cast<std::size_t>((first_pattern + n) % N)] = n;
-  }
+  std::vector<int> frames(N);
+  for (int n = extra / 2; n < extra / 2 + N; ++n) frames[(first_pattern + n) % N] = n;
   return window.chosen(frames);
 }
 
 RollingWindow::RollingWindow(int frames, int cycle)
-    : count_(static_cast<std::uint64_t>(frames)),
-      cycle_(static_cast<std::uint64_t>(cycle)),
-      ring_(2 * count_) {}
+    : count_(frames), cycle_(cycle), ring_(2 * count_) {}
 
 bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
   if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // would overflow
@@ -124,21 +120,19 @@ PatternWindows::PatternWindows(PatternCycle cycle, PatternIndexing indexing, Siz
       watch_(cycle_, sampled_.size()),
       window_(patterns_ + cycle.extra, patterns_),
       aligned_(indexing != PatternIndexing::marker) {
-  recent_.reserve(static_cast<std::size_t>(cycle_));
+  recent_.reserve(cycle_);
 }
 
 PatternWindows::Place PatternWindows::place_of(std::uint64_t sequence) const {
-  const auto cycle = static_cast<std::uint64_t>(cycle_);
   // Two cycles ahead, so that a frame can precede the first one.
-  const std::uint64_t counted =
-      sequence + static_cast<std::uint64_t>((told_ + slipped_) % cycle_) + 2 * cycle;
-  const std::uint64_t index = counted % cycle;
-  return {static_cast<int>(index), counted / cycle * static_cast<std::uint64_t>(patterns_) + index};
+  const std::uint64_t counted = sequence + (told_ + slipped_) % cycle_ + 2 * cycle_;
+  const std::uint64_t index = counted % cycle_;
+  return {static_cast<int>(index), counted / cycle_ * patterns_ + index};
 }
 
 void PatternWindows::follow_source(const FrameStamp& stamp) {
   if (indexing_ != PatternIndexing::told || !stamp.pattern_index) return;
-  const auto counted = static_cast<int>(stamp.sequence % static_cast<std::uint64_t>(cycle_));
+  const auto counted = static_cast<int>(stamp.sequence % cycle_);
   const int told = (*stamp.pattern_index % cycle_ + 2 * cycle_ - counted) % cycle_;
   if (told == told_) return;
   if (begun_) {
@@ -178,7 +172,7 @@ bool PatternWindows::put(const Pooled<Frame>& frame) {
   follow_source(stamp);
   if (!std::exchange(begun_, true)) first_ = stamp.sequence;
   newest_ = stamp.sequence;
-  if (recent_.size() == static_cast<std::size_t>(cycle_)) recent_.erase(recent_.begin());
+  if (std::cmp_equal(recent_.size(), cycle_)) recent_.erase(recent_.begin());
   recent_.push_back(frame);
   sample(*frame, sampled_, samples_);
 

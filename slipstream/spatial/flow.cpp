@@ -34,7 +34,7 @@ class CornerFlow {
     arrivals_.resize(corners);
     places_.resize(static_cast<int>(corners), Heap::PRE_HEAP);
     // Start searches inside, not at the border, which has edges to every side.
-    if (residue(node(0)) > 0) {
+    if (residue(nodes_[0]) > 0) {
       turn_ = -1;
       for (int& residue : residues_) residue = -residue;
     }
@@ -54,10 +54,7 @@ class CornerFlow {
     int target = 0;  ///< corner
   };
 
-  int& node(int corner) { return nodes_[static_cast<std::size_t>(corner)]; }
   int& residue(int corner) { return residues_.begin()[corner]; }
-  int& potential(int corner) { return potentials_[static_cast<std::size_t>(corner)]; }
-  int& arrival(int corner) { return arrivals_[static_cast<std::size_t>(corner)]; }
 
   /// `direction`: up, down, right, left.
   Arc arc(int corner, int direction) {
@@ -89,14 +86,14 @@ class CornerFlow {
     nodes_.resize(residues_.pixel_count());
     others_.resize(residues_.pixel_count(), -1);
     for (int corner = 0; corner < static_cast<int>(nodes_.size()); ++corner) {
-      const int first = node(corner) = groups.find(corner).group;
+      const int first = nodes_[corner] = groups.find(corner).group;
       if (first == corner) continue;
       residue(first) += residue(corner);
       residue(corner) = 0;
       for (int direction = 0; direction < 4; ++direction) {
         if (arc(corner, direction).step == nullptr) continue;
-        others_[static_cast<std::size_t>(corner)] = others_[static_cast<std::size_t>(first)];
-        others_[static_cast<std::size_t>(first)] = corner;
+        others_[corner] = others_[first];
+        others_[first] = corner;
         break;
       }
     }
@@ -120,27 +117,27 @@ class CornerFlow {
       const int at = heap_.top(), distance = heap_.prio();
       heap_.pop();
       settled_.push_back({at, distance});
-      for (int corner = at; corner >= 0; corner = others_[static_cast<std::size_t>(corner)]) {
+      for (int corner = at; corner >= 0; corner = others_[corner]) {
         for (int direction = 0; direction < 4; ++direction) {
           const Arc way = arc(corner, direction);
           if (way.step == nullptr) continue;
-          const int next = node(way.target);
+          const int next = nodes_[way.target];
           const auto state = heap_.state(next);
           if (state == Heap::POST_HEAP) continue;
-          const int far = distance + cost(way) + potential(at) - potential(next);
+          const int far = distance + cost(way) + potentials_[at] - potentials_[next];
           if (state == Heap::IN_HEAP && heap_[next] <= far) continue;
           if (state == Heap::PRE_HEAP) touched_.push_back(next);
           heap_.set(next, far);
-          arrival(next) = 4 * corner + direction;
+          arrivals_[next] = 4 * corner + direction;
         }
       }
     }
     const int sink = heap_.top(), farthest = heap_.prio();
-    for (const auto& [at, distance] : settled_) potential(at) += distance - farthest;
+    for (const auto& [at, distance] : settled_) potentials_[at] += distance - farthest;
     heap_.clear();
     for (const int at : touched_) places_[at] = Heap::PRE_HEAP;
-    for (int at = sink; at != source; at = node(arrival(at) / 4)) {
-      const Arc way = arc(arrival(at) / 4, arrival(at) % 4);
+    for (int at = sink; at != source; at = nodes_[arrivals_[at] / 4]) {
+      const Arc way = arc(arrivals_[at] / 4, arrivals_[at] % 4);
       *way.step = static_cast<std::int16_t>(*way.step + way.change);
     }
     --residue(source);

@@ -164,8 +164,8 @@ Orders orders_by_flood(const WrappedCycles& wrapped) {
   for (; !front.empty(); front.swap(next), next.clear()) {
     for (const int at : front) {
       all.for_each_neighbour(at, [&](int to, int step) {
-        if (!is_rough(to) || reached[static_cast<std::size_t>(to)]) return;
-        reached[static_cast<std::size_t>(to)] = true;
+        if (!is_rough(to) || reached[to]) return;
+        reached[to] = true;
         open.edge(std::min(at, to), std::max(at, to)) =
             static_cast<std::int16_t>(to > at ? step : -step);
         next.push_back(to);
@@ -219,7 +219,7 @@ Orders orders_by_regions(const WrappedCycles& wrapped) {
       const auto other = static_cast<std::uint32_t>(groups.find(to).group);
       if (from >= other) return;  // each border is visited from both sides
       borders.push_back({std::uint64_t{from} << 32U | other});
-      borders.back().votes[static_cast<std::size_t>(step + 1)] = 1;
+      borders.back().votes[step + 1] = 1;
     });
   }
   borders = merged(std::move(borders));

@@ -21,11 +21,10 @@ using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajo
 void transform_rows(Rows& rows, bool back) {
   const auto n = rows.cols();
   if (n == 1) return;
-  std::vector<std::complex<float>> turns(static_cast<std::size_t>(n));
+  std::vector<std::complex<float>> turns(n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    turns[static_cast<std::size_t>(k)] =
-        std::polar(1.F, static_cast<float>(-std::numbers::pi * static_cast<double>(k) /
-                                           (2 * static_cast<double>(n))));
+    turns[k] = std::polar(1.F, static_cast<float>(-std::numbers::pi * static_cast<double>(k) /
+                                                  (2 * static_cast<double>(n))));
   }
   for_each_row(static_cast<int>(rows.rows()), [&](int row) {
     Eigen::FFT<float> fft;
@@ -35,12 +34,11 @@ void transform_rows(Rows& rows, bool back) {
     if (!back) {
       for (Eigen::Index i = 0; i < n; ++i) in[place(i)] = rows(row, i);
       fft.fwd(out, in);
-      for (Eigen::Index k = 0; k < n; ++k)
-        rows(row, k) = (out[k] * turns[static_cast<std::size_t>(k)]).real();
+      for (Eigen::Index k = 0; k < n; ++k) rows(row, k) = (out[k] * turns[k]).real();
     } else {
       for (Eigen::Index k = 0; k < n; ++k) {
         const std::complex<float> value(rows(row, k), k == 0 ? 0.F : -rows(row, n - k));
-        in[k] = value * std::conj(turns[static_cast<std::size_t>(k)]);
+        in[k] = value * std::conj(turns[k]);
       }
       fft.inv(out, in);
       for (Eigen::Index i = 0; i < n; ++i) rows(row, i) = out[place(i)].real();
@@ -126,17 +124,17 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
   solver.compute(matrix);
   const Eigen::VectorXf surface = solver.solve(right);
   // Each region's surface is known up to a constant: choose the one at which most phases agree.
-  std::vector<std::complex<float>> phases(static_cast<std::size_t>(pixels));
+  constexpr float turn = 2 * std::numbers::pi_v<float>;
+  std::vector<std::complex<float>> phases(pixels);
   for (int at = 0; at < pixels; ++at) {
-    if (orders.region.begin()[at] < 0) continue;
-    phases[static_cast<std::size_t>(orders.region.begin()[at])] +=
-        std::polar(1.F, static_cast<float>(2 * std::numbers::pi) * (surface[at] - cycles[at]));
+    const int region = orders.region.begin()[at];
+    if (region < 0) continue;
+    phases[region] += std::polar(1.F, turn * (surface[at] - cycles[at]));
   }
   for (int at = 0; at < pixels; ++at) {
     const int region = orders.region.begin()[at];
     if (region < 0) continue;
-    const float constant = std::arg(phases[static_cast<std::size_t>(region)]) /
-                           static_cast<float>(2 * std::numbers::pi);
+    const float constant = std::arg(phases[region]) / turn;
     orders.order.begin()[at] = static_cast<int>(std::lrint(surface[at] - cycles[at] - constant));
   }
   return orders;

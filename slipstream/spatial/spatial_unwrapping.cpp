@@ -70,9 +70,7 @@ WrappedCycles cycles_of(const Image<Number>& wrapped, const Image<float>& qualit
 std::vector<PhaseRegion> number_by_size(Image<int>& region) {
   std::vector<std::size_t> sizes(region.pixel_count()), labels;
   for (const int label : region) {
-    if (label >= 0 && sizes[static_cast<std::size_t>(label)]++ == 0) {
-      labels.push_back(static_cast<std::size_t>(label));
-    }
+    if (label >= 0 && sizes[label]++ == 0) labels.push_back(label);
   }
   std::sort(labels.begin(), labels.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(sizes[b], a) < std::pair(sizes[a], b);
@@ -83,7 +81,7 @@ std::vector<PhaseRegion> number_by_size(Image<int>& region) {
     regions.push_back({sizes[label]});
     numbers[label] = static_cast<int>(regions.size());
   }
-  for (int& label : region) label = label < 0 ? 0 : numbers[static_cast<std::size_t>(label)];
+  for (int& label : region) label = label < 0 ? 0 : numbers[label];
   return regions;
 }
 
@@ -93,7 +91,7 @@ void move(UnwrappedPhase<Number>& unwrapped, const std::vector<double>& periods)
     const int label = unwrapped.region.begin()[i];
     if (label == 0) continue;
     Number& phase = unwrapped.phase.begin()[i];
-    phase = static_cast<Number>(phase + period * periods[static_cast<std::size_t>(label - 1)]);
+    phase = static_cast<Number>(phase + period * periods[label - 1]);
   }
 }
 
@@ -136,7 +134,7 @@ Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps) {
   std::vector<int> front, next;
   const auto pixels = static_cast<int>(orders.order.pixel_count());
   for (int seed = 0; seed < pixels; ++seed) {
-    if (region[seed] >= 0 || !wrapped.has(static_cast<std::size_t>(seed))) continue;
+    if (region[seed] >= 0 || !wrapped.has(seed)) continue;
     region[seed] = seed;
     for (front = {seed}; !front.empty(); front.swap(next), next.clear()) {
       for (const int at : front) {
@@ -158,11 +156,10 @@ Image<float> roughness(const WrappedCycles& wrapped) {
   Image<float> result(cycles.size());
   for_each_row(height, [&, width = width, height = height](int row) {
     // NaN around the picture, so that border pixels need no special case.
-    const std::vector<float> empty(static_cast<std::size_t>(width) + 2,
-                                   std::numeric_limits<float>::quiet_NaN());
+    const std::vector<float> empty(width + 2, std::numeric_limits<float>::quiet_NaN());
     std::array<std::vector<float>, 3> lines{empty, empty, empty};
     for (int i = std::max(row - 1, 0); i < std::min(row + 2, height); ++i) {
-      std::copy_n(cycles.row(i), width, lines[static_cast<std::size_t>(i - row + 1)].begin() + 1);
+      std::copy_n(cycles.row(i), width, lines[i - row + 1].begin() + 1);
     }
     const float *const above = lines[0].data(), *const here = lines[1].data(),
                        *const below = lines[2].data();
@@ -222,7 +219,7 @@ UnwrappedPhase<Number> unwrap_in_space(const Image<Number>& wrapped, const Image
     if (label == 0) continue;
     const auto phase = static_cast<double>(wrapped.begin()[i]);
     const double order = orders.order.begin()[i] - std::rint(phase / period);
-    double& start = first[static_cast<std::size_t>(label - 1)];
+    double& start = first[label - 1];
     if (start == unknown) start = order;
     result.phase.begin()[i] = static_cast<Number>(phase + period * (order - start));
   }
@@ -237,9 +234,8 @@ void anchor_at(UnwrappedPhase<Number>& unwrapped, int column, int row, double ph
   throw_if(label == 0, "anchor pixel (row {}, column {}) has no valid phase", row, column);
   if (!std::isfinite(phase)) throw Error("the phase of an anchor is not finite");
   std::vector<double> periods(unwrapped.regions.size());
-  const auto place = static_cast<std::size_t>(label - 1);
-  periods[place] = std::rint((phase - unwrapped.phase(column, row)) / period);
-  unwrapped.regions[place].anchored = true;
+  periods[label - 1] = std::rint((phase - unwrapped.phase(column, row)) / period);
+  unwrapped.regions[label - 1].anchored = true;
   move(unwrapped, periods);
 }
 
@@ -251,7 +247,7 @@ void anchor_by(UnwrappedPhase<Number>& unwrapped, const Image<Number>& coarse) {
     const int label = unwrapped.region.begin()[i];
     const double difference = (coarse.begin()[i] - unwrapped.phase.begin()[i]) / period;
     if (label == 0 || !std::isfinite(difference)) continue;
-    differences[static_cast<std::size_t>(label - 1)].push_back(difference);
+    differences[label - 1].push_back(difference);
   }
   std::vector<double> periods(unwrapped.regions.size());
   for (std::size_t n = 0; n < periods.size(); ++n) {

@@ -35,7 +35,7 @@ void require_good(GLuint number, GLenum status, const Query& query, const Log& l
   std::string words(2048, '\0');
   GLsizei length = 0;
   log(number, static_cast<GLsizei>(words.size()), &length, words.data());
-  words.resize(static_cast<std::size_t>(std::max(length, 0)));
+  words.resize(std::max(length, 0));
   throw WorldError(fmt::format("{}: {}", failure, words));
 }
 

@@ -156,7 +156,7 @@ class PhaseGroups {
     int before = -1;  ///< parent; for a root, the negative size of its group
     int order = 0;    ///< relative to the parent
   };
-  Member& at(int pixel) { return members_[static_cast<std::size_t>(pixel)]; }
+  Member& at(int pixel) { return members_[pixel]; }
 
   std::vector<Member> members_;
 };

@@ -46,9 +46,6 @@ cv::Mat stretched(const cv::Mat& picture) {
   return grey;
 }
 
-/// Radius around a chessboard corner that contains only its four squares, in distances to the next.
-constexpr double half_square = 0.5;
-
 /// Smallest distance between two corners, pixels.
 double least_distance(const Corners& corners) {
   double least = 1e9;
@@ -91,14 +88,15 @@ Eigen::Vector2d meeting_of_edges(const cv::Mat& picture, const Eigen::Vector2d& 
   return corner;
 }
 
-/// Refines chessboard corners to subpixel accuracy, in a square window that extends to `reach` of
-/// the smallest distance between corners.
-void refine(const cv::Mat& mean, Corners& corners, double reach) {
-  constexpr double smoothing = 1;  // pixels; 0.7 to 1.4 give the same residuals on real boards
+/// Refines chessboard corners to subpixel accuracy, in a window that contains only their four
+/// squares.
+void refine(const cv::Mat& mean, Corners& corners) {
+  constexpr double smoothing = 1;      // pixels; 0.7 to 1.4 give the same residuals on real boards
+  constexpr double half_square = 0.5;  // of the distance to the next corner
   cv::Mat smooth;
   cv::GaussianBlur(mean, smooth, {}, smoothing);
   const double radius =
-      std::numbers::sqrt2 * std::clamp(reach * least_distance(corners), 2.0, 12.0);
+      std::numbers::sqrt2 * std::clamp(half_square * least_distance(corners), 2.0, 12.0);
   for (cv::Point2f& corner : corners) {
     const Eigen::Vector2d found = meeting_of_edges(smooth, {corner.x, corner.y}, radius);
     corner = {static_cast<float>(found.x()), static_cast<float>(found.y())};
@@ -151,12 +149,6 @@ std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
     }
   }
   return std::nullopt;
-}
-
-std::vector<int> all_places(const CalibrationBoard& board) {
-  std::vector<int> places(place_count(board));
-  std::iota(places.begin(), places.end(), 0);
-  return places;
 }
 
 /// Orders a chessboard's corners from left to right, and from top to bottom for a camera that does
@@ -302,7 +294,7 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
     places.push_back(row * board.columns + column);
   });
   if (corners.size() < fewest_corners) return std::nullopt;
-  refine(without_markers(mean, markers, board.marker_side), corners, half_square);
+  refine(without_markers(mean, markers, board.marker_side), corners);
   return board_corners(std::move(places), corners, "ChArUco, mean");
 }
 
@@ -336,22 +328,21 @@ std::optional<BoardCorners> find_board(const CalibrationBoard& board,
   require_valid(board);
   const QuietOpenCv quiet;
   const cv::Mat mean = mat_of(pictures.mean), brightest = mat_of(pictures.brightest);
-  const cv::Size size(board.columns, board.rows);
   if (board.kind == BoardKind::charuco) return find_charuco(board, mean);
-  if (board.kind == BoardKind::circles) {
-    std::optional<Detection> found = find_circles(size, mean, brightest);
-    if (!found) return std::nullopt;
-    BoardCorners corners =
-        board_corners(all_places(board), found->corners, std::move(found->detector));
-    correct_circle_centres(board, corners);
-    return corners;
-  }
-  std::optional<Detection> found = find_chessboard(size, mean, brightest);
+  const bool has_circles = board.kind == BoardKind::circles;
+  const auto find = has_circles ? find_circles : find_chessboard;
+  std::optional<Detection> found = find({board.columns, board.rows}, mean, brightest);
   if (!found) return std::nullopt;
-  refine(mean, found->corners, half_square);
-  order_as_seen(board, found->corners);
-  require_whole(board, mean, found->corners);
-  return board_corners(all_places(board), found->corners, std::move(found->detector));
+  if (!has_circles) {
+    refine(mean, found->corners);
+    order_as_seen(board, found->corners);
+    require_whole(board, mean, found->corners);
+  }
+  std::vector<int> all(place_count(board));
+  std::iota(all.begin(), all.end(), 0);
+  BoardCorners corners = board_corners(std::move(all), found->corners, std::move(found->detector));
+  if (has_circles) correct_circle_centres(board, corners);
+  return corners;
 }
 
 }  // namespace slipstream

@@ -96,8 +96,7 @@ Eigen::MatrixXd light_at(const FrameViews& frames, const std::vector<std::pair<i
     for (Eigen::Index i = 0; i < light.rows(); ++i) {
       const auto& [column, row] = pixels[i];
       for (Eigen::Index n = 0; n < light.cols(); ++n) {
-        const auto value = images[n](column, row);
-        light(i, n) = static_cast<double>(value) / grey_level;
+        light(i, n) = static_cast<double>(images[n](column, row)) / grey_level;
       }
     }
   });
@@ -121,7 +120,7 @@ Samples samples_of(const Scan& scan, const PixelPlaces& corners, double minimum_
   for (Eigen::Index i = 0; i < light.rows(); ++i) {
     if (range[i] >= least && light.row(i).maxCoeff() < full_scale) bright.push_back(i);
   }
-  if (static_cast<Eigen::Index>(bright.size()) < fewest_samples) return {saturated, {}, {}};
+  if (std::ssize(bright) < fewest_samples) return {saturated, {}, {}};
   Samples samples{saturated, Eigen::MatrixX2d(bright.size(), 2),
                   light(bright, Eigen::seqN(0, light.cols()))};
   for (std::size_t i = 0; i < bright.size(); ++i) {

@@ -249,8 +249,7 @@ std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
   for (std::size_t row = 0; row + 1 < jacobian.rows.size(); ++row) {
     for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
       for (int j = jacobian.rows[row]; j < jacobian.rows[row + 1]; ++j) {
-        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-        normal(jacobian.cols[a], jacobian.cols[b]) += jacobian.values[a] * jacobian.values[b];
+        normal(jacobian.cols[i], jacobian.cols[j]) += jacobian.values[i] * jacobian.values[j];
       }
     }
   }

@@ -22,7 +22,7 @@ double median_of(const Items& items, const Value& value) {
 void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& scans) {
   const auto rippled = std::ranges::count_if(scans, has_ripple);
   // A response affects all scans; a ripple in only a few has another cause.
-  if (2 * rippled < static_cast<std::ptrdiff_t>(scans.size()) || rippled == 0) return;
+  if (2 * rippled < std::ssize(scans) || rippled == 0) return;
   const double ripple = median_of(scans, &FringeSigns::ripple);
   const double pixels = median_of(scans, [](const FringeSigns& signs) {
     return signs.ripple * signs.period / (2 * std::numbers::pi);
@@ -193,8 +193,7 @@ void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& c
   const auto& poses = calibration.poses;
   const auto worst = std::ranges::max_element(poses, {}, &CalibratedPose::misfit);
   if (worst->misfit <= (is_shift(worst->offset) ? largest_of_shift : largest)) return;
-  const auto v = static_cast<std::size_t>(worst - poses.begin());
-  findings.push_back(finding_of_pose(calibration.views[v], worst->offset));
+  findings.push_back(finding_of_pose(calibration.views[worst - poses.begin()], worst->offset));
   findings.back().evidence.push_back({"its RMS, px", worst->rms.stereo});
   findings.back().evidence.push_back({"RMS of all, px", calibration.rms.stereo});
 }

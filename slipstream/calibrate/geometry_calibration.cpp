@@ -103,7 +103,7 @@ DepthRange depths_of(const BoardViews& views, const BundleState& state) {
   DepthRange range{std::numeric_limits<double>::infinity(), 0};
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (const int place : views[v].places) {
-      const double depth = (state.poses[v] * state.places[static_cast<std::size_t>(place)]).z();
+      const double depth = (state.poses[v] * state.places[place]).z();
       range = {std::min(range.nearest, depth), std::max(range.farthest, depth)};
     }
   }

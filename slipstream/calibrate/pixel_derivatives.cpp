@@ -31,33 +31,27 @@ Turn turn_of(const Eigen::Vector3d& turn) {
   return {I + a * K + b * K2, I - b * K + c * K2};
 }
 
-/// d distort_untilted / d direction.
-Eigen::Matrix2d distortion_slope(const double* k, double x, double y) {
+/// Derivatives of distort_untilted.
+struct DistortionSlopes {
+  Eigen::Matrix2d by_direction;
+  Eigen::Matrix<double, 2, untilted_coefficient_count> by_coefficients;
+};
+
+DistortionSlopes distortion_slopes(const double* k, double x, double y) {
   const double r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2;
   const double below = 1 + k[5] * r2 + k[6] * r4 + k[7] * r6;
   const double radial = (1 + k[0] * r2 + k[1] * r4 + k[4] * r6) / below;
   const double radial_by_r2 =
       (k[0] + 2 * k[1] * r2 + 3 * k[4] * r4 - radial * (k[5] + 2 * k[6] * r2 + 3 * k[7] * r4)) /
       below;
-  const double p1 = k[2], p2 = k[3];
+  const double p1 = k[2], p2 = k[3], mixed = 2 * x * y * radial_by_r2 + 2 * p1 * x + 2 * p2 * y;
   const double prism_x = k[8] + 2 * k[9] * r2, prism_y = k[10] + 2 * k[11] * r2;
-  Eigen::Matrix2d slope;
-  slope << radial + 2 * x * x * radial_by_r2 + 2 * p1 * y + 6 * p2 * x + 2 * x * prism_x,
-      2 * x * y * radial_by_r2 + 2 * p1 * x + 2 * p2 * y + 2 * y * prism_x,
-      2 * x * y * radial_by_r2 + 2 * p1 * x + 2 * p2 * y + 2 * x * prism_y,
-      radial + 2 * y * y * radial_by_r2 + 6 * p1 * y + 2 * p2 * x + 2 * y * prism_y;
-  return slope;
-}
-
-/// d distort_untilted / d coefficients.
-Eigen::Matrix<double, 2, untilted_coefficient_count> distortion_by_coefficients(const double* k,
-                                                                                double x,
-                                                                                double y) {
-  const double r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2;
-  const double below = 1 + k[5] * r2 + k[6] * r4 + k[7] * r6;
-  const double radial = (1 + k[0] * r2 + k[1] * r4 + k[4] * r6) / below;
   const Eigen::Vector2d direction(x, y);
-  Eigen::Matrix<double, 2, untilted_coefficient_count> by;
+  DistortionSlopes slopes;
+  auto& [slope, by] = slopes;
+  slope << radial + 2 * x * x * radial_by_r2 + 2 * p1 * y + 6 * p2 * x + 2 * x * prism_x,
+      mixed + 2 * y * prism_x, mixed + 2 * x * prism_y,
+      radial + 2 * y * y * radial_by_r2 + 6 * p1 * y + 2 * p2 * x + 2 * y * prism_y;
   by.col(0) = direction * r2 / below;
   by.col(1) = direction * r4 / below;
   by.col(2) = Eigen::Vector2d(2 * x * y, r2 + 2 * y * y);
@@ -70,7 +64,7 @@ Eigen::Matrix<double, 2, untilted_coefficient_count> distortion_by_coefficients(
   by.col(9) = Eigen::Vector2d(r4, 0);
   by.col(10) = Eigen::Vector2d(0, r2);
   by.col(11) = Eigen::Vector2d(0, r4);
-  return by;
+  return slopes;
 }
 
 }  // namespace
@@ -89,13 +83,14 @@ SeenPoint seen_point(const double* lens, const Eigen::Vector3d& point) {
   const double x = point.x() / point.z(), y = point.y() / point.z();
   const Eigen::Vector2d bent = distort_untilted<double>(k, Eigen::Vector2d(x, y));
   const Eigen::Vector2d focal(lens[0], lens[1]);
+  const DistortionSlopes slopes = distortion_slopes(k, x, y);
   SeenPoint seen;
   seen.pixel = focal.cwiseProduct(bent) + Eigen::Vector2d(lens[2], lens[3]);
   seen.by_lens << Eigen::Matrix2d(bent.asDiagonal()), Eigen::Matrix2d::Identity(),
-      focal.asDiagonal() * distortion_by_coefficients(k, x, y);
+      focal.asDiagonal() * slopes.by_coefficients;
   Eigen::Matrix<double, 2, 3> direction_by_point;
   direction_by_point << 1, 0, -x, 0, 1, -y;
-  seen.by_point = focal.asDiagonal() * distortion_slope(k, x, y) * (direction_by_point / point.z());
+  seen.by_point = focal.asDiagonal() * slopes.by_direction * (direction_by_point / point.z());
   return seen;
 }
 

@@ -33,8 +33,7 @@ std::optional<double> distance(const BoardCorners& seen, const BoardView& taken)
   for (std::size_t i = 0; i < seen.places.size(); ++i) {
     const auto before = std::ranges::find(taken.places, seen.places[i]);
     if (before == taken.places.end()) continue;
-    const auto corner = static_cast<std::size_t>(before - taken.places.begin());
-    sum += (seen.pixels[i] - taken.camera[corner]).norm();
+    sum += (seen.pixels[i] - taken.camera[before - taken.places.begin()]).norm();
     ++count;
   }
   if (count == 0) return std::nullopt;
@@ -104,25 +103,19 @@ std::array<bool, 4> tilts_of(const BoardViews& taken, const CalibrationBoard& bo
   return tilted;
 }
 
-/// Whether boards cover at least half of a cell.
-bool is_seen_in(const Image<std::uint8_t>& coverage, int row, int column) {
-  constexpr int cells = PoseNeeds::cells;
-  const auto corner = [&](int across, int down) {
-    return cv::Point(across * coverage.width() / cells, down * coverage.height() / cells);
-  };
-  const cv::Rect cell(corner(column, row), corner(column + 1, row + 1));
-  return 2 * cv::countNonZero(mat_of(coverage)(cell)) >= cell.area();
-}
-
-/// Names of the parts of the picture that no board has covered.
-std::vector<std::string> missing_places(const PoseNeeds& needs) {
+/// Names of the parts of the picture of which boards cover less than half.
+std::vector<std::string> missing_places(const Image<std::uint8_t>& coverage) {
   constexpr std::array rows{"top", "middle", "bottom"}, columns{"left", "middle", "right"};
+  const auto corner = [&](int across, int down) {
+    return cv::Point(across * coverage.width() / 3, down * coverage.height() / 3);
+  };
   std::vector<std::string> places;
-  for (std::size_t cell = 0; cell < rows.size() * columns.size(); ++cell) {
-    const std::size_t row = cell / columns.size(), column = cell % columns.size();
-    if (needs.seen_in[row][column]) continue;
-    places.push_back(cell == 4 ? "middle" : fmt::format("{} {}", rows[row], columns[column]));
-  }
+  for_each_pixel_in_order({3, 3}, [&](int column, int row) {
+    const cv::Rect part(corner(column, row), corner(column + 1, row + 1));
+    if (2 * cv::countNonZero(mat_of(coverage)(part)) >= part.area()) return;
+    const bool is_middle = column == 1 && row == 1;
+    places.push_back(is_middle ? "middle" : fmt::format("{} {}", rows[row], columns[column]));
+  });
   return places;
 }
 
@@ -133,9 +126,9 @@ std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
   const auto edge = std::find(needs.tilted.begin(), needs.tilted.end(), false);
   if (edge != needs.tilted.end()) {
     advice.push_back(fmt::format("tilt its {} edge towards the camera by 20 to 40 degrees",
-                                 edges[static_cast<std::size_t>(edge - needs.tilted.begin())]));
+                                 edges[edge - needs.tilted.begin()]));
   }
-  const std::vector<std::string> places = missing_places(needs);
+  const std::vector<std::string> places = missing_places(needs.coverage);
   if (!places.empty()) {
     advice.push_back(
         fmt::format("hold it towards the {} of the picture", places[turn % places.size()]));
@@ -250,7 +243,7 @@ struct GuidedPoses {
           {.frames = std::move(frames.at(scans.size())), .sequence = along(sequence, axis)});
       scans.back().sequence.marker = false;  // the frames contain no marker
     }
-    BoardCapture found = board_capture(name, board, scans[0], scans[1], settings.capture);
+    BoardCapture found = board_capture(name, board, scans[0], scans[1]);
     if (!found.view) return {PoseState::refused, "refused: " + found.told, seen.board};
     for (const Scan& scan : scans) {
       settings.save(folder / name / name_of(scan.sequence.axis), scan);
@@ -297,15 +290,9 @@ PoseNeeds pose_needs(const BoardViews& taken, const CalibrationBoard& board, Siz
   constexpr double well_covered = 0.6;
   PoseNeeds needs{.coverage = coverage_map(taken, Device::camera, camera)};
   needs.covered = covered_share(needs.coverage);
-  for (int row = 0; row < PoseNeeds::cells; ++row) {
-    for (int column = 0; column < PoseNeeds::cells; ++column) {
-      needs.seen_in[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] =
-          is_seen_in(needs.coverage, row, column);
-    }
-  }
   needs.tilted = tilts_of(taken, board, camera);
   const bool all_ways = std::ranges::count(needs.tilted, false) == 0;
-  needs.enough = wanted > 0 ? taken.size() >= static_cast<std::size_t>(wanted)
+  needs.enough = wanted > 0 ? std::cmp_greater_equal(taken.size(), wanted)
                             : taken.size() >= many || (taken.size() >= few && all_ways &&
                                                        needs.covered >= well_covered);
   if (!needs.enough) needs.advice = advice_for(needs, taken.size());

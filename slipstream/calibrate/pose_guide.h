@@ -27,10 +27,8 @@ PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
 
 /// Coverage of the poses so far, and advice for the next one.
 struct PoseNeeds {
-  static constexpr int cells = 3;  ///< of the camera's picture, across and down
   Image<std::uint8_t> coverage{};  ///< coverage_map of the camera
   double covered = 0;              ///< share of the camera's picture
-  std::array<std::array<bool, cells>, cells> seen_in{};  ///< [row][column]: at least half covered
   /// Whether the board's left, right, top or bottom edge was tilted towards the camera by 12
   /// degrees or more.
   std::array<bool, 4> tilted{};
@@ -65,8 +63,7 @@ struct PoseProgress {
 struct GuidedPosesSettings {
   /// Writes a scan of an accepted pose to a new folder.
   std::function<void(const std::filesystem::path& folder, const Scan& scan)> save;
-  int wanted = 0;  ///< see pose_needs
-  BoardCaptureSettings capture{};
+  int wanted = 0;                                      ///< see pose_needs
   std::function<void(const PoseProgress&)> told = {};  ///< called for every picture and pose
   std::function<bool()> ends = {};                     ///< polled; true stops
 };

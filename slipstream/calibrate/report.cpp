@@ -227,7 +227,7 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
     row(device + " fy", K(1, 1), off.focal.y(), "px");
     row(device + " cx", K(0, 2), off.principal_point.x(), "px");
     row(device + " cy", K(1, 2), off.principal_point.y(), "px");
-    for (std::size_t i = 0; i < static_cast<std::size_t>(coefficients); ++i) {
+    for (int i = 0; i < coefficients; ++i) {
       row(fmt::format("{} {}", device, names[i]), lens.distortion.coefficients[i],
           off.coefficients[i], "");
     }

@@ -74,8 +74,7 @@ struct Steps {
       if (changed < 2 || ((a.doubtful | b.doubtful) >> finer) != 0 ||
           (gray && !std::has_single_bit(changed)))
         continue;
-      const auto coarsest =
-          static_cast<std::size_t>(std::bit_width(changed)) - 1 + static_cast<std::size_t>(finer);
+      const auto coarsest = std::bit_width(changed) - 1 + finer;
       ++all[coarsest];
       if (std::max(from, to) - std::min(from, to) > (gray ? 1U : 2U)) ++wrong[coarsest];
     }
@@ -170,7 +169,7 @@ CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
   const std::size_t band = model.measuring_band();
   const double f = model.layout().bands[band].periods;
   // White and black come after the bits.
-  const auto white = static_cast<std::size_t>(std::ranges::max(code.frames)) + 1;
+  const std::size_t white = std::ranges::max(code.frames) + 1;
   const bool has_white = code.inverses.empty() && white + 1 < code.reference.size() &&
                          code.reference[white] == 0.5 && code.reference[white + 1] == 0.5;
   // Black may exceed another frame by noise.

@@ -130,19 +130,18 @@ struct FrameGains {
   Eigen::MatrixXd normal;  ///< normal * gains = right, with residual `all`
   Eigen::VectorXd right;
   double all = 0;
-  struct OddFrame {
-    int frame = 0;
-    double gain = 0;
-  };
-  /// The frame whose gain alone explains nearly all, and more than any other frame's.
-  std::optional<OddFrame> odd_frame{};
 };
 
-/// The odd frame, from the equations normal * gains = right with residual `all`.
-std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
-                                              const Eigen::VectorXd& right, double all) {
+struct OddFrame {
+  int frame = 0;
+  double gain = 0;
+};
+
+/// The frame whose gain alone explains nearly all, and more than any other frame's.
+std::optional<OddFrame> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
-  std::optional<FrameGains::OddFrame> best;
+  const auto& [unused, normal, right, all] = gains;
+  std::optional<OddFrame> best;
   double most = 0, second = 0;
   for (Eigen::Index n = 0; n < right.size(); ++n) {
     const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
@@ -184,7 +183,7 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
   const double held = normal.trace() / count;
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
-  return {gains, normal, right, all, odd_frame(normal, right, all)};
+  return {gains, normal, right, all};
 }
 
 /// Detects light that changed between frames.
@@ -205,9 +204,9 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
         size >= 4 * error)) {
     return std::nullopt;
   }
+  const auto odd = odd_frame(gains);
   // Motion may resemble flicker, but rarely of a single frame.
-  if (scan.settings.moving && !gains.odd_frame) return std::nullopt;
-  const auto& odd = gains.odd_frame;
+  if (scan.settings.moving && !odd) return std::nullopt;
   return Finding{
       .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
                           100 * least_gain),

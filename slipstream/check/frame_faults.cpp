@@ -295,9 +295,7 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
              .what = "grey levels exceed the camera's maximum",
              .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
              .likely = "a camera with more bits than declared",
-             .advice = light.bits == 0 ? ""
-                                       : fmt::format("try --camera-bits {}",
-                                                     bits_used(samples.brightest(), 16))}};
+             .advice = fmt::format("try --camera-bits {}", bits_used(samples.brightest(), 16))}};
   }
   // A small object that is well lit is fine.
   const bool dim = light.modulation < 1.5 * light.least_modulation;

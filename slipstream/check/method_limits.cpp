@@ -62,7 +62,7 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
         bands, [&](const Band& b) { return b.cosine[n] != 0 || b.sine[n] != 0; });
     if (band == bands.end()) continue;  // a code's frame
     const auto light = [&](double dy) { return light_shown(scan.sequence, n, y + dy); };
-    const auto b = static_cast<std::size_t>(band - bands.begin());
+    const auto b = band - bands.begin();
     const double alpha = 2 * reading.modulation[b] / band->share, u = light(0);
     moved(n, b) = u;
     moved(n, unknowns) = alpha * (light(h) - light(-h)) / h;

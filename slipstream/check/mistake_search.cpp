@@ -156,7 +156,7 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
 FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
   if (first.empty()) return then;
   FrameOrder both;
-  for (const int place : then) both.push_back(first.at(static_cast<std::size_t>(place)));
+  for (const int place : then) both.push_back(first.at(place));
   return both;
 }
 

@@ -31,6 +31,35 @@ void look_at_lens(const Lens& lens, std::string_view device, double up,
        .advice = fmt::format("use {} pictures of the calibrated size", device)});
 }
 
+/// Finds files in metres, swapped devices, another picture size. `whole_pictures`: false if the
+/// camera's pictures are cropped or rectified, so that the optical axis may lie anywhere.
+std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures = true) {
+  std::vector<Finding> findings;
+  // mm. No rig is this small, but every rig is if its file is in metres.
+  constexpr double least_baseline = 3;
+  const double baseline = scanner.translation.norm();
+  if (baseline < least_baseline) {
+    findings.push_back(
+        {.gravity = Gravity::wrong,
+         .what = fmt::format("the baseline is below {:g} mm", least_baseline),
+         .evidence = {{"baseline, mm", baseline}},
+         .likely = "a scanner file in metres",
+         .advice = fmt::format("write its translation in mm: {:.4g} mm long", 1000 * baseline)});
+  }
+  // The devices of rectified pictures are apart along one axis only.
+  const Eigen::Vector3d apart = scanner.translation.cwiseAbs() / baseline;
+  if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < 0.98) {
+    findings.push_back({.what = "the rotation is the identity, but the baseline is oblique",
+                        .evidence = {{"baseline's largest component, share", apart.maxCoeff()}},
+                        .likely = "a scanner file without its rotation",
+                        .advice = "write the rotation from the camera's frame to the projector's"});
+  }
+  if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
+  // Projectors throw upwards: the axis may lie at the picture's lower edge or below it.
+  look_at_lens(scanner.projector, "projector", 1.2, findings);
+  return findings;
+}
+
 void append(std::vector<Finding>& findings, std::vector<Finding> more) {
   std::move(more.begin(), more.end(), std::back_inserter(findings));
 }
@@ -50,7 +79,7 @@ void check_camera(Scan& camera, const CheckSettings& settings, const std::string
   camera.frames = reordered(std::move(camera.frames), found.order);
   camera.order = composed(camera.order, found.order);
   checked.repairs.push_back(
-      fmt::format("{}frames put in the order {}", name, fmt::join(camera.order, ",")));
+      fmt::format("{}frames put in the order {}", name, text_of(camera.order)));
 }
 
 }  // namespace
@@ -75,33 +104,6 @@ bool any_wrong(std::span<const Finding> findings) {
 std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words) {
   std::erase_if(findings,
                 [&](const Finding& finding) { return finding.likely.starts_with(words); });
-  return findings;
-}
-
-std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) {
-  std::vector<Finding> findings;
-  // mm. No rig is this small, but every rig is if its file is in metres.
-  constexpr double least_baseline = 3;
-  const double baseline = scanner.translation.norm();
-  if (baseline < least_baseline) {
-    findings.push_back(
-        {.gravity = Gravity::wrong,
-         .what = fmt::format("the baseline is below {:g} mm", least_baseline),
-         .evidence = {{"baseline, mm", baseline}},
-         .likely = "a scanner file in metres",
-         .advice = fmt::format("write its translation in mm: {:.4g} mm long", 1000 * baseline)});
-  }
-  // The devices of rectified pictures are apart along one axis only.
-  const Eigen::Vector3d apart = scanner.translation.cwiseAbs() / baseline;
-  if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < 0.98) {
-    findings.push_back({.what = "the rotation is the identity, but the baseline is oblique",
-                        .evidence = {{"baseline's largest component, share", apart.maxCoeff()}},
-                        .likely = "a scanner file without its rotation",
-                        .advice = "write the rotation from the camera's frame to the projector's"});
-  }
-  if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
-  // Projectors throw upwards: the axis may lie at the picture's lower edge or below it.
-  look_at_lens(scanner.projector, "projector", 1.2, findings);
   return findings;
 }
 

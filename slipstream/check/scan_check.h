@@ -47,11 +47,6 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
 /// check_frames for the first camera of a merged scan. Each further camera is a scan of its own.
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
 
-/// Checks that a scanner is plausible: finds files in metres, swapped devices, another picture
-/// size. `whole_pictures`: false if the camera's pictures are cropped or rectified, so that the
-/// optical axis may lie anywhere.
-std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures = true);
-
 /// Diagnostics of a scan, and the repairs made.
 struct CheckedScan {
   std::vector<Finding> findings{};

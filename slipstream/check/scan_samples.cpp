@@ -109,8 +109,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
 void ScanSamples::reorder(const std::vector<int>& order) {
   for (auto pixel = levels_.begin(); pixel != levels_.end(); pixel += frames_) {
     std::copy_n(pixel, frames_, one_.begin());
-    for (std::size_t n = 0; n < order.size(); ++n)
-      pixel[static_cast<std::ptrdiff_t>(n)] = one_[order[n]];
+    for (std::size_t n = 0; n < order.size(); ++n) pixel[n] = one_[order[n]];
   }
 }
 

@@ -44,8 +44,7 @@ class ScanSamples {
   [[nodiscard]] std::size_t groups() const { return lit_.size(); }
   /// Intensities of the frames, in order.
   [[nodiscard]] const float* levels(std::size_t group, Place place) const {
-    return levels_.data() +
-           (group * places + static_cast<std::size_t>(place)) * static_cast<std::size_t>(frames_);
+    return levels_.data() + (group * places + place) * frames_;
   }
   /// Applies `change(float* levels, double down)` to each pixel of the first `groups` groups;
   /// `down`: its row, share of the picture's height.

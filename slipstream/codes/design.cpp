@@ -197,11 +197,9 @@ void require_valid(const StrategyGoal& goal) {
                            .noise_variance = goal.noise_variance,
                            .success = goal.success,
                            .most_periods = goal.most_periods});
-  throw_if(goal.frames < 3 || goal.frames > 64, "frames {} is out of range; 3 to 64", goal.frames);
-  if (!(goal.coordinate_sigma.value_or(1) > 0)) {
-    throw Error(
-        fmt::format("coordinate sigma {} is out of range; above 0", *goal.coordinate_sigma));
-  }
+  require_in_range(goal.frames >= 3 && goal.frames <= 64, "frames", goal.frames, "3 to 64");
+  const double sigma = goal.coordinate_sigma.value_or(1);
+  require_in_range(sigma > 0, "coordinate sigma", sigma, "above 0");
 }
 
 double predicted_success(const Layout& layout, double alpha, double noise_variance) {
@@ -233,15 +231,11 @@ std::vector<StrategyDesign> strategy_designs(const StrategyGoal& goal) {
           .coordinate_sigma = std::sqrt(coordinate_variance(layout, B, goal.noise_variance))};
       if (design.success < goal.success || !has_coordinate(layout)) continue;
       if (goal.coordinate_sigma && design.coordinate_sigma > *goal.coordinate_sigma) continue;
-      const auto known = best.find(strategy.name());
-      if (known == best.end()) {
-        best.emplace(strategy.name(), design);
-        continue;
-      }
+      const auto [known, is_first] = best.try_emplace(strategy.name(), design);
+      if (is_first) continue;
       const bool fewer = frame_count(known->second.strategy) == frames || !goal.coordinate_sigma;
-      if (fewer && design.coordinate_sigma < known->second.coordinate_sigma) {
-        known->second = design;
-      }
+      const bool better = design.coordinate_sigma < known->second.coordinate_sigma;
+      if (fewer && better) known->second = design;
     }
   }
   std::vector<StrategyDesign> designs;

@@ -42,15 +42,12 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
 
 /// The narrowest stripes as a band, for modulation and mean; its phase has no meaning.
 Layout layout_of(const Code& code, int frames) {
-  Band band{.periods = code.stripes / 4,
-            .cosine = std::vector<double>(frames),
-            .sine = std::vector<double>(frames),
-            .mean = code.reference};
-  const auto narrowest = static_cast<std::size_t>(code.frames.back());
+  const std::vector<double> none(frames);
+  Band band{.periods = code.stripes / 4, .cosine = none, .sine = none, .mean = code.reference};
+  const int narrowest = code.frames.back();
   if (!code.inverses.empty()) {
-    const auto inverse = static_cast<std::size_t>(code.inverses.back());
-    band.mean.resize(frames);
-    band.mean[narrowest] = band.mean[inverse] = 0.5;
+    band.mean = none;
+    band.mean[narrowest] = band.mean[code.inverses.back()] = 0.5;
   } else if (code.reference.empty()) {
     band.mean.assign(frames, 1.0 / frames);
   }

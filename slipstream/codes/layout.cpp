@@ -89,23 +89,6 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   for (const Band& mirrored : band.mirrored) require_valid(mirrored, frames, name);
 }
 
-std::vector<double> channel_weights(int steps, int channel, double (*wave)(double angle),
-                                    const Shifts& shifts) {
-  const double direction = shifts.backwards ? -1 : 1;
-  std::vector<double> weights;
-  for (int n = 0; n < steps; ++n) {
-    weights.push_back(2.0 / steps * wave(direction * 2 * pi * channel * n / steps - shifts.origin));
-  }
-  return weights;
-}
-
-/// Pads with zeros for the frames before and after.
-std::vector<double> placed(const std::vector<double>& weights, int frames, int first) {
-  std::vector<double> all(frames);
-  std::ranges::copy(weights, all.begin() + first);
-  return all;
-}
-
 bool are_near(const std::vector<double>& a, const std::vector<double>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_near);
 }
@@ -255,11 +238,16 @@ void require_valid(const Layout& layout, std::string_view name) {
 
 Band phase_shifted_band(int frames, int first, int steps, double periods, int channel, double share,
                         const Shifts& shifts) {
-  return {.periods = periods,
-          .share = share,
-          .cosine = placed(channel_weights(steps, channel, std::cos, shifts), frames, first),
-          .sine = placed(channel_weights(steps, channel, std::sin, shifts), frames, first),
-          .mean = placed(mean_weights(steps), frames, first)};
+  const std::vector<double> none(frames);
+  Band band{.periods = periods, .share = share, .cosine = none, .sine = none, .mean = none};
+  const double direction = shifts.backwards ? -1 : 1;
+  for (int n = 0; n < steps; ++n) {
+    const double angle = direction * 2 * pi * channel * n / steps - shifts.origin;
+    band.cosine[first + n] = 2.0 / steps * std::cos(angle);
+    band.sine[first + n] = 2.0 / steps * std::sin(angle);
+    band.mean[first + n] = 1.0 / steps;
+  }
+  return band;
 }
 
 bool is_channel(const Band& band, const StepRun& run, int channel) {
@@ -345,9 +333,7 @@ std::vector<StepRun> step_runs(const Layout& layout) {
 }
 
 double carrier_periods(const Layout& layout) {
-  double most = 0;
-  for (const Band& band : layout.bands) most = std::max(most, band.carrier);
-  return most;
+  return std::ranges::max_element(layout.bands, {}, &Band::carrier)->carrier;
 }
 
 }  // namespace slipstream

@@ -34,6 +34,9 @@ void refuse_motion_if(bool wrong) {
 
 /// Weights of a sum over a cycle, and the factor by which they rotate from frame to frame.
 struct CycleSum {
+  explicit CycleSum(const Band& band) : CycleSum(phasors(band.cosine, band.sine)) {}
+  explicit CycleSum(const std::vector<double>& real)
+      : CycleSum(phasors(real, std::vector<double>(real.size()))) {}
   explicit CycleSum(Weights of) : weights(std::move(of)), turn(weights[1] / weights[0]) {
     constexpr double rounding = 1e-9;
     for (std::size_t n = 0; n < weights.size(); ++n) {
@@ -45,14 +48,6 @@ struct CycleSum {
   Weights weights;
   Phasor turn;
 };
-
-CycleSum cycle_sum(const Band& band) {
-  return CycleSum(phasors(band.cosine, band.sine));
-}
-
-CycleSum cycle_sum(const std::vector<double>& weights) {
-  return CycleSum(phasors(weights, std::vector<double>(weights.size())));
-}
 
 /// Weights of a window `extra` frames longer than a cycle. Each N frames in a row give the sum; if
 /// the sinusoid of the `moving` sum moves, two more phasors appear, which rotate from row to row.
@@ -82,7 +77,7 @@ std::vector<double> parts_of(const Weights& weights, double (*part)(const Phasor
 }
 
 Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int first) {
-  const Weights window = window_of(cycle_sum(band), moving, extra, first);
+  const Weights window = window_of(CycleSum(band), moving, extra, first);
   Band made = band;
   for (std::vector<double>* const weights : {&made.cosine, &made.sine}) {
     std::rotate(weights->begin(), weights->begin() + first, weights->end());
@@ -90,7 +85,7 @@ Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int fir
   made.cycle = step_run(made);
   made.cosine = parts_of(window, std::real);
   made.sine = parts_of(window, std::imag);
-  made.mean = parts_of(window_of(cycle_sum(band.mean), moving, extra, first), std::real);
+  made.mean = parts_of(window_of(CycleSum(band.mean), moving, extra, first), std::real);
   return made;
 }
 
@@ -100,19 +95,19 @@ Layout motion_window(const Layout& cycle, int extra, int first) {
   throw_if(extra < 0 || extra > 16, "motion {} is out of range; 0 to 16 extra frames", extra);
   const bool composed = !measuring_band(cycle).mirrored.empty();
   refuse_motion_if(composed || cycle.code || !cycle.single_frames.empty());
-  const CycleSum moving = cycle_sum(measuring_band(cycle));
+  const CycleSum moving(measuring_band(cycle));
   Layout window = cycle;
   window.frames += extra;
   for (Band& band : window.bands) band = band_in_motion(band, moving, extra, first);
   if (window.cue) {
     window.cue->weights =
-        parts_of(window_of(cycle_sum(cycle.cue->weights), moving, extra, first), std::real);
+        parts_of(window_of(CycleSum(cycle.cue->weights), moving, extra, first), std::real);
   }
   return window;
 }
 
 double motion_ripple(const Layout& cycle, int extra, double speed) {
-  const Weights steps = cycle_sum(measuring_band(cycle)).weights;
+  const Weights steps = CycleSum(measuring_band(cycle)).weights;
   const Band band = measuring_band(motion_window(cycle, extra));
   // Frame n is Re(conj(s_n) exp(i n speed)) up to scale, with s_n the weight of its step.
   Phasor fringe = 0, image = 0;

@@ -132,22 +132,19 @@ std::vector<SpectralFrame> sine_cosine_mean(double periods, double share) {
 }
 
 Band sine_cosine_mean_band(int frames, int first, double periods, const Shifts& shifts) {
-  const auto count = static_cast<std::size_t>(frames), sine = static_cast<std::size_t>(first);
   const double turn = shifts.backwards ? -1 : 1;
   const double c = 2 * std::cos(shifts.origin), s = 2 * std::sin(shifts.origin);
-  Band band{.periods = periods,
-            .cosine = std::vector<double>(count),
-            .sine = std::vector<double>(count),
-            .mean = std::vector<double>(count)};
+  const std::vector<double> none(frames);
+  Band band{.periods = periods, .cosine = none, .sine = none, .mean = none};
   // Each frame minus the mean.
   const auto weigh = [&](std::vector<double>& weights, double of_sine, double of_cosine) {
-    weights[sine] = of_sine;
-    weights[sine + 1] = of_cosine;
-    weights[sine + 2] = -(of_sine + of_cosine);
+    weights[first] = of_sine;
+    weights[first + 1] = of_cosine;
+    weights[first + 2] = -(of_sine + of_cosine);
   };
   weigh(band.cosine, turn * s, c);
   weigh(band.sine, turn * c, -s);
-  band.mean[sine + 2] = 1;
+  band.mean[first + 2] = 1;
   return band;
 }
 

@@ -59,8 +59,7 @@ std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vec
 
 double light_at(const ResponseCurve& curve, double value) {
   const auto& x = curve.values;
-  const auto above = std::upper_bound(x.begin() + 1, x.end() - 1, value);
-  const auto i = static_cast<std::size_t>(above - x.begin()) - 1;
+  const auto i = std::upper_bound(x.begin() + 1, x.end() - 1, value) - x.begin() - 1;
   const double width = x[i + 1] - x[i];
   const double t = (value - x[i]) / width;
   const double u = 1 - t;

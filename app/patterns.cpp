@@ -55,12 +55,12 @@ LinePlot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
 
 /// Compares strategies of every kind.
 void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& output) {
-  StrategyGoal wanted{.coordinate_sigma = flags.coordinate_noise,
-                      .alpha = goal.alpha,
-                      .noise_variance = goal.noise_variance,
-                      .success = goal.success,
-                      .most_periods = goal.most_periods};
-  wanted.frames = flags.frames.value_or(24);
+  const StrategyGoal wanted{.frames = flags.frames.value_or(24),
+                            .coordinate_sigma = flags.coordinate_noise,
+                            .alpha = goal.alpha,
+                            .noise_variance = goal.noise_variance,
+                            .success = goal.success,
+                            .most_periods = goal.most_periods};
   const std::vector<StrategyDesign> designs = strategy_designs(wanted);
   throw_if(designs.empty(),
            "no strategy with at most {} frames and {} periods reaches that; allow more of either, "

@@ -98,23 +98,6 @@ EngineSetup setup_for_maps(const Scan& scan, const std::string& name, const Clou
   return setup;
 }
 
-StoredCloud cloud_of_scan(const std::string& path, const CloudFlags& flags, Output& output) {
-  require_valid(flags.settings.clean);
-  Scan scan = load(path, flags, false, output);
-  const SoundScan sound = sound_scan(scan, path, flags, output);
-  nlohmann::json& findings = output.list("findings");
-  for (const Finding& finding : sound.checked.findings) findings.push_back(finding);
-  Engine engine(sound.setup);
-  StoredCloud result;
-  result.organised = true;
-  Maps maps;
-  engine.cloud_and_maps(scan.frames, result.cloud, maps);
-  if (engine.setup().scanner.photometry.noise_variance) {
-    result.uncertainty = engine.uncertainty(result.cloud, maps, scan.frames);
-  }
-  return result;
-}
-
 }  // namespace
 
 void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker) {
@@ -259,12 +242,27 @@ SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flag
 }
 
 StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
-  if (!is_cloud_file(path)) return cloud_of_scan(path, flags, output);
-  StoredCloud stored = read_cloud(path);
-  throw_if(!stored.organised,
-           "{}: its points are not organised by pixel; measure the scan, or an organised .pcd",
-           path);
-  return stored;
+  StoredCloud result;
+  if (is_cloud_file(path)) {
+    result = read_cloud(path);
+    throw_if(!result.organised,
+             "{}: its points are not organised by pixel; measure the scan, or an organised .pcd",
+             path);
+    return result;
+  }
+  require_valid(flags.settings.clean);
+  Scan scan = load(path, flags, false, output);
+  const SoundScan sound = sound_scan(scan, path, flags, output);
+  nlohmann::json& findings = output.list("findings");
+  for (const Finding& finding : sound.checked.findings) findings.push_back(finding);
+  Engine engine(sound.setup);
+  result.organised = true;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, result.cloud, maps);
+  if (engine.setup().scanner.photometry.noise_variance) {
+    result.uncertainty = engine.uncertainty(result.cloud, maps, scan.frames);
+  }
+  return result;
 }
 
 }  // namespace slipstream::app

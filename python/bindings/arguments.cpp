@@ -1,4 +1,3 @@
-
 #include <limits>
 
 #include <tbb/global_control.h>

@@ -136,9 +136,7 @@ void warn_of(const std::string& name, const std::vector<std::string>& lines) {
 
 void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool anyway) {
   if (!anyway) require_right(checked, name);
-  std::vector<std::string> lines;
-  for (const Finding& finding : checked.findings) lines.push_back(text_of(finding));
-  warn_of(name, lines);
+  for (const Finding& finding : checked.findings) warn_of(name, {text_of(finding)});
   warn_of(name, checked.repairs);
 }
 

@@ -1,6 +1,5 @@
 #include "app/board_flags.h"
 
-#include "app/scan_flags.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/simulate/named_scenes.h"
 

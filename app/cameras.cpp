@@ -7,7 +7,6 @@
 #include "slipstream/devices/virtual_gige_camera.h"
 #include "slipstream/io/recorder.h"
 #include "slipstream/reconstruct/gpu.h"
-#include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream::app {

@@ -7,7 +7,6 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_files.h"
 
 namespace slipstream::app {
 namespace {

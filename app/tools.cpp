@@ -6,7 +6,6 @@
 #include "paper/reproduction.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/plot.h"
 #include "slipstream/reconstruct/gpu.h"
 
 namespace slipstream::app {

@@ -89,15 +89,6 @@ double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
   return largest;
 }
 
-/// Shape of the print if its corners are free.
-PrintShape estimated_print(const BoardViews& views, const BundleState& state,
-                           const BoardPlaces& printed, BundleSettings settings,
-                           double usual_deviation) {
-  if (settings.print_deviation) return print_shape(state.places, printed);
-  settings.print_deviation = usual_deviation;
-  return print_shape(bundle_adjusted(views, state, printed, settings).places, printed);
-}
-
 /// Depths of the nearest and the farthest corner of all boards.
 DepthRange depths_of(const BoardViews& views, const BundleState& state) {
   DepthRange range{std::numeric_limits<double>::infinity(), 0};
@@ -257,9 +248,13 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);
   result.moved = moved_rig(views, state);
-  const double usual_print_deviation =
-      *GeometryCalibrationSettings{}.print_deviation * board.spacing;
-  result.print = estimated_print(views, state, printed, bundle, usual_print_deviation);
+  // The shape of a print that is taken for exact shows only if its corners are freed.
+  BoardPlaces places = state.places;
+  if (!bundle.print_deviation) {
+    bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * board.spacing;
+    places = bundle_adjusted(views, state, printed, bundle).places;
+  }
+  result.print = print_shape(places, printed);
   result.views = std::move(views);
   result.findings = findings_about(result);
   return result;

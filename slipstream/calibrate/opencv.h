@@ -7,7 +7,6 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
 
 namespace slipstream {

@@ -4,7 +4,6 @@
 
 #include "slipstream/check/fit.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/codes/layout.h"
 
 namespace slipstream {
 

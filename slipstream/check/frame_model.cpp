@@ -10,7 +10,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/statistics.h"
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/response/correction.h"
@@ -20,9 +19,7 @@ namespace {
 
 double dot(const std::vector<double>& weights, const float* levels, const FrameOrder& order) {
   double sum = 0;
-  for (std::size_t n = 0; n < weights.size(); ++n) {
-    sum += weights[n] * static_cast<double>(levels[order[n]]);
-  }
+  for (std::size_t n = 0; n < weights.size(); ++n) sum += weights[n] * levels[order[n]];
   return sum;
 }
 

@@ -325,9 +325,7 @@ std::vector<ShownSinusoid> TwoFrequency4N::sinusoids() const {
   std::vector<ShownSinusoid> sinusoids;
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<double> angles(4 * count);
-    for (std::size_t step = 0; step < 4; ++step) {
-      angles[4 * i + step] = 90 * static_cast<double>(step);
-    }
+    for (int step = 0; step < 4; ++step) angles[4 * i + step] = 90 * step;
     sinusoids.push_back(
         shown_in_frames(periods[i], 1 / static_cast<double>(count), angles, shifts));
   }

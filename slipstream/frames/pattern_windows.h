@@ -13,6 +13,9 @@ std::vector<std::size_t> sample_places(Size size);
 void sample(const Frame& frame, const std::vector<std::size_t>& places,
             std::vector<float>& samples);
 
+/// Samples of one cycle of frames by index, in pairs of neighbours: see sample_places.
+using CycleSamples = std::vector<std::vector<float>>;
+
 /// Detects patterns that have slipped relative to their indices: frames of one pattern, a cycle
 /// apart, differ little; different patterns differ much. Compares each frame with the last one of
 /// every index, by the mean difference of samples where the patterns show.
@@ -35,8 +38,7 @@ class SlipWatch {
 
   /// Whether there has been a frame of each index; until then all verdicts are inconclusive.
   [[nodiscard]] bool has_cycle() const;
-  /// Samples of one cycle of frames by index, in pairs of neighbours: see sample_places.
-  [[nodiscard]] const std::vector<std::vector<float>>& cycle() const { return last_; }
+  [[nodiscard]] const CycleSamples& cycle() const { return last_; }
 
   /// Shifts the indices by that many places from now on.
   void move_on(int places);
@@ -57,7 +59,7 @@ class SlipWatch {
   }
 
   int count_;
-  std::vector<std::vector<float>> last_;
+  CycleSamples last_;
   std::vector<bool> known_;
   std::vector<float> distances_;
   std::vector<Seen> suspects_;  ///< one per place of the cycle, the first `suspected_` in use
@@ -65,9 +67,6 @@ class SlipWatch {
   int supporting_ = 0;
   int places_ = 0;
 };
-
-/// Samples of one cycle of frames by index, in pairs of neighbours: see sample_places.
-using CycleSamples = std::vector<std::vector<float>>;
 
 /// A run of phase-shifted frames in a cycle.
 struct CycleRun {

@@ -19,29 +19,28 @@ using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajo
 
 /// Cosine transform of each row, DCT-II, or its inverse, DCT-III, up to scale.
 void transform_rows(Rows& rows, bool back) {
-  const auto n = rows.cols();
+  const auto n = static_cast<int>(rows.cols());
   if (n == 1) return;
   std::vector<std::complex<float>> turns(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    turns[k] = std::polar(1.F, static_cast<float>(-std::numbers::pi * static_cast<double>(k) /
-                                                  (2 * static_cast<double>(n))));
+  for (int k = 0; k < n; ++k) {
+    turns[k] = std::polar(1.F, static_cast<float>(-std::numbers::pi * k / (2 * n)));
   }
   for_each_row(static_cast<int>(rows.rows()), [&](int row) {
     Eigen::FFT<float> fft;
     Eigen::VectorXcf in(n), out(n);
     // Even indices from the left, odd ones from the right.
-    const auto place = [&](Eigen::Index i) { return i % 2 == 0 ? i / 2 : n - 1 - i / 2; };
+    const auto place = [&](int i) { return i % 2 == 0 ? i / 2 : n - 1 - i / 2; };
     if (!back) {
-      for (Eigen::Index i = 0; i < n; ++i) in[place(i)] = rows(row, i);
+      for (int i = 0; i < n; ++i) in[place(i)] = rows(row, i);
       fft.fwd(out, in);
-      for (Eigen::Index k = 0; k < n; ++k) rows(row, k) = (out[k] * turns[k]).real();
+      for (int k = 0; k < n; ++k) rows(row, k) = (out[k] * turns[k]).real();
     } else {
-      for (Eigen::Index k = 0; k < n; ++k) {
+      for (int k = 0; k < n; ++k) {
         const std::complex<float> value(rows(row, k), k == 0 ? 0.F : -rows(row, n - k));
         in[k] = value * std::conj(turns[k]);
       }
       fft.inv(out, in);
-      for (Eigen::Index i = 0; i < n; ++i) rows(row, i) = out[place(i)].real();
+      for (int i = 0; i < n; ++i) rows(row, i) = out[place(i)].real();
     }
   });
 }

@@ -260,10 +260,15 @@ double shown_range(const ScanSamples& samples, int n) {
 std::vector<Finding> dark_frames(const JudgedScan& scan, bool lost = false) {
   constexpr double least_shown = 0.7;
   const auto is_shown = [&](int n) { return shown_range(scan.samples, n) >= least_shown; };
-  return frames_without_pattern(scan.samples, [&](int n) {
+  std::vector<Finding> findings;
+  for (int n = 0; n < scan.samples.frames(); ++n) {
+    auto finding = without_pattern(scan.samples, n);
+    if (!finding) continue;
     const auto beside = frames_beside(scan.model.layout(), n);
-    return beside && (lost || std::ranges::any_of(*beside, is_shown));
-  });
+    const bool reached = beside && (lost || std::ranges::any_of(*beside, is_shown));
+    if (reached) findings.push_back(std::move(*finding));
+  }
+  return findings;
 }
 
 /// Of a scan that fits: another mistake that explains it far better.

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-
 #include "slipstream/check/fit.h"
 #include "slipstream/check/scan_check.h"
 
@@ -84,10 +82,10 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit);
 /// Finds frames that are identical in whole or in part, or black from some row on.
 std::vector<Finding> damaged_frames(const ScanSamples& samples);
 
-/// Finds frames without any pattern. A pattern that is dark wherever the scene lies looks the
-/// same: `has_pattern` excludes these. Requires at least `fewest_groups`.
-std::vector<Finding> frames_without_pattern(const ScanSamples& samples,
-                                            const std::function<bool(int n)>& has_pattern);
+/// Finds a frame that contains only ambient light: nearly uniform, and almost nowhere brighter than
+/// the darkest other frame. A pattern that is dark wherever the scene lies looks the same. Requires
+/// at least `fewest_groups`.
+std::optional<Finding> without_pattern(const ScanSamples& samples, int n);
 
 /// Finds lighting that prevents or degrades measurement: no, too little or too much light, ambient
 /// light stronger than the projector's, or fewer bits than declared. `bits`: declared camera bits;

@@ -101,47 +101,14 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
       .advice = "capture the scan again; check the camera's link for lost packets"};
 }
 
-/// Finds a frame that contains only ambient light: nearly uniform, and almost nowhere brighter than
-/// the darkest other frame.
-std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
-  std::vector<float> levels, ranges;
-  std::size_t darkest = 0;
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const float* const levels_here = samples.levels(g, ScanSamples::middle);
-    const float own = levels_here[n];
-    float least = std::numeric_limits<float>::infinity(), greatest = -least;
-    for (int m = 0; m < samples.frames(); ++m) {
-      if (m == n) continue;
-      least = std::min(least, levels_here[m]);
-      greatest = std::max(greatest, levels_here[m]);
-    }
-    if (own <= least + 1) ++darkest;
-    levels.push_back(own);
-    ranges.push_back(greatest - least);
-  }
-  const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
-  const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
-  const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
-  if (share < all || spread > 0.08F * range + 2) return std::nullopt;
-  return Finding{
-      .gravity = Gravity::wrong,
-      .what = fmt::format("frame {} contains no pattern", n),
-      .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
-      .likely = fmt::format("frame {} is black: captured while the projector was dark", n),
-      .advice = "capture the scan again; check the trigger, or omit the marker frame"};
-}
-
 /// Evidence about the light of a scan; grey levels of 255.
 struct LightEvidence {
-  int bits = 8;                  ///< declared
-  double least_modulation = 15;  ///< of a point
   double modulation = 0;  ///< median of the lit pixels, scaled to a sinusoid with all the light
   double mean = 0;        ///< median of the lit pixels' means over their frames
 };
 
-LightEvidence light_of(const FrameModel& model, const ScanSamples& samples, int bits,
-                       double least_modulation) {
-  LightEvidence light{.bits = bits, .least_modulation = least_modulation};
+LightEvidence light_of(const FrameModel& model, const ScanSamples& samples) {
+  LightEvidence light;
   const FrameOrder order = model.identity();
   std::vector<double> modulations, means;
   SampleReading reading;
@@ -224,19 +191,19 @@ std::optional<Finding> mosaic(const ScanSamples& samples) {
                  .advice = "convert the camera's raw pictures to grey before saving"};
 }
 
-Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
+Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) {
   Finding finding{.gravity = samples.groups() == 0 ? Gravity::wrong : Gravity::doubtful,
                   .what = samples.groups() == 0
                               ? "no pixel reaches the minimum modulation"
                               : "under 0.3 % of the pixels reach the minimum modulation",
                   .evidence = {{"brightest grey level of 255", samples.brightest()},
                                {"largest change between frames", samples.largest_range()},
-                               {"least modulation", light.least_modulation}}};
-  const int used = bits_used(samples.brightest(), light.bits);
+                               {"least modulation", least_modulation}}};
+  const int used = bits_used(samples.brightest(), bits);
   if (samples.saturated_share() > 0.5) {
     finding.likely = "too much light: the pictures are saturated everywhere";
     finding.advice = "shorten the exposure or close the iris";
-  } else if (light.bits == 16 && used <= 14) {
+  } else if (bits == 16 && used <= 14) {
     finding.likely =
         fmt::format("pictures of {} bits in 16-bit files, or far too little light", used);
     finding.advice = fmt::format("try --camera-bits {}, or lengthen the exposure", used);
@@ -258,8 +225,7 @@ std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   if (samples.groups() < ScanSamples::fewest_groups) return findings;
   Places places(samples.groups());
   std::iota(places.begin(), places.end(), std::size_t{0});
-  std::ranges::sort(places,
-                    [&](std::size_t a, std::size_t b) { return samples.row(a) < samples.row(b); });
+  std::ranges::sort(places, {}, [&](std::size_t group) { return samples.row(group); });
   const auto add = [&](std::optional<Finding> finding) {
     if (finding) findings.push_back(std::move(*finding));
   };
@@ -270,19 +236,37 @@ std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   return findings;
 }
 
-std::vector<Finding> frames_without_pattern(const ScanSamples& samples,
-                                            const std::function<bool(int n)>& has_pattern) {
-  std::vector<Finding> findings;
-  for (int n = 0; n < samples.frames(); ++n) {
-    auto finding = without_pattern(samples, n);
-    if (finding && has_pattern(n)) findings.push_back(std::move(*finding));
+std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
+  std::vector<float> levels, ranges;
+  std::size_t darkest = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels_here = samples.levels(g, ScanSamples::middle);
+    const float own = levels_here[n];
+    float least = std::numeric_limits<float>::infinity(), greatest = -least;
+    for (int m = 0; m < samples.frames(); ++m) {
+      if (m == n) continue;
+      least = std::min(least, levels_here[m]);
+      greatest = std::max(greatest, levels_here[m]);
+    }
+    if (own <= least + 1) ++darkest;
+    levels.push_back(own);
+    ranges.push_back(greatest - least);
   }
-  return findings;
+  const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
+  const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
+  const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
+  if (share < all || spread > 0.08F * range + 2) return std::nullopt;
+  return Finding{
+      .gravity = Gravity::wrong,
+      .what = fmt::format("frame {} contains no pattern", n),
+      .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
+      .likely = fmt::format("frame {} is black: captured while the projector was dark", n),
+      .advice = "capture the scan again; check the trigger, or omit the marker frame"};
 }
 
 std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& samples, int bits,
                                   double least_modulation) {
-  const LightEvidence light = light_of(model, samples, bits, least_modulation);
+  const LightEvidence light = light_of(model, samples);
   // Shares of the lit pixels.
   constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
   // Stronger ambient light leaves few grey levels for the patterns.
@@ -298,24 +282,24 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
              .advice = fmt::format("try --camera-bits {}", bits_used(samples.brightest(), 16))}};
   }
   // A small object that is well lit is fine.
-  const bool dim = light.modulation < 1.5 * light.least_modulation;
+  const bool dim = light.modulation < 1.5 * least_modulation;
   if (samples.groups() < ScanSamples::fewest_groups && samples.lit_share() < least_lit && dim) {
-    return {too_dark(samples, light)};
+    return {too_dark(samples, bits, least_modulation)};
   }
-  const int used = bits_used(samples.brightest(), light.bits);
+  const int used = bits_used(samples.brightest(), bits);
   const double flat = flat_topped(model, samples);
   // The light is to blame once: for its ambient part if an exposure that suffices would saturate.
-  const bool dark = light.modulation < light.least_modulation;
+  const bool dark = light.modulation < least_modulation;
   const bool ambient = light.mean > most_ambient * light.modulation &&
-                       (!dark || light.mean * light.least_modulation > 255 * light.modulation);
+                       (!dark || light.mean * least_modulation > 255 * light.modulation);
   const auto add = [&](bool seen, Finding finding) {
     if (seen) findings.push_back(std::move(finding));
   };
   if (auto filtered = mosaic(samples)) findings.push_back(std::move(*filtered));
-  add(light.bits == 16 && used < 16,
-      {.what = fmt::format("only {} of {} bits are used", used, light.bits),
+  add(bits == 16 && used < 16,
+      {.what = fmt::format("only {} of {} bits are used", used, bits),
        .evidence = {{"brightest grey level of 255", samples.brightest()}},
-       .likely = fmt::format("pictures of {} bits in {}-bit files{}", used, light.bits,
+       .likely = fmt::format("pictures of {} bits in {}-bit files{}", used, bits,
                              used == 14 ? ", or far too little light" : ""),
        .advice = fmt::format("try --camera-bits {}", used)});
   add(samples.saturated_share() > most_saturated,
@@ -325,13 +309,13 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
        .advice = "shorten the exposure, close the iris or capture with --exposures 1,4"});
   add(dark && !ambient,
       {.what = "too dark: the lit pixels' median modulation is below the minimum",
-       .evidence = {{"modulation", light.modulation}, {"least modulation", light.least_modulation}},
+       .evidence = {{"modulation", light.modulation}, {"least modulation", least_modulation}},
        .likely = "far too little light for this surface",
        .advice = "lengthen the exposure, open the iris or darken the room"});
   add(findings.empty() && samples.dim_share() > most_dim,
       {.what = fmt::format("over {:g} % of the pixels that the patterns reach are too dark",
                            100 * most_dim),
-       .evidence = {{"share", samples.dim_share()}, {"least modulation", light.least_modulation}},
+       .evidence = {{"share", samples.dim_share()}, {"least modulation", least_modulation}},
        .likely = "far too little light for most of the scene",
        .advice = "lengthen the exposure, capture with --exposures 1,4 or lower --min-modulation"});
   add(flat > most_flat,

@@ -130,9 +130,8 @@ fs::path picture_named(const fs::path& folder, const std::string& name) {
 }
 
 void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
-  std::vector<fs::path> pictures(primary_names.size());
-  std::transform(primary_names.begin(), primary_names.end(), pictures.begin(),
-                 [&](const char* name) { return picture_named(flags.folder, name); });
+  std::vector<fs::path> pictures;
+  for (const char* name : primary_names) pictures.push_back(picture_named(flags.folder, name));
   const ColourMixture mixture = measured_mixture(read_colour_frames(pictures));
   for (std::size_t c = 0; c < mixture.size(); ++c) {
     const auto& [red, green, blue, dark] = mixture[c];

@@ -48,8 +48,7 @@ std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
       all.push_back(number(name, help, unit, {static_cast<double>(value), least, most}));
     }
   });
-  std::stable_partition(all.begin(), all.end(),
-                        [](const RunSetting& setting) { return setting.choices.empty(); });
+  std::ranges::stable_partition(all, std::ranges::empty, &RunSetting::choices);
   return all;
 }
 

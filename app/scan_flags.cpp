@@ -11,7 +11,7 @@ namespace {
 
 /// Converts low_steps to --low-steps.
 std::string flag_of(std::string setting) {
-  std::replace(setting.begin(), setting.end(), '_', '-');
+  std::ranges::replace(setting, '_', '-');
   return "--" + setting;
 }
 
@@ -124,8 +124,7 @@ void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
 }
 
 bool is_pattern_switch(const std::string& word) {
-  const std::vector<SettingDescription> settings = strategy_settings();
-  return std::any_of(settings.begin(), settings.end(), [&](const SettingDescription& setting) {
+  return std::ranges::any_of(strategy_settings(), [&](const SettingDescription& setting) {
     return setting.is_switch && flag_of(setting.name) == word;
   });
 }

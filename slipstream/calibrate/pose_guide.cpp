@@ -26,8 +26,8 @@ std::vector<float> greys_of(const Image<float>& picture, const BoardCorners& boa
   return greys;
 }
 
-/// Mean distance of the common corners, pixels; nullopt without common corners.
-std::optional<double> distance(const BoardCorners& seen, const BoardView& taken) {
+/// Mean distance of the common corners, pixels; infinite without common corners.
+double distance(const BoardCorners& seen, const BoardView& taken) {
   double sum = 0;
   int count = 0;
   for (std::size_t i = 0; i < seen.places.size(); ++i) {
@@ -36,16 +36,7 @@ std::optional<double> distance(const BoardCorners& seen, const BoardView& taken)
     sum += (seen.pixels[i] - taken.camera[before - taken.places.begin()]).norm();
     ++count;
   }
-  if (count == 0) return std::nullopt;
-  return sum / count;
-}
-
-const BoardView* same_pose(const BoardCorners& seen, const BoardViews& taken, int width) {
-  constexpr double near = 0.03;
-  const auto known = std::find_if(taken.begin(), taken.end(), [&](const BoardView& view) {
-    return distance(seen, view).value_or(width) < near * width;
-  });
-  return known == taken.end() ? nullptr : &*known;
+  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
 /// Verdict on exposure and focus; nullopt if both are fine.
@@ -123,7 +114,7 @@ std::vector<std::string> missing_places(const Image<std::uint8_t>& coverage) {
 std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
   constexpr std::array edges{"left", "right", "upper", "lower"};
   std::vector<std::string> advice;
-  const auto edge = std::find(needs.tilted.begin(), needs.tilted.end(), false);
+  const auto edge = std::ranges::find(needs.tilted, false);
   if (edge != needs.tilted.end()) {
     advice.push_back(fmt::format("tilt its {} edge towards the camera by 20 to 40 degrees",
                                  edges[edge - needs.tilted.begin()]));
@@ -275,7 +266,11 @@ PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
                         board.rows, board.kind == BoardKind::charuco ? "" : "fully ")};
   }
   if (std::optional<PoseVerdict> why = unfit(pictures, board, *seen)) return *why;
-  if (const BoardView* const known = same_pose(*seen, taken, pictures.mean.width())) {
+  constexpr double near = 0.03;  // of the picture's width
+  const auto known = std::ranges::find_if(taken, [&](const BoardView& view) {
+    return distance(*seen, view) < near * pictures.mean.width();
+  });
+  if (known != taken.end()) {
     return {PoseState::known,
             fmt::format("pose already captured ({}): move or tilt the board", known->name),
             std::move(seen)};

@@ -308,8 +308,7 @@ std::vector<int> measuring_frames(const Layout& layout) {
     const bool in_band = std::ranges::any_of(layout.bands, [n](const Band& band) {
       return band.cosine[n] != 0 || band.sine[n] != 0 || band.mean[n] != 0;
     });
-    const bool alone = std::ranges::any_of(
-        layout.single_frames, [n](const SingleFrame& single) { return single.frame == n; });
+    const bool alone = std::ranges::count(layout.single_frames, n, &SingleFrame::frame) > 0;
     if (in_band || alone || (layout.cue && layout.cue->weights[n] != 0)) frames.push_back(n);
   }
   return frames;

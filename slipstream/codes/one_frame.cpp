@@ -44,6 +44,16 @@ Symbols without_repeats(std::size_t count, const Following& following, const Win
 
 constexpr int least = 8;
 
+/// 0: round, 1: elongated along the axis, 2: across it. Intensity in [0, 1] at a position in its
+/// cell, -0.5 to 0.5.
+double symbol_shape(int symbol, double along, double across) {
+  constexpr std::array along_reach{0.32, 0.48, 0.18}, across_reach{0.32, 0.18, 0.48};
+  const auto bump = [&](double at, const auto& reach) {
+    return std::abs(at) < reach[symbol] ? 0.5 + 0.5 * std::cos(pi * at / reach[symbol]) : 0;
+  };
+  return bump(along, along_reach) * bump(across, across_reach);
+}
+
 }  // namespace
 
 SymbolGrid coloured_stripes(int stripes) {
@@ -93,14 +103,6 @@ SymbolGrid symbol_array(int columns, int rows) {
   return {columns, without_repeats(columns * rows, following, window)};
 }
 
-double symbol_shape(int symbol, double along, double across) {
-  constexpr std::array along_reach{0.32, 0.48, 0.18}, across_reach{0.32, 0.18, 0.48};
-  const auto bump = [&](double at, const auto& reach) {
-    return std::abs(at) < reach[symbol] ? 0.5 + 0.5 * std::cos(pi * at / reach[symbol]) : 0;
-  };
-  return bump(along, along_reach) * bump(across, across_reach);
-}
-
 double grid_intensity(const SymbolGrid& grid, int n, double y, double across) {
   const auto place = [](double at, int count) {
     return std::clamp(static_cast<int>(std::floor(at)), 0, count - 1);
@@ -118,7 +120,7 @@ double grid_intensity(const SymbolGrid& grid, int n, double y, double across) {
   };
   const double x = y * grid.columns - 0.5;
   const int stripe = static_cast<int>(std::floor(x));
-  const double share = 0.5 - 0.5 * std::cos(std::numbers::pi * (x - stripe));
+  const double share = 0.5 - 0.5 * std::cos(pi * (x - stripe));
   return level(stripe) + (level(stripe + 1) - level(stripe)) * share;
 }
 

@@ -28,9 +28,6 @@ SymbolGrid coloured_stripes(int stripes);
 /// below 8 or above 4096.
 SymbolGrid symbol_array(int columns, int rows);
 
-/// 0: round, 1: elongated along the axis, 2: across it. Intensity in [0, 1] at a position in its
-/// cell, -0.5 to 0.5.
-double symbol_shape(int symbol, double along, double across);
 /// Intensity of the grid: stripes of channel n, with sinusoidal slopes between their centres; or
 /// symbols.
 double grid_intensity(const SymbolGrid& grid, int n, double y, double across);

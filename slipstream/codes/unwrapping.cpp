@@ -69,8 +69,7 @@ std::vector<PhaseSum> beats(const Layout& layout) {
   std::erase_if(sums, [&](const PhaseSum& sum) {
     return sum.periods < least_periods || sum.periods >= measuring.periods;
   });
-  std::ranges::stable_sort(
-      sums, [](const PhaseSum& a, const PhaseSum& b) { return a.periods < b.periods; });
+  std::ranges::stable_sort(sums, {}, &PhaseSum::periods);
   sums.push_back(measuring);
   return sums;
 }

@@ -25,9 +25,7 @@ class CornerFlow {
 
   /// Changes the steps so that all loops close.
   void run() {
-    if (std::all_of(residues_.begin(), residues_.end(), [](int residue) { return residue == 0; })) {
-      return;
-    }
+    if (std::ranges::all_of(residues_, [](int residue) { return residue == 0; })) return;
     const std::size_t corners = residues_.pixel_count();
     weights_ = smoothness(wrapped_);
     potentials_.resize(corners);

@@ -118,8 +118,7 @@ ShaderProgram::ShaderProgram(const ShaderSources& sources)
     : program_(held(glCreateProgram(), [](GLuint old) { glDeleteProgram(old); })) {
   const auto attach = [&](GLenum kind, const char* source) {
     if (source == nullptr) return;
-    const Resource shader = compile(kind, source);
-    glAttachShader(*program_, *shader);
+    glAttachShader(*program_, *compile(kind, source));
   };
   attach(GL_VERTEX_SHADER, sources.vertex);
   attach(GL_GEOMETRY_SHADER, sources.geometry);
@@ -225,8 +224,7 @@ std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
   return monitors;
 }
 
-Window::Window(const WindowSystem& system, const WindowSettings& settings) {
-  static_cast<void>(system);
+Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings) {
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

@@ -74,8 +74,7 @@ std::string text_of(const Latency& latency) {
 }
 
 double rate_of(const LiveStatistics& statistics, std::string_view stage) {
-  const auto found = std::find_if(statistics.stages.begin(), statistics.stages.end(),
-                                  [&](const StageStatistics& s) { return s.name == stage; });
+  const auto found = std::ranges::find(statistics.stages, stage, &StageStatistics::name);
   return found == statistics.stages.end() ? 0 : found->rate;
 }
 

@@ -16,7 +16,6 @@ struct CompareFlags {
   std::string folder;
 };
 
-/// One row of the table.
 struct Row {
   std::string scene, world, strategy;
   int frames = 0;

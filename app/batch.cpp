@@ -79,7 +79,6 @@ void plan_batch(const BatchFlags& given, Output& output) {
              flags.reconstruct.scans.size(), flags.tasks, flags.folder, flags.tasks);
 }
 
-/// A planned batch.
 struct Batch {
   std::uint64_t tasks = 0;
   ReconstructFlags flags{};

@@ -206,7 +206,6 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
                               "findings", checked.findings);
 }
 
-/// Opens and starts all.
 CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
   require_good(flags);
   CaptureRig rig{.projector = open_projector(flags.monitor)};

@@ -182,7 +182,6 @@ struct FlagGroup {
   }
 };
 
-/// Marks a flag as required.
 inline CLI::Option* required(CLI::Option* option) {
   return option->required()->default_str("");
 }
@@ -239,7 +238,6 @@ struct Commands {
   }
 };
 
-/// Adds a subcommand.
 using AddCommand = void(const Commands& program);
 AddCommand add_demo, add_patterns, add_design, add_reconstruct, add_check, add_measure;
 AddCommand add_simulate, add_calibrate, add_batch, add_convert, add_unwrap, add_height, add_verify;

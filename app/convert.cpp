@@ -37,8 +37,8 @@ class JoinedRecording {
 
   void begin(RecordingHeader header, const std::string& input) {
     throw_if(
-        !(!writer_ || (header.format == header_.format && header.sequence == header_.sequence &&
-                       header.scanner == header_.scanner && header.in_colour == header_.in_colour)),
+        writer_ && !(header.format == header_.format && header.sequence == header_.sequence &&
+                     header.scanner == header_.scanner && header.in_colour == header_.in_colour),
         "{}: camera, strategy or scanner differs from the inputs before it", input);
     throw_if(inputs_ != 1 && header.white.count() != 0,
              "{}: has a white picture, and a recording holds only one; convert it on its own",

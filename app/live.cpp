@@ -349,7 +349,7 @@ namespace {
 /// The flags of `serve`.
 LiveFlags served(LiveFlags flags) {
   flags.headless = true;
-  throw_if(!(!flags.publish.empty() || !flags.record.empty()),
+  throw_if(flags.publish.empty() && flags.record.empty(),
            "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
            "publish: [web:8080]");
   require_good(flags);

@@ -53,7 +53,6 @@ LinePlot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
           {std::move(noise), std::move(unit)}};
 }
 
-/// Compares strategies of every kind.
 void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& output) {
   const StrategyGoal wanted{.frames = flags.frames.value_or(24),
                             .coordinate_sigma = flags.coordinate_noise,

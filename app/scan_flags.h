@@ -34,10 +34,8 @@ struct ScanFlags : ScanChanges {
 /// add_scan_flags.
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags);
 
-/// Adds --anyway.
 void add_anyway_flag(CLI::App& subcommand, bool& anyway);
 
-/// Adds --backend.
 void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings);
 
 /// Adds --raw, which also removes the limits of depth, and the flags of `settings.clean`.

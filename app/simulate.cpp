@@ -70,7 +70,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
-  throw_if(!(!flags.second_camera || lower_case_extension(flags.folder) != ".slip"),
+  throw_if(flags.second_camera && lower_case_extension(flags.folder) == ".slip",
            "--second-camera needs a folder; a recording holds one camera's frames");
   require_valid(world.photometry);
   output.tell_wait("rendering the frames");

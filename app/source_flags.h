@@ -38,7 +38,6 @@ struct SourceFlags : SourceRequest {
 /// Adds the flags of camera, patterns, --marker if `with_marker`, and the virtual scanner.
 void add_source_flags(CLI::App& command, SourceFlags& flags, bool with_marker);
 
-/// Adds --limit.
 void add_limit_flag(CLI::App& command, FileLimit& limit);
 
 /// Whether the source is neither virtual nor a replay.

@@ -85,7 +85,7 @@ std::vector<std::pair<int, int>> pixels_about(const PixelPlaces& corners, Size s
     }
   }
   std::ranges::sort(pixels);
-  pixels.erase(std::ranges::unique(pixels).begin(), pixels.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
   return pixels;
 }
 

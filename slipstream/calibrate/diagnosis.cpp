@@ -96,7 +96,6 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
                       .advice = "add poses tilted by 20 to 40 degrees, each in another direction"});
 }
 
-/// Reports weaknesses of the set of poses.
 void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibration,
                bool nearly_parallel) {
   constexpr std::size_t few_poses = 5;
@@ -185,7 +184,6 @@ bool is_shift(const ProjectorOffset& offset) {
   return offset.spread < most_spread * offset.mean.norm();
 }
 
-/// Reports the worst pose if it fits badly.
 void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& calibration) {
   // A shift: twice the RMS of the others; chance gives 1 to 2.5. Otherwise the lens model may not
   // extrapolate to the pose, which gives up to 8 on real boards.

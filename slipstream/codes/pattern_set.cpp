@@ -32,12 +32,11 @@ Axis axis_named(std::string_view name) {
 }
 
 void require_valid(const PatternLight& light) {
-  const bool in_range =
-      light.alpha_p > 0 && light.beta_p >= 0 && light.alpha_p + light.beta_p <= 255;
+  const auto& [alpha_p, beta_p] = light;
   throw_if(
-      !in_range,
+      !(alpha_p > 0 && beta_p >= 0 && alpha_p + beta_p <= 255),
       "alpha_p {} and beta_p {} are out of range; alpha_p > 0, beta_p >= 0 and their sum <= 255",
-      light.alpha_p, light.beta_p);
+      alpha_p, beta_p);
 }
 
 PatternSet pattern_alone(const PatternSet& patterns, int n) {

@@ -258,8 +258,7 @@ std::vector<SettingDescription> strategy_settings() {
       constexpr bool is_word = std::is_same_v<Value, std::string>;
       std::string owner(Coding::name);
       if (usual.contains(name)) owner += fmt::format(" {}", usual.at(name).text());
-      const auto known =
-          std::ranges::find_if(settings, [&](const auto& setting) { return setting.name == name; });
+      const auto known = std::ranges::find(settings, name, &SettingDescription::name);
       if (known == settings.end()) {
         settings.push_back({name, help, owner, is_switch, is_word});
       } else {

@@ -283,8 +283,7 @@ void MeanFrames::add(const FrameSet& frames) {
       });
     }
   });
-  std::transform(saturated.begin(), saturated.end(), saturated_.begin(), saturated_.begin(),
-                 [](std::uint8_t a, std::uint8_t b) { return a | b; });
+  std::ranges::transform(saturated, saturated_, saturated_.begin(), std::bit_or<>());
   ++count_;
 }
 

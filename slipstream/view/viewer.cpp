@@ -47,7 +47,6 @@ struct WindowEvents {
   std::string dropped;  ///< path of a file dropped on the window
 };
 
-/// Notes an event.
 WindowEvents& touch(GLFWwindow* window) {
   auto& events = *static_cast<WindowEvents*>(glfwGetWindowUserPointer(window));
   events.last = Clock::now();

@@ -101,8 +101,7 @@ void say_measure(const std::string& what, const BoardMeasure& measure, Output& o
 }
 
 /// Writes the corrected scanner if requested and if there is something to correct.
-void write_corrected(const CalibrateVerifyFlags& flags, const Verification& found,
-                     Scanner corrected, Output& output) {
+void write_corrected(const CalibrateVerifyFlags& flags, const Verification& found, Output& output) {
   if (!flags.output) return;
   if (found.holds) {
     return output.say("{} was not written: nothing to correct", *flags.output);
@@ -111,6 +110,7 @@ void write_corrected(const CalibrateVerifyFlags& flags, const Verification& foun
     throw Error(
         fmt::format("{} was not written: {}", *flags.output, text_of(found.findings.back())));
   }
+  Scanner corrected = found.corrected;
   if (!corrected.measured.empty()) corrected.measured += "; ";
   corrected.measured += fmt::format("pose corrected by {} boards", found.poses.size());
   write_scanner(*flags.output, corrected);
@@ -149,7 +149,7 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
              found.holds    ? "holds"
              : found.mended ? "is wrong; the corrected pose is right"
                             : "is wrong, and a corrected pose does not help");
-  write_corrected(flags, found, found.corrected, output);
+  write_corrected(flags, found, output);
 }
 
 GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {

@@ -1,7 +1,5 @@
 #include "app/source_flags.h"
 
-#include <numbers>
-
 #include "app/commands.h"
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
@@ -34,9 +32,7 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
   group.add_read<Numbers>("--move", move, "motion per frame: X Y Z, mm")
       ->expected(3)
       ->default_str(fmt::format("{}", fmt::join(flags.idle_step, " ")));
-  const auto turn = [&motion](double degrees) {
-    motion.turn.y() = degrees * std::numbers::pi / 180;
-  };
+  const auto turn = [&motion](double degrees) { motion.turn.y() = degrees * degree; };
   group.add_read<double>("--turn", turn, "rotation per frame about the vertical axis, degrees")
       ->default_str("0");
   const auto vibrate = [&motion](const Numbers& flag) {
@@ -82,7 +78,7 @@ void add_virtual_flags(CLI::App& command, VirtualFlags& flags) {
 }
 
 VirtualWorld world_from(VirtualFlags flags) {
-  throw_if(!(!flags.scanner_file || !flags.camera_size),
+  throw_if(flags.scanner_file && flags.camera_size,
            "--scanner and --camera exclude each other; the scanner file sets the camera's size");
   if (flags.scanner_file) {
     flags.scanner = read_scanner(*flags.scanner_file);
@@ -185,7 +181,7 @@ std::vector<Image<std::uint8_t>> pictures_to_show(Sequence sequence) {
 
 SourceRequest request_from(const SourceFlags& flags) {
   SourceRequest request = flags;
-  throw_if(!(is_camera(request) || request.camera.pixel_format != PixelFormat::rgb8),
+  throw_if(!is_camera(request) && request.camera.pixel_format == PixelFormat::rgb8,
            "--pixel-format RGB8: applies to cameras, and {} is not one; drop it", request.source);
   if (scheme_of(request.source) == "virtual") {
     VirtualFlags world = flags.virtual_scanner;

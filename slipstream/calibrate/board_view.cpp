@@ -5,10 +5,10 @@
 #include <complex>
 #include <limits>
 #include <map>
-#include <numbers>
 
 #include <Eigen/QR>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/calibrate/board_corners.h"
 #include "slipstream/calibrate/opencv.h"
@@ -50,10 +50,9 @@ std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2
   }
   const auto [low, high] = std::ranges::minmax_element(profile);
   if (profile.size() <= across || *high - *low < least_height) return std::nullopt;
-  return (*high - *low) / (steepest * std::sqrt(2 * std::numbers::pi));
+  return (*high - *low) / (steepest * std::sqrt(two_pi));
 }
 
-using std::numbers::pi;
 using Complex = std::complex<double>;
 
 /// Pixels of a board and their intensities, grey levels of 8 bits: a row for each pixel, a column
@@ -190,14 +189,14 @@ Eigen::VectorXd phase_errors(const Samples& samples, Eigen::VectorXd turns) {
       errors[i] -= whole;
     }
   }
-  return 2 * pi * errors;
+  return two_pi * errors;
 }
 
 /// Phase of each sample in turns, unwrapped from sample to nearest sample. Does not use the coarser
 /// bands, which a ripple spoils most.
 Eigen::VectorXd unwrapped_turns(const Samples& samples, const Eigen::VectorXd& phase) {
   const Eigen::Index count = phase.size();
-  Eigen::VectorXd turns = phase / (2 * pi);
+  Eigen::VectorXd turns = phase / two_pi;
   Eigen::VectorXd distance =
       Eigen::VectorXd::Constant(count, std::numeric_limits<double>::infinity());
   std::vector<Eigen::Index> from(count, 0);

@@ -1,7 +1,6 @@
 #include "slipstream/calibrate/diagnosis.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -24,9 +23,8 @@ void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& s
   // A response affects all scans; a ripple in only a few has another cause.
   if (2 * rippled < std::ssize(scans) || rippled == 0) return;
   const double ripple = median_of(scans, &FringeSigns::ripple);
-  const double pixels = median_of(scans, [](const FringeSigns& signs) {
-    return signs.ripple * signs.period / (2 * std::numbers::pi);
-  });
+  const double pixels = median_of(
+      scans, [](const FringeSigns& signs) { return signs.ripple * signs.period / two_pi; });
   findings.push_back(
       {.what = fmt::format("the phase has a ripple that repeats {} times in each fringe",
                            scans.front().steps),

@@ -62,9 +62,8 @@ Eigen::Vector2d at(const Vector8& h, const Eigen::Vector2d& point) {
          (h.tail<2>().dot(point) + 1);
 }
 
-/// Linear least squares for h with the samples' weights times `factors`.
-std::optional<Vector8> fitted(const std::vector<Sample>& samples,
-                              const std::vector<double>& factors) {
+/// Linear least squares for h with the samples' weights times `factors`; NaN if undetermined.
+Vector8 fitted(const std::vector<Sample>& samples, const std::vector<double>& factors) {
   Matrix8 normal = Matrix8::Zero();
   Vector8 right = Vector8::Zero();
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -78,8 +77,7 @@ std::optional<Vector8> fitted(const std::vector<Sample>& samples,
     normal += w * (row_x * row_x.transpose() + row_y * row_y.transpose());
     right += w * (projector.x() * row_x + projector.y() * row_y);
   }
-  const Vector8 h = normal.ldlt().solve(right);
-  return h.allFinite() ? std::optional(h) : std::nullopt;
+  return normal.ldlt().solve(right);
 }
 
 /// Initial factors: 0 for pixels off by whole fringes (far from the median), 1 for the others.
@@ -108,9 +106,8 @@ ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
   std::vector<double> residuals(samples.size());
   Vector8 h = Vector8::Zero();
   for (int round = 0; round < rounds; ++round) {
-    const std::optional<Vector8> fit = fitted(samples, factors);
-    if (!fit) return none;
-    h = *fit;
+    h = fitted(samples, factors);
+    if (!h.allFinite()) return none;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       residuals[i] = (at(h, samples[i].camera) - samples[i].projector).norm();
     }

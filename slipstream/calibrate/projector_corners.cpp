@@ -62,7 +62,7 @@ Eigen::Vector2d at(const Vector8& h, const Eigen::Vector2d& point) {
          (h.tail<2>().dot(point) + 1);
 }
 
-/// Linear least squares for h with the samples' weights times `factors`; NaN if undetermined.
+/// Linear least squares for h with the weights times `factors`; not finite if undetermined.
 Vector8 fitted(const std::vector<Sample>& samples, const std::vector<double>& factors) {
   Matrix8 normal = Matrix8::Zero();
   Vector8 right = Vector8::Zero();

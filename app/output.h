@@ -109,7 +109,6 @@ class Output {
     for (const auto& [stream, line] : held.held_) write_line(stream, line);
   }
 
-  /// Whether the JSON document is requested.
   [[nodiscard]] bool is_json() const { return json_; }
 
   /// A line of text.

@@ -48,7 +48,6 @@ class RunEnd {
   RunEnd& operator=(const RunEnd&) = delete;
 
   [[nodiscard]] bool reached() const;
-  /// Forgets a received signal.
   void forget_signal() const;
   /// Since construction.
   [[nodiscard]] double seconds() const;

@@ -164,7 +164,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   const bool scan = is_scan(flags.path);
   const bool of_rig = flags.command->count("--rig") > 0;  // errors here would not concern a cloud
   for (const CLI::Option* option : flags.of_scans) {
-    throw_if(!(scan || of_rig || option->count() == 0 || !fs::exists(flags.path)),
+    throw_if(option->count() > 0 && !scan && !of_rig && fs::exists(flags.path),
              "{}: {} applies to scans only", flags.path, option->get_name());
   }
   if (flags.path.empty()) {

@@ -156,10 +156,9 @@ Eigen::VectorXd smooth_course(const Eigen::MatrixX2d& pixels, const Eigen::Vecto
                               const Eigen::VectorXd& weights) {
   Eigen::MatrixXd terms(pixels.rows(), 12);
   int term = 0;
-  for (int degree = 0; degree <= 3; ++degree) {
-    for (int of_v = 0; of_v <= degree; ++of_v) {
-      terms.col(term++) =
-          pixels.col(0).array().pow(degree - of_v) * pixels.col(1).array().pow(of_v);
+  for (int power = 0; power <= 3; ++power) {
+    for (int of_v = 0; of_v <= power; ++of_v) {
+      terms.col(term++) = pixels.col(0).array().pow(power - of_v) * pixels.col(1).array().pow(of_v);
     }
   }
   terms.col(10) = -y.cwiseProduct(pixels.col(0));

@@ -1,6 +1,7 @@
 #include "slipstream/calibrate/pose_guide.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include <opencv2/calib3d.hpp>

@@ -315,11 +315,11 @@ double noise_gain(const Response& response, int steps, double phi) {
           distorted_phase(response, steps, phi - step));
 }
 
-PhaseCorrection phase_correction(const Response& response, int steps) {
+PhaseCorrection phase_correction(const Response& response, int steps, double accuracy) {
   throw_if(steps < 3, "{} steps are out of range; 3 or more", steps);
   if (const auto* law = std::get_if<PowerLaw>(&response)) require_gamma(law->gamma, "gamma");
   constexpr std::size_t shortest = 256, longest = 65536;
-  constexpr double accuracy = 2e-7;  // rad
+
   // The first half of the period; the second is its mirror image with opposite sign.
   std::vector<double> half;
   for (std::size_t i = 0; i <= shortest / 2; ++i) {
@@ -370,10 +370,12 @@ std::optional<PhaseCorrection> phase_correction(const Response& response, const 
   return correction;
 }
 
-PhaseCorrections phase_corrections(const Response& response, const Layout& layout) {
+PhaseCorrections phase_corrections(const Response& response, const Layout& layout,
+                                   double accuracy) {
   PhaseCorrections corrections;
   for (const int steps : step_counts(layout)) {
-    if (!corrections.contains(steps)) corrections[steps] = phase_correction(response, steps);
+    if (!corrections.contains(steps))
+      corrections[steps] = phase_correction(response, steps, accuracy);
   }
   for (const Band& band : layout.bands) {
     if (bent_run(band)) continue;

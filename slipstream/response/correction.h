@@ -114,10 +114,10 @@ double true_phase(const std::function<double(double)>& distorted, int steps, dou
 double noise_gain(const Response& response, int steps, double phi);
 
 /// The correction of the measured phase, as a table: made once per device. Its length is the power
-/// of two, 256 to 65536, at which linear interpolation is within 2e-7 rad; above gamma 4.5, N = 3
-/// would need more where the measured phase hardly changes, and is less accurate there.
+/// of two, 256 to 65536, at which linear interpolation is within `accuracy` (rad); above gamma 4.5,
+/// N = 3 would need more where the measured phase hardly changes, and is less accurate there.
 /// Throws Error if N < 3 or gamma is out of range.
-PhaseCorrection phase_correction(const Response& response, int steps);
+PhaseCorrection phase_correction(const Response& response, int steps, double accuracy = 2e-7);
 
 /// The same for the frames of one sinusoid at any angles, which the band's least-squares weights
 /// imply, for phases around the whole circle: `steps` is 1. nullopt for other bands, and if the
@@ -126,7 +126,8 @@ std::optional<PhaseCorrection> phase_correction(const Response& response, const 
 
 /// One correction per distinct step count, and one for the bands without a run of steps, as 1 step,
 /// if they share one.
-PhaseCorrections phase_corrections(const Response& response, const Layout& layout);
+PhaseCorrections phase_corrections(const Response& response, const Layout& layout,
+                                   double accuracy = 2e-7);
 
 /// The images that a projector with that response turns into the light of `patterns`: the inverse
 /// response is applied before projection. The alternative to correcting the phase; it costs grey

@@ -30,12 +30,17 @@ inline std::vector<Strategy> every_phase_strategy() {
           TwoFrequency4N{.periods = {1, 4, 16}, .shifts = elsewhere}};
 }
 
-/// Those of them that the fused pass leaves to the reference engine.
+/// Those of them that the shaders leave to the CPU.
+inline std::vector<Strategy> every_strategy_on_cpu() {
+  const Shifts elsewhere{.origin = 2.1, .backwards = true};
+  return {MicroPhaseShifting{.periods = {25, 23, 22, 19}, .shifts = elsewhere},
+          MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"}};
+}
+
+/// Those of them that also the fused pass leaves to the reference engine.
 inline std::vector<Strategy> every_strategy_by_reference() {
   const Shifts elsewhere{.origin = 2.1, .backwards = true};
   return {PhaseChannelMultiplexing{.steps = 5, .shifts = {0.7, true}},
-          MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"},
-          MicroPhaseShifting{.periods = {25, 23, 22, 19}, .shifts = elsewhere},
           ModulatedPhaseShifting{},
           ModulatedPhaseShifting{.carrier_steps = 2, .carrier = 40},
           ModulatedPhaseShifting{

@@ -309,7 +309,6 @@ constexpr UnwrappingWay likelihood_way{.name = "number-theory",
                                        .order_source = OrderSource::pixel,
                                        .weighs_bands = true,
                                        .tries_orders = true,
-                                       .in_kernels = false,
                                        .require = require_unlike,
                                        .wrong_orders = wrong_likelihoods};
 constexpr UnwrappingWay code_way{.name = "code",
@@ -325,7 +324,6 @@ constexpr UnwrappingWay code_alone_way{.name = "code-alone",
 constexpr UnwrappingWay single_frames_way{.name = "single-frames",
                                           .order_source = OrderSource::pixel,
                                           .tries_orders = true,
-                                          .in_kernels = false,
                                           .require = require_single_frames,
                                           .coordinate_variance = single_frames_variance};
 }  // namespace

@@ -82,7 +82,8 @@ std::vector<Strategy> all_strategies() {
                             DualFrequency{.steps = 3, .high = 16},
                             DualFrequency{.steps = 3, .high = 8},
                             GrayPhase{.steps = 12, .shifts = {std::numbers::pi, true}}};
-  for (const auto& more : {every_phase_strategy(), every_strategy_by_reference(), every_code()}) {
+  for (const auto& more : {every_phase_strategy(), every_strategy_on_cpu(),
+                           every_strategy_by_reference(), every_code()}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;

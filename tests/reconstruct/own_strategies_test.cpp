@@ -29,7 +29,9 @@ std::string text_of(const Strategy& strategy) {
 /// All that the fused pass takes.
 std::vector<Strategy> fused_strategies() {
   std::vector<Strategy> strategies = own_strategies();
-  for (const Strategy& strategy : every_phase_strategy()) strategies.push_back(strategy);
+  for (const auto& more : {every_phase_strategy(), every_strategy_on_cpu()}) {
+    strategies.insert(strategies.end(), more.begin(), more.end());
+  }
   return strategies;
 }
 

@@ -264,7 +264,8 @@ class CueVectors {
         hn::Or(
             flag_where(hn::Le(square, hn::Set(d, row_.cue_limits.lit_square)), PixelFlag::dim),
             flag_where(hn::Gt(doubt, hn::Set(d, cue_.largest_doubt)), PixelFlag::doubtful_order)));
-    if (HWY_UNLIKELY(saturated)) flags = hn::Or(flags, saturation_flag(row_.limits, at(i).high));
+    if (HWY_UNLIKELY(saturated))
+      flags = hn::Or(flags, saturation_flag(row_.limits, at(i).high.greatest));
     hn::StoreU(flags, di, row_.flags + i);
   }
 

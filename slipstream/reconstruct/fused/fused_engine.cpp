@@ -15,6 +15,7 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
     const auto rows_of = [&](auto&... rows) { (prepare(rows, {width, 1}), ...); };
     scratch.kept.prepare(width, 4);
     prepare(scratch.turns, turns);
+    prepare(scratch.modulations, turns);
     prepare(scratch.unwrapped, {width, 2});
     rows_of(scratch.sum, scratch.coarse, scratch.mean, scratch.x, scratch.y, scratch.z,
             scratch.validity);
@@ -135,14 +136,23 @@ void unwrap_bands(const FusedBand& band, int row, const float* mean, Maps* maps)
                *const kept = scratch.kept.coordinates(row);
   std::int32_t* const flags = scratch.kept.flags(row);
   float* const y = maps != nullptr ? maps->coordinate.row(row) : kept;
-  const float* coarse = coarse_row(band, row, mean);
+  UnwrappedRow to{.width = width, .coordinate = y, .flags = flags, .doubt = doubt};
+  const std::int32_t hidden = maps == nullptr ? PixelFlag::dark : 0;
+  if (const auto& orders = band.stages.orders) {
+    to.hidden = hidden;
+    band.stages.weighs_modulations()
+        ? likelihood_row(*orders, scratch.turns, scratch.modulations, to)
+        : fit_row(*orders, band.limits.front(), band.frame_rows(row), scratch.turns.begin(), to);
+  }
+  const float* coarse = chain.empty() ? nullptr : coarse_row(band, row, mean);
   for (std::size_t i = 0; i < chain.size(); ++i) {
-    const bool last = i + 1 == chain.size(), hides = last && maps == nullptr;
-    float* const to = last ? y : scratch.unwrapped.row(static_cast<int>(i % 2));
-    unwrap_row(chain[i].unwrap, width, sum_row(chain[i].of, width, scratch, scratch.sum.begin()),
-               coarse, hides ? PixelFlag::dark : 0,
-               {.coordinate = to, .flags = flags, .doubt = doubt, .keeps_doubt = i > 0});
-    coarse = to;
+    const bool last = i + 1 == chain.size();
+    to.coordinate = last ? y : scratch.unwrapped.row(static_cast<int>(i % 2));
+    to.hidden = last ? hidden : 0;
+    to.keeps_doubt = i > 0;
+    unwrap_row(chain[i].unwrap, sum_row(chain[i].of, width, scratch, scratch.sum.begin()), coarse,
+               to);
+    coarse = to.coordinate;
   }
   if (band.stages.weighs_bands) weigh_bands(band.stages, width, scratch, y);
   if (maps == nullptr) return;
@@ -181,7 +191,7 @@ void several_bands(const FusedBand& band) {
 
 void run_band(const FusedBand& band) {
   if (band.stages.cue) return voted_band(band);
-  band.stages.chain.empty() ? one_band(band) : several_bands(band);
+  band.stages.asks_neighbours() ? several_bands(band) : one_band(band);
 }
 
 /// Number of bands: high enough that rows decoded twice at their borders cost little, and several
@@ -252,9 +262,8 @@ float* FusedBand::mean_row(int row) const {
   if (output.maps != nullptr) return output.maps->mean.row(row);
   if (output.cloud != nullptr) return output.cloud->intensity.row(row);
   // Rows decoded ahead of the points are kept where they will be packed.
-  const bool runs_ahead = !stages.chain.empty() || stages.cue;
-  if (output.points != nullptr && runs_ahead) return output.points->intensity.row(row);
-  return scratch.mean.begin();
+  const bool kept = output.points != nullptr && stages.asks_neighbours();
+  return kept ? output.points->intensity.row(row) : scratch.mean.begin();
 }
 
 float* FusedBand::modulation_row(int row) const {
@@ -268,6 +277,8 @@ void FusedBand::decode(int row, SinusoidRow to) const {
     const FusedStages::BandStage& band = stages.bands[i];
     to.turn = scratch.turns.row(static_cast<int>(i));
     to.another = i > 0;
+    if (stages.weighs_modulations())
+      to.own_modulation = scratch.modulations.row(static_cast<int>(i));
     to.limits = limits[i];
     decode_row(band.sinusoid, rows.from(band.first_frame), to);
   }
@@ -377,7 +388,7 @@ void FusedEngine::operator()(const FrameViews& frames, const Outputs& output, Fu
   require_frames(frames, stages->frames, size);
   throw_if(!frames.quantised(), "frames are not quantised; the fused pass takes 8 to 16 bits");
   find_limits(frames, output, memory.limits);
-  prepare(output, size, !stages->chain.empty() || stages->cue);
+  prepare(output, size, stages->asks_neighbours());
   const bool past_cache =
       output.cloud != nullptr && output.maps == nullptr && written_past_cache(size);
   run_bands(

@@ -78,7 +78,7 @@ class VoteBlock : public KeptRows {
 /// Buffers between the stages, one set per band of rows; reused to avoid allocation.
 struct FusedScratch {
   KeptRows kept;                            ///< a row and its neighbours
-  Image<float> turns;                       ///< one row per band of the layout
+  Image<float> turns, modulations;          ///< one row per band of the layout
   Image<float> unwrapped;                   ///< two rows, in turns
   Image<float> sum, coarse, mean, x, y, z;  ///< one row each
   Image<Validity> validity;

@@ -1,9 +1,8 @@
 #include "slipstream/reconstruct/fused/fused_stages.h"
 
-#include <numbers>
-
 #include <fmt/format.h>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
@@ -42,6 +41,41 @@ FusedStages::CodeBits code_bits(const Layout& layout) {
   return bits;
 }
 
+/// Stage that tries the orders of the measuring band against all bands, or all single frames.
+OrderStage order_stage(const Layout& layout, const EngineSetup& setup) {
+  const Band& band = measuring_band(layout);
+  const double f = band.periods, begin = -0.5 * f / projector_length(setup);
+  OrderStage stage{.period = narrow(1 / f),
+                   .begin = narrow(begin),
+                   .end = narrow(begin + f),
+                   .orders = static_cast<int>(f) + 2,
+                   .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)};
+  for (const auto& [frame, periods, origin] : layout.single_frames) {
+    stage.waves.push_back(
+        {.ratio = narrow(periods / f), .shift = narrow(-origin / two_pi), .frame = frame});
+  }
+  for (int k = -1; k < stage.orders - 1; ++k) {
+    for (const SingleFrame& single : layout.single_frames) {
+      const double angle = two_pi * k * single.periods / f + single.origin;
+      stage.beginnings.push_back({narrow(std::cos(angle)), narrow(std::sin(angle))});
+    }
+  }
+  if (layout.single_frames.empty()) {
+    for (const Band& other : layout.bands) {
+      stage.waves.push_back(
+          {.ratio = narrow(other.periods / f), .weight = narrow(1 / component_noise(other))});
+    }
+    return stage;
+  }
+  const StepRun run = *step_run(band);
+  stage.first_frame = run.first;
+  for (int n = run.first; n < run.first + run.steps; ++n) {
+    stage.cosines.push_back(narrow(run.steps * band.cosine[n] / 2));
+    stage.sines.push_back(narrow(run.steps * band.sine[n] / 2));
+  }
+  return stage;
+}
+
 /// Adds the bands, the measuring one first, and their unwrapping.
 void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& setup,
                const PhaseCorrections& corrections) {
@@ -51,17 +85,23 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
     stages.bands.push_back(band_stage(layout.bands[i], corrections));
     stages.bands.back().weight = narrow(weights[i]);
   }
-  std::rotate(stages.bands.begin(), stages.bands.begin() + measuring,
-              stages.bands.begin() + measuring + 1);
-  const auto factors = [&](std::vector<int> of) {
+  const auto measuring_first = [&](auto of) {
     std::rotate(of.begin(), of.begin() + measuring, of.begin() + measuring + 1);
     return of;
   };
+  stages.bands = measuring_first(std::move(stages.bands));
   stages.weighs_bands = weights[static_cast<std::size_t>(measuring)] < 1;
+  if (layout.unwrapping->tries_orders) {
+    stages.orders = order_stage(layout, setup);
+    if (!stages.weighs_modulations()) return;
+    stages.orders->waves = measuring_first(std::move(stages.orders->waves));
+    stages.coarse_in_field = true;  // the mean of all bands may leave it
+    return;
+  }
   const std::vector<PhaseSum> chain = unwrapping_chain(layout);
   const double largest_doubt = setup.settings.fringe_order.largest_doubt;
   const auto link = [&](const PhaseSum& fine, double ratio) {
-    return FusedStages::Link{.of = factors(fine.of),
+    return FusedStages::Link{.of = measuring_first(fine.of),
                              .unwrap = {.ratio = narrow(ratio),
                                         .largest_doubt = narrow(largest_doubt),
                                         .coordinate = unplaced(1)}};
@@ -77,7 +117,7 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
     return;
   }
   if (chain.size() < 2) return;
-  stages.coarse = factors(chain.front().of);
+  stages.coarse = measuring_first(chain.front().of);
   stages.coarse_in_field = !is_circle(layout);
   stages.coarse_stage =
       coordinate_stage(chain.front().periods, chain.front().periods, projector_length(setup));
@@ -140,6 +180,9 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   if (!layout.unwrapping->in_kernels || carrier_periods(layout) > 0) {
     return fmt::format("it does not support {}", strategy.name());
   }
+  if (std::max(layout.bands.size(), layout.single_frames.size()) > OrderStage::most_waves) {
+    return fmt::format("it supports at most {} sinusoids", OrderStage::most_waves);
+  }
   if (!has_coordinate(layout) && !unwraps_by_depth(setup)) return "it requires a coordinate";
   if (order_source(layout) == OrderSource::neighbours && !has_fused_cue(setup)) {
     return fmt::format("it does not support these cue settings of {}", strategy.name());
@@ -165,7 +208,7 @@ CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
                             .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)}};
   stage.coordinate = coordinate_stage(f_h, 1, projector_length(setup));
   if (N == 5) {
-    stage.sine_weight = narrow(2 * std::sin(2 * std::numbers::pi / 5));
+    stage.sine_weight = narrow(2 * std::sin(two_pi / 5));
   } else if (N == 6) {
     stage.sine_weight = narrow(std::sqrt(3));
   } else if (N > 6) {
@@ -305,10 +348,10 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
     add_known_band(stages, setup, corrections);
   } else {
     add_bands(stages, layout, setup, corrections);
-    if (stages.chain.empty()) keep_before_cut(stages);
+    if (!stages.asks_neighbours()) keep_before_cut(stages);
   }
-  // A code can name more stripes than are projected.
-  stages.point.may_leave_field = widest < 1 || stages.code ? 1 : 0;
+  // A code can name more stripes than are projected, and a fit end past the field.
+  stages.point.may_leave_field = widest < 1 || stages.code || stages.orders ? 1 : 0;
   return stages;
 }
 

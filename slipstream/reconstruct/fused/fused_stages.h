@@ -51,22 +51,28 @@ struct FusedStages {
   bool coarse_given = false;       ///< the coordinate is an input, see unwraps_by_picture
   bool coarse_in_field = false;    ///< apply `coarse_stage`: the chain is not circular
   CoordinateStage coarse_stage{};  ///< brings the coordinate into the field
-  std::vector<Link> chain{};       ///< empty: one band of at most one period, or a cue
-  bool weighs_bands = false;       ///< the coordinate is a weighted mean over several bands
+  std::vector<Link> chain{};       ///< empty: one band of at most one period, `orders` or a cue
+  std::optional<OrderStage> orders{};
+  bool weighs_bands = false;  ///< the coordinate is a weighted mean over several bands
   std::optional<Cue> cue{};
   ConsensusStage consensus;  ///< with several bands or a cue
   /// Places coordinates in the field: from turns of a single band, or from fields with several.
   CoordinateStage coordinate;
   PointStage point;
   RayTable rays;
+  /// Whether the fringe order depends on the modulation of each band: Unwrapping::likelihood.
+  [[nodiscard]] bool weighs_modulations() const { return orders && orders->cosines.empty(); }
+  /// Whether neighbours confirm the fringe orders, so that rows become points one row late.
+  [[nodiscard]] bool asks_neighbours() const { return !chain.empty() || orders || cue; }
+
   /// Empty for small images. With one band the blocks cover only turns before the cut of
   /// `coordinate`.
   std::optional<RayBlocks> blocks;
 };
 
 /// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the
-/// reference engine: Unwrapping::likelihood, code_alone and single_frames, a cue with other weights
-/// or another reference than in Eqs. (3.53), (3.68), (3.83), a rule other than CueRule::consensus,
+/// reference engine: Unwrapping::code_alone, a cue with other weights or another
+/// reference than in Eqs. (3.53), (3.68), (3.83), a rule other than CueRule::consensus,
 /// a lens too distorted for StripeGeometry or RayTable, an image narrower than `least_row_width`, a
 /// frequency above 16384 with a cue, or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,

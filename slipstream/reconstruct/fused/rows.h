@@ -88,6 +88,7 @@ struct SinusoidRow {
   /// Wrapped phase / (2 pi), in [0, 1], where 1 means 0; a correction may exceed the ends.
   float* turn = nullptr;
   float *mean = nullptr, *modulation = nullptr;  ///< grey levels
+  float* own_modulation = nullptr;               ///< of this sinusoid alone; may be null
   std::int32_t* flags = nullptr;                 ///< PixelFlag
   bool past_cache = false;  ///< `mean` is aligned to 8 floats and written past the cache
   /// The row already has results of another sinusoid: flags are added, the smaller modulation is
@@ -103,17 +104,53 @@ void decode_row(const SinusoidStage& stage, const FrameRows& frames, const Sinus
 /// Coordinates of a single frequency. In the fused pass point_row computes them itself.
 void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate);
 
+/// Coordinates of pixels with any of the flags `hidden` are NaN, so that they confirm no neighbour.
 struct UnwrappedRow {
+  int width = 0;
   float* coordinate = nullptr;
   std::int32_t* flags = nullptr;
+  std::int32_t hidden = 0;
   float* doubt = nullptr;    ///< see BasicMaps; may be null
   bool keeps_doubt = false;  ///< keeps the larger of this doubt and an earlier step's
 };
 
-/// Coordinates from two frequencies. Adds `doubtful_order` to the flags. Coordinates of pixels with
-/// any of the flags `hidden` are NaN, so that they confirm no neighbour.
-void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
-                std::int32_t hidden, const UnwrappedRow& row);
+/// Coordinates from two frequencies. Adds `doubtful_order` to the flags.
+void unwrap_row(const UnwrapStage& stage, const float* high_turn, const float* low_turn,
+                const UnwrappedRow& row);
+
+/// Tries every fringe order of the measuring band.
+struct OrderStage {
+  /// A band, or a single frame. It shows cos(2 pi (ratio p - shift)), p the coordinate in periods
+  /// of the measuring band.
+  struct Wave {
+    float ratio = 1;
+    float shift = 0;   ///< of a single frame, turns
+    int frame = 0;     ///< the single frame
+    float weight = 0;  ///< of a band: inverse variance of its phase for B = 1
+  };
+  static constexpr std::size_t most_waves = 64;
+
+  float period = 1;          ///< of the band, fields
+  float begin = 0, end = 1;  ///< of the field, periods of the band
+  int orders = 1;            ///< to try, from -1 on
+  float largest_doubt = 0.25F;
+  std::vector<Wave> waves{};
+  // The rest with single frames only.
+  /// Cosine and sine of each wave at the beginning of each order, order after order.
+  std::vector<std::array<float, 2>> beginnings{};
+  int first_frame = 0;                    ///< of the band's steps
+  std::vector<float> cosines{}, sines{};  ///< of the shift of each step
+};
+
+/// Coordinates from the turns and the modulations of all bands, a row each, the measuring band
+/// first: see Unwrapping::likelihood.
+void likelihood_row(const OrderStage& stage, const Image<float>& turns,
+                    const Image<float>& modulations, const UnwrappedRow& row);
+
+/// Coordinates from all frames: see Unwrapping::single_frames. Also flags pixels that are saturated
+/// in a single frame.
+void fit_row(const OrderStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
+             const float* turn, const UnwrappedRow& row);
 
 /// Coordinates nearest to `near` at which a band of this many periods has these turns.
 void place_near(float periods, int width, const float* turn, const float* near, float* coordinate);

@@ -74,8 +74,10 @@ HWY_INLINE void store_levels(const SinusoidStage& stage, Floats sum, Floats squa
     fetch_ahead(row.mean + i, row.past_cache);
     store(hn::Mul(sum, hn::Set(d, row.limits.mean_scale)), row.mean + i, row.past_cache);
   }
+  if (row.modulation == nullptr && row.own_modulation == nullptr) return;
+  Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
+  if (row.own_modulation != nullptr) hn::StoreU(modulation, d, row.own_modulation + i);
   if (row.modulation != nullptr) {
-    Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
     if (row.another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
     hn::StoreU(modulation, d, row.modulation + i);
   }
@@ -143,7 +145,7 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     Ints flags = hn::IfThenElseZero(hn::RebindMask(di, dark[k]), hn::Set(di, PixelFlag::dark));
-    if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(at(k))));
+    if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(at(k)).greatest));
     if (row.another) flags = hn::Or(flags, known(k));
     hn::StoreU(flags, di, row.flags + at(k));
   });

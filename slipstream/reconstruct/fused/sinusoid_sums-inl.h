@@ -317,9 +317,9 @@ HWY_INLINE FloatMask is_dark(Ints flags) {
                         hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
 }
 
-HWY_INLINE Ints saturation_flag(const SinusoidLimits& limits, const FrameSums& sums) {
+HWY_INLINE Ints saturation_flag(const SinusoidLimits& limits, Ints greatest) {
   const IntTag di;
-  return hn::IfThenElseZero(hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1)),
+  return hn::IfThenElseZero(hn::Gt(greatest, hn::Set(di, limits.full_scale - 1)),
                             hn::Set(di, PixelFlag::saturated));
 }
 
@@ -340,6 +340,39 @@ class FieldPlacer {
  private:
   Floats scale_, period_, periods_, shift_;
 };
+
+/// A vector of results, with all flags of its pixels.
+struct Unwrapped {
+  Floats y, doubt;
+  Ints flags;
+};
+
+/// Stores a row of `unwrapped(i, flags)`; vectors of hidden pixels are left out.
+template <class Unwrap>
+HWY_INLINE void unwrap_vectors(const UnwrappedRow& row, float largest_doubt,
+                               const Unwrap& unwrapped) {
+  const FloatTag d;
+  const IntTag di;
+  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+  const auto is_hidden = [&](Ints flags) SLIPSTREAM_STEP {
+    const Ints hidden = hn::And(flags, hn::Set(di, row.hidden));
+    return hn::RebindMask(d, hn::Ne(hidden, hn::Zero(di)));
+  };
+  for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Ints known = hn::LoadU(di, row.flags + i);
+    if (hn::AllTrue(d, is_hidden(known))) return hn::StoreU(nan, d, row.coordinate + i);
+    const Unwrapped pixels = unwrapped(i, known);
+    if (row.doubt != nullptr) {
+      const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
+      hn::StoreU(hn::Max(pixels.doubt, before), d, row.doubt + i);
+    }
+    const auto doubtful = hn::Gt(pixels.doubt, hn::Set(d, largest_doubt));
+    const Ints doubt =
+        hn::IfThenElseZero(hn::RebindMask(di, doubtful), hn::Set(di, PixelFlag::doubtful_order));
+    hn::StoreU(hn::Or(pixels.flags, doubt), di, row.flags + i);
+    hn::StoreU(hn::IfThenElse(is_hidden(pixels.flags), nan, pixels.y), d, row.coordinate + i);
+  });
+}
 
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,6 +1,4 @@
 // Coordinates of a row from phases: by a code, a coarser coordinate, or the phase alone.
-#include <limits>
-
 #include "slipstream/reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -79,35 +77,19 @@ void PlaceNear(float periods, int width, const float* turn, const float* near, f
   });
 }
 
-void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
-               std::int32_t hidden, const UnwrappedRow& row) {
+void UnwrapRow(const UnwrapStage& stage, const float* high_turn, const float* low_turn,
+               const UnwrappedRow& row) {
   const FloatTag d;
-  const IntTag di;
   const FieldPlacer in_field(stage.coordinate);
   const Floats ratio = hn::Set(d, stage.ratio);
-  const Floats largest_doubt = hn::Set(d, stage.largest_doubt);
   const Floats open = hn::Set(d, stage.open), doubt_scale = hn::Set(d, stage.doubt_scale);
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    const Ints known = hn::LoadU(di, row.flags + i);
-    const auto is_hidden =
-        hn::RebindMask(d, hn::Ne(hn::And(known, hn::Set(di, hidden)), hn::Zero(di)));
-    if (hn::AllTrue(d, is_hidden)) return hn::StoreU(nan, d, row.coordinate + i);
+  unwrap_vectors(row, stage.largest_doubt, [&](std::size_t i, Ints flags) SLIPSTREAM_STEP {
     const Floats high = hn::LoadU(d, high_turn + i);
     const Floats periods = hn::MulSub(hn::LoadU(d, low_turn + i), ratio, high);
     const Floats k = hn::Round(periods);  // (1.17)
-    const Floats y = in_field(hn::Add(high, k));
-    const Floats apart =
-        hn::Mul(hn::Max(hn::Sub(hn::Abs(hn::Sub(periods, k)), open), hn::Zero(d)), doubt_scale);
-    if (row.doubt != nullptr) {
-      const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
-      hn::StoreU(hn::Max(apart, before), d, row.doubt + i);
-    }
-    const auto doubtful = hn::Gt(apart, largest_doubt);
-    const Ints doubt =
-        hn::IfThenElseZero(hn::RebindMask(di, doubtful), hn::Set(di, PixelFlag::doubtful_order));
-    hn::StoreU(hn::Or(known, doubt), di, row.flags + i);
-    hn::StoreU(hn::IfThenElse(is_hidden, nan, y), d, row.coordinate + i);
+    const Floats beyond = hn::Sub(hn::Abs(hn::Sub(periods, k)), open);
+    return Unwrapped{in_field(hn::Add(high, k)), hn::Mul(hn::Max(beyond, hn::Zero(d)), doubt_scale),
+                     flags};
   });
 }
 
@@ -148,9 +130,9 @@ void place_near(float periods, int width, const float* turn, const float* near, 
   HWY_DYNAMIC_DISPATCH(PlaceNear)(periods, width, turn, near, coordinate);
 }
 
-void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
-                std::int32_t hidden, const UnwrappedRow& row) {
-  HWY_DYNAMIC_DISPATCH(UnwrapRow)(stage, width, high_turn, low_turn, hidden, row);
+void unwrap_row(const UnwrapStage& stage, const float* high_turn, const float* low_turn,
+                const UnwrappedRow& row) {
+  HWY_DYNAMIC_DISPATCH(UnwrapRow)(stage, high_turn, low_turn, row);
 }
 
 void phase_row(int width, const float* turn, float* phase) {

@@ -62,60 +62,6 @@ TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
   return trust;
 }
 
-/// The points of a word to remove because of their neighbours.
-struct WordEvidence {
-  const DepthPlanes& planes;
-  int row;
-  int word;
-
-  [[nodiscard]] const Word* at(const BitPlane& plane, int down = 0) const {
-    return plane.row(row + down) + word;
-  }
-  [[nodiscard]] Word trusted(int down = 0) const { return *at(planes.trusted, down); }
-  [[nodiscard]] Word linked_below(int down = 0) const {
-    return *at(planes.to_below, down) & trusted(down) & trusted(down + 1);
-  }
-  [[nodiscard]] Word bent_across(int down = 0) const {
-    return *at(planes.bent_across, down) & trusted(down - 1) & trusted(down) & trusted(down + 1);
-  }
-
-  /// At the end of a surface, or next to it, and off its extrapolation.
-  [[nodiscard]] Word mixed() const {
-    const Word* const linked = at(planes.to_right);
-    const Word* const bent = at(planes.bent_along);
-    return trusted() & ((~(linked[0] & after(linked)) & before(bent)) |
-                        (~(before(linked) & before(linked, 2)) & after(bent)) |
-                        (~(linked_below() & linked_below(1)) & bent_across(-1)) |
-                        (~(linked_below(-1) & linked_below(-2)) & bent_across(1)));
-  }
-  /// Beside a point to which they are not linked.
-  [[nodiscard]] Word at_edge() const {
-    const Word* const points = at(planes.trusted);
-    const Word* const linked = at(planes.to_right);
-    return trusted() & ((after(points) & ~linked[0]) | (before(points) & ~before(linked)) |
-                        (trusted(1) & ~linked_below()) | (trusted(-1) & ~linked_below(-1)));
-  }
-  /// With an edge near on both sides, in the row or the column.
-  [[nodiscard]] Word thin() const {
-    const Word* const linked = at(planes.to_right);
-    const Word right = linked[0] & after(linked) & after(linked, 2) & after(linked, 3);
-    const Word left = before(linked) & before(linked, 2) & before(linked, 3) & before(linked, 4);
-    const Word down = linked_below() & linked_below(1) & *at(planes.to_below, 2);
-    const Word up = linked_below(-1) & linked_below(-2);
-    return trusted() & (~(right | left) | ~(down | up));
-  }
-  /// Surrounded by points: linked to all four but off them in row and column, or linked to none.
-  [[nodiscard]] Word outliers() const {
-    const Word* const points = at(planes.trusted);
-    const Word* const linked = at(planes.to_right);
-    const Word right = linked[0], left = before(linked), down = linked_below(),
-               up = linked_below(-1);
-    const Word bent_in_both = right & left & down & up & *at(planes.bent_along) & bent_across();
-    const Word surrounded = before(points) & after(points) & trusted(-1) & trusted(1);
-    return trusted() & (bent_in_both | (surrounded & ~(right | left | down | up)));
-  }
-};
-
 }  // namespace
 
 void require_valid(const CleanSettings& settings) {
@@ -135,7 +81,8 @@ struct Cleaner::Memory {
   std::vector<float> samples;
   PaddedRow first, last, beyond;
   DepthPlanes planes;
-  BitPlane mixed, wire, kept;
+  BitPlane mixed, at_edge, thin, outlier, wire, kept;
+  std::vector<Word> busy;  ///< of each block, the words with evidence: see find_evidence
   Components components;
   Image<std::uint8_t> outline;  ///< 1 inside
   SurfaceMemory surface;
@@ -152,32 +99,46 @@ struct Cleaner::Pass {
   const Image<float>* modulation;  ///< null: all are trusted
   ValidityCounts counts{};
 
-  [[nodiscard]] int words() const { return BitPlane::words_of(cloud.size()); }
-
-  /// Calls `body(row, counts)` for every row, on all threads.
+  /// Calls `body(i, counts)` for each number below `count`, `together` in one task.
   template <class Body>
-  void for_each_row_counting(const Body& body) {
-    constexpr int band_rows = 64;
-    const int height = cloud.size().height, bands = (height + band_rows - 1) / band_rows;
-    memory.counts.assign(static_cast<std::size_t>(bands), {});
-    const auto run_band = [&](int band) {
-      const int end = std::min(height, (band + 1) * band_rows);
-      ValidityCounts& counted = memory.counts[static_cast<std::size_t>(band)];
-      for (int row = band * band_rows; row < end; ++row) body(row, counted);
+  void for_each_counting(int count, int together, const Body& body) {
+    const int tasks = (count + together - 1) / together;
+    memory.counts.assign(static_cast<std::size_t>(tasks), {});
+    const auto run_task = [&](int task) {
+      ValidityCounts& counted = memory.counts[static_cast<std::size_t>(task)];
+      const int end = std::min(count, (task + 1) * together);
+      for (int i = task * together; i < end; ++i) body(i, counted);
     };
-    if (bands == 1) {
-      run_band(0);
+    if (tasks == 1) {
+      run_task(0);
     } else {
-      for_each_row(bands, [&run_band](int band) { run_band(band); });
+      for_each_row(tasks, [&run_task](int task) { run_task(task); });
     }
     for (const ValidityCounts& counted : memory.counts) {
       for (std::size_t i = 0; i < validity_count; ++i) counts[i] += counted[i];
     }
   }
+  template <class Body>
+  void for_each_row_counting(const Body& body) {
+    for_each_counting(cloud.size().height, 64, body);
+  }
+  template <class Body>
+  void for_each_block_counting(const Body& body) {
+    for_each_counting(BitPlane::blocks_of(cloud.size()), 8, body);
+  }
+  /// Calls `visit(row, word)` for the words of a block that have evidence.
+  template <class Visit>
+  void for_each_busy_word(int block, const Visit& visit) const {
+    const int stride = BitPlane::stride_of(cloud.size());
+    for_each_bit(memory.busy[static_cast<std::size_t>(block)], block,
+                 [&](int place) { visit(place / stride, place % stride); });
+  }
 
   void drop_bits(Word bits, int row, int word, Validity reason, ValidityCounts& counted) const {
-    for_each_bit(bits, word, [&](int column) { cloud.leave_out(column, row, reason); });
-    counted[static_cast<std::size_t>(reason)] += static_cast<std::size_t>(std::popcount(bits));
+    for_each_bit(bits, word, [&](int column) {
+      cloud.leave_out(column, row, reason);
+      ++counted[static_cast<std::size_t>(reason)];
+    });
   }
 
   void compare(int row) {
@@ -203,36 +164,26 @@ struct Cleaner::Pass {
                     .to_below = planes.to_below.row(row),
                     .bent_along = planes.bent_along.row(row),
                     .bent_across = planes.bent_across.row(row)});
-    const Word* const trusted = planes.trusted.row(row);
-    Word* const to_right = planes.to_right.row(row);
-    for (int w = 0; w < words(); ++w) {
-      const Word both = trusted[w] & after(trusted + w);
-      to_right[w] &= both;
-      planes.bent_along.row(row)[w] &= both & before(trusted + w);
-    }
   }
 
   /// Whether a pixel at an edge between distant surfaces has less modulation than its neighbours:
   /// it sees both, and their fringes partly cancel.
   [[nodiscard]] bool is_dim(int column, int row) const {
     constexpr float far = 0.05F, dim = 0.75F;  // of the depth; of the brightest
-    const int left = std::max(column - 1, 0), right = std::min(column + 1, cloud.z.width() - 1);
-    const int above = std::max(row - 1, 0), below = std::min(row + 1, cloud.z.height() - 1);
+    const std::array columns{std::max(column - 1, 0), column,
+                             std::min(column + 1, cloud.z.width() - 1)};
+    const std::array rows{std::max(row - 1, 0), row, std::min(row + 1, cloud.z.height() - 1)};
     const float z = cloud.z(column, row);
-    float nearest = z, farthest = z;
-    for (int y = above; y <= below; ++y) {
-      const float* const depths = cloud.z.row(y);
-      for (int x = left; x <= right; ++x) {  // no point, NaN, compares false
-        if (depths[x] < nearest) nearest = depths[x];
-        if (depths[x] > farthest) farthest = depths[x];
+    float nearest = z, farthest = z, brightest = 0;
+    for (const int y : rows) {
+      for (const int x : columns) {  // no point, NaN, compares false
+        nearest = cloud.z(x, y) < nearest ? cloud.z(x, y) : nearest;
+        farthest = cloud.z(x, y) > farthest ? cloud.z(x, y) : farthest;
+        brightest = std::max(brightest, (*modulation)(x, y));
       }
     }
-    if (farthest - z <= far * z && z - nearest <= far * z) return false;
-    float brightest = 0;
-    for (int y = above; y <= below; ++y) {
-      for (int x = left; x <= right; ++x) brightest = std::max(brightest, (*modulation)(x, y));
-    }
-    return (*modulation)(column, row) < dim * brightest;
+    return (farthest - z > far * z || z - nearest > far * z) &&
+           (*modulation)(column, row) < dim * brightest;
   }
 
   /// Whether a farther surface begins within the width of a wire in that direction.
@@ -293,45 +244,47 @@ struct Cleaner::Pass {
     return false;
   }
 
-  /// Call before removing points, since it reads depths of other rows.
-  void find_mixed(int row) {
-    for (int w = 0; w < words(); ++w) {
-      const WordEvidence evidence{memory.planes, row, w};
-      Word mixed = evidence.mixed();
-      if (modulation != nullptr) {
-        for_each_bit(evidence.at_edge() & ~mixed, w, [&](int column) {
+  /// Finds the points to keep. Call before removing points, since it reads depths of other rows.
+  void judge(int block) {
+    Memory& m = memory;
+    const RelationWords relations = m.planes.block(block, cloud.size());
+    std::copy_n(relations.trusted, block_words, m.kept.block(block));
+    std::fill_n(m.wire.block(block), block_words, Word{0});
+    m.busy[static_cast<std::size_t>(block)] =
+        find_evidence(relations, {m.mixed.block(block), m.at_edge.block(block),
+                                  m.thin.block(block), m.outlier.block(block)});
+    for_each_busy_word(block, [&](int row, int w) {
+      Word &mixed = m.mixed.row(row)[w], &outlier = m.outlier.row(row)[w];
+      Word& wire = m.wire.row(row)[w];
+      if (!settings.drop_mixed) {
+        mixed = 0;
+      } else if (modulation != nullptr) {  // else nothing tells wires from curtains of mixtures
+        for_each_bit(m.at_edge.row(row)[w] & ~mixed, w, [&](int column) {
           mixed |= Word{is_dim(column, row)} << column % word_pixels;
         });
+        for_each_bit(m.thin.row(row)[w], w, [&](int column) {
+          wire |= Word{is_wire(column, row)} << column % word_pixels;
+        });
+        mixed &= ~wire;
       }
-      Word wire = 0;  // without modulation nothing tells them from curtains of equal mixtures
-      for_each_bit(modulation != nullptr ? evidence.thin() : 0, w,
-                   [&](int column) { wire |= Word{is_wire(column, row)} << column % word_pixels; });
-      memory.wire.row(row)[w] = wire;
-      mixed &= ~wire;
-      memory.mixed.row(row)[w] = mixed;
-    }
+      outlier = settings.drop_outliers ? outlier & ~(mixed | wire) : 0;
+      m.kept.row(row)[w] &= ~(mixed | outlier);
+    });
   }
 
   /// Low trust, mixed pixels and outliers.
-  void judge(int row, ValidityCounts& counted) {
-    for (int w = 0; w < words(); ++w) {
-      const WordEvidence evidence{memory.planes, row, w};
-      const Word trusted = evidence.trusted();
-      const Word mixed = *evidence.at(memory.mixed);
-      const Word outliers =
-          settings.drop_outliers ? evidence.outliers() & ~(mixed | *evidence.at(memory.wire)) : 0;
-      memory.kept.row(row)[w] = trusted & ~(mixed | outliers);
-      const Word untrusted = *evidence.at(memory.planes.point) & ~trusted;
-      if ((untrusted | mixed | outliers) == 0) continue;
-      drop_bits(untrusted, row, w, Validity::low_trust, counted);
-      drop_bits(mixed, row, w, Validity::mixed, counted);
-      drop_bits(outliers, row, w, Validity::outlier, counted);
-    }
+  void drop(int block, ValidityCounts& counted) const {
+    for_each_busy_word(block, [&](int row, int w) {
+      const DepthPlanes& planes = memory.planes;
+      drop_bits(planes.point.row(row)[w] & ~planes.trusted.row(row)[w], row, w,
+                Validity::low_trust, counted);
+      drop_bits(memory.mixed.row(row)[w], row, w, Validity::mixed, counted);
+      drop_bits(memory.outlier.row(row)[w], row, w, Validity::outlier, counted);
+    });
   }
 
   void drop_small_components() {
-    const DepthPlanes& planes = memory.planes;
-    memory.components.find(cloud.size(), memory.kept, planes.to_right, planes.to_below);
+    memory.components.find(cloud.size(), memory.planes, memory.kept);
     memory.components.for_each_run_below(settings.smallest_component, [&](const PixelRun& run) {
       const Word* const wire = memory.wire.row(run.row);
       for (int column = run.first; column <= run.last; ++column) {
@@ -361,20 +314,17 @@ struct Cleaner::Pass {
   ValidityCounts run() {
     const Size size = cloud.size();
     memory.planes.prepare(size);
-    memory.mixed.prepare(size);
-    memory.wire.prepare(size);
-    memory.kept.prepare(size);
+    for (BitPlane* plane : {&memory.mixed, &memory.at_edge, &memory.thin, &memory.outlier,
+                            &memory.wire, &memory.kept}) {
+      plane->prepare(size);
+    }
+    memory.busy.resize(static_cast<std::size_t>(BitPlane::blocks_of(size)));
     memory.beyond.copy(nullptr, size.width);
     memory.first.copy(cloud.z.row(0), size.width);
     memory.last.copy(cloud.z.row(size.height - 1), size.width);
     for_each_row_counting([&](int row, ValidityCounts&) { compare(row); });
-    if (settings.drop_mixed) {
-      for_each_row_counting([&](int row, ValidityCounts&) { find_mixed(row); });
-    } else {
-      memory.mixed.clear();
-      memory.wire.clear();
-    }
-    for_each_row_counting([&](int row, ValidityCounts& counted) { judge(row, counted); });
+    for_each_block_counting([&](int block, ValidityCounts&) { judge(block); });
+    for_each_block_counting([&](int block, ValidityCounts& counted) { drop(block, counted); });
     if (settings.smallest_component > 1) drop_small_components();
     drop_outside();
     if (settings.widest_gap > 0) {

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
-// Compares neighbouring depths and returns the relations as bits.
+// Compares neighbouring depths, and evaluates the relations as bits, 64 pixels of a row in a word.
 namespace slipstream {
 
 /// Standard deviation of depth at a point P in the camera's frame, with a modulation of B grey
@@ -45,5 +46,38 @@ struct DepthRow {
 
 /// Neighbours are neither linked nor bent unless both have points.
 void compare_depths(const DepthLimits& limits, const TrustStage& trust, const DepthRow& row);
+
+/// Words evaluated at once, of rows that follow each other with a word of zeros between them.
+inline constexpr int block_words = 64;
+
+/// Relations of the words of a block. Readable two rows and nine words before and after it.
+struct RelationWords {
+  std::ptrdiff_t stride = 0;  ///< words from row to row
+  const std::uint64_t *point = nullptr, *trusted = nullptr;
+  const std::uint64_t *to_right = nullptr, *to_below = nullptr;
+  const std::uint64_t *bent_along = nullptr, *bent_across = nullptr;
+};
+
+/// What a pixel's neighbours say of its trusted point.
+struct EvidenceWords {
+  std::uint64_t* mixed = nullptr;    ///< at the end of a surface or next to it, off its extrapolation
+  std::uint64_t* at_edge = nullptr;  ///< beside a point to which it is not linked
+  std::uint64_t* thin = nullptr;     ///< edges near on both sides, in the row or the column
+  /// Surrounded by points: linked to all four but off them in row and column, or linked to none.
+  std::uint64_t* outlier = nullptr;
+};
+
+/// Returns a bit for each word of the block with any evidence or a point that is not trusted.
+std::uint64_t find_evidence(const RelationWords& relations, const EvidenceWords& evidence);
+
+/// Runs of linked pixels in the rows of a block.
+struct RunWords {
+  std::array<std::uint64_t, block_words> starts, ends;
+  /// Pixels linked to the one above, except where the pixel before links the same two runs.
+  std::array<std::uint64_t, block_words> joins;
+};
+
+/// Finds runs of the pixels `relations.trusted`. Returns a bit for each word that is not empty.
+std::uint64_t find_runs(const RelationWords& relations, RunWords& runs);
 
 }  // namespace slipstream

@@ -66,55 +66,38 @@ void add_across(const Cloud& cloud, int right, int down, int widest, const Depth
 
 }  // namespace
 
-void Components::find(Size picture, const BitPlane& kept, const BitPlane& to_right,
-                      const BitPlane& to_below) {
+void Components::find(Size picture, const DepthPlanes& planes, const BitPlane& kept) {
   runs_.clear();
   parent_.clear();
-  pixels_.clear();
-  const int words = BitPlane::words_of(picture);
-  first_here_ = 0;
-  for (int row = 0; row < picture.height; ++row) {
-    first_above_ = std::exchange(first_here_, static_cast<std::uint32_t>(runs_.size()));
-    find_runs(row, words, kept.row(row), to_right.row(row));
-    if (row == 0) continue;
-    link_rows(words, kept.row(row - 1), kept.row(row), to_right.row(row - 1), to_right.row(row),
-              to_below.row(row - 1));
-  }
-}
-
-void Components::find_runs(int row, int words, const Word* kept, const Word* to_right) {
-  std::size_t begun = runs_.size();
-  Word linked_before = 0;  // whether the last pixel of the previous word is linked to this word
-  for (int w = 0; w < words; ++w) {
-    const Word linked = to_right[w] & kept[w] & after(kept + w);
-    for_each_bit(kept[w] & ~(linked << 1 | linked_before), w, [&](int column) {
-      runs_.push_back({row, column, column});
+  const int stride = BitPlane::stride_of(picture);
+  int row = -1;
+  std::size_t first_here = 0, above = 0, here = 0, ended = 0;
+  RunWords words;
+  for (int block = 0; block < BitPlane::blocks_of(picture); ++block) {
+    RelationWords relations = planes.block(block, picture);
+    relations.trusted = kept.block(block);
+    for_each_bit(find_runs(relations, words), block, [&](int place) {
+      if (place / stride != row) {
+        row = place / stride;
+        above = std::exchange(first_here, runs_.size());
+        here = first_here;
+      }
+      const int word = place % stride;
+      const auto i = static_cast<std::size_t>(place % block_words);
+      for_each_bit(words.starts[i], word, [&](int column) {
+        parent_.push_back(static_cast<std::uint32_t>(runs_.size()));
+        runs_.push_back({row, column, column});
+      });
+      for_each_bit(words.ends[i], word, [&](int column) { runs_[ended++].last = column; });
+      // Below a pixel that is kept, so the row above has runs.
+      for_each_bit(words.joins[i], word, [&](int column) {
+        while (runs_[above].last < column) ++above;
+        while (here + 1 < runs_.size() && runs_[here + 1].first <= column) ++here;
+        unite(static_cast<std::uint32_t>(above), static_cast<std::uint32_t>(here));
+      });
     });
-    for_each_bit(kept[w] & ~linked, w, [&](int column) { runs_[begun++].last = column; });
-    linked_before = linked >> (word_pixels - 1);
   }
-  for (std::size_t i = parent_.size(); i < runs_.size(); ++i) {
-    parent_.push_back(static_cast<std::uint32_t>(i));
-    pixels_.push_back(static_cast<std::uint32_t>(runs_[i].last - runs_[i].first + 1));
-  }
-}
-
-void Components::link_rows(int words, const Word* kept_above, const Word* kept,
-                           const Word* to_right_above, const Word* to_right, const Word* to_below) {
-  std::uint32_t above = first_above_, here = first_here_;
-  Word same_before = 0;  // `same` for the last pixel of the previous word
-  for (int w = 0; w < words; ++w) {
-    const Word linked = to_below[w] & kept_above[w] & kept[w];
-    // The next column links the same two runs.
-    const Word same =
-        linked & to_right_above[w] & to_right[w] & after(kept_above + w) & after(kept + w);
-    for_each_bit(linked & ~(same << 1 | same_before), w, [&](int column) {
-      while (runs_[above].last < column) ++above;
-      while (runs_[here].last < column) ++here;
-      unite(above, here);
-    });
-    same_before = same >> (word_pixels - 1);
-  }
+  count_pixels();
 }
 
 std::uint32_t Components::root(std::uint32_t run) {
@@ -125,10 +108,16 @@ std::uint32_t Components::root(std::uint32_t run) {
 void Components::unite(std::uint32_t a, std::uint32_t b) {
   a = root(a);
   b = root(b);
-  if (a == b) return;
-  if (a > b) std::swap(a, b);
-  parent_[b] = a;
-  pixels_[a] += pixels_[b];
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+/// A root is the first run of its component.
+void Components::count_pixels() {
+  pixels_.assign(runs_.size(), 0);
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    parent_[i] = parent_[parent_[i]];
+    pixels_[parent_[i]] += static_cast<std::uint32_t>(runs_[i].last - runs_[i].first + 1);
+  }
 }
 
 DepthLimits depth_limits(const Cloud& cloud, std::vector<float>& samples) {

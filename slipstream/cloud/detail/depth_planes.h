@@ -10,36 +10,32 @@ namespace slipstream {
 using Word = std::uint64_t;
 inline constexpr int word_pixels = 64;
 
-/// A bit for each pixel of a picture, with a border of zeros: one word before and after each row,
-/// and two rows above and below.
+/// A bit for each pixel of a picture, with a border of zeros: a word before and after each row, two
+/// rows above and below, and room for a block of words after the last.
 class BitPlane {
  public:
   void prepare(Size picture) {
-    const Size size{words_of(picture) + 2, picture.height + 2 * border};
+    const int stride = stride_of(picture), room = 2 * block_words / stride + 1;
+    const Size size{stride, picture.height + 2 * border + room};
     if (bits_.size() != size) bits_ = Image<Word>(size);
   }
-  void clear() { std::fill(bits_.begin(), bits_.end(), Word{0}); }
   [[nodiscard]] Word* row(int row) { return bits_.row(row + border) + 1; }
   [[nodiscard]] const Word* row(int row) const { return bits_.row(row + border) + 1; }
+  /// The words of a block; row 0 begins the first.
+  [[nodiscard]] Word* block(int block) { return row(0) + block * block_words; }
+  [[nodiscard]] const Word* block(int block) const { return row(0) + block * block_words; }
 
-  static int words_of(Size picture) { return (picture.width + word_pixels - 1) / word_pixels; }
+  /// Words from row to row.
+  static int stride_of(Size picture) { return (picture.width + word_pixels - 1) / word_pixels + 1; }
+  static int blocks_of(Size picture) {
+    return (picture.height * stride_of(picture) + block_words - 1) / block_words;
+  }
 
  private:
   static constexpr int border = 2;
 
   Image<Word> bits_;
 };
-
-// Bits of other pixels of the row; `row` points to the word of the pixels.
-
-/// The bit of the pixel `distance` before, below 64.
-inline Word before(const Word* row, int distance = 1) {
-  return row[0] << distance | row[-1] >> (word_pixels - distance);
-}
-/// The bit of the pixel `distance` after.
-inline Word after(const Word* row, int distance = 1) {
-  return row[0] >> distance | row[1] << (word_pixels - distance);
-}
 
 /// Calls `visit(column)` for each bit set, from left to right; `word`: index of the word in the
 /// row.
@@ -57,6 +53,11 @@ struct DepthPlanes {
       plane->prepare(picture);
     }
   }
+  [[nodiscard]] RelationWords block(int block, Size picture) const {
+    return {BitPlane::stride_of(picture), point.block(block),      trusted.block(block),
+            to_right.block(block),        to_below.block(block),   bent_along.block(block),
+            bent_across.block(block)};
+  }
 };
 
 /// Neighbouring pixels of a row that are linked.
@@ -68,26 +69,23 @@ struct PixelRun {
 class Components {
  public:
   /// Finds the components of the pixels in `kept`; ignores links to and from others.
-  void find(Size picture, const BitPlane& kept, const BitPlane& to_right, const BitPlane& to_below);
+  void find(Size picture, const DepthPlanes& planes, const BitPlane& kept);
 
   /// Calls `visit` with each run of the components with fewer than `pixels` pixels.
   template <class Visit>
-  void for_each_run_below(int pixels, const Visit& visit) {
+  void for_each_run_below(int pixels, const Visit& visit) const {
     for (std::uint32_t i = 0; i < runs_.size(); ++i) {
-      if (pixels_[root(i)] < static_cast<std::uint32_t>(pixels)) visit(runs_[i]);
+      if (pixels_[parent_[i]] < static_cast<std::uint32_t>(pixels)) visit(runs_[i]);
     }
   }
 
  private:
-  void find_runs(int row, int words, const Word* kept, const Word* to_right);
-  void link_rows(int words, const Word* kept_above, const Word* kept, const Word* to_right_above,
-                 const Word* to_right, const Word* to_below);
   std::uint32_t root(std::uint32_t run);
   void unite(std::uint32_t a, std::uint32_t b);
+  void count_pixels();
 
   std::vector<PixelRun> runs_;
   std::vector<std::uint32_t> parent_, pixels_;  ///< of each run; pixels: of a root's component
-  std::uint32_t first_above_ = 0, first_here_ = 0;
 };
 
 /// Steps and bends beyond which a cloud has an edge, from samples of its distance between pixels

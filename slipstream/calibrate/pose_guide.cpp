@@ -95,7 +95,7 @@ std::array<bool, 4> tilts_of(const BoardViews& taken, const CalibrationBoard& bo
   return tilted;
 }
 
-/// Names of the parts of the picture of which boards cover less than half.
+/// Names of the parts of the picture that boards cover less than half.
 std::vector<std::string> missing_places(const Image<std::uint8_t>& coverage) {
   constexpr std::array rows{"top", "middle", "bottom"}, columns{"left", "middle", "right"};
   const auto corner = [&](int across, int down) {

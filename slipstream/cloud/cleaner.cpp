@@ -251,8 +251,8 @@ struct Cleaner::Pass {
     std::copy_n(relations.trusted, block_words, m.kept.block(block));
     std::fill_n(m.wire.block(block), block_words, Word{0});
     m.busy[static_cast<std::size_t>(block)] =
-        find_evidence(relations, {m.mixed.block(block), m.at_edge.block(block),
-                                  m.thin.block(block), m.outlier.block(block)});
+        find_evidence(relations, {m.mixed.block(block), m.at_edge.block(block), m.thin.block(block),
+                                  m.outlier.block(block)});
     for_each_busy_word(block, [&](int row, int w) {
       Word &mixed = m.mixed.row(row)[w], &outlier = m.outlier.row(row)[w];
       Word& wire = m.wire.row(row)[w];
@@ -276,8 +276,8 @@ struct Cleaner::Pass {
   void drop(int block, ValidityCounts& counted) const {
     for_each_busy_word(block, [&](int row, int w) {
       const DepthPlanes& planes = memory.planes;
-      drop_bits(planes.point.row(row)[w] & ~planes.trusted.row(row)[w], row, w,
-                Validity::low_trust, counted);
+      drop_bits(planes.point.row(row)[w] & ~planes.trusted.row(row)[w], row, w, Validity::low_trust,
+                counted);
       drop_bits(memory.mixed.row(row)[w], row, w, Validity::mixed, counted);
       drop_bits(memory.outlier.row(row)[w], row, w, Validity::outlier, counted);
     });

@@ -187,9 +187,8 @@ std::uint64_t FindEvidence(const RelationWords& of, const EvidenceWords& to) {
   const LinksAlong along(of);
   std::uint64_t found = 0;
   for (std::size_t i = 0; i < block_words; i += hn::Lanes(d)) {
-    const auto row = [&](const std::uint64_t* plane, std::ptrdiff_t down) SLIPSTREAM_STEP {
-      return words(plane + i + down * of.stride);
-    };
+    const auto row = [&](const std::uint64_t* plane, std::ptrdiff_t down)
+                         SLIPSTREAM_STEP { return words(plane + i + down * of.stride); };
     const std::uint64_t* const points = of.trusted + i;
     const std::uint64_t* const linked = along.linked.data() + 1 + i;
     const std::uint64_t* const bent = along.bent.data() + 1 + i;
@@ -208,12 +207,12 @@ std::uint64_t FindEvidence(const RelationWords& of, const EvidenceWords& to) {
     const Words bent_above = all(row(of.bent_across, -1), both_up, both_up_1);
     const Words bent_below = all(row(of.bent_across, 1), both, both_1);
 
-    const Words mixed = hn::And(
-        here, any(hn::AndNot(right_2, before(bent)), hn::AndNot(left_2, after(bent)),
-                  hn::AndNot(down_2, bent_above), hn::AndNot(up_2, bent_below)));
-    const Words at_edge = hn::And(
-        here, any(hn::AndNot(right, after(points)), hn::AndNot(left, before(points)),
-                  hn::AndNot(down, below), hn::AndNot(up, above)));
+    const Words mixed =
+        hn::And(here, any(hn::AndNot(right_2, before(bent)), hn::AndNot(left_2, after(bent)),
+                          hn::AndNot(down_2, bent_above), hn::AndNot(up_2, bent_below)));
+    const Words at_edge =
+        hn::And(here, any(hn::AndNot(right, after(points)), hn::AndNot(left, before(points)),
+                          hn::AndNot(down, below), hn::AndNot(up, above)));
     const Words wide = any(all(right_2, after<2>(linked), after<3>(linked)),
                            all(left_2, before<3>(linked), before<4>(linked)));
     const Words high = hn::Or(hn::And(down_2, row(of.to_below, 2)), up_2);

@@ -58,9 +58,9 @@ struct RelationWords {
   const std::uint64_t *bent_along = nullptr, *bent_across = nullptr;
 };
 
-/// What a pixel's neighbours say of its trusted point.
+/// Evidence of the neighbours against a trusted point.
 struct EvidenceWords {
-  std::uint64_t* mixed = nullptr;    ///< at the end of a surface or next to it, off its extrapolation
+  std::uint64_t* mixed = nullptr;  ///< at the end of a surface or next to it, off its extrapolation
   std::uint64_t* at_edge = nullptr;  ///< beside a point to which it is not linked
   std::uint64_t* thin = nullptr;     ///< edges near on both sides, in the row or the column
   /// Surrounded by points: linked to all four but off them in row and column, or linked to none.

@@ -131,7 +131,8 @@ struct UnitMap {
 struct SolvedLens {
   Eigen::RowVector3f line;  ///< a is line (w, b, 1), where w is the undistorted coordinate
   /// k1 k2 k3 k4 k5 k6 t_a t_b u_a v_a u_b v_b: with r^2 = a^2 + b^2 and the quotient R as in
-  /// distort_untilted, a bends to a (R + t_a a + t_b b) + r^2 (u_a + v_a r^2), and b likewise.
+  /// distort_untilted, a bends to a (R + t_a a + t_b b) + r^2 (u_a + v_a r^2), and b in the same
+  /// way.
   Eigen::Matrix<float, 12, 1> bend;
   /// From the bent direction to multiples of (y, place, 1); |place| <= 1 in the field and its
   /// margin.

@@ -77,7 +77,7 @@ ScanFiles scan_files_in(const std::filesystem::path& path, const ScanChanges& ch
 std::vector<std::filesystem::path> pattern_pictures(const ScanFiles& files, int wanted,
                                                     const std::string& what);
 
-/// Whether the name of `a` precedes that of `b` in natural order: board2 before board10.
+/// Whether `a` comes before `b` in natural order by name: board2 before board10.
 bool before_in_order(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Whether a folder beside scans may be one: neither hidden nor a report, which has a report.html.

@@ -54,8 +54,8 @@ struct DepthPlanes {
     }
   }
   [[nodiscard]] RelationWords block(int block, Size picture) const {
-    return {BitPlane::stride_of(picture), point.block(block),      trusted.block(block),
-            to_right.block(block),        to_below.block(block),   bent_along.block(block),
+    return {BitPlane::stride_of(picture), point.block(block),    trusted.block(block),
+            to_right.block(block),        to_below.block(block), bent_along.block(block),
             bent_across.block(block)};
   }
 };

@@ -81,7 +81,7 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
       return hn::Sub(periods, hn::Round(periods));
     };
     const Floats inverse = hn::Div(hn::Set(d, 1.0F), length);
-    // At the coordinate near that of the order which fits all bands best.
+    // At the coordinate near this order that fits all bands best.
     const auto cost = [&](std::size_t, Floats order) SLIPSTREAM_STEP {
       Floats square = hn::Zero(d), along = square;
       for (std::size_t n = 0; n < bands; ++n) {

@@ -305,8 +305,11 @@ std::size_t measuring_band_index(const Layout& layout) {
 std::vector<int> measuring_frames(const Layout& layout) {
   std::vector<int> frames;
   for (int n = 0; n < layout.frames && !layout.unwrapping->whole_stripes; ++n) {
-    const bool in_band = std::ranges::any_of(layout.bands, [n](const Band& band) {
+    const auto counts = [n](const Band& band) {
       return band.cosine[n] != 0 || band.sine[n] != 0 || band.mean[n] != 0;
+    };
+    const bool in_band = std::ranges::any_of(layout.bands, [&](const Band& band) {
+      return counts(band) || std::ranges::any_of(band.mirrored, counts);
     });
     const bool alone = std::ranges::count(layout.single_frames, n, &SingleFrame::frame) > 0;
     if (in_band || alone || (layout.cue && layout.cue->weights[n] != 0)) frames.push_back(n);

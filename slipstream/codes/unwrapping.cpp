@@ -319,7 +319,6 @@ constexpr UnwrappingWay code_alone_way{.name = "code-alone",
                                        .order_source = OrderSource::pixel,
                                        .reads_code = true,
                                        .whole_stripes = true,
-                                       .in_kernels = false,
                                        .require = require_code};
 constexpr UnwrappingWay single_frames_way{.name = "single-frames",
                                           .order_source = OrderSource::pixel,

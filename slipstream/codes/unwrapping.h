@@ -57,7 +57,6 @@ struct UnwrappingWay {
   bool whole_stripes = false;  ///< the coordinate is a stripe's centre, whatever the noise
   /// Every order of the measuring band is tried: against all bands, or all single frames.
   bool tries_orders = false;
-  bool in_kernels = true;        ///< the float engines have it; otherwise only `reference`
   bool gives_coordinate = true;  ///< for any number of periods; otherwise for at most one
   /// Throws Error, beginning with `name`, unless the layout meets this method's needs; may be null.
   void (*require)(const Layout& layout, std::string_view name) = nullptr;

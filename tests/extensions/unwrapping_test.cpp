@@ -29,10 +29,8 @@ std::function<PixelCoordinate(const PixelReading&)> by_agreement(const Layout& l
   };
 }
 
-constexpr UnwrappingWay agreement{.name = "agreement",
-                                  .order_source = OrderSource::pixel,
-                                  .in_kernels = false,
-                                  .pixel = by_agreement};
+constexpr UnwrappingWay agreement{
+    .name = "agreement", .order_source = OrderSource::pixel, .pixel = by_agreement};
 
 struct TwoSinusoids {
   static constexpr std::string_view name = "two-sinusoids";

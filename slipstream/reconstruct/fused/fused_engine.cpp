@@ -55,6 +55,7 @@ void one_band(const FusedBand& band) {
 
 /// Turns of a sum of bands: its own row for a single band, else `to`.
 const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratch, float* to) {
+  if (of.empty()) return scratch.turns.begin();
   const auto alone = std::find(of.begin(), of.end(), 1);
   if (std::count(of.begin(), of.end(), 0) + 1 == static_cast<std::ptrdiff_t>(of.size()) &&
       alone != of.end()) {
@@ -67,15 +68,17 @@ const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratc
     if (factor == 0) continue;
     for (int i = 0; i < width; ++i) to[i] += factor * turn[i];
   }
-  for (int i = 0; i < width; ++i) to[i] -= std::floor(to[i]);
+  place_row(placing(1, 1, 0), width, to, to);
   return to;
 }
 
-/// Middle of each pixel's stripe. `mean`: row of the first band, in levels of the output.
-const float* code_coordinates(const FusedBand& band, int row, const float* mean) {
+/// Level above which the bits of each pixel are bright; null if a code needs none. `mean`: row of
+/// the first band, in levels of the output.
+const float* bright_levels(const FusedBand& band, int row, const float* mean) {
   const FusedStages::CodeBits& code = *band.stages.code;
   const int width = band.width();
   float* const limit = band.scratch.sum.begin();
+  if (!code.against_mean && code.reference.empty()) return nullptr;
   if (code.against_mean) {
     const float to_frames = 1 / (band.limits.front().mean_scale *
                                  static_cast<float>(band.stages.bands.front().sinusoid.steps));
@@ -91,17 +94,24 @@ const float* code_coordinates(const FusedBand& band, int row, const float* mean)
       }
     });
   }
-  float* const coarse = band.scratch.coarse.begin();
-  code_row(code.stage, width, band.frame_rows(row), limit, coarse);
-  return coarse;
+  return limit;
+}
+
+void read_code(const FusedBand& band, int row, const SinusoidRow& decoded, const UnwrappedRow& to) {
+  code_row(band.stages.code->stage, static_cast<float>(band.frames.full_scale() / 255),
+           band.frame_rows(row), bright_levels(band, row, decoded.mean), decoded.modulation, to);
 }
 
 /// Start of the chain: turns or coordinates.
-const float* coarse_row(const FusedBand& band, int row, const float* mean) {
+const float* coarse_row(const FusedBand& band, int row, const SinusoidRow& decoded) {
   const auto& [stages, scratch] = std::tie(band.stages, band.scratch);
   if (band.coarse != nullptr) return band.coarse->row(row);
-  if (stages.code) return code_coordinates(band, row, mean);
   float* const coarse = scratch.coarse.begin();
+  if (stages.code) {
+    read_code(band, row, decoded,
+              {.width = band.width(), .coordinate = coarse, .flags = decoded.flags});
+    return coarse;
+  }
   if (!stages.coarse_in_field) return sum_row(stages.coarse, band.width(), scratch, coarse);
   const float* const turns = sum_row(stages.coarse, band.width(), scratch, scratch.sum.begin());
   place_row(stages.coarse_stage, band.width(), turns, coarse);
@@ -128,23 +138,23 @@ void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, fl
 
 /// Converts turns of all bands to coordinates, along the chain. `maps`, unless null, also get the
 /// coordinates of dark pixels.
-void unwrap_bands(const FusedBand& band, int row, const float* mean, Maps* maps) {
+void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Maps* maps) {
   FusedScratch& scratch = band.scratch;
   const auto& chain = band.stages.chain;
   const int width = band.width();
   float *const doubt = maps != nullptr ? maps->fringe_order_doubt.row(row) : nullptr,
                *const kept = scratch.kept.coordinates(row);
-  std::int32_t* const flags = scratch.kept.flags(row);
   float* const y = maps != nullptr ? maps->coordinate.row(row) : kept;
-  UnwrappedRow to{.width = width, .coordinate = y, .flags = flags, .doubt = doubt};
   const std::int32_t hidden = maps == nullptr ? PixelFlag::dark : 0;
+  UnwrappedRow to{
+      .width = width, .coordinate = y, .flags = decoded.flags, .hidden = hidden, .doubt = doubt};
   if (const auto& orders = band.stages.orders) {
-    to.hidden = hidden;
     band.stages.weighs_modulations()
         ? likelihood_row(*orders, scratch.turns, scratch.modulations, to)
         : fit_row(*orders, band.limits.front(), band.frame_rows(row), scratch.turns.begin(), to);
   }
-  const float* coarse = chain.empty() ? nullptr : coarse_row(band, row, mean);
+  if (band.stages.reads_stripes()) read_code(band, row, decoded, to);
+  const float* coarse = chain.empty() ? nullptr : coarse_row(band, row, decoded);
   for (std::size_t i = 0; i < chain.size(); ++i) {
     const bool last = i + 1 == chain.size();
     to.coordinate = last ? y : scratch.unwrapped.row(static_cast<int>(i % 2));
@@ -157,7 +167,7 @@ void unwrap_bands(const FusedBand& band, int row, const float* mean, Maps* maps)
   if (band.stages.weighs_bands) weigh_bands(band.stages, width, scratch, y);
   if (maps == nullptr) return;
   std::copy_n(y, width, kept);
-  hide(width, flags, PixelFlag::dark, kept);
+  hide(width, decoded.flags, PixelFlag::dark, kept);
 }
 
 /// Keeps the coordinates of each row until the next row is known, since neighbours confirm them.
@@ -167,15 +177,18 @@ void several_bands(const FusedBand& band) {
     if (row < 0 || row >= band.height()) return kept.clear(row, row + 1);
     const bool ours = row >= band.first && row < band.last;
     Maps* const maps = ours ? band.output.maps : nullptr;
-    float* const mean = ours ? band.mean_row(row) : band.scratch.mean.begin();
-    band.decode(row, {.width = band.width(),
-                      .mean = mean,
-                      .modulation = ours ? band.modulation_row(row) : nullptr,
-                      .flags = kept.flags(row),
-                      .past_cache = ours && band.past_cache && !band.stages.code,
-                      .only_lit = maps == nullptr});
-    unwrap_bands(band, row, mean, maps);
-    if (maps != nullptr) band.finish_maps(row, band.scratch.turns.begin());
+    const SinusoidRow decoded{.width = band.width(),
+                              .mean = ours ? band.mean_row(row) : band.scratch.mean.begin(),
+                              .modulation = ours ? band.modulation_row(row) : nullptr,
+                              .flags = kept.flags(row),
+                              .past_cache = ours && band.past_cache && !band.stages.code,
+                              .only_lit = maps == nullptr};
+    band.decode(row, decoded);
+    unwrap_bands(band, row, decoded, maps);
+    if (maps == nullptr) return;
+    FusedScratch& scratch = band.scratch;
+    band.finish_maps(row,
+                     sum_row(band.stages.measured, band.width(), scratch, scratch.sum.begin()));
   };
   if (!band.output.makes_points()) {
     for (int row = band.first; row < band.last; ++row) decode(row);
@@ -376,6 +389,8 @@ void FusedEngine::find_limits(const FrameViews& frames, const Outputs& output,
   for (const FusedStages::BandStage& band : stages->bands) {
     limits.push_back(
         sinusoid_limits(band.sinusoid, settings, full_scale, frames.saturation(), mean_of));
+    // A code has limits of its own.
+    if (stages->reads_stripes()) limits.back() = {.mean_scale = limits.back().mean_scale};
   }
 }
 

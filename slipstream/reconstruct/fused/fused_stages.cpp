@@ -24,7 +24,7 @@ CoordinateStage unplaced(double periods) {
   return placing(narrow(1 / periods), 1e9F, -5e8F);
 }
 
-FusedStages::CodeBits code_bits(const Layout& layout) {
+FusedStages::CodeBits code_bits(const Layout& layout, const EngineSetup& setup) {
   const Code& code = *layout.code;
   const CodeNumbers numbers{.gray = code.gray ? 1 : 0, .stripe = narrow(1 / code.stripes)};
   FusedStages::CodeBits bits{.stage = {numbers, code.frames, code.inverses},
@@ -38,6 +38,16 @@ FusedStages::CodeBits code_bits(const Layout& layout) {
   for (const double weight : code.reference) {
     bits.reference.push_back(narrow(weight));
   }
+  if (!layout.unwrapping->whole_stripes) return bits;
+  bits.against_mean = false;
+  bits.stage.alone = true;
+  bits.stage.tolerance = narrow(3 * std::sqrt(cue_settings(setup).noise_variance));
+  bits.stage.least_contrast = narrow(setup.settings.minimum_modulation);
+  for (int n = 0; n < layout.frames; ++n) {
+    if (std::ranges::count(code.frames, n) == 0) bits.stage.rest.push_back(n);
+  }
+  bits.stage.shift = narrow(-0.5 / projector_length(setup));
+  bits.stage.largest_doubt = narrow(setup.settings.fringe_order.largest_doubt);
   return bits;
 }
 
@@ -50,28 +60,23 @@ OrderStage order_stage(const Layout& layout, const EngineSetup& setup) {
                    .end = narrow(begin + f),
                    .orders = static_cast<int>(f) + 2,
                    .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)};
-  for (const auto& [frame, periods, origin] : layout.single_frames) {
+  if (layout.single_frames.empty()) return stage;
+  const StepRun run = *step_run(band);
+  std::vector<SingleFrame> frames;
+  for (int n = run.first; n < run.first + run.steps; ++n) {
+    frames.push_back({n, f, -std::atan2(band.sine[n], band.cosine[n])});
+  }
+  stage.steps = frames.size();
+  frames.insert(frames.end(), layout.single_frames.begin(), layout.single_frames.end());
+  for (const auto& [frame, periods, origin] : frames) {
     stage.waves.push_back(
         {.ratio = narrow(periods / f), .shift = narrow(-origin / two_pi), .frame = frame});
   }
   for (int k = -1; k < stage.orders - 1; ++k) {
-    for (const SingleFrame& single : layout.single_frames) {
-      const double angle = two_pi * k * single.periods / f + single.origin;
+    for (const SingleFrame& shown : frames) {
+      const double angle = two_pi * k * shown.periods / f + shown.origin;
       stage.beginnings.push_back({narrow(std::cos(angle)), narrow(std::sin(angle))});
     }
-  }
-  if (layout.single_frames.empty()) {
-    for (const Band& other : layout.bands) {
-      stage.waves.push_back(
-          {.ratio = narrow(other.periods / f), .weight = narrow(1 / component_noise(other))});
-    }
-    return stage;
-  }
-  const StepRun run = *step_run(band);
-  stage.first_frame = run.first;
-  for (int n = run.first; n < run.first + run.steps; ++n) {
-    stage.cosines.push_back(narrow(run.steps * band.cosine[n] / 2));
-    stage.sines.push_back(narrow(run.steps * band.sine[n] / 2));
   }
   return stage;
 }
@@ -80,34 +85,50 @@ OrderStage order_stage(const Layout& layout, const EngineSetup& setup) {
 void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& setup,
                const PhaseCorrections& corrections) {
   const std::vector<double> weights = band_weights(layout);
-  const auto measuring = static_cast<std::ptrdiff_t>(measuring_band_index(layout));
+  const std::size_t measuring = measuring_band_index(layout);
+  // The band of each sinusoid: mirrored ones follow.
+  std::vector<std::pair<std::size_t, const Band*>> sinusoids;
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) sinusoids.emplace_back(i, &layout.bands[i]);
+  std::rotate(sinusoids.begin(), sinusoids.begin() + measuring, sinusoids.begin() + measuring + 1);
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
-    stages.bands.push_back(band_stage(layout.bands[i], corrections));
+    for (const Band& mirrored : layout.bands[i].mirrored) sinusoids.emplace_back(i, &mirrored);
+  }
+  for (const auto& [i, band] : sinusoids) {
+    stages.bands.push_back(band_stage(*band, corrections));
     stages.bands.back().weight = narrow(weights[i]);
   }
-  const auto measuring_first = [&](auto of) {
-    std::rotate(of.begin(), of.begin() + measuring, of.begin() + measuring + 1);
+  const auto factors = [&](const PhaseSum& sum) {
+    std::vector<int> of;
+    for (const auto& [i, band] : sinusoids) of.push_back(sum.of[i]);
     return of;
   };
-  stages.bands = measuring_first(std::move(stages.bands));
-  stages.weighs_bands = weights[static_cast<std::size_t>(measuring)] < 1;
+  stages.weighs_bands = weights[measuring] < 1;
   if (layout.unwrapping->tries_orders) {
     stages.orders = order_stage(layout, setup);
     if (!stages.weighs_modulations()) return;
-    stages.orders->waves = measuring_first(std::move(stages.orders->waves));
+    for (const auto& [i, band] : sinusoids) {
+      stages.orders->waves.push_back(
+          {.ratio = narrow(band->periods / layout.bands[measuring].periods),
+           .weight = narrow(1 / component_noise(*band))});
+    }
     stages.coarse_in_field = true;  // the mean of all bands may leave it
     return;
   }
   const std::vector<PhaseSum> chain = unwrapping_chain(layout);
+  stages.measured = factors(chain.back());
   const double largest_doubt = setup.settings.fringe_order.largest_doubt;
   const auto link = [&](const PhaseSum& fine, double ratio) {
-    return FusedStages::Link{.of = measuring_first(fine.of),
+    return FusedStages::Link{.of = factors(fine),
                              .unwrap = {.ratio = narrow(ratio),
                                         .largest_doubt = narrow(largest_doubt),
                                         .coordinate = unplaced(1)}};
   };
   if (layout.unwrapping->reads_code) {
-    stages.code = code_bits(layout);
+    stages.code = code_bits(layout, setup);
+    if (layout.unwrapping->whole_stripes) {
+      stages.consensus.fewest_neighbours = 0;  // only doubtful pixels need them, as in `judged`
+      return;
+    }
     stages.chain.push_back(link(chain.back(), chain.back().periods));
     UnwrapStage& unwrap = stages.chain.back().unwrap;
     unwrap.coordinate = unplaced(chain.back().periods);
@@ -116,15 +137,17 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
     unwrap.doubt_scale = narrow(1 / (1 - 2 * open));
     return;
   }
-  if (chain.size() < 2) return;
-  stages.coarse = measuring_first(chain.front().of);
+  const bool several = chain.size() > 1;
+  if (!several && layout.bands.front().mirrored.empty()) return;
+  if (!several) stages.consensus.fewest_neighbours = 0;
+  stages.coarse = factors(chain.front());
   stages.coarse_in_field = !is_circle(layout);
   stages.coarse_stage =
       coordinate_stage(chain.front().periods, chain.front().periods, projector_length(setup));
-  for (std::size_t i = 1; i < chain.size(); ++i) {
+  for (std::size_t i = several ? 1 : 0; i < chain.size(); ++i) {
     const bool first = i == 1 && stages.coarse_in_field;
-    stages.chain.push_back(
-        link(chain[i], first ? chain[i].periods : chain[i].periods / chain[i - 1].periods));
+    const double before = chain[i - (several ? 1 : 0)].periods;
+    stages.chain.push_back(link(chain[i], first ? chain[i].periods : chain[i].periods / before));
   }
   UnwrapStage& last = stages.chain.back().unwrap;
   const bool places = !stages.coarse_in_field && !stages.weighs_bands;
@@ -136,6 +159,7 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
                     const PhaseCorrections& corrections) {
   const Band& band = measuring_band(setup.sequence.strategy.layout());
   stages.bands.push_back(band_stage(band, corrections));
+  stages.measured = {1};
   stages.coarse_given = true;
   stages.chain.push_back(
       {.of = {1},
@@ -177,11 +201,14 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   constexpr double widest_margin = 0.25;
   const Strategy& strategy = setup.sequence.strategy;
   const Layout& layout = strategy.layout();
-  if (!layout.unwrapping->in_kernels || carrier_periods(layout) > 0) {
+  // Two sinusoids of a band are added up in a chain alone.
+  const bool adds = carrier_periods(layout) > 0;
+  if (layout.unwrapping->pixel != nullptr ||
+      (adds && (order_source(layout) != OrderSource::bands || unwraps_by_picture(setup)))) {
     return fmt::format("it does not support {}", strategy.name());
   }
-  if (std::max(layout.bands.size(), layout.single_frames.size()) > OrderStage::most_waves) {
-    return fmt::format("it supports at most {} sinusoids", OrderStage::most_waves);
+  if (layout.unwrapping->tries_orders && layout.frames > OrderStage::most_waves) {
+    return fmt::format("it supports at most {} frames", OrderStage::most_waves);
   }
   if (!has_coordinate(layout) && !unwraps_by_depth(setup)) return "it requires a coordinate";
   if (order_source(layout) == OrderSource::neighbours && !has_fused_cue(setup)) {

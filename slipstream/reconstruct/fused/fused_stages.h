@@ -25,7 +25,7 @@ struct FusedStages {
     UnwrapStage unwrap{};
   };
 
-  /// A binary code that starts the chain.
+  /// A binary code that starts the chain, or stands alone.
   struct CodeBits {
     CodeStage stage;
     bool against_mean = false;     ///< compare with the mean of the first band
@@ -44,9 +44,10 @@ struct FusedStages {
   };
 
   int frames = 0;
-  /// The measuring band first; with a cue it is the only one.
+  /// The measuring band first; with a cue it is the only one. Mirrored sinusoids last.
   std::vector<BandStage> bands{};
-  std::vector<int> coarse{};  ///< start of the chain: a factor for each band; else empty
+  std::vector<int> measured{};  ///< sum of `bands` that is the phase in maps; empty: the first
+  std::vector<int> coarse{};    ///< start of the chain: a factor for each band; else empty
   std::optional<CodeBits> code{};
   bool coarse_given = false;       ///< the coordinate is an input, see unwraps_by_picture
   bool coarse_in_field = false;    ///< apply `coarse_stage`: the chain is not circular
@@ -61,9 +62,10 @@ struct FusedStages {
   PointStage point;
   RayTable rays;
   /// Whether the fringe order depends on the modulation of each band: Unwrapping::likelihood.
-  [[nodiscard]] bool weighs_modulations() const { return orders && orders->cosines.empty(); }
+  [[nodiscard]] bool weighs_modulations() const { return orders && orders->steps == 0; }
+  [[nodiscard]] bool reads_stripes() const { return code && code->stage.alone; }
   /// Whether neighbours confirm the fringe orders, so that rows become points one row late.
-  [[nodiscard]] bool asks_neighbours() const { return !chain.empty() || orders || cue; }
+  [[nodiscard]] bool asks_neighbours() const { return !chain.empty() || orders || code || cue; }
 
   /// Empty for small images. With one band the blocks cover only turns before the cut of
   /// `coordinate`.
@@ -71,10 +73,10 @@ struct FusedStages {
 };
 
 /// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the
-/// reference engine: Unwrapping::code_alone, a cue with other weights or another reference than in
-/// Eqs. (3.53), (3.68), (3.83), a rule other than CueRule::consensus, a lens whose model is not
-/// invertible over its picture, an image narrower than `least_row_width`, a frequency above 16384
-/// with a cue, or a field margin above a quarter.
+/// reference engine: a cue with other weights or another reference than in Eqs. (3.53), (3.68),
+/// (3.83), a rule other than CueRule::consensus, a lens whose model is not invertible over its
+/// picture, an image narrower than `least_row_width`, a frequency above 16384 with a cue, or a
+/// field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections,
                                         std::string* why_not = nullptr);

@@ -100,36 +100,25 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
   });
 }
 
-/// A vector of pixels in the frames of an OrderStage: I = A + B cos(a).
+/// A vector of pixels in the frames of an OrderStage, each A + B cos(a).
 class FramesFit {
  public:
   template <class Pixel>
   HWY_INLINE FramesFit(const OrderStage& stage, const Pixel* const* frames, std::size_t i)
-      : stage_(stage),
-        half_(0.5F * static_cast<float>(stage.cosines.size())),
-        share_(1 / static_cast<float>(stage.cosines.size() + stage.waves.size())) {
-    const auto level = [&](int frame) SLIPSTREAM_STEP { return load_pixels(frames[frame] + i); };
-    const int steps = static_cast<int>(stage.cosines.size());
-    Ints sum = hn::Zero(IntTag());
-    for (int n = 0; n < steps; ++n) sum = hn::Add(sum, level(stage.first_frame + n));
-    greatest = hn::Zero(IntTag());
-    for (const OrderStage::Wave& wave : stage.waves) {
-      sum = hn::Add(sum, level(wave.frame));
-      greatest = hn::Max(greatest, level(wave.frame));
-    }
-    const Floats mean = hn::Mul(hn::ConvertTo(FloatTag(), sum), set(share_));
-    const auto above = [&](int frame) SLIPSTREAM_STEP {
-      return hn::Sub(hn::ConvertTo(FloatTag(), level(frame)), mean);
+      : stage_(stage), count_(stage.waves.size()), share_(1 / static_cast<float>(count_)) {
+    const auto level = [&](std::size_t n) SLIPSTREAM_STEP {
+      return load_pixels(frames[stage.waves[n].frame] + i);
     };
-    C_ = S_ = square_ = hn::Zero(FloatTag());
-    for (int n = 0; n < steps; ++n) {
-      const Floats I = above(stage.first_frame + n);
-      C_ = hn::MulAdd(I, set(stage.cosines[n]), C_);
-      S_ = hn::MulAdd(I, set(stage.sines[n]), S_);
-      square_ = hn::MulAdd(I, I, square_);
+    Ints sum = hn::Zero(IntTag());
+    greatest = sum;
+    for (std::size_t n = 0; n < count_; ++n) {
+      sum = hn::Add(sum, level(n));
+      greatest = hn::Max(greatest, level(n));
     }
-    for (std::size_t n = 0; n < stage.waves.size(); ++n) {
-      I_[n] = above(stage.waves[n].frame);
+    square_ = hn::Zero(FloatTag());
+    for (std::size_t n = 0; n < count_; ++n) {
+      I_[n] = hn::NegMulAdd(hn::ConvertTo(FloatTag(), sum), set(share_),
+                            hn::ConvertTo(FloatTag(), level(n)));
       square_ = hn::MulAdd(I_[n], I_[n], square_);
     }
   }
@@ -137,29 +126,31 @@ class FramesFit {
   /// `doubt`: half of the least misfit over the next order's.
   [[nodiscard]] HWY_INLINE Floats order(Floats turn, Floats& doubt) const {
     const FloatTag d;
-    const std::size_t waves = stage_.waves.size();
-    Several<OrderStage::most_waves> cosine, sine;
-    for (std::size_t n = 0; n < waves; ++n) {
-      const Direction phase = direction_of(hn::Mul(turn, set(stage_.waves[n].ratio)));
-      cosine[n] = phase.cosine;
-      sine[n] = phase.sine;
+    Several<OrderStage::most_waves, Direction> phase;
+    for (std::size_t n = 0; n < count_; ++n) {
+      phase[n] = direction_of(hn::Mul(turn, set(stage_.waves[n].ratio)));
     }
-    const Floats of_steps = along(direction_of(turn));
-    // Minus the part of the frames' variation that each order explains; a falling line has none.
-    const Likeliest found =
-        likeliest_order(stage_, turn, [&](std::size_t k, Floats) SLIPSTREAM_STEP {
-          const auto* const beginnings = stage_.beginnings.data() + k * waves;
-          Floats sum = hn::Zero(d), square = set(half_), covariance = of_steps;
-          for (std::size_t n = 0; n < waves; ++n) {
-            const auto& [c, s] = beginnings[n];
-            const Floats shown = hn::NegMulAdd(set(s), sine[n], hn::Mul(set(c), cosine[n]));
-            sum = hn::Add(sum, shown);
-            square = hn::MulAdd(shown, shown, square);
-            covariance = hn::MulAdd(shown, I_[n], covariance);
-          }
-          covariance = hn::Max(covariance, hn::Zero(d));
-          return hn::Neg(hn::Div(hn::Mul(covariance, covariance), variance(sum, square)));
-        });
+    struct Sums {
+      Floats shown, square, covariance;
+    };
+    const auto add = [&](Sums& sums, std::size_t k, std::size_t n) SLIPSTREAM_STEP {
+      const auto& [c, s] = stage_.beginnings[k * count_ + n];
+      const Floats shown = hn::NegMulAdd(set(s), phase[n].sine, hn::Mul(set(c), phase[n].cosine));
+      sums.shown = hn::Add(sums.shown, shown);
+      sums.square = hn::MulAdd(shown, shown, sums.square);
+      sums.covariance = hn::MulAdd(shown, I_[n], sums.covariance);
+    };
+    // The band's own steps are the same in every order.
+    Sums of_steps{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    for (std::size_t n = 0; n < stage_.steps; ++n) add(of_steps, 0, n);
+    // Minus the part of the frames' variation that an order explains; a falling line has none.
+    const auto cost = [&](std::size_t k, Floats) SLIPSTREAM_STEP {
+      Sums sums = of_steps;
+      for (std::size_t n = stage_.steps; n < count_; ++n) add(sums, k, n);
+      const Floats covariance = hn::Max(sums.covariance, hn::Zero(d));
+      return hn::Neg(hn::Div(hn::Mul(covariance, covariance), less_mean(sums.square, sums.shown)));
+    };
+    const Likeliest found = likeliest_order(stage_, turn, cost);
     const Floats least = hn::Max(hn::Add(square_, found.least), hn::Zero(d));
     const Floats next = hn::Add(square_, found.next);
     doubt = hn::IfThenElse(hn::Gt(next, hn::Zero(d)),
@@ -167,63 +158,57 @@ class FramesFit {
     return found.order;
   }
 
-  /// Gauss-Newton refinement of the phase: BandUnwrapper::refined, in turns.
+  /// Gauss-Newton refinement of the turn: BandUnwrapper::refined.
   [[nodiscard]] HWY_INLINE Floats refined(Floats turn, Floats order) const {
     constexpr int steps = 4;
     const FloatTag d;
     const Floats most = set(0.25F);
     Floats moved = hn::Zero(d);
     for (int step = 0; step < steps; ++step) {
-      const Floats phase = hn::Add(turn, moved);
-      const Direction a = direction_of(phase);
-      // c = cos(a), s: its change with the phase.
-      Floats c = hn::Zero(d), s = c, cs = c, cc = set(half_), ss = cc, cI = along(a);
-      Floats sI = hn::MulSub(S_, a.cosine, hn::Mul(C_, a.sine));
-      for (std::size_t n = 0; n < stage_.waves.size(); ++n) {
+      // Sums of c = cos(a), of s, its change with the turn over 2 pi, and of their products.
+      Floats c = hn::Zero(d), s = c, cc = c, cs = c, ss = c, cI = c, sI = c;
+      for (std::size_t n = 0; n < count_; ++n) {
         // Whole turns of the order are taken off first.
         const Floats ratio = set(stage_.waves[n].ratio), turns = hn::Mul(order, ratio);
         const Floats begin = hn::MulSub(order, ratio, hn::Round(turns));
-        const Direction b =
-            direction_of(hn::MulAdd(phase, ratio, hn::Sub(begin, set(stage_.waves[n].shift))));
-        const Floats slope = hn::Neg(hn::Mul(b.sine, ratio));
-        c = hn::Add(c, b.cosine);
+        const Direction a = direction_of(
+            hn::MulAdd(hn::Add(turn, moved), ratio, hn::Sub(begin, set(stage_.waves[n].shift))));
+        const Floats slope = hn::Neg(hn::Mul(a.sine, ratio));
+        c = hn::Add(c, a.cosine);
         s = hn::Add(s, slope);
-        cs = hn::MulAdd(b.cosine, slope, cs);
-        cc = hn::MulAdd(b.cosine, b.cosine, cc);
+        cc = hn::MulAdd(a.cosine, a.cosine, cc);
+        cs = hn::MulAdd(a.cosine, slope, cs);
         ss = hn::MulAdd(slope, slope, ss);
-        cI = hn::MulAdd(b.cosine, I_[n], cI);
+        cI = hn::MulAdd(a.cosine, I_[n], cI);
         sI = hn::MulAdd(slope, I_[n], sI);
       }
+      cc = less_mean(cc, c);
       cs = hn::NegMulAdd(hn::Mul(c, set(share_)), s, cs);
-      const Floats projection = hn::Div(cs, variance(c, cc));
-      const Floats B = hn::Div(cI, variance(c, cc));
-      const Floats misfit = hn::NegMulAdd(B, cs, sI);
-      const Floats across = hn::NegMulAdd(projection, cs, variance(s, ss));
-      const Floats change = hn::Div(misfit, hn::Mul(hn::Mul(set(6.2831853F), B), across));
+      const Floats B = hn::Div(cI, cc);
+      const Floats across = hn::NegMulAdd(hn::Div(cs, cc), cs, less_mean(ss, s));
+      const Floats change =
+          hn::Div(hn::NegMulAdd(B, cs, sI), hn::Mul(hn::Mul(set(6.2831853F), B), across));
       const Floats next = hn::Min(hn::Max(hn::Add(moved, change), hn::Neg(most)), most);
       moved = hn::IfThenElseZero(hn::IsFinite(change), next);
     }
     return hn::Add(turn, moved);
   }
 
-  Ints greatest;  ///< of the single frames
+  Ints greatest;
 
  private:
   static HWY_INLINE Floats set(float value) { return hn::Set(FloatTag(), value); }
 
-  /// Sum of the steps' levels times their cosines.
-  [[nodiscard]] HWY_INLINE Floats along(const Direction& a) const {
-    return hn::MulAdd(C_, a.cosine, hn::Mul(S_, a.sine));
-  }
-  [[nodiscard]] HWY_INLINE Floats variance(Floats sum, Floats square) const {
+  /// The sum of squares of numbers less their mean.
+  [[nodiscard]] HWY_INLINE Floats less_mean(Floats square, Floats sum) const {
     return hn::NegMulAdd(hn::Mul(sum, set(share_)), sum, square);
   }
 
   const OrderStage& stage_;
-  float half_;   ///< of the number of steps: the sum of the squares of their cosines
-  float share_;  ///< of a frame
-  Floats C_, S_, square_;
-  Several<OrderStage::most_waves> I_;  ///< of the single frames, less the mean of all
+  std::size_t count_;
+  float share_;
+  Floats square_;
+  Several<OrderStage::most_waves> I_;  ///< less the mean of all frames
 };
 
 template <class Pixel>

@@ -120,26 +120,24 @@ void unwrap_row(const UnwrapStage& stage, const float* high_turn, const float* l
 
 /// Tries every fringe order of the measuring band.
 struct OrderStage {
-  /// A band, or a single frame. It shows cos(2 pi (ratio p - shift)), p the coordinate in periods
-  /// of the measuring band.
+  /// A band, or a frame. It shows cos(2 pi (ratio p - shift)), p the coordinate in periods of the
+  /// measuring band.
   struct Wave {
     float ratio = 1;
-    float shift = 0;   ///< of a single frame, turns
-    int frame = 0;     ///< the single frame
+    float shift = 0;   ///< of a frame, turns
+    int frame = 0;     ///< in the scan
     float weight = 0;  ///< of a band: inverse variance of its phase for B = 1
   };
-  static constexpr std::size_t most_waves = 64;
+  static constexpr int most_waves = 64;
 
   float period = 1;          ///< of the band, fields
   float begin = 0, end = 1;  ///< of the field, periods of the band
   int orders = 1;            ///< to try, from -1 on
   float largest_doubt = 0.25F;
   std::vector<Wave> waves{};
-  // The rest with single frames only.
-  /// Cosine and sine of each wave at the beginning of each order, order after order.
+  std::size_t steps = 0;  ///< frames of the measuring band, which are first; 0 of bands
+  /// Of frames: cosine and sine of each at the beginning of each order, order after order.
   std::vector<std::array<float, 2>> beginnings{};
-  int first_frame = 0;                    ///< of the band's steps
-  std::vector<float> cosines{}, sines{};  ///< of the shift of each step
 };
 
 /// Coordinates from the turns and the modulations of all bands, a row each, the measuring band
@@ -147,8 +145,7 @@ struct OrderStage {
 void likelihood_row(const OrderStage& stage, const Image<float>& turns,
                     const Image<float>& modulations, const UnwrappedRow& row);
 
-/// Coordinates from all frames: see Unwrapping::single_frames. Also flags pixels that are saturated
-/// in a single frame.
+/// Coordinates from all frames: see Unwrapping::single_frames. Also flags saturated pixels.
 void fit_row(const OrderStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
              const float* turn, const UnwrappedRow& row);
 
@@ -162,12 +159,20 @@ void phase_row(int width, const float* turn, float* phase);
 struct CodeStage : CodeNumbers {
   std::vector<int> frames{};    ///< one per bit, most significant first; at least one
   std::vector<int> inverses{};  ///< their inverses; empty: compare with the row's reference
+  bool alone = false;           ///< Unwrapping::code_alone; else no member below counts
+  std::vector<int> rest{};      ///< frames that are no bits
+  float shift = 0;              ///< from y = 0 to the edge of the first stripe, fields
+  float largest_doubt = 0.25F;
+  float tolerance = 0;       ///< bits nearer to the threshold are doubtful, grey levels of 255
+  float least_contrast = 0;  ///< pixels of less are dark, grey levels of 255
 };
 
-/// Coordinate of the middle of each pixel's stripe. `reference`: grey level above which a bit is
-/// bright, for each pixel; null if there are inverse frames.
-void code_row(const CodeStage& stage, int width, const FrameRows& frames, const float* reference,
-              float* coordinate);
+/// Coordinate of the middle of each pixel's stripe; of a code alone, of all stripes that its
+/// doubtful bits allow. `reference`: grey level above which a bit is bright, for each pixel; null
+/// if there are inverse frames, or if it is half way between the darkest and the brightest bit of a
+/// code alone. `contrast`: of a code alone, see CodeReading; may be null. `grey_level`: one of 255.
+void code_row(const CodeStage& stage, float grey_level, const FrameRows& frames,
+              const float* reference, float* contrast, const UnwrappedRow& row);
 
 /// From the cue of PCMP to a coordinate, Liu 2010, Section 3.2: R = 2 y - 1 in the mean for N = 3
 /// (3.53), R = cos(pi y) in the half phase channel for N = 4 (3.68), one period in the second full

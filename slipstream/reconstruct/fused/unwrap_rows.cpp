@@ -28,35 +28,74 @@ HWY_INLINE Ints stripes(const CodeStage& stage, Ints shown) {
 }
 
 template <class Pixel>
-HWY_NOINLINE void read_row(const CodeStage& stage, int width, const Pixel* const* frames,
-                           const float* reference, float* coordinate) {
+HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel* const* frames,
+                           const float* reference, float* contrast, const UnwrappedRow& row) {
+  constexpr int most_doubtful = 4;  // see read_code
+  // Local copies stay in registers: no store can alias them.
+  const bool alone = stage.alone;
+  const std::span<const int> bits = stage.frames, inverses = stage.inverses;
   const FloatTag d;
   const IntTag di;
-  const std::size_t bits = stage.frames.size();
-  const int* const frame = stage.frames.data();
-  const int* const inverse = stage.inverses.empty() ? nullptr : stage.inverses.data();
-  const Floats width_of_one = hn::Set(d, stage.stripe), half = hn::Set(d, stage.stripe / 2);
-  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    // A whole level is above a number if it is above the number rounded down.
-    Ints limit = hn::Zero(di);
-    if (inverse == nullptr) limit = hn::ConvertTo(di, hn::LoadU(d, reference + i));
-    Ints shown = hn::Zero(di);
-    for (std::size_t bit = 0; bit < bits; ++bit) {
-      if (inverse != nullptr) limit = load_pixels(frames[inverse[bit]] + i);
-      const auto bright = hn::Gt(load_pixels(frames[frame[bit]] + i), limit);
-      shown = hn::Sub(hn::Add(shown, shown), hn::VecFromMask(di, bright));  // a mask is -1
+  const Floats half = hn::Set(d, 0.5F), zero = hn::Zero(d);
+  const Floats tolerance = hn::Set(d, grey_level * stage.tolerance);
+  const Floats least = hn::Set(d, grey_level * stage.least_contrast);
+  const auto mask = [&](auto test)
+                        SLIPSTREAM_STEP { return hn::VecFromMask(di, hn::RebindMask(di, test)); };
+  unwrap_vectors(row, stage.largest_doubt, [&](std::size_t i, Ints flags) SLIPSTREAM_STEP {
+    const auto level = [&](int frame) SLIPSTREAM_STEP { return load_pixels(frames[frame] + i); };
+    Ints darkest = level(bits.front()), brightest = darkest;
+    const auto take = [&](std::span<const int> some) SLIPSTREAM_STEP {
+      for (const int frame : some) {
+        darkest = hn::Min(darkest, level(frame));
+        brightest = hn::Max(brightest, level(frame));
+      }
+    };
+    if (alone) take(bits);
+    Floats limit = hn::Mul(half, hn::ConvertTo(d, hn::Add(darkest, brightest)));
+    if (reference != nullptr) limit = hn::LoadU(d, reference + i);
+    Ints shown = hn::Zero(di), doubtful = shown, count = shown;
+    for (std::size_t bit = 0; bit < bits.size(); ++bit) {
+      Floats above = hn::ConvertTo(d, level(bits[bit]));
+      above = inverses.empty()
+                  ? hn::Sub(above, limit)
+                  : hn::Mul(half, hn::Sub(above, hn::ConvertTo(d, level(inverses[bit]))));
+      shown = hn::Sub(hn::Add(shown, shown), mask(hn::Gt(above, zero)));  // a mask is -1
+      if (!alone) continue;
+      const Ints unsure = mask(hn::Lt(hn::Abs(above), tolerance));
+      doubtful = hn::Sub(hn::Add(doubtful, doubtful), unsure);
+      count = hn::Sub(count, unsure);
     }
-    const Floats stripe = hn::ConvertTo(d, stripes(stage, shown));
-    hn::StoreU(hn::MulAdd(stripe, width_of_one, half), d, coordinate + i);
+    const auto readable = hn::Lt(count, hn::Set(di, most_doubtful + 1));
+    doubtful = hn::IfThenElseZero(readable, doubtful);
+    Ints first = stripes(stage, shown), last = first;
+    // Pixels with fewer doubtful bits go through theirs again until all end at once.
+    for (Ints wrong = doubtful; !hn::AllTrue(di, hn::Eq(wrong, hn::Zero(di)));
+         wrong = hn::And(hn::Sub(wrong, hn::Set(di, 1)), doubtful)) {
+      const Ints stripe = stripes(stage, hn::Xor(shown, wrong));
+      first = hn::Min(first, stripe);
+      last = hn::Max(last, stripe);
+    }
+    const Floats width = hn::Set(d, stage.stripe / 2);
+    const Floats y = hn::MulAdd(hn::ConvertTo(d, hn::Add(first, last)), width,
+                                hn::Set(d, stage.stripe / 2 + stage.shift));
+    if (!alone) return Unwrapped{y, zero, flags};
+    take(stage.rest);
+    const Floats range = hn::Mul(half, hn::ConvertTo(d, hn::Sub(brightest, darkest)));
+    if (contrast != nullptr) hn::StoreU(range, d, contrast + i);
+    const Floats spread =
+        hn::IfThenElse(hn::RebindMask(d, readable), hn::ConvertTo(d, hn::Sub(last, first)),
+                       hn::Set(d, 1 / stage.stripe));
+    const Ints dark = hn::And(mask(hn::Lt(range, least)), hn::Set(di, PixelFlag::dark));
+    return Unwrapped{y, hn::Min(half, hn::Mul(spread, hn::Set(d, 0.125F))), hn::Or(flags, dark)};
   });
 }
 
-void CodeRow(const CodeStage& stage, int width, const FrameRows& frames, const float* reference,
-             float* coordinate) {
+void CodeRow(const CodeStage& stage, float grey_level, const FrameRows& frames,
+             const float* reference, float* contrast, const UnwrappedRow& row) {
   if (frames.of_8_bits != nullptr) {
-    return read_row(stage, width, frames.of_8_bits, reference, coordinate);
+    return read_row(stage, grey_level, frames.of_8_bits, reference, contrast, row);
   }
-  read_row(stage, width, frames.of_16_bits, reference, coordinate);
+  read_row(stage, grey_level, frames.of_16_bits, reference, contrast, row);
 }
 
 void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
@@ -117,9 +156,9 @@ HWY_EXPORT(PlaceNear);
 HWY_EXPORT(UnwrapRow);
 HWY_EXPORT(PhaseRow);
 
-void code_row(const CodeStage& stage, int width, const FrameRows& frames, const float* reference,
-              float* coordinate) {
-  HWY_DYNAMIC_DISPATCH(CodeRow)(stage, width, frames, reference, coordinate);
+void code_row(const CodeStage& stage, float grey_level, const FrameRows& frames,
+              const float* reference, float* contrast, const UnwrappedRow& row) {
+  HWY_DYNAMIC_DISPATCH(CodeRow)(stage, grey_level, frames, reference, contrast, row);
 }
 
 void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {

@@ -61,15 +61,15 @@ struct FusedStages {
   CoordinateStage coordinate;
   PointStage point;
   RayTable rays;
+  /// Empty for small images. With one band the blocks cover only turns before the cut of
+  /// `coordinate`.
+  std::optional<RayBlocks> blocks;
+
   /// Whether the fringe order depends on the modulation of each band: Unwrapping::likelihood.
   [[nodiscard]] bool weighs_modulations() const { return orders && orders->steps == 0; }
   [[nodiscard]] bool reads_stripes() const { return code && code->stage.alone; }
   /// Whether neighbours confirm the fringe orders, so that rows become points one row late.
   [[nodiscard]] bool asks_neighbours() const { return !chain.empty() || orders || code || cue; }
-
-  /// Empty for small images. With one band the blocks cover only turns before the cut of
-  /// `coordinate`.
-  std::optional<RayBlocks> blocks;
 };
 
 /// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the

@@ -15,12 +15,13 @@ namespace {
 /// infinite if there is no surface.
 std::vector<double> distances_from(const Scene& scene, const ModelPoints& model) {
   constexpr double reach = 5;
+  const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   std::vector<double> distances;
   for (int i = 0; i < model.cloud.size().width; ++i) {
     const Eigen::Vector3d point(model.cloud.x(i, 0), model.cloud.y(i, 0), model.cloud.z(i, 0));
     const Eigen::Vector3d normal(model.normals.x(i, 0), model.normals.y(i, 0),
                                  model.normals.z(i, 0));
-    const auto surface = first_surface(scene, {point + reach * normal, -normal}, 0);
+    const auto surface = first_surface(bodies, {point + reach * normal, -normal});
     const double distance = surface ? reach - surface->distance : INFINITY;
     distances.push_back(std::abs(distance) < reach ? distance : INFINITY);
   }

@@ -248,11 +248,11 @@ class McapSink final : public DisjointCloudSink {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& path) : path_(path) {
+McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
+    : path_(path) {
   Bytes begin(magic.begin(), magic.end());
   append_record(begin, header, "ros2"sv, "slipstream"sv);
-  // Last: kept if memory runs out before.
-  file_ = std::make_unique<OutputFile>(path, OutputFile::Writing::over_time);
+  file_ = std::make_unique<OutputFile>(path, writing);  // last: kept if memory runs out before
   put({begin});
 }
 

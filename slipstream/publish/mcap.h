@@ -55,7 +55,8 @@ class McapWriter {
   /// Throws WorldError if the file cannot be written, like all functions below: then it ends with
   /// the last complete chunk, and nothing more is written. Without any chunk an existing file
   /// stays.
-  explicit McapWriter(const std::filesystem::path& path);
+  explicit McapWriter(const std::filesystem::path& path,
+                      OutputFile::Writing writing = OutputFile::Writing::over_time);
   ~McapWriter();  ///< without finish() the file ends as after a failure
 
   /// Adds a channel of CDR messages, defined by a type name and a "ros2msg" text. Returns its

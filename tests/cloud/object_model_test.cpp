@@ -84,7 +84,7 @@ ModelError error_of(const ModelPoints& model, const Scene& truth) {
   for (int i = 0; i < count; ++i) {
     const Vector point(model.cloud.x(i, 0), model.cloud.y(i, 0), model.cloud.z(i, 0));
     const Vector normal(model.normals.x(i, 0), model.normals.y(i, 0), model.normals.z(i, 0));
-    const auto surface = first_surface(truth, {point + reach * normal, -normal}, 0);
+    const auto surface = first_surface(placed_at(truth, 0), {point + reach * normal, -normal});
     const double distance = surface ? reach - surface->distance : INFINITY;
     if (!(std::abs(distance) < reach)) {
       error.flying += 1.0 / count;

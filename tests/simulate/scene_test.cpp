@@ -105,7 +105,7 @@ TEST(Scene, BodiesTurnSwingAndBreatheAboutTheirCentre) {
   moving.motion = all;
   for (const double time : {-3.0, 0.0, 2.5, 9.0}) {
     const Ray ray{Vector::Zero(), Vector(0.03, -0.02, 1)};
-    const auto met = first_surface({moving}, ray, time);
+    const auto met = first_surface(placed_at({moving}, time), ray);
     ASSERT_TRUE(met) << time;
     const Vector before = all.at(time).inverse() * met->point;
     const Vector in_box = (before - centre).cwiseAbs().cwiseQuotient(Vector(40, 30, 20));
@@ -153,8 +153,8 @@ TEST(NamedScenes, StandWhereCameraAndProjectorLook) {
   EXPECT_GT(volume.extent, 200);
   EXPECT_THROW(scene_named("teapot", scanner), Error);
   for (const std::string_view name : scene_names()) {
-    EXPECT_TRUE(first_surface(scene_named(name, scanner), {Vector::Zero(), Vector(0, 0, 1)}, 0) ||
-                name == "boxes");
+    const std::vector<PlacedBody> bodies = placed_at(scene_named(name, scanner), 0);
+    EXPECT_TRUE(first_surface(bodies, {Vector::Zero(), Vector(0, 0, 1)}) || name == "boxes");
   }
 }
 

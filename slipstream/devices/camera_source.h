@@ -3,7 +3,9 @@
 #include <atomic>
 #include <mutex>
 
-#include "slipstream/base/throw_if-inl.h"
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
 #include "slipstream/devices/camera.h"
 
 namespace slipstream {
@@ -110,7 +112,9 @@ class CameraSource : public FrameSource, public CameraControls {
         format_(format),
         count_(settings_.cycle) {
     settings_.node_set = {};  // the caller may be gone when the camera is opened again
-    throw_if(settings_.cycle < 1, "{} patterns per scan; expected at least 1", settings_.cycle);
+    if (settings_.cycle < 1) {
+      throw Error(fmt::format("{} patterns per scan; expected at least 1", settings_.cycle));
+    }
   }
 
   /// For threads other than that of next(), which reads connection_.

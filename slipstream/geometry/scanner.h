@@ -41,9 +41,6 @@ struct Lens {
 /// focal lengths and K(2, 2) = 1.
 void require_valid(const Lens& lens, std::string_view device);
 
-/// Projection onto a sensor tilted by tau_x, tau_y.
-Eigen::Matrix3d sensor_tilt(double tau_x, double tau_y);
-
 /// The image of direction (u, v, 1) after the lens, in normalised coordinates.
 Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& direction);
 

@@ -29,13 +29,11 @@ class ProjectorPlane {
       : lens_(scanner.projector), along_(axis == Axis::x ? 0 : 1) {
     rows_ = projection_matrices(scanner, axis);
     across_row_ = projection_matrices(scanner, slipstream::across(axis)).projector_coordinate;
-    direction_row_ << scanner.rotation.row(1 - along_), scanner.translation(1 - along_);
     inverse_intrinsic_ = lens_.intrinsic.inverse();
   }
 
   [[nodiscard]] Eigen::RowVector4d along() const { return rows_.projector_coordinate; }
   [[nodiscard]] Eigen::RowVector4d across() const { return across_row_; }
-  [[nodiscard]] Eigen::RowVector4d direction_across() const { return direction_row_; }
   [[nodiscard]] Eigen::RowVector4d depth() const { return rows_.projector_depth; }
   [[nodiscard]] double along_length() const { return size(along_); }
   [[nodiscard]] double across_length() const { return size(1 - along_); }
@@ -46,25 +44,6 @@ class ProjectorPlane {
   }
   [[nodiscard]] Eigen::Vector2d undistorted(const Eigen::Vector2d& y) const {
     return from_direction(undistort(lens_.distortion, to_direction(y)));
-  }
-
-  [[nodiscard]] double squared_tangent(const Eigen::Vector2d& y) const {
-    return undistort(lens_.distortion, to_direction(y)).squaredNorm();
-  }
-  [[nodiscard]] SolvedLens solved(double margin, double largest_square) const {
-    const int a = along_, b = 1 - along_;
-    const auto& k = lens_.distortion.coefficients;
-    const Eigen::Matrix3d& K = lens_.intrinsic;
-    const Eigen::RowVector3d line(along_length(), -K(a, b), -K(a, 2));
-    Eigen::Matrix<double, 12, 1> bend;
-    bend << k[0], k[1], k[4], k[5], k[6], k[7], 2 * k[3 - a], 2 * k[2 + a],  //
-        k[3 - a] + k[8 + 2 * a], k[9 + 2 * a], k[2 + a] + k[8 + 2 * b], k[9 + 2 * b];
-    Eigen::Matrix3d image = K * sensor_tilt(k[12], k[13]);
-    if (a == 1) image = image({1, 0, 2}, {1, 0, 2}).eval();
-    image.row(0) /= along_length();
-    image.row(1) = (2 / across_length() * image.row(1) - image.row(2)) / (1 + 2 * margin);
-    return {(line / K(a, a)).cast<float>(), bend.cast<float>(), image.cast<float>(),
-            static_cast<float>(largest_square)};
   }
 
   /// d across / d along of the epipolar line through w.
@@ -106,7 +85,7 @@ class ProjectorPlane {
   Lens lens_;
   int along_;
   ProjectionMatrices rows_;
-  Eigen::RowVector4d across_row_, direction_row_;
+  Eigen::RowVector4d across_row_;
   Eigen::Matrix3d inverse_intrinsic_;
 };
 
@@ -165,8 +144,8 @@ double evaluated(const std::array<double, StripeGeometry::edge_terms>& edge, dou
 /// The point of ray e at the undistorted coordinate y lies at (B4 a - A4 b + y (D4 b - B4 d)) / g
 /// along the stripe, with a, b, d, g = A e, B e, D e, D4 a - A4 d, and the rows A of the
 /// coordinate, B of the position along the stripe and D of the depth.
-void set_place(StripeGeometry& geometry, const Eigen::RowVector4d& B, const UnitMap& unit_place) {
-  const Eigen::RowVector4d &A = geometry.coordinate, &D = geometry.depth;
+void set_place(StripeGeometry& geometry, const ProjectorPlane& plane, const UnitMap& unit_place) {
+  const Eigen::RowVector4d A = plane.along(), B = plane.across(), D = plane.depth();
   const Eigen::RowVector3d a = A.head<3>(), b = B.head<3>(), d = D.head<3>();
   const UnitMap& unit = geometry.unit_coordinate;
   geometry.facing = D(3) * a - A(3) * d;
@@ -175,53 +154,6 @@ void set_place(StripeGeometry& geometry, const Eigen::RowVector4d& B, const Unit
   geometry.place_slope = unit_place.scale / unit.scale * slope;
   geometry.place_constant = unit_place.scale * constant + unit_place.offset * geometry.facing -
                             unit.offset * geometry.place_slope;
-}
-
-/// Describes the lens by polynomials; false if they are too inaccurate.
-bool fit(StripeGeometry& geometry, const ProjectorPlane& plane, double margin) {
-  geometry.unit_coordinate = UnitMap::of(geometry.least_coordinate, geometry.largest_coordinate);
-  const auto place = [&](double y, double edge) {
-    const Eigen::Vector2d w = plane.undistorted({y, edge});
-    return w.y() + plane.slope_through(w) * (y - w.x());
-  };
-  NodeSamples y, low, high;
-  for (int i = 0; i < fitted_nodes; ++i) {
-    y(i) = geometry.unit_coordinate.inverse(node(i));
-    low(i) = place(y(i), -margin);
-    high(i) = place(y(i), 1 + margin);
-  }
-  if (!(low.allFinite() && high.allFinite() && high.maxCoeff() - low.minCoeff() < 3)) return false;
-  const UnitMap unit_place = UnitMap::of(low.minCoeff(), high.maxCoeff());
-  const auto low_edge = fitted_edge(unit_place.scale * low.array() + unit_place.offset);
-  const auto high_edge = fitted_edge(unit_place.scale * high.array() + unit_place.offset);
-  StripeSamples added;
-  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
-    added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
-  });
-  const std::optional<PlanePolynomial> lens = fitted(added, lens_tolerance);
-  if (!low_edge || !high_edge || !lens) return false;
-  geometry.low_edge = *low_edge;
-  geometry.high_edge = *high_edge;
-  geometry.lens = *lens;
-  set_place(geometry, plane.across(), unit_place);
-  return true;
-}
-
-/// Prepares the lens for Newton's method; false if it is not invertible over the picture.
-bool solve(StripeGeometry& geometry, const ProjectorPlane& plane, double margin) {
-  double in_picture = 0, largest = 0;
-  for_each_pixel_in_order({33, 33}, [&](int i, int j) {
-    const double x = i / 32.0, y = j / 32.0;
-    const double inside = plane.squared_tangent({x, y});
-    const double around = plane.squared_tangent(
-        {geometry.unit_coordinate.inverse(2 * x - 1), std::lerp(-margin, 1 + margin, y)});
-    in_picture += inside;  // stays NaN
-    largest = std::fmax(largest, std::fmax(inside, around));
-  });
-  geometry.unit_coordinate = {};
-  set_place(geometry, plane.direction_across(), {});
-  geometry.solved = plane.solved(margin, largest);
-  return std::isfinite(in_picture);
 }
 
 }  // namespace
@@ -242,6 +174,21 @@ std::pair<double, double> StripeGeometry::inner_places() const {
   return {low + apart, high - apart};
 }
 
+StripeGeometry::Depth StripeGeometry::operator()(double E_x, double E_y, double y) const {
+  const Eigen::Vector3d e(E_x, E_y, 1);
+  const double g = facing * e;
+  const double p = unit_coordinate(y);
+  const double q = (place_constant.dot(e) + p * place_slope.dot(e)) / g;
+  const double w = y + lens(p, q);
+  const double numerator = w * depth(3) - coordinate(3);
+  const double denominator = coordinate.head<3>().dot(e) - w * depth.head<3>().dot(e);
+  const auto [least, largest] = places_at(p);
+  return {
+      .z = numerator / denominator,
+      .before_projector = denominator * g > 0,
+      .in_field = y >= least_coordinate && y <= largest_coordinate && q >= least && q <= largest};
+}
+
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin) {
   require_valid(scanner);
   require_depth_visible(scanner, axis);
@@ -252,8 +199,38 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
   const double end = farthest_past_field(plane.along_length());
   geometry.least_coordinate = -end;
   geometry.largest_coordinate = 1 + end;
-  if (fit(geometry, plane, margin) || solve(geometry, plane, margin)) return geometry;
-  return std::nullopt;
+  geometry.unit_coordinate = UnitMap::of(-end, 1 + end);
+
+  const auto place = [&](double y, double edge) {
+    const Eigen::Vector2d w = plane.undistorted({y, edge});
+    return w.y() + plane.slope_through(w) * (y - w.x());
+  };
+  NodeSamples y, low, high;
+  for (int i = 0; i < fitted_nodes; ++i) {
+    y(i) = geometry.unit_coordinate.inverse(node(i));
+    low(i) = place(y(i), -margin);
+    high(i) = place(y(i), 1 + margin);
+  }
+  if (!(low.allFinite() && high.allFinite() && high.maxCoeff() - low.minCoeff() < 3)) {
+    return std::nullopt;
+  }
+  const UnitMap unit_place = UnitMap::of(low.minCoeff(), high.maxCoeff());
+  const auto low_edge = fitted_edge(unit_place.scale * low.array() + unit_place.offset);
+  const auto high_edge = fitted_edge(unit_place.scale * high.array() + unit_place.offset);
+  if (!low_edge || !high_edge) return std::nullopt;
+  geometry.low_edge = *low_edge;
+  geometry.high_edge = *high_edge;
+  set_place(geometry, plane, unit_place);
+  if (scanner.projector.distortion.is_zero()) return geometry;
+
+  StripeSamples added;
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
+  });
+  const std::optional<PlanePolynomial> lens = fitted(added, lens_tolerance);
+  if (!lens) return std::nullopt;
+  geometry.lens = *lens;
+  return geometry;
 }
 
 }  // namespace slipstream

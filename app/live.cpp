@@ -54,7 +54,7 @@ struct ToldNews {
 void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
   tell_news(pipeline.findings(), told.findings, output);
   if (told.fallback) return;
-  told.fallback = tell_fallback(pipeline.statistics().fallback_reason, true, output);
+  told.fallback = warn_of_fallback(pipeline.statistics().fallback_reason, output);
 }
 
 /// Meanwhile prints each new message of the source and the check once.

@@ -40,12 +40,6 @@ std::vector<Strategy> fused_strategies() {
   return strategies;
 }
 
-std::vector<Strategy> fused_strategies_and_codes() {
-  std::vector<Strategy> strategies = fused_strategies();
-  for (const Strategy& strategy : every_code()) strategies.push_back(strategy);
-  return strategies;
-}
-
 std::vector<Strategy> phase_strategies() {
   std::vector<Strategy> strategies = fused_strategies();
   for (const Strategy& strategy : every_strategy_by_reference()) strategies.push_back(strategy);
@@ -88,7 +82,7 @@ TEST(Codes, ComeOutWithinTheirStripe) {
       const VirtualScan scan =
           take_scan(scanner, scene_named("boxes", scanner), pattern_set(strategy, axis), {});
       Engine engine(setup_of(scanner, strategy, axis, {.minimum_modulation = 1}));
-      EXPECT_EQ(engine.backend_for(scan.frames), "fused");
+      EXPECT_EQ(engine.backend_for(scan.frames), "equation");
       Cloud cloud;
       Maps maps;
       engine.cloud_and_maps(scan.frames, cloud, maps);
@@ -184,7 +178,7 @@ TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
     const Scanner scanner = example_scanner({width, 90});
     const Axis axis = width == 160 ? Axis::x : Axis::y;
     const VirtualScan scan = statue_scan(scanner, axis);
-    std::vector<Strategy> strategies = fused_strategies_and_codes();
+    std::vector<Strategy> strategies = fused_strategies();
     strategies.push_back(Strategy(PhaseMeasuring{3, 1}).in_motion(1));
     strategies.push_back(Strategy(PhaseMeasuring{4, 1}).in_motion(2));
     strategies.push_back(Strategy(PhaseMeasuring{5, 1}).in_motion(2));
@@ -210,7 +204,7 @@ TEST_P(OwnStrategiesOn, DecodeToTheMapsOfTheEquations) {
   const OnlyVectorTarget only(GetParam());
   for (const int width : {64, 203}) {
     const Scanner scanner = example_scanner({width, 120});
-    for (const Strategy& strategy : fused_strategies_and_codes()) {
+    for (const Strategy& strategy : fused_strategies()) {
       SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width);
       const EngineSetup setup = setup_of(scanner, strategy, Axis::x);
       const FrameSet frames = statue_frames(scanner, strategy, Axis::x,
@@ -250,7 +244,11 @@ TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
   constexpr int length = 900, rows = 80;
   constexpr double alpha = 0.6, ambient = 5, noise_variance = 1.55;
   constexpr PatternLight light{.alpha_p = 200, .beta_p = 20};
-  for (const Strategy& strategy : certain_strategies()) {
+  std::vector<Strategy> strategies = certain_strategies();
+  for (const Strategy& strategy : every_strategy_on_cpu()) {
+    if (carrier_periods(strategy.layout()) > 0) strategies.push_back(strategy);
+  }
+  for (const Strategy& strategy : strategies) {
     SCOPED_TRACE(text_of(strategy));
     const PatternSet patterns = pattern_set(strategy, Axis::x, light);
     std::mt19937_64 random(7);

@@ -203,7 +203,8 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   const Layout& layout = strategy.layout();
   // Two sinusoids of a band are added up in a chain alone.
   const bool adds = carrier_periods(layout) > 0;
-  if (layout.unwrapping->pixel != nullptr ||
+  // Matched with a second camera, stripes of the row kernel give more wrong points.
+  if (layout.unwrapping->pixel != nullptr || layout.unwrapping->whole_stripes ||
       (adds && (order_source(layout) != OrderSource::bands || unwraps_by_picture(setup)))) {
     return fmt::format("it does not support {}", strategy.name());
   }

@@ -159,6 +159,7 @@ struct PlacedBody {
 
 /// The scene at `time`, in frames (0 at the first). Borrows the scene.
 std::vector<PlacedBody> placed_at(const Scene& scene, double time);
+std::vector<PlacedBody> placed_at(Scene&& scene, double time) = delete;
 
 std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies, const Ray& ray);
 

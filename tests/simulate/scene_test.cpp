@@ -31,8 +31,8 @@ Mesh sphere_mesh(double radius) {
 TEST(Scene, RaysMeetShapesWhereTheyShould) {
   const Ray ray{Vector::Zero(), Vector(0.1, -0.05, 1)};
   const auto depth = [&](const Shape& shape) {
-    const auto surface =
-        first_surface(placed_at({Body{.shape = shape, .pose = at({0, 0, 500})}}, 0), ray);
+    const Scene scene{Body{.shape = shape, .pose = at({0, 0, 500})}};
+    const auto surface = first_surface(placed_at(scene, 0), ray);
     return surface ? surface->distance : std::nan("");
   };
   EXPECT_DOUBLE_EQ(depth(Board{200, 200}), 500);
@@ -101,11 +101,11 @@ TEST(Scene, BodiesTurnSwingAndBreatheAboutTheirCentre) {
              .centre = centre,
              .pace = 0.5};
   const Body box{.shape = Box{{80, 60, 40}}, .pose = at(centre)};
-  Body moving = box;
-  moving.motion = all;
+  Scene moving{box};
+  moving[0].motion = all;
   for (const double time : {-3.0, 0.0, 2.5, 9.0}) {
     const Ray ray{Vector::Zero(), Vector(0.03, -0.02, 1)};
-    const auto met = first_surface(placed_at({moving}, time), ray);
+    const auto met = first_surface(placed_at(moving, time), ray);
     ASSERT_TRUE(met) << time;
     const Vector before = all.at(time).inverse() * met->point;
     const Vector in_box = (before - centre).cwiseAbs().cwiseQuotient(Vector(40, 30, 20));
@@ -153,8 +153,9 @@ TEST(NamedScenes, StandWhereCameraAndProjectorLook) {
   EXPECT_GT(volume.extent, 200);
   EXPECT_THROW(scene_named("teapot", scanner), Error);
   for (const std::string_view name : scene_names()) {
-    const std::vector<PlacedBody> bodies = placed_at(scene_named(name, scanner), 0);
-    EXPECT_TRUE(first_surface(bodies, {Vector::Zero(), Vector(0, 0, 1)}) || name == "boxes");
+    const Scene scene = scene_named(name, scanner);
+    const Ray ray{Vector::Zero(), Vector(0, 0, 1)};
+    EXPECT_TRUE(first_surface(placed_at(scene, 0), ray) || name == "boxes");
   }
 }
 

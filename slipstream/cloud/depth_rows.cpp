@@ -232,41 +232,6 @@ std::uint64_t FindEvidence(const RelationWords& of, const EvidenceWords& to) {
   return found;
 }
 
-/// Links to the pixel above from where the next pixels link the same two runs.
-HWY_INLINE Words joined(const RelationWords& of, std::ptrdiff_t i) {
-  const std::ptrdiff_t above = i - of.stride;
-  return all(words(of.to_below + above), words(of.trusted + above), words(of.trusted + i));
-}
-HWY_INLINE Words joined_on(const RelationWords& of, std::ptrdiff_t i) {
-  const std::ptrdiff_t above = i - of.stride;
-  return all(joined(of, i), words(of.to_right + above), words(of.to_right + i),
-             after(of.trusted + above), after(of.trusted + i));
-}
-
-std::uint64_t FindRuns(const RelationWords& of, RunWords& runs) {
-  const WordTag d;
-  const auto linked = [&](std::ptrdiff_t i) SLIPSTREAM_STEP {
-    return all(words(of.to_right + i), words(of.trusted + i), after(of.trusted + i));
-  };
-  const auto from_before = [](Words word, Words previous) SLIPSTREAM_STEP {
-    return hn::Or(hn::ShiftLeft<1>(word), hn::ShiftRight<63>(previous));
-  };
-  std::uint64_t found = 0;
-  for (std::size_t k = 0; k < block_words; k += hn::Lanes(d)) {
-    const auto i = static_cast<std::ptrdiff_t>(k);
-    const Words kept = words(of.trusted + i), to_next = linked(i);
-    const Words starts = hn::AndNot(from_before(to_next, linked(i - 1)), kept);
-    const Words ends = hn::AndNot(to_next, kept);
-    const Words joins =
-        hn::AndNot(from_before(joined_on(of, i), joined_on(of, i - 1)), joined(of, i));
-    hn::StoreU(starts, d, runs.starts.data() + k);
-    hn::StoreU(ends, d, runs.ends.data() + k);
-    hn::StoreU(joins, d, runs.joins.data() + k);
-    found |= bits_of(d, hn::Ne(any(starts, ends, joins), hn::Zero(d))) << k;
-  }
-  return found;
-}
-
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -275,7 +240,6 @@ namespace slipstream {
 
 HWY_EXPORT(CompareDepths);
 HWY_EXPORT(FindEvidence);
-HWY_EXPORT(FindRuns);
 
 void compare_depths(const DepthLimits& limits, const TrustStage& trust, const DepthRow& row) {
   HWY_DYNAMIC_DISPATCH(CompareDepths)(limits, trust, row);
@@ -283,10 +247,6 @@ void compare_depths(const DepthLimits& limits, const TrustStage& trust, const De
 
 std::uint64_t find_evidence(const RelationWords& relations, const EvidenceWords& evidence) {
   return HWY_DYNAMIC_DISPATCH(FindEvidence)(relations, evidence);
-}
-
-std::uint64_t find_runs(const RelationWords& relations, RunWords& runs) {
-  return HWY_DYNAMIC_DISPATCH(FindRuns)(relations, runs);
 }
 
 }  // namespace slipstream

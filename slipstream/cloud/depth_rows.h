@@ -70,14 +70,4 @@ struct EvidenceWords {
 /// Returns a bit for each word of the block with any evidence or a point that is not trusted.
 std::uint64_t find_evidence(const RelationWords& relations, const EvidenceWords& evidence);
 
-/// Runs of linked pixels in the rows of a block.
-struct RunWords {
-  std::array<std::uint64_t, block_words> starts, ends;
-  /// Pixels linked to the one above, except where the pixel before links the same two runs.
-  std::array<std::uint64_t, block_words> joins;
-};
-
-/// Finds runs of the pixels `relations.trusted`. Returns a bit for each word that is not empty.
-std::uint64_t find_runs(const RelationWords& relations, RunWords& runs);
-
 }  // namespace slipstream

@@ -69,55 +69,44 @@ void add_across(const Cloud& cloud, int right, int down, int widest, const Depth
 void Components::find(Size picture, const DepthPlanes& planes, const BitPlane& kept) {
   runs_.clear();
   parent_.clear();
-  const int stride = BitPlane::stride_of(picture);
-  int row = -1;
-  std::size_t first_here = 0, above = 0, here = 0, ended = 0;
-  RunWords words;
-  for (int block = 0; block < BitPlane::blocks_of(picture); ++block) {
-    RelationWords relations = planes.block(block, picture);
-    relations.trusted = kept.block(block);
-    for_each_bit(find_runs(relations, words), block, [&](int place) {
-      if (place / stride != row) {
-        row = place / stride;
-        above = std::exchange(first_here, runs_.size());
-        here = first_here;
-      }
-      const int word = place % stride;
-      const auto i = static_cast<std::size_t>(place % block_words);
-      for_each_bit(words.starts[i], word, [&](int column) {
+  std::size_t first_here = 0, ended = 0;
+  for (int row = 0; row < picture.height; ++row) {
+    std::size_t above = std::exchange(first_here, runs_.size()), here = first_here;
+    const Word *const pixels = kept.row(row), *const pixels_above = kept.row(row - 1);
+    Word linked_before = 0, same_before = 0;  // of the last pixel of the previous word
+    for (int w = 0; w + 1 < BitPlane::stride_of(picture); ++w) {
+      const auto next_of = [w](const Word* of) {
+        return of[w] >> 1 | of[w + 1] << (word_pixels - 1);
+      };
+      const Word linked = planes.to_right.row(row)[w] & pixels[w] & next_of(pixels);
+      const Word joined = planes.to_below.row(row - 1)[w] & pixels_above[w] & pixels[w];
+      // The next pixels link the same two runs.
+      const Word same = joined & linked & planes.to_right.row(row - 1)[w] & next_of(pixels_above);
+      for_each_bit(pixels[w] & ~(linked << 1 | linked_before), w, [&](int column) {
         parent_.push_back(static_cast<std::uint32_t>(runs_.size()));
         runs_.push_back({row, column, column});
       });
-      for_each_bit(words.ends[i], word, [&](int column) { runs_[ended++].last = column; });
-      // Below a pixel that is kept, so the row above has runs.
-      for_each_bit(words.joins[i], word, [&](int column) {
+      for_each_bit(pixels[w] & ~linked, w, [&](int column) { runs_[ended++].last = column; });
+      for_each_bit(joined & ~(same << 1 | same_before), w, [&](int column) {
         while (runs_[above].last < column) ++above;
         while (here + 1 < runs_.size() && runs_[here + 1].first <= column) ++here;
-        unite(static_cast<std::uint32_t>(above), static_cast<std::uint32_t>(here));
+        const std::uint32_t a = root(above), b = root(here);
+        parent_[std::max(a, b)] = std::min(a, b);
       });
-    });
+      linked_before = linked >> (word_pixels - 1);
+      same_before = same >> (word_pixels - 1);
+    }
   }
-  count_pixels();
-}
-
-std::uint32_t Components::root(std::uint32_t run) {
-  while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
-  return run;
-}
-
-void Components::unite(std::uint32_t a, std::uint32_t b) {
-  a = root(a);
-  b = root(b);
-  parent_[std::max(a, b)] = std::min(a, b);
-}
-
-/// A root is the first run of its component.
-void Components::count_pixels() {
   pixels_.assign(runs_.size(), 0);
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    parent_[i] = parent_[parent_[i]];
+    parent_[i] = parent_[parent_[i]];  // the root, the first run of its component
     pixels_[parent_[i]] += static_cast<std::uint32_t>(runs_[i].last - runs_[i].first + 1);
   }
+}
+
+std::uint32_t Components::root(std::size_t run) {
+  while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
+  return static_cast<std::uint32_t>(run);
 }
 
 DepthLimits depth_limits(const Cloud& cloud, std::vector<float>& samples) {

@@ -80,9 +80,7 @@ class Components {
   }
 
  private:
-  std::uint32_t root(std::uint32_t run);
-  void unite(std::uint32_t a, std::uint32_t b);
-  void count_pixels();
+  std::uint32_t root(std::size_t run);
 
   std::vector<PixelRun> runs_;
   std::vector<std::uint32_t> parent_, pixels_;  ///< of each run; pixels: of a root's component

@@ -75,14 +75,9 @@ void take_moving_mean(Image<float>& picture, Size window, Image<float>& scratch)
 /// The nearest odd length.
 int odd_length(double length);
 
-/// A point of the unit square.
-struct SpreadPlace {
-  double x = 0, y = 0;  ///< [0, 1)
-};
-
-/// Point i of a low-discrepancy sequence: any first part of it covers the square evenly, without a
-/// grid that could alias with stripes.
-inline SpreadPlace spread_place(int i) {
+/// Point (x, y) number i of a low-discrepancy sequence in [0, 1): any first part of it covers the
+/// square evenly, without a grid that could alias with stripes.
+inline std::pair<double, double> spread_place(int i) {
   // The inverses of 1.3247..., the root of x^3 = x + 1, and of its square.
   constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
   return {std::fmod(0.5 + i * step_x, 1.0), std::fmod(0.5 + i * step_y, 1.0)};

@@ -119,13 +119,7 @@ HWY_INLINE Floats quotient(Floats a, Floats b) {
 
 /// 1 / b to the accuracy of `quotient`.
 HWY_INLINE Floats reciprocal(Floats b) {
-  const Floats one = hn::Set(FloatTag(), 1.0F);
-#if HWY_ARCH_X86
-  const Floats r = hn::ApproximateReciprocal(b);
-  return hn::MulAdd(r, hn::NegMulAdd(b, r, one), r);
-#else
-  return hn::Div(one, b);
-#endif
+  return quotient(hn::Set(FloatTag(), 1.0F), b);
 }
 
 /// a / b for each.

@@ -99,6 +99,7 @@ struct Cleaner::Pass {
   const Image<float>* modulation;  ///< null: all are trusted
   ValidityCounts counts{};
 
+  static constexpr int rows_together = 64, blocks_together = 8;
   /// Calls `body(i, counts)` for each number below `count`, `together` in one task.
   template <class Body>
   void for_each_counting(int count, int together, const Body& body) {
@@ -117,14 +118,6 @@ struct Cleaner::Pass {
     for (const ValidityCounts& counted : memory.counts) {
       for (std::size_t i = 0; i < validity_count; ++i) counts[i] += counted[i];
     }
-  }
-  template <class Body>
-  void for_each_row_counting(const Body& body) {
-    for_each_counting(cloud.size().height, 64, body);
-  }
-  template <class Body>
-  void for_each_block_counting(const Body& body) {
-    for_each_counting(BitPlane::blocks_of(cloud.size()), 8, body);
   }
   /// Calls `visit(row, word)` for the words of a block that have evidence.
   template <class Visit>
@@ -300,7 +293,7 @@ struct Cleaner::Pass {
     if (!settings.outline.empty() && memory.outline.size() != cloud.size()) {
       memory.outline = outline_mask(settings.outline, cloud.size());
     }
-    for_each_row_counting([&](int row, ValidityCounts& counted) {
+    for_each_counting(cloud.size().height, rows_together, [&](int row, ValidityCounts& counted) {
       for (int column = 0; column < cloud.size().width; ++column) {
         const bool outlined = settings.outline.empty() || memory.outline(column, row) != 0;
         if (!(cloud.z(column, row) > 0)) continue;
@@ -318,13 +311,15 @@ struct Cleaner::Pass {
                             &memory.wire, &memory.kept}) {
       plane->prepare(size);
     }
-    memory.busy.resize(static_cast<std::size_t>(BitPlane::blocks_of(size)));
+    const int blocks = BitPlane::blocks_of(size);
+    memory.busy.resize(static_cast<std::size_t>(blocks));
     memory.beyond.copy(nullptr, size.width);
     memory.first.copy(cloud.z.row(0), size.width);
     memory.last.copy(cloud.z.row(size.height - 1), size.width);
-    for_each_row_counting([&](int row, ValidityCounts&) { compare(row); });
-    for_each_block_counting([&](int block, ValidityCounts&) { judge(block); });
-    for_each_block_counting([&](int block, ValidityCounts& counted) { drop(block, counted); });
+    for_each_counting(size.height, rows_together, [&](int row, auto&) { compare(row); });
+    for_each_counting(blocks, blocks_together, [&](int block, auto&) { judge(block); });
+    for_each_counting(blocks, blocks_together,
+                      [&](int block, auto& counted) { drop(block, counted); });
     if (settings.smallest_component > 1) drop_small_components();
     drop_outside();
     if (settings.widest_gap > 0) {

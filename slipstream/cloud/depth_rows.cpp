@@ -135,21 +135,15 @@ using WordTag = hn::ScalableTag<std::uint64_t>;
 using Words = hn::Vec<WordTag>;
 
 template <class... More>
-HWY_INLINE Words all(Words a, Words b, More... more) {
-  if constexpr (sizeof...(more) == 0) {
-    return hn::And(a, b);
-  } else {
-    return all(hn::And(a, b), more...);
-  }
+HWY_INLINE Words all(Words bits, More... more) {
+  ((bits = hn::And(bits, more)), ...);
+  return bits;
 }
 
 template <class... More>
-HWY_INLINE Words any(Words a, Words b, More... more) {
-  if constexpr (sizeof...(more) == 0) {
-    return hn::Or(a, b);
-  } else {
-    return any(hn::Or(a, b), more...);
-  }
+HWY_INLINE Words any(Words bits, More... more) {
+  ((bits = hn::Or(bits, more)), ...);
+  return bits;
 }
 
 HWY_INLINE Words words(const std::uint64_t* at) {

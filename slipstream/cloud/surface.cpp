@@ -106,43 +106,6 @@ std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
   return triangles;
 }
 
-}  // namespace
-
-Normals surface_normals(const Cloud& cloud) {
-  const Size size = cloud.size();
-  Normals normals{Image<float>(size, nan), Image<float>(size, nan), Image<float>(size, nan)};
-  for_each_pixel(size, [&](int column, int row) {
-    if (!(cloud.z(column, row) > 0)) return;
-    const auto along_row = surface_step(cloud, column, row, 1, 0);
-    const auto along_column = surface_step(cloud, column, row, 0, 1);
-    if (!along_row || !along_column) return;
-    Vector normal = along_row->cross(*along_column).normalized();
-    if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
-    normals.x(column, row) = static_cast<float>(normal.x());
-    normals.y(column, row) = static_cast<float>(normal.y());
-    normals.z(column, row) = static_cast<float>(normal.z());
-  });
-  return normals;
-}
-
-Normals smoothed_normals(const Cloud& cloud) {
-  Normals normals = surface_normals(cloud);
-  for (Image<float>* const part : {&normals.x, &normals.y, &normals.z}) {
-    *part = summed(summed(*part, 1, 0), 0, 1);
-  }
-  for_each_pixel(cloud.size(), [&](int column, int row) {
-    float &x = normals.x(column, row), &y = normals.y(column, row), &z = normals.z(column, row);
-    const bool known = cloud.z(column, row) > 0 && z != 0;
-    const float length = known ? std::hypot(x, y, z) : nan;
-    x /= length;
-    y /= length;
-    z /= length;
-  });
-  return normals;
-}
-
-namespace {
-
 constexpr float slope_unknown = 0.82F;
 
 /// Shading of a list of points in the camera's frame: that of their picture by a camera that sees
@@ -181,6 +144,39 @@ Image<float> shading_of_list(const Cloud& list) {
 }
 
 }  // namespace
+
+Normals surface_normals(const Cloud& cloud) {
+  const Size size = cloud.size();
+  Normals normals{Image<float>(size, nan), Image<float>(size, nan), Image<float>(size, nan)};
+  for_each_pixel(size, [&](int column, int row) {
+    if (!(cloud.z(column, row) > 0)) return;
+    const auto along_row = surface_step(cloud, column, row, 1, 0);
+    const auto along_column = surface_step(cloud, column, row, 0, 1);
+    if (!along_row || !along_column) return;
+    Vector normal = along_row->cross(*along_column).normalized();
+    if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
+    normals.x(column, row) = static_cast<float>(normal.x());
+    normals.y(column, row) = static_cast<float>(normal.y());
+    normals.z(column, row) = static_cast<float>(normal.z());
+  });
+  return normals;
+}
+
+Normals smoothed_normals(const Cloud& cloud) {
+  Normals normals = surface_normals(cloud);
+  for (Image<float>* const part : {&normals.x, &normals.y, &normals.z}) {
+    *part = summed(summed(*part, 1, 0), 0, 1);
+  }
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    float &x = normals.x(column, row), &y = normals.y(column, row), &z = normals.z(column, row);
+    const bool known = cloud.z(column, row) > 0 && z != 0;
+    const float length = known ? std::hypot(x, y, z) : nan;
+    x /= length;
+    y /= length;
+    z /= length;
+  });
+  return normals;
+}
 
 Image<float> shading(const Cloud& cloud) {
   if (cloud.size().height == 1) return shading_of_list(cloud);

@@ -45,19 +45,6 @@ BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
           .coordinate = std::move(unwrapped.coordinate)};
 }
 
-int agreeing_neighbours(const Image<double>& coordinate, const Image<std::uint8_t>& lit, int column,
-                        int row, double half_fringe) {
-  int agreeing = 0;
-  const double y = coordinate(column, row);
-  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, lit.height() - 1); ++r) {
-    for (int c = std::max(column - 1, 0); c <= std::min(column + 1, lit.width() - 1); ++c) {
-      if (lit(c, r) == 0 || (c == column && r == row)) continue;
-      if (std::abs(coordinate(c, r) - y) < half_fringe) ++agreeing;
-    }
-  }
-  return agreeing;
-}
-
 }  // namespace
 
 Decoder::Decoder(Layout layout, int projector_length, PhaseMethod method,
@@ -126,7 +113,14 @@ Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
     if (lit(column, row) == 0) return;
     const int wanted = doubt(column, row) > settings.largest_doubt ? settings.fewest_if_doubtful
                                                                    : settings.fewest_neighbours;
-    const int agreeing = agreeing_neighbours(coordinate, lit, column, row, 0.5 / frequency);
+    const double y = coordinate(column, row);
+    int agreeing = 0;
+    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, lit.height() - 1); ++r) {
+      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, lit.width() - 1); ++c) {
+        if (lit(c, r) == 0 || (c == column && r == row)) continue;
+        if (std::abs(coordinate(c, r) - y) < 0.5 / frequency) ++agreeing;
+      }
+    }
     unconfirmed(column, row) = agreeing >= wanted ? 0 : 1;
   });
   return unconfirmed;

@@ -64,11 +64,6 @@ const FrameViews& FrameAdapter::operator()(const FrameViews& taken) {
   return merged_.views;
 }
 
-bool needs_adapting(const Sequence& sequence) {
-  return frame_count(sequence) != frame_count(sequence.strategy) ||
-         sequence.strategy.demodulation();
-}
-
 std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken) {
   if (sequence.exposures.size() > 1) taken = merged_exposures(taken, sequence.exposures);
   std::vector<FrameSet> scans = parts_of(std::move(taken), sequence.both_axes ? 2 : 1);

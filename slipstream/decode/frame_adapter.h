@@ -114,9 +114,6 @@ class FrameAdapter {
   std::optional<Demodulator> demodulate_;
 };
 
-/// Whether frames of the sequence differ from the decoded frames.
-bool needs_adapting(const Sequence& sequence);
-
 /// For a scan in memory: returns one set of frames, or the sets along x and along y.
 std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken);
 

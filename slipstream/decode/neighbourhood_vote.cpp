@@ -50,26 +50,6 @@ class ImageField {
   Image<int> shift_;
 };
 
-}  // namespace
-
-void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_phase,
-                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost) {
-  ImageField field(orders, wrapped_phase, lit, cost);
-  NeighbourhoodVote vote(field);
-  Image<std::uint8_t> open(orders.size());
-  for_each_pixel(open.size(), [&](int column, int row) {
-    open(column, row) = vote.disagrees({row, column}) ? 1 : 0;
-  });
-  NeighbourhoodVoteLists lists;
-  for_each_pixel_in_order(orders.size(), [&](int column, int row) {
-    if (open(column, row) != 0) lists.open.push_back({row, column});
-  });
-  vote(lists);
-  for (const PixelPlace at : lists.ever_moved) orders(at.column, at.row) += field.shift(at);
-}
-
-namespace {
-
 Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
   const PhaseMaps& band = phases.bands.front();
   Image<CuePixel> pixels(band.modulation.size());
@@ -81,26 +61,6 @@ Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
         .cue_sine = phases.cue_sine.empty() ? 0 : phases.cue_sine.begin()[i] / grey_level};
   }
   return pixels;
-}
-
-/// The fringe orders after the neighbours' vote.
-Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const CueEvidence& cue,
-                        double f_h, int projector_length) {
-  Image<double> wrapped_phase(pixels.size());
-  Image<std::uint8_t> lit(pixels.size());
-  std::ranges::transform(pixels, wrapped_phase.begin(),
-                         [](const CuePixel& pixel) { return pixel.wrapped_phase; });
-  std::ranges::transform(pixels, lit.begin(), [&](const CuePixel& pixel) {
-    return static_cast<std::uint8_t>(cue.lit(pixel) ? 1 : 0);
-  });
-  const auto cost = [&](int column, int row, int order) {
-    const CuePixel& pixel = pixels(column, row);
-    const double y = unwrapped_coordinate(pixel.wrapped_phase, order, f_h);
-    return cue.near_field(y, projector_length) ? cue.cost(pixel, y)
-                                               : std::numeric_limits<double>::infinity();
-  };
-  choose_with_neighbours(orders, wrapped_phase, lit, cost);
-  return orders;
 }
 
 /// The fringe order of every pixel by the given rule.
@@ -119,10 +79,40 @@ Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, 
     return 0;
   });
   if (rule != CueRule::consensus) return orders;
-  return voted_orders(std::move(orders), pixels, cue, f_h, projector_length);
+  Image<double> wrapped_phase(pixels.size());
+  Image<std::uint8_t> lit(pixels.size());
+  std::ranges::transform(pixels, wrapped_phase.begin(),
+                         [](const CuePixel& pixel) { return pixel.wrapped_phase; });
+  std::ranges::transform(pixels, lit.begin(), [&](const CuePixel& pixel) {
+    return static_cast<std::uint8_t>(cue.lit(pixel) ? 1 : 0);
+  });
+  const auto cost = [&](int column, int row, int order) {
+    const CuePixel& pixel = pixels(column, row);
+    const double y = unwrapped_coordinate(pixel.wrapped_phase, order, f_h);
+    return cue.near_field(y, projector_length) ? cue.cost(pixel, y)
+                                               : std::numeric_limits<double>::infinity();
+  };
+  choose_with_neighbours(orders, wrapped_phase, lit, cost);
+  return orders;
 }
 
 }  // namespace
+
+void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_phase,
+                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost) {
+  ImageField field(orders, wrapped_phase, lit, cost);
+  NeighbourhoodVote vote(field);
+  Image<std::uint8_t> open(orders.size());
+  for_each_pixel(open.size(), [&](int column, int row) {
+    open(column, row) = vote.disagrees({row, column}) ? 1 : 0;
+  });
+  NeighbourhoodVoteLists lists;
+  for_each_pixel_in_order(orders.size(), [&](int column, int row) {
+    if (open(column, row) != 0) lists.open.push_back({row, column});
+  });
+  vote(lists);
+  for (const PixelPlace at : lists.ever_moved) orders(at.column, at.row) += field.shift(at);
+}
 
 UnwrappedPhases unwrap_by_vote(const Layout& layout, const LayoutPhases& phases,
                                const CueSettings& settings, int projector_length,

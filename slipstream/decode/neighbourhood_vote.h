@@ -280,21 +280,16 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     constexpr int share = 64;
     field_.foresee(lists.open);
     lists.choices.resize(lists.open.size());
-    struct Work {
-      const NeighbourhoodVote& vote;
-      NeighbourhoodVoteLists& lists;
-      void operator()(int part) const {
-        const std::size_t first = static_cast<std::size_t>(part) * share;
-        const std::size_t last = std::min(first + share, lists.open.size());
-        for (std::size_t i = first; i < last; ++i) lists.choices[i] = {lists.open[i], undecided};
-        const auto choices = std::span(lists.choices).subspan(first, last - first);
-        if constexpr (is_quick) vote.field_.hold_ballots(choices, false);
-        for (auto& [at, shift] : choices) {
-          if (shift == undecided) shift = vote.chosen_shift(at);
-        }
+    const auto work = [&](int part) {
+      const std::size_t first = static_cast<std::size_t>(part) * share;
+      const std::size_t last = std::min(first + share, lists.open.size());
+      for (std::size_t i = first; i < last; ++i) lists.choices[i] = {lists.open[i], undecided};
+      const auto choices = std::span(lists.choices).subspan(first, last - first);
+      if constexpr (is_quick) field_.hold_ballots(choices, false);
+      for (auto& [at, shift] : choices) {
+        if (shift == undecided) shift = chosen_shift(at);
       }
     };
-    const Work work{*this, lists};
     const int parts = static_cast<int>((lists.open.size() + share - 1) / share);
     if (parallel_threads() == 1) {
       for (int part = 0; part < parts; ++part) work(part);

@@ -1,8 +1,6 @@
 #include "slipstream/decode/phase_decoder.h"
 
-#include <limits>
-#include <numbers>
-
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/throw_if-inl.h"
 
@@ -79,7 +77,6 @@ void require_valid(const PhaseCorrection& correction, int steps) {
 }
 
 double corrected_phase(const PhaseCorrection& correction, double phi) {
-  constexpr double two_pi = 2 * std::numbers::pi;
   const std::size_t count = correction.added.size();
   const double place = phi * correction.steps / two_pi * static_cast<double>(count);
   const double floor = std::floor(place);
@@ -117,7 +114,7 @@ IntensityRatio::IntensityRatio() {
 }
 
 double IntensityRatio::wrapped_phase(std::span<const double> I) const {
-  constexpr double sixth = std::numbers::pi / 3;
+  constexpr double sixth = pi / 3;
   const auto [least, greatest] = std::minmax({I[0], I[1], I[2]});
   if (!(greatest > least)) return 0;
   const double middle = I[0] + I[1] + I[2] - least - greatest;

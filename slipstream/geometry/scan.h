@@ -37,7 +37,8 @@ struct BoardScans {
 /// not match.
 inline Scan merged(Scan scan) {
   scan.exposures = scan.sequence.exposures;
-  if (!needs_adapting(scan.sequence)) return scan;
+  const Strategy& strategy = scan.sequence.strategy;
+  if (frame_count(scan.sequence) == frame_count(strategy) && !strategy.demodulation()) return scan;
   scan.order.clear();  // it refers to the frames of all exposures and axes
   std::vector<FrameSet> frames = adapted(scan.sequence, std::move(scan.frames));
   scan.sequence = merged_sequence(std::move(scan.sequence));

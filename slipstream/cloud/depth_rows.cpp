@@ -16,15 +16,22 @@ namespace slipstream::HWY_NAMESPACE {
 
 constexpr std::size_t word_pixels = 64;
 
+/// The bits of a mask of at most 16 lanes, the first lane in the lowest.
+template <class Tag>
+HWY_INLINE std::uint64_t bits_of(Tag d, hn::Mask<Tag> mask) {
+  std::conditional_t<(hn::MaxLanes(Tag()) > 8), std::uint16_t, std::uint8_t> bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
+  return bits;
+}
+
 /// Stores the bits of the vector that begins at pixel `i` of a little-endian word.
 HWY_INLINE void store_bits(FloatMask mask, std::size_t i, std::uint64_t& word) {
   auto* const bytes = reinterpret_cast<std::uint8_t*>(&word) + i / 8;
   if constexpr (hn::MaxLanes(FloatTag()) >= 8) {
     hn::StoreMaskBits(FloatTag(), mask, bytes);
   } else {  // a part of a byte
-    std::array<std::uint8_t, 8> part{};
-    hn::StoreMaskBits(FloatTag(), mask, part.data());
-    *bytes = static_cast<std::uint8_t>((i % 8 == 0 ? 0 : *bytes) | part[0] << i % 8);
+    const std::uint64_t part = bits_of(FloatTag(), mask) << i % 8;
+    *bytes = static_cast<std::uint8_t>((i % 8 == 0 ? 0 : *bytes) | part);
   }
 }
 
@@ -40,14 +47,6 @@ HWY_INLINE FloatMask is_trusted(const TrustStage& trust, Floats x, Floats y, Flo
       hn::Abs(hn::MulAdd(set(w[0]), x, hn::MulAdd(set(w[1]), y, hn::Mul(set(w[2]), z))));
   const Floats weight = hn::MulAdd(set(trust.by_depth), z, set(trust.constant));
   return hn::Le(hn::Mul(hn::Mul(depth, depth), weight), hn::Mul(modulation, parallax));
-}
-
-/// The bits of a mask of at most 16 lanes, the first lane in the lowest.
-template <class Tag>
-HWY_INLINE std::uint64_t bits_of(Tag d, hn::Mask<Tag> mask) {
-  std::conditional_t<(hn::MaxLanes(Tag()) > 8), std::uint16_t, std::uint8_t> bits = 0;
-  hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
-  return bits;
 }
 
 /// Compares 64 pixels from `row.here` on, into word `word`.

@@ -288,7 +288,6 @@ SurfaceChoice by_possible_orders(const Image<OrderRange>& possible) {
 UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& phases,
                                    double least_modulation) {
   const PhaseMaps& band = phases.bands.front();
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const Size size = band.wrapped_phase.size();
   Image<float> phase(size);
   std::transform(

@@ -184,10 +184,6 @@ void SlipWatch::move_on(int places) {
   suspected_ = 0;
 }
 
-double CycleAlignment::Fit::modulation() const {
-  return std::sqrt(cosine * cosine + sine * sine);
-}
-
 struct CycleAlignment::Explanation {
   double residual = 0;      ///< sum of squares
   bool is_ordered = false;  ///< the phases of bands with more periods vary more

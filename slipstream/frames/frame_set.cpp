@@ -271,10 +271,9 @@ void MeanFrames::add(const FrameSet& frames) {
   }
   throw_if(frames.count() != static_cast<int>(sums_.size()) || frames.bits() != bits_ ||
                frames.size() != saturated_.size(),
-           "scan {} has {} frames of {}x{} with {} bits, the first {} of {}x{} with {}; they must "
-           "match",
-           count_, frames.count(), frames.size().width, frames.size().height, frames.bits(),
-           sums_.size(), saturated_.width(), saturated_.height(), bits_);
+           "scan {} has {} frames of {} with {} bits, the first {} of {} with {}; they must match",
+           count_, frames.count(), text_of(frames.size()), frames.bits(), sums_.size(),
+           text_of(saturated_.size()), bits_);
   const double grey_level = frames.full_scale() / 255;
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < views.size(); ++n) {

@@ -98,8 +98,6 @@ class FrameSet {
   [[nodiscard]] int bits() const { return bits_; }
   [[nodiscard]] double full_scale() const { return views().full_scale(); }
   [[nodiscard]] bool quantised() const { return views().quantised(); }
-
-  /// Calls `visitor` with the frames as `Frames<Pixel>`.
   template <class Visitor>
   auto visit(Visitor&& visitor) const {
     return views().visit(std::forward<Visitor>(visitor));

@@ -41,10 +41,8 @@ void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<S
   throw_if(patterns.empty(), "no patterns to show; at least one is required");
   const Size wanted = size.value_or(patterns.front().size());
   for (const Image<Pixel>& pattern : patterns) {
-    if (pattern.size() == wanted) continue;
-    throw Error(fmt::format("the patterns are {}x{}, but {} is {}x{}; the sizes must match",
-                            pattern.width(), pattern.height(), size ? device : "the first",
-                            wanted.width, wanted.height));
+    throw_if(pattern.size() != wanted, "the patterns are {}, but {} is {}; the sizes must match",
+             text_of(pattern.size()), size ? device : "the first", text_of(wanted));
   }
 }
 

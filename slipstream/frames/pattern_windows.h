@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "slipstream/frames/frame_set.h"
 #include "slipstream/frames/frame_source.h"
 #include "slipstream/frames/pool.h"
@@ -98,7 +100,7 @@ class CycleAlignment {
     double mean = 0, cosine = 0, sine = 0;  ///< A, B cos(phi), B sin(phi)
     double residual = 0;                    ///< sum of squares
 
-    [[nodiscard]] double modulation() const;
+    [[nodiscard]] double modulation() const { return std::sqrt(cosine * cosine + sine * sine); }
   };
   [[nodiscard]] static Fit fit(const CycleSamples& cycle, std::size_t sample, int first,
                                const CycleRun& run);

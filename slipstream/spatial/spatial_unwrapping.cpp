@@ -2,9 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -17,8 +16,6 @@ namespace {
 float nearest(float difference) {
   return difference - (difference > 0.5F ? 1.F : 0.F) + (difference < -0.5F ? 1.F : 0.F);
 }
-
-constexpr double period = 2 * std::numbers::pi;
 
 struct Method : SpatialUnwrapping {
   Orders (*orders)(const WrappedCycles&);
@@ -58,7 +55,7 @@ WrappedCycles cycles_of(const Image<Number>& wrapped, const Image<float>& qualit
     if (!std::isfinite(phase)) continue;
     throw_if(std::abs(phase) > largest, "phase {:g} rad is out of range; limit {:g}", phase,
              largest);
-    cycles.cycles.begin()[i] = static_cast<float>(phase / period - std::rint(phase / period));
+    cycles.cycles.begin()[i] = static_cast<float>(phase / two_pi - std::rint(phase / two_pi));
   }
   // Pixels of unknown quality come last.
   constexpr float unknown = 1e-9F;
@@ -91,7 +88,7 @@ void move(UnwrappedPhase<Number>& unwrapped, const std::vector<double>& periods)
     const int label = unwrapped.region.begin()[i];
     if (label == 0) continue;
     Number& phase = unwrapped.phase.begin()[i];
-    phase = static_cast<Number>(phase + period * periods[label - 1]);
+    phase = static_cast<Number>(phase + two_pi * periods[label - 1]);
   }
 }
 
@@ -218,10 +215,10 @@ UnwrappedPhase<Number> unwrap_in_space(const Image<Number>& wrapped, const Image
     const int label = result.region.begin()[i];
     if (label == 0) continue;
     const auto phase = static_cast<double>(wrapped.begin()[i]);
-    const double order = orders.order.begin()[i] - std::rint(phase / period);
+    const double order = orders.order.begin()[i] - std::rint(phase / two_pi);
     double& start = first[label - 1];
     if (start == unknown) start = order;
-    result.phase.begin()[i] = static_cast<Number>(phase + period * (order - start));
+    result.phase.begin()[i] = static_cast<Number>(phase + two_pi * (order - start));
   }
   return result;
 }
@@ -234,7 +231,7 @@ void anchor_at(UnwrappedPhase<Number>& unwrapped, int column, int row, double ph
   throw_if(label == 0, "anchor pixel (row {}, column {}) has no valid phase", row, column);
   if (!std::isfinite(phase)) throw Error("the phase of an anchor is not finite");
   std::vector<double> periods(unwrapped.regions.size());
-  periods[label - 1] = std::rint((phase - unwrapped.phase(column, row)) / period);
+  periods[label - 1] = std::rint((phase - unwrapped.phase(column, row)) / two_pi);
   unwrapped.regions[label - 1].anchored = true;
   move(unwrapped, periods);
 }
@@ -245,7 +242,7 @@ void anchor_by(UnwrappedPhase<Number>& unwrapped, const Image<Number>& coarse) {
   std::vector<std::vector<double>> differences(unwrapped.regions.size());
   for (std::size_t i = 0; i < coarse.pixel_count(); ++i) {
     const int label = unwrapped.region.begin()[i];
-    const double difference = (coarse.begin()[i] - unwrapped.phase.begin()[i]) / period;
+    const double difference = (coarse.begin()[i] - unwrapped.phase.begin()[i]) / two_pi;
     if (label == 0 || !std::isfinite(difference)) continue;
     differences[label - 1].push_back(difference);
   }

@@ -180,20 +180,16 @@ Residuals residuals_of(const Shape& shape, const Points& used, std::size_t outli
   return residuals;
 }
 
-/// Limit of the distance of an inlier: `times` a quantile of all distances.
-struct Limit {
-  double share = 0.5;
-  double times = 4 * 1.4826;  ///< of the median, which of Gaussian distances is sigma / 1.4826
-};
-
 /// The least-squares shape of the points near a robust one, iterated until these no longer change.
+/// Near: up to `times` the quantile `share` of all distances, by default four standard deviations,
+/// as the median of Gaussian distances is sigma / 1.4826.
 template <class Shape, class Fit>
-Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& limit,
-               const Fit& fit) {
+Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Fit& fit,
+               double share = 0.5, double times = 4 * 1.4826) {
   constexpr int most_rounds = 20;
   Points used;
   for (int round = 0; round < most_rounds; ++round) {
-    const double farthest = limit.times * distance_of_share(shape, points, limit.share);
+    const double farthest = times * distance_of_share(shape, points, share);
     Points near;
     std::copy_if(points.begin(), points.end(), std::back_inserter(near), [&](const auto& point) {
       return std::abs(signed_distance(shape, point.position)) <= farthest;
@@ -211,8 +207,8 @@ Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& 
 template <class Shape, class Fit>
 Shape robust_fit(std::span<const MeasuredPoint> points, const Shape& rough, const Fit& fit,
                  std::optional<double> left_out) {
-  const Shape shape = fit_near(points, rough, Limit{}, fit);
-  return left_out ? fit_near(points, shape, Limit{1 - *left_out, 1}, fit) : shape;
+  const Shape shape = fit_near(points, rough, fit);
+  return left_out ? fit_near(points, shape, fit, 1 - *left_out, 1) : shape;
 }
 
 }  // namespace
@@ -282,7 +278,7 @@ FittedSphere fit_sphere(std::span<const MeasuredPoint> points, std::optional<dou
 
 FittedSphere fit_sphere_near(std::span<const MeasuredPoint> points, const FittedSphere& near) {
   require_points(points, least_of_sphere, "sphere");
-  return fit_near(points, near, Limit{}, centred_sphere_of);
+  return fit_near(points, near, centred_sphere_of);
 }
 
 }  // namespace slipstream

@@ -262,10 +262,8 @@ double wrapped_angle(double S, double C) {
 }
 
 const ClosedForm* closed_form(int steps) {
-  for (const ClosedForm& form : closed_forms) {
-    if (form.steps == steps) return &form;
-  }
-  return nullptr;
+  const auto form = std::ranges::find(closed_forms, steps, &ClosedForm::steps);
+  return form == closed_forms.end() ? nullptr : &*form;
 }
 
 double least_reliable_reflectivity(double beta_p, double ambient) {

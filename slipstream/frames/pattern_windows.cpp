@@ -1,6 +1,7 @@
 #include "slipstream/frames/pattern_windows.h"
 
 #include <limits>
+#include <ranges>
 
 #include "slipstream/base/names.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -68,17 +69,11 @@ bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
   return true;
 }
 
-bool RollingWindow::whole() {
-  for (std::uint64_t back = 0; back < count_; ++back) {
-    if (!has(next_ - back)) return false;
-  }
-  return true;
-}
-
 bool RollingWindow::next(std::vector<Pooled<Frame>>& window) {
   while (begun_ && next_ <= newest_) {
     std::uint64_t first = next_ + 1 - count_;
-    if (whole()) {
+    const auto places = std::views::iota(first, next_ + 1);
+    if (std::ranges::all_of(places, [&](std::uint64_t place) { return has(place); })) {
       window.resize(count_);
       const std::uint64_t begin = count_ == cycle_ ? 0 : first;
       first_pattern_ = static_cast<int>(begin % cycle_);

@@ -170,8 +170,6 @@ class RollingWindow {
 
   [[nodiscard]] Place& at(std::uint64_t position) { return ring_[position % ring_.size()]; }
   [[nodiscard]] bool has(std::uint64_t position) { return at(position).position == position; }
-  /// Whether all frames of the window that ends at `next_` are present.
-  [[nodiscard]] bool whole();
 
   std::uint64_t count_, cycle_;
   std::vector<Place> ring_;

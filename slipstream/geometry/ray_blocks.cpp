@@ -175,9 +175,7 @@ struct KnotRow {
 
   bool fill_ray(const Image<float>& E, int first_column, int place, Block& block) const {
     Eigen::Matrix<double, 1, column_nodes> samples;
-    for (int i = 0; i < column_nodes; ++i) {
-      samples(i) = E(first_column + node_columns[i], row);
-    }
+    for (int i = 0; i < column_nodes; ++i) samples(i) = E(first_column + node_columns[i], row);
     const Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit.across;
     if (!(std::abs(spectrum(3)) <= largest_ray_twist)) return false;
     const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit.across_powers;

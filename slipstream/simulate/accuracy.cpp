@@ -46,9 +46,7 @@ template <class Belongs>
 Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   Cloud part = cloud;
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
-    if (belongs(column, row)) return;
-    part.validity(column, row) = Validity::outside_region;
-    part.z(column, row) = std::numeric_limits<float>::quiet_NaN();
+    if (!belongs(column, row)) part.leave_out(column, row, Validity::outside_region);
   });
   return part;
 }

@@ -40,9 +40,7 @@ Profile blurred(const Profile& sharp, double deviation) {
   for (int place = 0; place < size; ++place) {
     const int from = std::max(place - reach, 0), to = std::min(place + reach, size - 1);
     double sum = 0;
-    for (int i = from; i <= to; ++i) {
-      sum += weights[i - place + reach] * sharp[i];
-    }
+    for (int i = from; i <= to; ++i) sum += weights[i - place + reach] * sharp[i];
     result[static_cast<std::size_t>(place)] = sum / all;
   }
   return result;

@@ -211,9 +211,7 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
       const double sigma = std::max(deviation(column, row), 1e-3);
       const int reach = static_cast<int>(std::ceil(4 * sigma));
       weight.resize(reach + 1);
-      for (int i = 0; i <= reach; ++i) {
-        weight[i] = std::exp(-0.5 * i * i / (sigma * sigma));
-      }
+      for (int i = 0; i <= reach; ++i) weight[i] = std::exp(-0.5 * i * i / (sigma * sigma));
       double sum = 0, weights = 0;
       for (int i = -reach; i <= reach; ++i) {
         const int x = std::clamp(column + i * right, 0, picture.width() - 1);

@@ -22,18 +22,6 @@ struct Border {
   }
 };
 
-/// Merges borders, one for each pair of regions.
-std::vector<Border> merged(std::vector<Border> single) {
-  std::ranges::sort(single, {}, &Border::regions);
-  std::vector<Border> borders;
-  for (const Border& each : single) {
-    if (borders.empty() || borders.back().regions != each.regions)
-      borders.push_back({each.regions});
-    for (std::size_t i = 0; i < each.votes.size(); ++i) borders.back().votes[i] += each.votes[i];
-  }
-  return borders;
-}
-
 /// The corner of four pixels; (x, y) is the lower right one.
 struct Corner {
   int x = 0, y = 0;
@@ -212,17 +200,22 @@ Orders orders_by_regions(const WrappedCycles& wrapped) {
       if (to > at && std::abs(cycles[to] - cycles[at]) <= largest_step) groups.join(at, to, 0);
     });
   }
-  std::vector<Border> borders;
+  std::vector<Border> single, borders;
   for (int at = 0; at < pixels; ++at) {
     const auto from = static_cast<std::uint32_t>(groups.find(at).group);
     steps.for_each_neighbour(at, [&](int to, int step) {
       const auto other = static_cast<std::uint32_t>(groups.find(to).group);
       if (from >= other) return;  // each border is visited from both sides
-      borders.push_back({std::uint64_t{from} << 32U | other});
-      borders.back().votes[step + 1] = 1;
+      single.push_back({std::uint64_t{from} << 32U | other});
+      single.back().votes[step + 1] = 1;
     });
   }
-  borders = merged(std::move(borders));
+  std::ranges::sort(single, {}, &Border::regions);
+  for (const Border& each : single) {  // merges those of a pair of regions
+    if (borders.empty() || borders.back().regions != each.regions)
+      borders.push_back({each.regions});
+    for (std::size_t i = 0; i < each.votes.size(); ++i) borders.back().votes[i] += each.votes[i];
+  }
   std::ranges::stable_sort(borders, std::ranges::greater(), &Border::lead);
   for (const Border& border : borders) {
     groups.join(static_cast<int>(border.regions >> 32U),

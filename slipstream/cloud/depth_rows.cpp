@@ -1,7 +1,5 @@
 #include "slipstream/cloud/depth_rows.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE

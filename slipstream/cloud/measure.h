@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "slipstream/base/size.h"
 #include "slipstream/cloud/cloud.h"
 
 namespace slipstream {

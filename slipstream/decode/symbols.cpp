@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "slipstream/base/statistics.h"
 #include "slipstream/decode/frame_adapter.h"
 

@@ -1,5 +1,3 @@
-#include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include <Eigen/LU>

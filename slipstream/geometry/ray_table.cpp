@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/geometry/stripe_geometry.h"
 

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "slipstream/base/page.h"
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/simulate/virtual_world.h"
 

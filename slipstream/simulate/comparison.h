@@ -2,8 +2,6 @@
 
 #include <cstddef>
 
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/codes/sequence.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/simulate/virtual_world.h"
 

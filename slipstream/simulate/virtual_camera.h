@@ -4,10 +4,6 @@
 #include <chrono>
 #include <string>
 
-#include "slipstream/frames/frame_source.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/scene.h"
-#include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {

@@ -1,9 +1,6 @@
 #pragma once
 
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/response.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
 

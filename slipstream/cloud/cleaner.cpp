@@ -337,10 +337,6 @@ Cleaner::Cleaner(const CleanSettings& settings)
 
 Cleaner::~Cleaner() = default;
 
-bool Cleaner::wants_modulation() const {
-  return !settings_.largest_sigma || std::isfinite(*settings_.largest_sigma);
-}
-
 ValidityCounts Cleaner::operator()(Cloud& cloud, const Image<float>* modulation,
                                    const DepthNoise& noise) {
   if (cloud.z.empty() || settings_ == CleanSettings::none()) return {};

@@ -113,7 +113,9 @@ class Cleaner {
 
   [[nodiscard]] const CleanSettings& settings() const { return settings_; }
   /// Whether largest_sigma is finite, so that the modulation is needed.
-  [[nodiscard]] bool wants_modulation() const;
+  [[nodiscard]] bool wants_modulation() const {
+    return !settings_.largest_sigma || std::isfinite(*settings_.largest_sigma);
+  }
 
  private:
   struct Memory;

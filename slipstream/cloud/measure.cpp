@@ -37,7 +37,7 @@ Vector mean_of(std::span<const MeasuredPoint> points) {
 
 /// The least-squares plane; ignores the plane near it.
 FittedPlane plane_of(std::span<const MeasuredPoint> points, const FittedPlane& /*near*/) {
-  FittedPlane plane{.centre = mean_of(points), .residuals = {}};
+  FittedPlane plane{.centre = mean_of(points)};
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const MeasuredPoint& point : points) {
     const Vector offset = point.position - plane.centre;
@@ -64,9 +64,7 @@ FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
   }
   const Eigen::Vector4d solved = normal.ldlt().solve(right);
   const Vector centre = solved.head<3>();
-  return {.centre = mean + centre,
-          .radius = std::sqrt(solved(3) + centre.squaredNorm()),
-          .residuals = {}};
+  return {.centre = mean + centre, .radius = std::sqrt(solved(3) + centre.squaredNorm())};
 }
 
 constexpr std::size_t least_of_plane = 3, least_of_sphere = 4;
@@ -164,7 +162,7 @@ Shape least_median_shape(std::span<const MeasuredPoint> points, std::size_t draw
 
 template <class Shape>
 Residuals residuals_of(const Shape& shape, const Points& used, std::size_t outliers) {
-  Residuals residuals{.points = used.size(), .outliers = outliers, .noise = {}};
+  Residuals residuals{.points = used.size(), .outliers = outliers};
   double squares = 0, noise_squares = 0;
   for (const MeasuredPoint& point : used) {
     const double distance = signed_distance(shape, point.position);
@@ -242,7 +240,7 @@ std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* unce
 
 Distance distance(const MeasuredPoint& from, const MeasuredPoint& to) {
   const Vector difference = to.position - from.position;
-  Distance result{.length = difference.norm(), .sigma = {}};
+  Distance result{.length = difference.norm()};
   if (from.sigma && to.sigma) {
     const Vector along = difference.normalized();
     result.sigma = std::hypot(along.dot(moved_by_noise(from)), along.dot(moved_by_noise(to)));
@@ -263,7 +261,7 @@ FittedPlane fit_plane(std::span<const MeasuredPoint> points, std::optional<doubl
   const auto through = [](std::span<const MeasuredPoint> few) {
     const Vector first = few[0].position;
     const Vector normal = (few[1].position - first).cross(few[2].position - first);
-    return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
+    return FittedPlane{.normal = normal / normal.norm(), .centre = first};
   };
   return robust_fit(points, least_median_shape<FittedPlane>(points, least_of_plane, through),
                     plane_of, left_out);

@@ -26,8 +26,8 @@ std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* unce
                                      std::optional<Rectangle> rectangle = std::nullopt);
 
 struct Distance {
-  double length = 0;            ///< mm
-  std::optional<double> sigma;  ///< mm, if both points have one, assumed independent
+  double length = 0;              ///< mm
+  std::optional<double> sigma{};  ///< mm, if both points have one, assumed independent
 };
 
 Distance distance(const MeasuredPoint& from, const MeasuredPoint& to);
@@ -36,22 +36,22 @@ Distance distance(const MeasuredPoint& from, const MeasuredPoint& to);
 struct Residuals {
   double rms = 0;
   double largest = 0;
-  std::size_t points = 0;       ///< used in the fit
-  std::size_t outliers = 0;     ///< farther than 4 robust standard deviations, excluded
-  std::optional<double> noise;  ///< rms expected from the frames' noise alone, if all have sigma
+  std::size_t points = 0;         ///< used in the fit
+  std::size_t outliers = 0;       ///< farther than 4 robust standard deviations, excluded
+  std::optional<double> noise{};  ///< rms expected from the frames' noise alone, if all have sigma
 };
 
 struct FittedPlane {
   Eigen::Vector3d normal = -Eigen::Vector3d::UnitZ();  ///< unit length, towards the camera
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< mean of its points
-  Residuals residuals;
+  Residuals residuals{};
 };
 
 struct FittedSphere {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 0;
   double radius_sigma = 0;  ///< one standard deviation, from the residuals, assumed independent
-  Residuals residuals;
+  Residuals residuals{};
 };
 
 /// Least-squares fit without outliers, which may be up to a third of the points. Outliers are

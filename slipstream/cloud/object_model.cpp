@@ -141,17 +141,6 @@ void take_mean(ModelElement& element, const SeenElement& seen, const Eigen::Isom
   ++element.views;
 }
 
-/// Marks the four pixels around a position.
-void cover(Image<std::uint8_t>& covered, const Eigen::Vector2d& pixel) {
-  const int left = static_cast<int>(std::floor(pixel.x()));
-  const int top = static_cast<int>(std::floor(pixel.y()));
-  for_each_pixel_in_order({2, 2}, [&](int right, int down) {
-    const int column = left + right, row = top + down;
-    const bool inside = column >= 0 && row >= 0;
-    if (inside && column < covered.width() && row < covered.height()) covered(column, row) = 1;
-  });
-}
-
 }  // namespace
 
 Registration register_to(std::span<const ModelElement> object, const Cloud& cloud,
@@ -245,7 +234,12 @@ Image<std::uint8_t> ObjectModel::take_mean(const Cloud& cloud, const Normals& no
       seen_through |= --element.views < 0;
       continue;
     }
-    cover(covered, seen->pixel);
+    const Eigen::Vector2i corner = seen->pixel.array().floor().cast<int>();
+    for_each_pixel_in_order({2, 2}, [&](int right, int down) {  // the four pixels around it
+      const int column = corner.x() + right, row = corner.y() + down;
+      const bool inside = column >= 0 && row >= 0;
+      if (inside && column < covered.width() && row < covered.height()) covered(column, row) = 1;
+    });
     if (!(seen->normal.dot(seen->cloud_normal) > least_alike)) continue;
     if (std::abs(along_normal(*seen)) > near) continue;
     slipstream::take_mean(element, *seen, registration_.pose,

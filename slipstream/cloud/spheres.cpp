@@ -62,7 +62,7 @@ std::optional<Vector> centre_by_votes(const std::vector<SurfaceElement>& element
 
 std::optional<FittedSphere> sphere_at(const Cloud& cloud, const Vector& centre, double radius) {
   constexpr double sure_angle = 60 * std::numbers::pi / 180;
-  const FittedSphere rough{.centre = centre, .radius = radius, .residuals = {}};
+  const FittedSphere rough{.centre = centre, .radius = radius};
   std::vector<MeasuredPoint> points = points_in(cloud);
   std::erase_if(points, [&](const MeasuredPoint& point) {
     return !is_on_cap(rough, point.position, sure_angle);

@@ -73,36 +73,32 @@ bool is_whole(const Block& block, const Triangle& corners, double largest_step) 
   return joined(0, 1) && joined(1, 2) && joined(2, 0);
 }
 
-void append_block(const Block& block, double largest_step, std::vector<Triangle>& triangles) {
-  const auto step = [&](std::size_t i, std::size_t k) {
-    return std::abs(block.points[i].z() - block.points[k].z());
-  };
-  const auto wholes = [&](const Halves& halves) {
-    return std::ranges::count_if(
-        halves, [&](const Triangle& half) { return is_whole(block, half, largest_step); });
-  };
-  const auto by_falling = wholes(falling), by_rising = wholes(rising);
-  const bool falls = by_falling == by_rising ? step(0, 3) <= step(1, 2) : by_falling > by_rising;
-  for (const Triangle& half : falls ? falling : rising) {
-    if (!is_whole(block, half, largest_step)) continue;
-    triangles.push_back({block.pixels[half[0]], block.pixels[half[1]], block.pixels[half[2]]});
-  }
-}
-
 /// Triangles of pixel indices, row by row.
 std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
   std::vector<Triangle> triangles;
-  for_each_pixel_in_order(
-      Size{cloud.size().width - 1, cloud.size().height - 1}, [&](int column, int row) {
-        Block block;
-        for (int i = 0; i < 4; ++i) {
-          const int c = column + i % 2, r = row + i / 2;
-          const auto place = static_cast<std::size_t>(i);
-          block.pixels[place] = static_cast<std::uint32_t>(r * cloud.size().width + c);
-          block.points[place] = position_at(cloud, c, r);
-        }
-        append_block(block, largest_step, triangles);
-      });
+  const auto [width, height] = cloud.size();
+  for_each_pixel_in_order({width - 1, height - 1}, [&, width = width](int column, int row) {
+    Block block;
+    for (int i = 0; i < 4; ++i) {
+      const int c = column + i % 2, r = row + i / 2;
+      const auto place = static_cast<std::size_t>(i);
+      block.pixels[place] = static_cast<std::uint32_t>(r * width + c);
+      block.points[place] = position_at(cloud, c, r);
+    }
+    const auto step = [&](std::size_t i, std::size_t k) {
+      return std::abs(block.points[i].z() - block.points[k].z());
+    };
+    const auto wholes = [&](const Halves& halves) {
+      return std::ranges::count_if(
+          halves, [&](const Triangle& half) { return is_whole(block, half, largest_step); });
+    };
+    const auto by_falling = wholes(falling), by_rising = wholes(rising);
+    const bool falls = by_falling == by_rising ? step(0, 3) <= step(1, 2) : by_falling > by_rising;
+    for (const Triangle& half : falls ? falling : rising) {
+      if (!is_whole(block, half, largest_step)) continue;
+      triangles.push_back({block.pixels[half[0]], block.pixels[half[1]], block.pixels[half[2]]});
+    }
+  });
   return triangles;
 }
 

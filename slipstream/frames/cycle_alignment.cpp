@@ -106,10 +106,6 @@ SlipWatch::SlipWatch(int cycle, std::size_t samples)
       distances_(cycle),
       suspects_(cycle, Seen{0, std::vector<float>(samples)}) {}
 
-bool SlipWatch::has_cycle() const {
-  return std::find(known_.begin(), known_.end(), false) == known_.end();
-}
-
 void SlipWatch::measure_distances(const std::vector<float>& samples) {
   std::fill(distances_.begin(), distances_.end(), 0.0F);
   int used = 0;

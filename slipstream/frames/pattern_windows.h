@@ -39,7 +39,7 @@ class SlipWatch {
   Finding look(int index, const std::vector<float>& samples);
 
   /// Whether there has been a frame of each index; until then all verdicts are inconclusive.
-  [[nodiscard]] bool has_cycle() const;
+  [[nodiscard]] bool has_cycle() const { return std::ranges::find(known_, false) == known_.end(); }
   [[nodiscard]] const CycleSamples& cycle() const { return last_; }
 
   /// Shifts the indices by that many places from now on.

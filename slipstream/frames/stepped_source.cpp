@@ -60,10 +60,6 @@ SourceCounters SteppedSource::counters() const {
   return counters;
 }
 
-nanoseconds SteppedSource::hold() const {
-  return delay_.ends - delay_.begins + delay_.period;
-}
-
 SteppedSource::Clock::time_point SteppedSource::arrival_of(const Frame& frame) {
   constexpr nanoseconds restarted = std::chrono::seconds(1);
   constexpr int frames_of_drift = 10'000;  // clocks drift by at most one frame in this many

@@ -41,7 +41,9 @@ class SteppedSource : public SourceOver {
   /// Measured by start().
   [[nodiscard]] const LightDelay& delay() const { return delay_; }
   /// From one pattern to the next: so long that a frame fits between two changes of light.
-  [[nodiscard]] std::chrono::nanoseconds hold() const;
+  [[nodiscard]] std::chrono::nanoseconds hold() const {
+    return delay_.ends - delay_.begins + delay_.period;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

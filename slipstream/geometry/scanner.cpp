@@ -80,10 +80,6 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
 
 }  // namespace
 
-bool Distortion::is_zero() const {
-  return std::ranges::all_of(coefficients, [](double k) { return k == 0; });
-}
-
 Distortion make_distortion(std::span<const double> coefficients) {
   constexpr std::array<std::size_t, 6> known_counts{0, 4, 5, 8, 12, 14};
   throw_if(std::ranges::find(known_counts, coefficients.size()) == known_counts.end(),

@@ -20,7 +20,7 @@ namespace slipstream {
 struct Distortion {
   std::array<double, 14> coefficients{};
 
-  [[nodiscard]] bool is_zero() const;
+  [[nodiscard]] bool is_zero() const { return *this == Distortion{}; }
   friend bool operator==(const Distortion&, const Distortion&) = default;
 };
 

@@ -212,14 +212,6 @@ Eigen::Affine3d Motion::at(double time) const {
          Eigen::Translation3d(-centre);
 }
 
-bool Motion::only_turns() const {
-  return step.isZero(0) && vibration.amplitude.isZero(0) && breathing.amplitude == 0;
-}
-
-bool Motion::is_none() const {
-  return only_turns() && turn.isZero(0);
-}
-
 bool is_moving(const Scene& scene) {
   return std::ranges::any_of(scene, [](const Body& body) { return !body.motion.is_none(); });
 }

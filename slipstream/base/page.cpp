@@ -58,10 +58,6 @@ void Page::picture(std::string_view says, const std::string& file) {
   files_.push_back(file);
 }
 
-std::string Page::text() const {
-  return text_ + (in_table_ ? "</table>\n" : "") + "</html>\n";
-}
-
 void Page::add(std::string_view element, std::string_view text) {
   end_table();
   text_ += fmt::format("<{0}>{1}</{0}>\n", element, escaped(text));
@@ -73,10 +69,6 @@ void Page::cells_in(std::string_view element, const std::vector<std::string>& ce
     text_ += fmt::format("<{0}>{1}</{0}>", element, escaped(cell));
   }
   text_ += "</tr>\n";
-}
-
-void Page::end_table() {
-  if (std::exchange(in_table_, false)) text_ += "</table>\n";
 }
 
 }  // namespace slipstream

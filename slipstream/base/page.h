@@ -44,7 +44,9 @@ class Page {
   }
 
   /// The document so far, with pictures named by their files.
-  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::string text() const {
+    return text_ + (in_table_ ? "</table>\n" : "") + "</html>\n";
+  }
   /// The files of all pictures.
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
   /// File names and pixels of the pictures added with pixels.
@@ -55,7 +57,9 @@ class Page {
  private:
   void add(std::string_view element, std::string_view text);
   void cells_in(std::string_view element, const std::vector<std::string>& cells);
-  void end_table();
+  void end_table() {
+    if (std::exchange(in_table_, false)) text_ += "</table>\n";
+  }
 
   std::string text_;
   bool in_table_ = false;

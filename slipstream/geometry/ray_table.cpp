@@ -120,17 +120,6 @@ struct RowFiller {
   }
 };
 
-RayTable between(const Knots& knots, Size size) {
-  const RowFiller fill_x{knots.E_x, size.width}, fill_y{knots.E_y, size.width};
-  RayTable table{Image<float>(size), Image<float>(size)};
-  for_each_row(size.height, [&](int row) {
-    std::vector<double> column;
-    fill_x(row, column, table.E_x.row(row));
-    fill_y(row, column, table.E_y.row(row));
-  });
-  return table;
-}
-
 }  // namespace
 
 std::optional<RayTable> ray_table(const Lens& camera) {
@@ -138,7 +127,16 @@ std::optional<RayTable> ray_table(const Lens& camera) {
   if (knot_count(size.width) >= 4 && knot_count(size.height) >= 4) {
     const Knots knots =
         knots_of(camera, spacing, {knot_count(size.width), knot_count(size.height)});
-    if (meets_the_lens(camera, knots)) return between(knots, size);
+    if (meets_the_lens(camera, knots)) {
+      const RowFiller fill_x{knots.E_x, size.width}, fill_y{knots.E_y, size.width};
+      RayTable table{Image<float>(size), Image<float>(size)};
+      for_each_row(size.height, [&](int row) {
+        std::vector<double> column;
+        fill_x(row, column, table.E_x.row(row));
+        fill_y(row, column, table.E_y.row(row));
+      });
+      return table;
+    }
   }
   const Knots rays = knots_of(camera, 1, size);
   const auto finite = [](const Image<double>& E) {

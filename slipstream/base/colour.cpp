@@ -1,10 +1,8 @@
 #include "slipstream/base/colour.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <numbers>
-#include <span>
+
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {
@@ -42,10 +40,9 @@ ColourMap depth_colours() {
 ColourMap phase_colours() {
   ColourMap map;
   for (std::size_t i = 0; i < map.size(); ++i) {
-    const double turn =
-        2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(map.size());
+    const double turn = two_pi * static_cast<double>(i) / static_cast<double>(map.size());
     const auto part = [turn](int third) {
-      const double level = 0.52 + 0.42 * std::cos(turn - 2 * std::numbers::pi * third / 3);
+      const double level = 0.52 + 0.42 * std::cos(turn - two_pi * third / 3);
       return static_cast<std::uint8_t>(std::lround(255 * level));
     };
     map[i] = {part(0), part(1), part(2)};

@@ -1,7 +1,6 @@
 #include "slipstream/decode/frame_adapter.h"
 
-#include <numbers>
-
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -38,7 +37,7 @@ struct Wave {
   Wave(double cycles, int length) : cosine(static_cast<std::size_t>(length)), sine(cosine.size()) {
     for (std::size_t i = 0; i < cosine.size(); ++i) {
       const double turns = cycles * static_cast<double>(i);
-      const double angle = 2 * std::numbers::pi * (turns - std::rint(turns));
+      const double angle = two_pi * (turns - std::rint(turns));
       cosine[i] = static_cast<float>(std::cos(angle));
       sine[i] = static_cast<float>(std::sin(angle));
     }
@@ -149,7 +148,7 @@ void Demodulator::locate(const FrameViews& shown) {
         if (n > 0 && band_of_[n] == band_of_[n - 1]) continue;
         Band& band = bands_[band_of_[n]];
         const double turns = how_.frames[n].periods * static_cast<double>(y);
-        const auto angle = static_cast<float>(2 * std::numbers::pi * (turns - std::rint(turns)));
+        const auto angle = static_cast<float>(two_pi * (turns - std::rint(turns)));
         const bool known = !std::isnan(y);
         band.cosine(column, row) = known ? B * std::cos(angle) : 0;
         band.sine(column, row) = known ? B * std::sin(angle) : 0;

@@ -1,8 +1,8 @@
 #include "slipstream/decode/frame_motion.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
@@ -14,7 +14,7 @@ MotionMeasurement::MotionMeasurement(const Band& window)
       sine_(window.sine.begin(), window.sine.end()) {
   const auto& [first, steps, shifts] = *window.cycle;
   for (std::size_t n = 0; n < K_; ++n) {
-    const double turn = 2 * std::numbers::pi * static_cast<double>(n) / steps;
+    const double turn = two_pi * static_cast<double>(n) / steps;
     const double delta = (shifts.backwards ? -turn : turn) - shifts.origin;
     cos_delta_.push_back(static_cast<float>(std::cos(delta)));
     sin_delta_.push_back(static_cast<float>(std::sin(delta)));

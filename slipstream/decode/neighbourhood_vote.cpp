@@ -1,8 +1,8 @@
 #include "slipstream/decode/neighbourhood_vote.h"
 
-#include <numbers>
 #include <utility>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/decoder.h"
 
@@ -17,9 +17,8 @@ class ImageField {
       : own_(own), phase_(wrapped_phase), lit_(lit), cost_(cost), shift_(own.size()) {}
 
   [[nodiscard]] double periods(int column, int row) const {
-    if (!inside(column, row) || lit_(column, row) == 0)
-      return std::numeric_limits<double>::quiet_NaN();
-    return phase_(column, row) / (2 * std::numbers::pi) + own_(column, row);
+    if (!inside(column, row) || lit_(column, row) == 0) return nan;
+    return phase_(column, row) / two_pi + own_(column, row);
   }
   void periods_around(int column, int row, PhaseWindow& window) const {
     for_each_pixel_in_order({9, 9}, [&](int c, int r) {

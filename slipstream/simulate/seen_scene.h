@@ -24,8 +24,7 @@ constexpr double uniform(std::uint64_t key) {
 /// Standard normal (Box and Muller).
 inline double gaussian(std::uint64_t seed, std::uint64_t frame, std::uint64_t pixel) {
   const std::uint64_t key = mixed(seed) ^ mixed(frame << 40 ^ pixel);
-  return std::sqrt(-2 * std::log(uniform(key))) *
-         std::cos(2 * std::numbers::pi * uniform(mixed(key)));
+  return std::sqrt(-2 * std::log(uniform(key))) * std::cos(two_pi * uniform(mixed(key)));
 }
 
 /// Light that reaches a camera pixel from a position in the projector's picture.

@@ -123,24 +123,6 @@ Eigen::Isometry3d nearer(const Matches& found) {
 constexpr std::size_t fewest_to_begin = 1000;
 constexpr double near_pixels = 3;  // pixel widths; closer points belong to one surface
 
-/// Distance from the element along its normal to the plane through the cloud's point, mm. Moving
-/// only along the normal preserves the spacing of elements.
-double along_normal(const SeenElement& seen) {
-  return seen.cloud_normal.dot(seen.cloud_point - seen.point) / seen.cloud_normal.dot(seen.normal);
-}
-
-void take_mean(ModelElement& element, const SeenElement& seen, const Eigen::Isometry3d& pose,
-               float intensity) {
-  const auto weight = static_cast<float>(std::pow(facing(seen.cloud_point, seen.cloud_normal), 2));
-  element.weight += weight;
-  const float share = weight / element.weight;
-  element.position += share * static_cast<float>(along_normal(seen)) * element.normal;
-  const Vector normal = pose.linear().transpose() * seen.cloud_normal;
-  element.normal = (element.normal + share * (normal.cast<float>() - element.normal)).normalized();
-  element.intensity += share * (intensity - element.intensity);
-  ++element.views;
-}
-
 }  // namespace
 
 Registration register_to(std::span<const ModelElement> object, const Cloud& cloud,
@@ -241,9 +223,21 @@ Image<std::uint8_t> ObjectModel::take_mean(const Cloud& cloud, const Normals& no
       if (inside && column < covered.width() && row < covered.height()) covered(column, row) = 1;
     });
     if (!(seen->normal.dot(seen->cloud_normal) > least_alike)) continue;
-    if (std::abs(along_normal(*seen)) > near) continue;
-    slipstream::take_mean(element, *seen, registration_.pose,
-                          cloud.intensity(seen->column, seen->row));
+    // To the plane through the cloud's point. Moving only along the normal preserves the spacing of
+    // elements.
+    const double along = seen->cloud_normal.dot(seen->cloud_point - seen->point) /
+                         seen->cloud_normal.dot(seen->normal);
+    if (std::abs(along) > near) continue;
+    const auto weight =
+        static_cast<float>(std::pow(facing(seen->cloud_point, seen->cloud_normal), 2));
+    element.weight += weight;
+    const float share = weight / element.weight;
+    element.position += share * static_cast<float>(along) * element.normal;
+    const Vector normal = registration_.pose.linear().transpose() * seen->cloud_normal;
+    element.normal =
+        (element.normal + share * (normal.cast<float>() - element.normal)).normalized();
+    element.intensity += share * (cloud.intensity(seen->column, seen->row) - element.intensity);
+    ++element.views;
   }
   if (seen_through) {
     std::erase_if(elements_, [](const ModelElement& element) { return element.views < 0; });

@@ -126,16 +126,6 @@ double spread_light(const LitSample& sample, const LightUnder& light_under) {
   return (sharp + light_under(std::hypot(sample.blur, sample.spread))) / 2;
 }
 
-double widest_blur(const SeenScene& seen) {
-  double widest = 0;
-  for (const auto& row : seen.samples) {
-    for (const LitSample& sample : row) {
-      widest = std::max(widest, std::hypot(sample.blur, sample.spread));
-    }
-  }
-  return widest;
-}
-
 }  // namespace
 
 double responded(double intensity, const Photometry& photometry) {
@@ -159,7 +149,12 @@ ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photom
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen) {
   const Axis axis = patterns.axis_of(n);
-  const double widest = widest_blur(seen);
+  double widest = 0;
+  for (const auto& row : seen.samples) {
+    for (const LitSample& sample : row) {
+      widest = std::max(widest, std::hypot(sample.blur, sample.spread));
+    }
+  }
   const bool exact = !photometry.physics.projector_pixels && widest == 0;
   if (patterns.binary || (patterns.carrier && !exact)) {
     return light_of_picture(in_8_bits(render_pattern(patterns, n, projector)), photometry);

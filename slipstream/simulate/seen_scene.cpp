@@ -100,11 +100,6 @@ struct Onlooker {
     });
   }
 
-  /// The camera's blur, pixels.
-  [[nodiscard]] double blur(double depth) const {
-    return physics.camera.at(std::isnan(depth) ? 1 : depth / working_place.z());
-  }
-
   /// Calls `use` with the bodies as they are when the pixel's row is exposed.
   template <class Use>
   std::invoke_result_t<Use, const std::vector<PlacedBody>&> at_row_of(const Eigen::Vector2d& pixel,
@@ -250,7 +245,8 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
           seen.lit_row(column, row) = centre->light->pixel.y();
         }
       }
-      seen.blur(column, row) = onlooker.blur(seen.depth(column, row));
+      const double depth = seen.depth(column, row) / onlooker.working_place.z();
+      seen.blur(column, row) = photometry.physics.camera.at(std::isnan(depth) ? 1 : depth);
       if (photometry.rays > 1 && !is_even(met, column, row)) {
         add_mean_of_rays(onlooker, pixel, seen.albedo(column, row), samples);
       } else if (centre && centre->light) {

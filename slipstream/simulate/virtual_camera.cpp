@@ -6,17 +6,6 @@
 #include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
-namespace {
-
-/// Interpolates between two poses.
-Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to,
-                          double share) {
-  const Eigen::Quaterniond turn(from.linear()), end(to.linear());
-  return Eigen::Translation3d((1 - share) * from.translation() + share * to.translation()) *
-         turn.slerp(share, end);
-}
-
-}  // namespace
 
 Frame first_frame(const FrameSet& exposed) {
   Frame frame({exposed.size(), exposed.bits()});
@@ -87,14 +76,18 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const std::size_t first = reel.frames.size();
     reel.enough = reel.order.size() + cycle.size();  // capturing a pose takes one cycle
-    sheet.pose = poses[p];
+    const Eigen::Isometry3d &here = poses[p], &next = poses[(p + 1) % poses.size()];
+    const Eigen::Quaterniond turn(here.linear()), next_turn(next.linear());
+    sheet.pose = here;
     for (const PatternSet& set : sets) expose(set);
     for (std::size_t k = 0; k < cycle.size() * still_cycles; ++k) {
       reel.order.push_back(first + k % cycle.size());
     }
     for (std::size_t k = 0; k < cycle.size(); ++k) {
       const double share = static_cast<double>(k + 1) / static_cast<double>(cycle.size() + 1);
-      sheet.pose = between(poses[p], poses[(p + 1) % poses.size()], share);
+      sheet.pose =
+          Eigen::Translation3d((1 - share) * here.translation() + share * next.translation()) *
+          turn.slerp(share, next_turn);
       reel.order.push_back(reel.frames.size());
       expose(cycle[k]);
     }

@@ -123,9 +123,7 @@ void CompareDepths(const DepthLimits& limits_of_cloud, const TrustStage& trust_o
       if (*pixels != nullptr) *pixels += word_pixels;
     }
   }
-  if (first < width) {
-    compare_word(limits, trust, LastPixels(row, first).row, first / word_pixels);
-  }
+  if (first < width) compare_word(limits, trust, LastPixels(row, first).row, first / word_pixels);
 }
 
 using WordTag = hn::ScalableTag<std::uint64_t>;

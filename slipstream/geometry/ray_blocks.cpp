@@ -148,9 +148,7 @@ struct KnotRow {
     const NodeArray q = (geometry.place_constant.dot(e) + fit.p * geometry.place_slope.dot(e)) / g;
     const NodeArray w = fit.y + geometry.lens(fit.p, q);
     const NodeArray numerator = w * geometry.depth(3) - geometry.coordinate(3);
-    if (!((numerator * g).minCoeff() > 0)) {
-      return Eigen::Matrix<double, nodes, 1>::Constant(NAN);
-    }
+    if (!((numerator * g).minCoeff() > 0)) return Eigen::Matrix<double, nodes, 1>::Constant(NAN);
     return (geometry.coordinate.head<3>().dot(e) - w * geometry.depth.head<3>().dot(e)) / numerator;
   }
 

@@ -8,8 +8,6 @@
 namespace slipstream {
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
-
 /// Value at the end of the projector's field.
 double field_of(const std::string& form, int length) {
   if (form == "coordinate") return 1;
@@ -17,22 +15,22 @@ double field_of(const std::string& form, int length) {
   const bool of_phase = form.starts_with("phase:");
   const double periods = of_phase ? number_in<double>(form.substr(6)).value_or(0) : 0;
   throw_if(!(periods > 0 && std::isfinite(periods)), "map '{}': expected {}", form, map_forms);
-  return turn * periods;
+  return two_pi * periods;
 }
 
 /// Whether the values fill one turn from 0 or -pi, rad.
 bool is_wrapped(double least, double largest) {
   constexpr double nearly = 0.95, rounding = 1e-3;
-  const bool in_turn = (least >= 0 && largest <= turn + rounding) ||
-                       (least >= -turn / 2 - rounding && largest <= turn / 2 + rounding);
-  return in_turn && largest - least > nearly * turn;
+  const bool in_turn = (least >= 0 && largest <= two_pi + rounding) ||
+                       (least >= -two_pi / 2 - rounding && largest <= two_pi / 2 + rounding);
+  return in_turn && largest - least > nearly * two_pi;
 }
 
 void require_possible(const Image<double>& map, const std::string& form, double field, int length) {
   std::vector<double> values = finite_values(map);
   throw_if(values.empty(), "has no valid value");
   const auto [least, largest] = std::ranges::minmax_element(values);
-  throw_if(form.starts_with("phase") && field > turn && is_wrapped(*least, *largest),
+  throw_if(form.starts_with("phase") && field > two_pi && is_wrapped(*least, *largest),
            "the phase is wrapped, {:.4g} to {:.4g} rad; unwrap it, e.g. with slipstream unwrap",
            *least, *largest);
   constexpr double outliers = 0.02, margin = 0.05;  // of the values; of the field
@@ -64,8 +62,7 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
            "the modulation is {}, the scanner's camera has {}", text_of(modulation.size()),
            text_of(camera));
   for (std::size_t i = 0; i < modulation.pixel_count(); ++i) {
-    if (!(modulation.begin()[i] >= setup.settings.minimum_modulation))
-      coordinates.begin()[i] = std::numeric_limits<double>::quiet_NaN();
+    if (!(modulation.begin()[i] >= setup.settings.minimum_modulation)) coordinates.begin()[i] = nan;
   }
   Image<Validity> validity(camera);
   std::ranges::transform(coordinates, validity.begin(), [](double y) {
@@ -75,8 +72,7 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
   Cloud cloud;
   convert(triangulated(coordinates, std::move(validity), triangulate, setup), cloud);
   std::ranges::fill(cloud.intensity, 255.F);
-  Cleaner clean(setup.settings.clean);
-  clean(cloud, modulation.empty() ? nullptr : &modulation);
+  Cleaner(setup.settings.clean)(cloud, modulation.empty() ? nullptr : &modulation);
   return cloud;
 }
 

@@ -206,7 +206,6 @@ struct SeenByBoth {
   std::optional<std::pair<Decoded, Decoded>> other{};
 };
 
-/// Matches the axis whose coordinate changes more along the epipolar lines.
 SeenByBoth seen_by_both(const Scan& scan, const Scan& further, const EngineSetup& setup) {
   SeenByBoth seen{decoded(scan, setup), decoded(further, setup)};
   if (scan.other_axis.empty() || further.other_axis.empty()) return seen;
@@ -321,8 +320,7 @@ CoordinateMatcher::Result CoordinateMatcher::operator()(const Scan& scan) const 
       (*deviation[i])(column, row) = static_cast<float>(sigma * std::abs(value));
     }
   });
-  Cleaner clean(setup_.settings.clean);
-  clean(cloud);
+  Cleaner(setup_.settings.clean)(cloud);
   convert(first.maps, maps);
   return result;
 }

@@ -1,4 +1,3 @@
-
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -29,8 +28,6 @@ double farthest_within(const EngineSetup& setup, const Eigen::Vector3d& ray, dou
   return near;
 }
 
-/// Throws Error if the range begins behind the projector or, unless the strategy is spectral, spans
-/// a period or more.
 void require_narrow(const EngineSetup& setup, double periods) {
   const double nearest = *setup.settings.nearest, farthest = *setup.settings.farthest;
   const Size size = setup.scanner.camera.size;

@@ -201,7 +201,6 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   return memory.clean(*made.cloud, &modulation, noise);
 }
 
-/// Runs the chosen engine or, if it cannot process these frames, the next.
 void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse) {
   if (setup().settings.own_engine) return setup().settings.own_engine->run(frames, outputs);
   const EngineKind kind = tables_->engine_for(frames);

@@ -110,7 +110,6 @@ int best_order(const Disagreement* orders, int count) {
   return least < fits && second > least + clearly ? best : -1;
 }
 
-constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
 constexpr double least_limit = 0.5;  // projector pixels: error of a calibration
 
 /// Maps of the scan along the other axis.
@@ -193,7 +192,7 @@ EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& 
   };
   const auto [width, height] = setup.scanner.projector.size;
   const Size size = cloud.size();
-  Image<float> off(size, no_number), sigma(size);
+  Image<float> off(size, static_cast<float>(nan)), sigma(size);
   for_each_pixel(size, [&](int column, int row) {
     const double B = maps.modulation(column, row), other_B = other_maps.modulation(column, row);
     if (!(std::min(B, other_B) >= least) || saturated(column, row) != 0) return;

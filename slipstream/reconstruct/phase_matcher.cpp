@@ -25,16 +25,12 @@ CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
   if (phases.bands.size() == 1) phases.bands.push_back(phases.bands.front());
   phases.maps = decode.unwrapped(std::move(decoded), frames.full_scale(), 0);
   const double least = least_modulation(settings, frames.full_scale());
-  const Image<std::uint8_t> lit = modulation_mask(phases.maps.modulation, least);
-  const Image<std::uint8_t> saturated = saturation_mask(frames);
-  for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
-    Validity& pixel = phases.validity.begin()[i];
-    if (lit.begin()[i] == 0) {
-      pixel = Validity::too_dark;
-    } else if (settings.drop_saturated && saturated.begin()[i] != 0) {
-      pixel = Validity::saturated;
-    }
-  }
+  std::ranges::transform(modulation_mask(phases.maps.modulation, least), saturation_mask(frames),
+                         phases.validity.begin(), [&](std::uint8_t lit, std::uint8_t saturated) {
+                           if (lit == 0) return Validity::too_dark;
+                           return settings.drop_saturated && saturated != 0 ? Validity::saturated
+                                                                            : Validity::valid;
+                         });
   return phases;
 }
 
@@ -105,8 +101,6 @@ Match match_pixel(const EpipolarLine& line, const CameraPhases& first, const Cam
 
 /// Depth and weight of each pixel's match.
 struct Matches {
-  explicit Matches(Size size) : depth(size, nan), weight(size), pixel_step(size) {}
-
   Image<double> depth;  ///< mm
   /// Inverse variance of the depth, up to a factor. Phase noise is proportional to 1 / B, and depth
   /// noise is the phase noise divided by the phase's slope.
@@ -200,9 +194,8 @@ SearchedOrders search_orders(const CameraPhases& first, const CameraPhases& seco
 
 void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
   throw_if(frames.size() != scanner.camera.size,
-           "frames of the {} camera are {}x{}, its scanner says {}x{}; both must agree", which,
-           frames.size().width, frames.size().height, scanner.camera.size.width,
-           scanner.camera.size.height);
+           "frames of the {} camera are {}, its scanner says {}; both must agree", which,
+           text_of(frames.size()), text_of(scanner.camera.size));
 }
 
 }  // namespace
@@ -243,7 +236,7 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
     first.maps.coordinate = searched->first;
   }
 
-  Matches matches(size);
+  Matches matches{Image<double>(size, nan), Image<double>(size), Image<double>(size)};
   Image<PixelPosition> directions(size);
   for_each_pixel(size, [&](int column, int row) {
     if (first.validity(column, row) != Validity::valid) return;
@@ -287,8 +280,7 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
     cloud.y(column, row) = static_cast<float>(Z * directions(column, row).y);
     cloud.z(column, row) = static_cast<float>(Z);
   });
-  Cleaner clean(settings.clean);
-  clean(cloud);
+  Cleaner(settings.clean)(cloud);
   Result result{.cloud = std::move(cloud)};
   convert(first.maps, result.maps);
   return result;

@@ -253,7 +253,7 @@ Image<double> measured_coordinates(Engine& engine, const FrameViews& given, cons
   const Image<Validity> validity = judged(maps, {}, frames, setup);
   std::ranges::transform(
       validity, maps.coordinate, maps.coordinate.begin(),
-      [](Validity pixel, double y) { return pixel == Validity::valid ? y : std::nan(""); });
+      [](Validity pixel, double y) { return pixel == Validity::valid ? y : nan; });
   return std::move(maps.coordinate);
 }
 

@@ -18,10 +18,8 @@ class VoteField {
 
   [[nodiscard]] double periods(int column, int row) const {
     const double y = block_.coordinates(row)[column];
-    if (some_dim_ && y == y && (block_.flags(row)[column] & PixelFlag::dim) != 0) {
-      return nothing;
-    }
-    return y * cue_.f_h;
+    const bool no_vote = some_dim_ && y == y && (block_.flags(row)[column] & PixelFlag::dim) != 0;
+    return no_vote ? nothing : y * cue_.f_h;
   }
   void periods_around(int column, int row, PhaseWindow& window) const {
     constexpr int reach = VoteBlock::looks_past;
@@ -31,11 +29,8 @@ class VoteField {
       float* const line = &window.periods[static_cast<std::size_t>(r) * PhaseWindow::line];
       const float* y = block_.coordinates(row + r - reach) + column - reach;
       for (std::size_t c = 0; c < PhaseWindow::line; ++c) line[c] = f_h * (y[c] - own);
-      if (!some_dim_) continue;
-      for (int c = 0; c < 2 * reach + 1; ++c) {
-        if (std::isnan(periods(column + c - reach, row + r - reach))) {
-          line[c] = nothing;
-        }
+      for (int c = 0; some_dim_ && c < 2 * reach + 1; ++c) {
+        if (std::isnan(periods(column + c - reach, row + r - reach))) line[c] = nothing;
       }
     }
   }
@@ -137,29 +132,12 @@ void decode_with_cue(const FusedBand& band, int row) {
   if (to.turn != nullptr) band.finish_maps(row, to.turn);
 }
 
-/// New values of a pixel that the vote moved by whole periods.
-struct MovedPixel {
-  double coordinate = 0;
-  double doubt = 0;
-  double brighter = 0;  ///< change of its mean, grey levels of 255
-};
-
-void set(const Outputs& output, PixelPlace at, const MovedPixel& pixel, double grey_level) {
-  if (pixel.brighter != 0 && (output.cloud != nullptr || output.points != nullptr)) {
-    Image<float>& intensity =
-        output.cloud != nullptr ? output.cloud->intensity : output.points->intensity;
-    intensity(at.column, at.row) += static_cast<float>(pixel.brighter);
-  }
-  if (output.maps == nullptr) return;
-  output.maps->coordinate(at.column, at.row) = static_cast<float>(pixel.coordinate);
-  output.maps->fringe_order_doubt(at.column, at.row) = static_cast<float>(pixel.doubt);
-  output.maps->mean(at.column, at.row) += static_cast<float>(grey_level * pixel.brighter);
-}
-
 /// Votes on the rows from `first` to `last` and updates the pixels that it moves.
 void vote(const FusedBand& band, int first, int last) {
   VoteBlock& block = band.scratch.block;
   const FusedStages::Cue& cue = *band.stages.cue;
+  const auto& [cloud, points, maps] =
+      std::tie(band.output.cloud, band.output.points, band.output.maps);
   VoteField field(band);
   block.lists.open.assign(block.disagreeing.begin(), block.disagreeing.end());
   NeighbourhoodVote{field}(block.lists);
@@ -177,8 +155,14 @@ void vote(const FusedBand& band, int first, int last) {
     shift = 0;
     if (at.row < first || at.row >= last) continue;
     const double brighter = cue.exact.shade(pixel, before) - cue.exact.shade(pixel, y);
-    set(band.output, at, {.coordinate = y, .doubt = doubt, .brighter = brighter},
-        band.frames.full_scale() / 255);
+    if (brighter != 0 && (cloud != nullptr || points != nullptr)) {
+      Image<float>& intensity = cloud != nullptr ? cloud->intensity : points->intensity;
+      intensity(at.column, at.row) += static_cast<float>(brighter);  // grey levels of 255
+    }
+    if (maps == nullptr) continue;
+    maps->coordinate(at.column, at.row) = coordinate;
+    maps->fringe_order_doubt(at.column, at.row) = static_cast<float>(doubt);
+    maps->mean(at.column, at.row) += static_cast<float>(band.frames.full_scale() / 255 * brighter);
   }
 }
 

@@ -23,17 +23,6 @@ struct CueSums {
   Floats cue, cue_sine;
 };
 
-/// N = 6: the second channel in integers; U is 6 C, V is 6 S / sqrt(3).
-template <class Pixel>
-HWY_INLINE CueSums sixth_sums(const Pixel* const* frames, std::size_t i) {
-  const FloatTag d;
-  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
-  const Ints rising = hn::Add(I(1), I(4)), falling = hn::Add(I(2), I(5));
-  const Ints U = hn::Sub(hn::ShiftLeft<1>(hn::Add(I(0), I(3))), hn::Add(rising, falling));
-  return {closed_form_sums<6>(frames, i), hn::ConvertTo(d, U),
-          hn::ConvertTo(d, hn::Sub(rising, falling))};
-}
-
 /// N above 6. Frames n and N - n have the same cosine and opposite sines, so their sum and their
 /// difference serve both channels.
 template <class Pixel>
@@ -70,30 +59,25 @@ template <int steps, class Pixel>
 HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
                             const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
   if constexpr (steps == 3) {
     const FrameSums sums = closed_form_sums<3>(frames, i);
     return {sums, sums.sum, hn::Zero(d)};
   } else if constexpr (steps == 4) {
-    const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
     const Ints half_phase = hn::Sub(hn::Add(I(0), I(2)), hn::Add(I(1), I(3)));  // (3.70)
     return {closed_form_sums<4>(frames, i), hn::ConvertTo(d, half_phase), hn::Zero(d)};
   } else if constexpr (steps == 5) {
     const FifthSums sums = fifth_sums(frames, i);
     return {sums.first, sums.U, sums.V};
-  } else if constexpr (steps == 6) {
-    return sixth_sums(frames, i);
+  } else if constexpr (steps == 6) {  // U is 6 C, V is 6 S / sqrt(3)
+    const Ints rising = hn::Add(I(1), I(4)), falling = hn::Add(I(2), I(5));
+    const Ints U = hn::Sub(hn::ShiftLeft<1>(hn::Add(I(0), I(3))), hn::Add(rising, falling));
+    return {closed_form_sums<6>(frames, i), hn::ConvertTo(d, U),
+            hn::ConvertTo(d, hn::Sub(rising, falling))};
   } else {
     return two_channel_sums(stage, cue, frames, i);
   }
 }
-
-/// Cue of a vector of pixels: its channel, the sine for N >= 5, and B_1^c.
-template <std::size_t count>
-struct CueChannels {
-  Several<count> channel, sine, modulation;
-
-  HWY_INLINE CueChannels() {}
-};
 
 /// Angles in turns, times a factor.
 template <std::size_t count>
@@ -105,22 +89,24 @@ HWY_INLINE Several<count> angles_times(float factor, const Several<count>& S,
   return angles;
 }
 
-/// CueEvidence::coordinate, in periods of the high frequency; without light 0 for N = 3 and 4.
+/// CueEvidence::coordinate, in periods of the high frequency, from the cue's channel, its sine for
+/// N >= 5, and B_1^c; without light 0 for N = 3 and 4.
 template <int steps, std::size_t count>
 HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
-                                      const CueChannels<count>& of) {
+                                      const Several<count>& channel, Several<count> sine,
+                                      const Several<count>& modulation) {
   const FloatTag d;
-  Several<count> R, sine, periods;
+  Several<count> R, periods;
   if constexpr (is_circle<steps>) {
     const Floats weight = hn::Set(d, cue.sine_weight);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, of.sine[k]); });
-    return angles_times(cue.periods, sine, of.channel);  // (3.88)
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, sine[k]); });
+    return angles_times(cue.periods, sine, channel);  // (3.88)
   }
   const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
-        hn::MulSub(of.channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
-    const Floats ratio = quotient(value, hn::Max(of.modulation[k], least));
+        hn::MulSub(channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
+    const Floats ratio = quotient(value, hn::Max(modulation[k], least));
     R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
                      one);
   });
@@ -134,7 +120,7 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
     periods = angles_times(2 * cue.periods, sine, R);
   }
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    periods[k] = hn::IfThenElseZero(hn::Gt(of.modulation[k], least), periods[k]);
+    periods[k] = hn::IfThenElseZero(hn::Gt(modulation[k], least), periods[k]);
   });
   return periods;
 }
@@ -177,23 +163,21 @@ class CueVectors {
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
     const bool decoding = row_.turn != nullptr, wants_modulation = row_.modulation != nullptr;
-    Several<count> U, V, square, sum;
-    CueChannels<count> cue;
+    Several<count> U, V, square, sum, channel, sine, modulation;
     FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const CueSums sums = at(i + k * hn::Lanes(d));
       U[k] = sums.high.U;
       V[k] = sums.high.V;
-      cue.channel[k] = sums.cue;
-      cue.sine[k] = sums.cue_sine;
+      channel[k] = sums.cue;
+      sine[k] = sums.cue_sine;
       sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
-      cue.modulation[k] = square[k];  // not used unless computed below
+      modulation[k] = square[k];  // not used unless computed below
       if (!is_circle<steps> || wants_modulation) {
-        cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
+        modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
       }
-      if (wants_modulation)
-        hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
+      if (wants_modulation) hn::StoreU(modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
       all_hidden = hn::And(all_hidden, hn::And(cannot_vote(square[k]), is_dark_at(square[k])));
     });
     if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
@@ -207,7 +191,8 @@ class CueVectors {
     if constexpr (!is_circle<steps>) {
       each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });
     }
-    const Several<count> cue_place = cue_periods<steps, count>(cue_, row_.cue_limits, cue);
+    const Several<count> cue_place =
+        cue_periods<steps, count>(cue_, row_.cue_limits, channel, sine, modulation);
     const bool saturated = saturation_.template among<count>(i);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const std::size_t pixel = i + k * hn::Lanes(d);
@@ -218,13 +203,13 @@ class CueVectors {
       if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
       store_flags(pixel, square[k], doubt, saturated);
       fetch_ahead(row_.mean + pixel, row_.past_cache);
-      store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
+      store(shown_mean(sum[k], modulation[k], y), row_.mean + pixel, row_.past_cache);
       if (HWY_UNLIKELY(decoding)) {
         hn::StoreU(turn[k], d, row_.turn + pixel);
         hn::StoreU(doubt, d, row_.doubt + pixel);
         hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
       }
-      hn::StoreU(hn::IfThenElse(cannot_vote(square[k]), nan(), y), d, row_.coordinate + pixel);
+      hn::StoreU(hn::IfThenElse(cannot_vote(square[k]), nans(), y), d, row_.coordinate + pixel);
     });
   }
 
@@ -232,9 +217,6 @@ class CueVectors {
   /// Whether the cue changes the mean, which is reported without it.
   static constexpr bool casts_shade = steps == 3;
 
-  static HWY_INLINE Floats nan() {
-    return hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
-  }
   HWY_INLINE CueSums at(std::size_t i) const {
     return cue_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
   }
@@ -250,15 +232,11 @@ class CueVectors {
     const FloatTag d;
     store_flags(i, square, hn::Zero(d), false);
     store(hn::Mul(sum, hn::Set(d, row_.limits.mean_scale)), row_.mean + i, row_.past_cache);
-    hn::StoreU(nan(), d, row_.coordinate + i);
+    hn::StoreU(nans(), d, row_.coordinate + i);
   }
 
   HWY_INLINE void store_flags(std::size_t i, Floats square, Floats doubt, bool saturated) const {
     const FloatTag d;
-    const IntTag di;
-    const auto flag_where = [&](FloatMask where, PixelFlag flag) SLIPSTREAM_STEP {
-      return hn::IfThenElseZero(hn::RebindMask(di, where), hn::Set(di, flag));
-    };
     Ints flags = hn::Or(
         flag_where(is_dark_at(square), PixelFlag::dark),
         hn::Or(
@@ -266,7 +244,7 @@ class CueVectors {
             flag_where(hn::Gt(doubt, hn::Set(d, cue_.largest_doubt)), PixelFlag::doubtful_order)));
     if (HWY_UNLIKELY(saturated))
       flags = hn::Or(flags, saturation_flag(row_.limits, at(i).high.greatest));
-    hn::StoreU(flags, di, row_.flags + i);
+    hn::StoreU(flags, IntTag(), row_.flags + i);
   }
 
   HWY_INLINE Floats coordinate(Floats turns) const {
@@ -307,18 +285,11 @@ HWY_INLINE void decode_steps(const SinusoidStage& stage, const CueStage& cue,
 template <class Pixel>
 HWY_NOINLINE void decode_cue(const SinusoidStage& stage, const CueStage& cue,
                              const Pixel* const* frames, const CueRow& row) {
-  switch (stage.steps) {
-    case 3:
-      return decode_steps<3>(stage, cue, frames, row);
-    case 4:
-      return decode_steps<4>(stage, cue, frames, row);
-    case 5:
-      return decode_steps<5>(stage, cue, frames, row);
-    case 6:
-      return decode_steps<6>(stage, cue, frames, row);
-    default:
-      return decode_steps<0>(stage, cue, frames, row);
-  }
+  if (stage.steps == 3) return decode_steps<3>(stage, cue, frames, row);
+  if (stage.steps == 4) return decode_steps<4>(stage, cue, frames, row);
+  if (stage.steps == 5) return decode_steps<5>(stage, cue, frames, row);
+  if (stage.steps == 6) return decode_steps<6>(stage, cue, frames, row);
+  decode_steps<0>(stage, cue, frames, row);
 }
 
 void DecodeCueRow(const SinusoidStage& stage, const CueStage& cue, const FrameRows& frames,

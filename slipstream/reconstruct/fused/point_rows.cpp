@@ -169,10 +169,9 @@ HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts
 template <std::size_t count>
 HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
                                      const Several<count, FloatMask>& dark, Several<count> z) {
-  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
   static_assert(static_cast<int>(Validity::valid) == 0);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    z[k] = hn::IfThenElse(dark[k], nan, z[k]);
+    z[k] = hn::IfThenElse(dark[k], nans(), z[k]);
     const auto reason = hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark));
     store_validity(hn::IfThenElseZero(hn::RebindMask(IntTag(), dark[k]), reason),
                    row.validity + parts.pixel(k));
@@ -281,9 +280,7 @@ HWY_INLINE void point_part(const PointStage& stage, const Source& source, const 
 
 template <class Source>
 HWY_INLINE void point_row(const PointStage& stage, const Source& source, const PointRow& row) {
-  if (row.blocks.described == nullptr) {
-    return row_on_rays(stage, source, row);
-  }
+  if (row.blocks.described == nullptr) return row_on_rays(stage, source, row);
   const auto width = static_cast<std::size_t>(row.width);
   const std::size_t blocks = (width + RayBlocks::width - 1) / RayBlocks::width;
   MixedBlocks mixed;

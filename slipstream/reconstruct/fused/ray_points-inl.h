@@ -91,15 +91,7 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row
 }
 
 HWY_INLINE FloatMask is_unflagged(Ints flags) {
-  const IntTag di;
-  const Ints flagged = hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated));
-  return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
-}
-
-HWY_INLINE Ints reason_unless(FloatMask good, Ints otherwise, Validity reason) {
-  const IntTag di;
-  return hn::IfThenElse(hn::RebindMask(di, good), otherwise,
-                        hn::Set(di, static_cast<std::int32_t>(reason)));
+  return hn::Not(flagged(flags, PixelFlag::dark | PixelFlag::saturated));
 }
 
 HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
@@ -119,24 +111,23 @@ HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i
 
 /// The first reason in the order of Validity wins.
 HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags) {
-  const FloatTag d;
   const IntTag di;
-  const auto without = [&](PixelFlag flag) SLIPSTREAM_STEP {
-    return hn::RebindMask(d, hn::Eq(hn::And(flags, hn::Set(di, flag)), hn::Zero(di)));
-  };
   Ints reason = hn::Zero(di);
-  reason = reason_unless(points.in_range, reason, Validity::out_of_range);
-  reason = reason_unless(points.in_field, reason, Validity::outside_field);
-  reason = reason_unless(points.exists, reason, Validity::no_point);
-  reason = reason_unless(confirmed, reason, Validity::doubtful_order);
-  reason = reason_unless(without(PixelFlag::saturated), reason, Validity::saturated);
-  return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
+  const auto unless = [&](FloatMask good, Validity why) SLIPSTREAM_STEP {
+    const Ints other = hn::Set(di, static_cast<std::int32_t>(why));
+    reason = hn::IfThenElse(hn::RebindMask(di, good), reason, other);
+  };
+  unless(points.in_range, Validity::out_of_range);
+  unless(points.in_field, Validity::outside_field);
+  unless(points.exists, Validity::no_point);
+  unless(confirmed, Validity::doubtful_order);
+  unless(hn::Not(flagged(flags, PixelFlag::saturated)), Validity::saturated);
+  unless(hn::Not(is_dark(flags)), Validity::too_dark);
+  return reason;
 }
 
-/// Stores a vector of dark pixels.
 HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
-  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
-  store_points(row, row.past_cache, i, nan, nan, nan);
+  store_points(row, row.past_cache, i, nans(), nans(), nans());
   store_validity(hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark)),
                  row.validity + i);
 }
@@ -147,8 +138,7 @@ HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints
   const FloatTag d;
   const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
                                  hn::And(points.exists, hn::And(points.in_field, points.in_range)));
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  const Floats z = hn::IfThenElse(good, points.z, nan);
+  const Floats z = hn::IfThenElse(good, points.z, nans());
   store_points(row, row.past_cache, i, points.E_x, points.E_y, z);
   if (hn::AllTrue(d, good)) return store_validity(hn::Zero(IntTag()), row.validity + i);
   store_validity(reasons(points, confirmed, flags), row.validity + i);
@@ -164,20 +154,11 @@ HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, s
 using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
                               Ints);
 
-/// The function for this degree of PointStage::lens.
+/// The function for this degree of PointStage::lens: 0, 3, 5, 7 or 9.
 HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
-  switch (lens_degree) {
-    case 0:
-      return vector_on_rays<0>;
-    case 3:
-      return vector_on_rays<3>;
-    case 5:
-      return vector_on_rays<5>;
-    case 7:
-      return vector_on_rays<7>;
-    default:
-      return vector_on_rays<9>;
-  }
+  constexpr std::array of_degrees{vector_on_rays<0>, vector_on_rays<3>, vector_on_rays<5>,
+                                  vector_on_rays<7>, vector_on_rays<9>};
+  return of_degrees[lens_degree / 2];
 }
 
 /// Finds the lanes with enough agreeing neighbours, see FringeOrderConsensus.

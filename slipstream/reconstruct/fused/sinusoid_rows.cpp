@@ -142,9 +142,8 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
     });
   }
 
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    Ints flags = hn::IfThenElseZero(hn::RebindMask(di, dark[k]), hn::Set(di, PixelFlag::dark));
+    Ints flags = flag_where(dark[k], PixelFlag::dark);
     if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(at(k)).greatest));
     if (row.another) flags = hn::Or(flags, known(k));
     hn::StoreU(flags, di, row.flags + at(k));
@@ -152,13 +151,13 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
   if (row.only_lit && all_dark(known)) {
     if (!row.nan_if_flagged) return;
     return each<count>([&](std::size_t k)
-                           SLIPSTREAM_STEP { hn::StoreU(nan, d, row.turn + at(k)); });
+                           SLIPSTREAM_STEP { hn::StoreU(nans(), d, row.turn + at(k)); });
   }
   turn = turns<N, count>(stage, U, V);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     if (row.nan_if_flagged) {
       const auto good = hn::RebindMask(d, hn::Eq(known(k), hn::Zero(di)));
-      turn[k] = hn::IfThenElse(good, turn[k], nan);
+      turn[k] = hn::IfThenElse(good, turn[k], nans());
     }
     hn::StoreU(turn[k], d, row.turn + at(k));
   });
@@ -204,18 +203,12 @@ HWY_NOINLINE void decode_pixels(const SinusoidStage& stage, const Pixel* const* 
                                 const SinusoidRow& row) {
   // A local copy stays in registers: no store can alias it.
   const SinusoidRow local = row;
-  switch (stage.cosines.empty() ? stage.steps : 0) {
-    case 3:
-      return decode_closed_form<3>(stage, frames, local);
-    case 4:
-      return decode_closed_form<4>(stage, frames, local);
-    case 5:
-      return decode_closed_form<5>(stage, frames, local);
-    case 6:
-      return decode_closed_form<6>(stage, frames, local);
-    default:
-      return decode_weighted(stage, frames, local);
-  }
+  const int steps = stage.cosines.empty() ? stage.steps : 0;
+  if (steps == 3) return decode_closed_form<3>(stage, frames, local);
+  if (steps == 4) return decode_closed_form<4>(stage, frames, local);
+  if (steps == 5) return decode_closed_form<5>(stage, frames, local);
+  if (steps == 6) return decode_closed_form<6>(stage, frames, local);
+  decode_weighted(stage, frames, local);
 }
 
 void DecodeRow(const SinusoidStage& stage, const FrameRows& frames, const SinusoidRow& row) {

@@ -311,16 +311,28 @@ HWY_INLINE Floats modulation_square(const SinusoidStage& stage, const FrameSums&
   return hn::MulAdd(hn::Mul(weight, sums.V), sums.V, hn::Mul(sums.U, sums.U));
 }
 
-HWY_INLINE FloatMask is_dark(Ints flags) {
+HWY_INLINE Floats nans() {
+  return hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+}
+
+/// Pixels with any of the flags `which`.
+HWY_INLINE FloatMask flagged(Ints flags, std::int32_t which) {
   const IntTag di;
-  return hn::RebindMask(FloatTag(),
-                        hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
+  return hn::RebindMask(FloatTag(), hn::Ne(hn::And(flags, hn::Set(di, which)), hn::Zero(di)));
+}
+
+HWY_INLINE FloatMask is_dark(Ints flags) {
+  return flagged(flags, PixelFlag::dark);
+}
+
+HWY_INLINE Ints flag_where(FloatMask where, PixelFlag flag) {
+  const IntTag di;
+  return hn::IfThenElseZero(hn::RebindMask(di, where), hn::Set(di, flag));
 }
 
 HWY_INLINE Ints saturation_flag(const SinusoidLimits& limits, Ints greatest) {
-  const IntTag di;
-  return hn::IfThenElseZero(hn::Gt(greatest, hn::Set(di, limits.full_scale - 1)),
-                            hn::Set(di, PixelFlag::saturated));
+  const auto saturated = hn::Gt(greatest, hn::Set(IntTag(), limits.full_scale - 1));
+  return flag_where(hn::RebindMask(FloatTag(), saturated), PixelFlag::saturated);
 }
 
 /// Turns of one frequency to coordinates in the field, see coordinate_in_field.
@@ -353,24 +365,20 @@ HWY_INLINE void unwrap_vectors(const UnwrappedRow& row, float largest_doubt,
                                const Unwrap& unwrapped) {
   const FloatTag d;
   const IntTag di;
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  const auto is_hidden = [&](Ints flags) SLIPSTREAM_STEP {
-    const Ints hidden = hn::And(flags, hn::Set(di, row.hidden));
-    return hn::RebindMask(d, hn::Ne(hidden, hn::Zero(di)));
-  };
+  const std::int32_t hidden = row.hidden;
   for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Ints known = hn::LoadU(di, row.flags + i);
-    if (hn::AllTrue(d, is_hidden(known))) return hn::StoreU(nan, d, row.coordinate + i);
+    if (hn::AllTrue(d, flagged(known, hidden))) return hn::StoreU(nans(), d, row.coordinate + i);
     const Unwrapped pixels = unwrapped(i, known);
     if (row.doubt != nullptr) {
       const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
       hn::StoreU(hn::Max(pixels.doubt, before), d, row.doubt + i);
     }
-    const auto doubtful = hn::Gt(pixels.doubt, hn::Set(d, largest_doubt));
-    const Ints doubt =
-        hn::IfThenElseZero(hn::RebindMask(di, doubtful), hn::Set(di, PixelFlag::doubtful_order));
-    hn::StoreU(hn::Or(pixels.flags, doubt), di, row.flags + i);
-    hn::StoreU(hn::IfThenElse(is_hidden(pixels.flags), nan, pixels.y), d, row.coordinate + i);
+    const FloatMask doubtful = hn::Gt(pixels.doubt, hn::Set(d, largest_doubt));
+    hn::StoreU(hn::Or(pixels.flags, flag_where(doubtful, PixelFlag::doubtful_order)), di,
+               row.flags + i);
+    const Floats y = hn::IfThenElse(flagged(pixels.flags, hidden), nans(), pixels.y);
+    hn::StoreU(y, d, row.coordinate + i);
   });
 }
 

@@ -144,14 +144,13 @@ template <class Pixel>
 HWY_NOINLINE void costs_by_form(const OrderCostStage& stage, float to_8_bits,
                                 const Pixel* const* frames, const float* coordinate,
                                 const OrderCosts& costs) {
-  switch (stage.form) {
-    case CueForm::circle:
-      return costs_of<CircleCost>(stage, to_8_bits, frames, coordinate, costs);
-    case CueForm::cosine:
-      return costs_of<ReferenceCost<true>>(stage, to_8_bits, frames, coordinate, costs);
-    default:
-      return costs_of<ReferenceCost<false>>(stage, to_8_bits, frames, coordinate, costs);
+  if (stage.form == CueForm::circle) {
+    return costs_of<CircleCost>(stage, to_8_bits, frames, coordinate, costs);
   }
+  if (stage.form == CueForm::cosine) {
+    return costs_of<ReferenceCost<true>>(stage, to_8_bits, frames, coordinate, costs);
+  }
+  costs_of<ReferenceCost<false>>(stage, to_8_bits, frames, coordinate, costs);
 }
 
 void CostsOfOrders(const OrderCostStage& stage, float to_8_bits, const FrameRows& frames,

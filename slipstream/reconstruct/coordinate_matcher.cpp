@@ -199,8 +199,7 @@ class CellIndex {
   Eigen::AlignedBox2d all_;
 };
 
-/// Projector coordinates that both cameras see: along the axis to match and, if the scan has it,
-/// the other.
+/// Projector coordinates that both cameras see: along the axis to match, and the other if given.
 struct SeenByBoth {
   Decoded first, second;
   std::optional<std::pair<Decoded, Decoded>> other{};

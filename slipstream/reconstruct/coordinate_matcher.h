@@ -17,8 +17,7 @@ struct EpipolarRay {
 class CoordinateMatcher {
  public:
   /// `pair`: its `projector` is the second camera; its response is ignored. Builds tables for both
-  /// cameras' pixels. Throws Error if the pair is invalid, or if frames of the strategy alone give
-  /// no coordinate.
+  /// cameras. Throws Error if the pair is invalid, or frames of the strategy give no coordinate.
   CoordinateMatcher(const Scanner& pair, const Sequence& sequence,
                     const ReconstructSettings& settings = {});
 

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/base/numbers.h"
-#include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/frame_adapter.h"
 #include "slipstream/decode/frame_motion.h"
 #include "slipstream/frames/frame_set.h"

@@ -34,8 +34,8 @@ class Engine {
   /// Computes the requested outputs with the chosen engine or, failing that, the next in this
   /// order: GPU, fused pass, reference engine. In windows longer than a cycle, rejects pixels whose
   /// frames differ by more than noise and uniform motion explain; then cleans the cloud. Returns
-  /// the number of points that cleaning removed, by reason. Throws Error if the size or number of
-  /// the frames is wrong.
+  /// how many points cleaning removed, by reason. Throws Error for a wrong size or number of
+  /// frames.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {
@@ -58,8 +58,7 @@ class Engine {
     return run(frames, {.cloud = &cloud, .maps = &maps});
   }
 
-  /// Share of the measured pixels whose phase moves, see MotionMeasurement; 0 unless the frames are
-  /// a window longer than a cycle.
+  /// Share of the measured pixels whose phase moves, see MotionMeasurement; 0 for up to one cycle.
   [[nodiscard]] double moving_share(const FrameViews& frames) const;
 
   /// Standard deviation of each point of a scan under the scanner's noise variance at the pixel's
@@ -86,8 +85,7 @@ class Engine {
   std::shared_ptr<Memory> memory_;  ///< not shared by copies
 };
 
-/// Cloud of a scan, by an engine made for it. Throws Error if the scan has no scanner or does not
-/// fit it.
+/// Cloud of a scan, by an engine made for it. Throws Error as setup_for.
 Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings = {});
 
 /// Setup of an engine for this scan: its scanner, completed from the scan, its sequence, and the

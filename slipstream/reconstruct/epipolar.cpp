@@ -25,12 +25,6 @@ std::array<double, 4> cubic_weights(double t) {
 struct Disagreement {
   float sum = 0;
   float seen = 0;  ///< pixels that the second camera sees
-
-  Disagreement& operator+=(const Disagreement& other) {
-    sum += other.sum;
-    seen += other.seen;
-    return *this;
-  }
 };
 
 /// For every pixel and fringe order; the orders of a pixel are adjacent.
@@ -65,7 +59,10 @@ void add_side(const OrderVolume& from, const CameraPhases& phases, int dx, int d
     turns += static_cast<int>(turn);
     const Disagreement* other = from.at(x, y);
     const int first = std::max(0, -turns), last = std::min(from.orders, from.orders - turns);
-    for (int k = first; k < last; ++k) to[k] += other[k + turns];
+    for (int k = first; k < last; ++k) {
+      to[k].sum += other[k + turns].sum;
+      to[k].seen += other[k + turns].seen;
+    }
   }
 }
 

@@ -108,8 +108,7 @@ struct Matches {
   Image<double> pixel_step;  ///< mm per pixel of the second camera
 };
 
-/// Depth at the centre of a plane fitted to the window's matches. On a plane, 1 / Z is linear in
-/// the image.
+/// Depth at the centre of a plane fitted to the window's matches: 1 / Z is linear in the image.
 double plane_depth(const Matches& matches, int column, int row, int half_width) {
   const double centre = matches.depth(column, row);
   const double step = matches.pixel_step(column, row);

@@ -54,7 +54,7 @@ ReferenceResult ReferenceEngine::operator()(const FrameViews& frames) const {
   std::ranges::transform(maps.mean, cloud.intensity.begin(), [&](double mean) {
     return static_cast<float>(mean / (frames.full_scale() / 255));
   });
-  return {std::move(cloud), std::move(maps)};  // Engine::run cleans the cloud
+  return {std::move(cloud), std::move(maps)};
 }
 
 void ReferenceEngine::run(const FrameViews& frames, const Outputs& outputs) const {

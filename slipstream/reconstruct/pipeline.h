@@ -74,8 +74,7 @@ class ReferenceEngine {
   /// Throws Error as Engine's constructor does. `corrections` are added to the phases.
   ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections);
 
-  // Both throw Error if the size or number of the frames is wrong. The cloud is not cleaned: Engine
-  // does that for all engines.
+  // Both throw Error if the size or number of frames is wrong. Engine cleans the cloud.
   [[nodiscard]] ReferenceResult operator()(const FrameViews& frames) const;
   [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames) const {
     Image<Validity> order;

@@ -61,11 +61,9 @@ struct ReconstructSettings {
   FringeOrderConsensus fringe_order{};
   /// For strategies whose fringe order comes from a cue in the same frames.
   CueRule cue_rule = CueRule::consensus;
-  /// For the same strategies: share of the least modulation from which a pixel votes, even if it is
-  /// too dark for a point.
+  /// For the same strategies: share of the least modulation from which even dark pixels vote.
   double least_voting_share = 0.8;
-  /// How far outside the projector's field a point may lie, as a share of the field's length across
-  /// the stripes.
+  /// How far outside the field a point may lie, as a share of its length across the stripes.
   double field_margin = 0.02;
   std::optional<double> nearest{};   ///< mm, least depth; nullopt: see depth_range
   std::optional<double> farthest{};  ///< mm, largest depth; nullopt: see depth_range
@@ -128,8 +126,7 @@ void require_size(const FrameViews& frames, Size camera);
 /// depth of the calibration boards, else any.
 DepthRange depth_range(const EngineSetup& setup);
 
-/// Whether the fringe order comes from the depth range: both ends are set, and the frames alone
-/// give no projector coordinate.
+/// Whether the depth range gives the fringe order: both ends are set, and frames alone do not.
 bool unwraps_by_depth(const EngineSetup& setup);
 
 /// Whether the fringe order comes from the whole image: from the depth range or from surfaces.

@@ -58,11 +58,10 @@ HWY_INLINE LineMask mask_of(Cells cells, std::size_t k) {
   return hn::RebindMask(LineTag(), hn::TestBit(set, bit));
 }
 
-/// The surface of the middle pixel, and its neighbours (of four) on that surface. If `winding`, a
-/// shift's steps depend on the path.
+/// The surface of the middle pixel, and its neighbours (of four) on that surface.
 struct Surface {
   Cells pixels, beside;
-  bool winding = false;
+  bool winding = false;  ///< a shift's steps depend on the path
 };
 
 /// A pixel with its window.
@@ -86,7 +85,9 @@ class Ballot {
     const Surface surface = surface_in<whole_window>();
     if (surface.winding) return undecided;
     const Window implied = implied_shifts();
-    std::array<Choice, 3> choices{of_shift(-1), of_shift(0), of_shift(1)};
+    const std::ptrdiff_t at = places_[4] + 2;
+    std::array<Choice, 3> choices{Choice{-1, rows_.below[at]}, Choice{},
+                                  Choice{1, rows_.above[at]}};
     Cells others = surface.pixels;
     for (Choice& choice : choices) {
       choice.voters = surface.pixels & cells_where([&](std::size_t k) SLIPSTREAM_STEP {
@@ -123,8 +124,7 @@ class Ballot {
            static_cast<std::ptrdiff_t>(k % per_line * lanes) + dx;
   }
 
-  /// The same as in PhaseWindow: differences of coordinates are exact, and this file is compiled
-  /// without contraction.
+  /// As in PhaseWindow: differences of coordinates are exact, and contraction is off in this file.
   [[nodiscard]] HWY_INLINE LineFloats periods(std::size_t k, int dx, int dy) const {
     const LineFloats y = hn::LoadU(LineTag(), rows_.coordinate + place(k, dx, dy));
     return hn::Mul(f_h_, hn::Sub(y, own_));
@@ -209,11 +209,6 @@ class Ballot {
     return {pixels, beside & ~middle, winding != 0};
   }
 
-  [[nodiscard]] HWY_INLINE Choice of_shift(int shift) const {
-    const std::ptrdiff_t at = places_[4] + 2;
-    const float against = shift < 0 ? rows_.below[at] : shift > 0 ? rows_.above[at] : 0;
-    return {.shift = shift, .against = against};
-  }
   static HWY_INLINE LineFloats shift(const Choice& choice) {
     return hn::Set(LineTag(), static_cast<float>(choice.shift));
   }

@@ -176,8 +176,7 @@ SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
   return stage;
 }
 
-/// The unit that all weights are whole multiples of, if sums over 16-bit frames are then exact in
-/// float; else 0.
+/// Largest common unit of all weights if sums over 16-bit frames are then exact in float, else 0.
 double common_unit(const std::vector<double>& weights) {
   constexpr double rounding = 1e-9, largest_sum = 256;
   double largest = 0;
@@ -234,8 +233,7 @@ FusedStages::BandStage weighted_stage(const Band& band) {
   return stage;
 }
 
-/// Stage of a window longer than a cycle of steps: weights for the phase that the steps have
-/// without shifts.
+/// Stage of a window longer than a cycle of steps, weighted for the phase of steps without shifts.
 FusedStages::BandStage window_stage(Band band, const PhaseCorrections& corrections) {
   const Shifts shifts = band.cycle->shifts;
   for (std::size_t n = 0; n < band.cosine.size(); ++n) {

@@ -23,8 +23,7 @@ struct CueSums {
   Floats cue, cue_sine;
 };
 
-/// N above 6. Frames n and N - n have the same cosine and opposite sines, so their sum and their
-/// difference serve both channels.
+/// N above 6. Sum and difference of frames n and N - n, of opposite sines, serve both channels.
 template <class Pixel>
 HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& cue,
                                     const Pixel* const* frames, std::size_t i) {

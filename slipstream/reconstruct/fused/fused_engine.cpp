@@ -216,7 +216,6 @@ int band_count(int height, bool votes) {
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
 
-/// Runs all bands of a scan, in parallel.
 void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
   const int bands = band_count(pass.height(), pass.stages.cue.has_value());
   if (scratch.size() < index(bands)) scratch.resize(index(bands));

@@ -131,8 +131,7 @@ struct FusedEngine {
   ReconstructSettings settings;
 };
 
-/// Whether to write past the cache: the output would evict the input, and rows start at whole or
-/// half vectors.
+/// Whether to write past the cache: outputs would evict inputs, and rows start at half vectors.
 inline bool written_past_cache(Size size) {
   constexpr int cached_pixels = 2'000'000;
   return size.width % (least_row_width / 2) == 0 &&

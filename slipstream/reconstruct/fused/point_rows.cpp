@@ -262,8 +262,7 @@ HWY_INLINE void point_blocks(const PointStage& stage, const Source& source, cons
   });
 }
 
-/// Computes `count` blocks from `first` on, with mixed coefficients. The last block of a row may
-/// overlap the one before it.
+/// Computes `count` blocks from `first` on. The last of a row may overlap the one before it.
 template <class Source>
 HWY_INLINE void point_part(const PointStage& stage, const Source& source, const PointRow& row,
                            const float* coefficients, std::size_t first, std::size_t count) {

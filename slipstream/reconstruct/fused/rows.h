@@ -91,8 +91,7 @@ struct SinusoidRow {
   float* own_modulation = nullptr;               ///< of this sinusoid alone; may be null
   std::int32_t* flags = nullptr;                 ///< PixelFlag
   bool past_cache = false;  ///< `mean` is aligned to 8 floats and written past the cache
-  /// The row already has results of another sinusoid: flags are added, the smaller modulation is
-  /// kept, and the mean is not written.
+  /// The row has results of another sinusoid: adds flags, keeps mean and smaller modulation.
   bool another = false;
   /// Turns of dark pixels, and with `another` all their values, may be left unwritten.
   bool only_lit = false;
@@ -120,8 +119,8 @@ void unwrap_row(const UnwrapStage& stage, const float* high_turn, const float* l
 
 /// Tries every fringe order of the measuring band.
 struct OrderStage {
-  /// A band, or a frame. It shows cos(2 pi (ratio p - shift)), p the coordinate in periods of the
-  /// measuring band.
+  /// A band or frame: cos(2 pi (ratio p - shift)), p the coordinate in periods of the measuring
+  /// one.
   struct Wave {
     float ratio = 1;
     float shift = 0;   ///< of a frame, turns
@@ -140,8 +139,7 @@ struct OrderStage {
   std::vector<std::array<float, 2>> beginnings{};
 };
 
-/// Coordinates from the turns and the modulations of all bands, a row each, the measuring band
-/// first: see Unwrapping::likelihood.
+/// Coordinates from a row of each band, the measuring one first: see Unwrapping::likelihood.
 void likelihood_row(const OrderStage& stage, const Image<float>& turns,
                     const Image<float>& modulations, const UnwrappedRow& row);
 
@@ -213,8 +211,7 @@ struct CoordinateRows {
   std::uint8_t* far_above = nullptr;
 };
 
-/// Appends, from left to right, the pixels of a row for which NeighbourhoodVote::disagrees is true,
-/// and a few more.
+/// Appends, from left to right, the pixels of NeighbourhoodVote::disagrees, and a few more.
 void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
                       std::vector<PixelPlace>& found);
 
@@ -224,8 +221,7 @@ struct OrderCostStage : OrderCostNumbers {
   std::vector<double> cosines{}, sines{}, cue{}, cue_sine{};
 };
 
-/// Cost of being one period below or above a pixel's own fringe order, minus its own
-/// cost; infinite outside the field.
+/// Costs of the fringe orders beside a pixel's own, minus its own cost; infinite outside the field.
 struct OrderCosts {
   float *below = nullptr, *above = nullptr;
 };
@@ -273,12 +269,10 @@ struct PointRow {
   bool past_cache = false;  ///< x, y, z are aligned to 8 floats and written past the cache
 };
 
-/// Single frequency: `row.coordinate` holds turns, NaN for dark or saturated pixels; `coordinate`
-/// converts them to projector coordinates. Ranges of blocks must end at the cut, see
-/// FusedStages::blocks.
+/// Single frequency: `row.coordinate` holds turns, NaN for dark or saturated pixels, converted by
+/// `coordinate`. Ranges of blocks must end at the cut, see FusedStages::blocks.
 void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row);
-/// Several frequencies or a cue: `row.coordinate` holds projector coordinates, to be confirmed by
-/// the neighbours.
+/// Several frequencies or a cue: `row.coordinate` holds coordinates that neighbours confirm.
 void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row);
 
 /// Applies DepthScale to a row.

@@ -1,5 +1,4 @@
-// Frames to the sums of their sinusoids, sums to turns, turns to coordinates. Included once per
-// vector target.
+// Frames to sums of sinusoids to turns to coordinates. Included once per vector target.
 #if defined(SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_
 #undef SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_
@@ -114,8 +113,7 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
           hn::MulSub(root, rise, hn::MulAdd(two, inner_rise, rise))};
 }
 
-/// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), exact in integers and in float for 16-bit
-/// pixels; also the sums of N = 5.
+/// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), exact for 16-bit pixels; and N = 5.
 template <int N, class Pixel>
 HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i) {
   const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };

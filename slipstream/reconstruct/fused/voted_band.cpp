@@ -52,8 +52,7 @@ class VoteField {
       }
     }
   }
-  /// Skipped if there are dim pixels: these have coordinates but no vote, and the vectors cannot
-  /// tell.
+  /// Not if there are dim pixels: vectors cannot tell that these have coordinates but no vote.
   void hold_ballots(std::span<ShiftedPixel> pixels, bool restores) const {
     const BallotRows rows = block_.ballots(static_cast<float>(cue_.f_h));
     if (!some_dim_) slipstream::hold_ballots(rows, pixels, restores);

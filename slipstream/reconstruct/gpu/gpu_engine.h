@@ -13,8 +13,7 @@ struct GpuScanMemory {
     GpuBuffer frames, stages, between, output, packed;
     GpuRun run;
   };
-  /// With several submissions, two: one uploads frames while the other computes. If `resident`, one
-  /// per submission.
+  /// One per submission if `resident`, else up to two: one uploads while the other computes.
   std::vector<Slot> slots{};
   /// Keeps frames and results on the device, and uploads only once: times the device alone.
   bool resident = false;

@@ -119,8 +119,7 @@ void unwrap_row(const UnwrapStage& stage, const float* high_turn, const float* l
 
 /// Tries every fringe order of the measuring band.
 struct OrderStage {
-  /// A band or frame: cos(2 pi (ratio p - shift)), p the coordinate in periods of the measuring
-  /// one.
+  /// A band or frame: cos(2 pi (ratio p - shift)), p the periods of the measuring band.
   struct Wave {
     float ratio = 1;
     float shift = 0;   ///< of a frame, turns

@@ -34,7 +34,7 @@ class Engine {
   /// Computes the requested outputs with the chosen engine or, failing that, the next in this
   /// order: GPU, fused pass, reference engine. In windows longer than a cycle, rejects pixels whose
   /// frames differ by more than noise and uniform motion explain; then cleans the cloud. Returns
-  /// how many points cleaning removed, by reason. Throws Error if size or number of frames is wrong.
+  /// how many points cleaning removed, by reason. Throws Error for a wrong size or frame count.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {
@@ -47,8 +47,7 @@ class Engine {
     run(frames, {.depth16 = &numbers, .scale = scale});
   }
   /// Only the valid points, not cleaned, in an order that does not depend on the number of threads.
-  /// The fused pass writes them directly, except from merged frames or motion windows; otherwise
-  /// they are copied from a cloud.
+  /// Written by the fused pass unless frames are merged or a motion window, else copied.
   void points(const FrameViews& frames, PackedPoints& points) { run(frames, {.points = &points}); }
   /// Coordinates from each pixel alone, not yet confirmed or rejected by its neighbours.
   void maps(const FrameViews& frames, Maps& maps) { run(frames, {.maps = &maps}); }

@@ -36,8 +36,7 @@ class PhaseMatcher {
   };
 
   /// A point for each pixel of the first camera that has a match; `no_point` for the others: hidden
-  /// from the second camera, unlit there, or outside its image. Throws Error if the size or number
-  /// of the frames is wrong.
+  /// from the second camera, unlit there, or outside its image. Throws Error if frames do not fit.
   [[nodiscard]] Result operator()(const FrameViews& first, const FrameViews& second) const;
 
   /// Phase method used for frames of either camera.

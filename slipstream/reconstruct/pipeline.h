@@ -23,8 +23,7 @@ struct DepthOrders {
 /// Finds fringe orders from the depth range (An, Hyun, Zhang 2016). Along a pixel's ray, the
 /// nearest and farthest depth bound the projector coordinate; every order whose coordinate lies
 /// between them is a candidate. All lit surfaces must lie in the range. Spectral strategies get one
-/// order per connected surface, see by_possible_orders; with others, a pixel needs a single
-/// candidate.
+/// order per connected surface, see by_possible_orders; others need a single candidate.
 class DepthUnwrapper {
  public:
   /// Throws Error if, at the middle pixel, the range begins behind the projector or, for strategies
@@ -114,8 +113,7 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
 BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity> validity,
                                 const Triangulator& triangulate, const EngineSetup& setup);
 
-/// Standard deviations of a cloud's points due to noise, see Engine::uncertainty. `full_scale`:
-/// largest grey level of the frames.
+/// See Engine::uncertainty. `full_scale`: largest grey level of the frames.
 Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSetup& setup,
                            double full_scale);
 

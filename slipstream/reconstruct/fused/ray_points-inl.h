@@ -288,8 +288,7 @@ class Alone {
   HWY_INLINE Floats coordinate(std::size_t i) const {
     return in_field_(hn::LoadU(FloatTag(), turn_ + i));
   }
-  /// The same, mapped to [-1, 1], for a turn before the cut. Past the cut the value is wrong, but
-  /// outside the range of every block.
+  /// Mapped to [-1, 1] for a turn before the cut; past it wrong, but outside every block's range.
   HWY_INLINE Floats unit_coordinate(std::size_t i) const {
     return hn::MulAdd(hn::LoadU(FloatTag(), turn_ + i), scale_, offset_);
   }

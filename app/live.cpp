@@ -54,7 +54,7 @@ struct ToldNews {
 void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
   tell_news(pipeline.findings(), told.findings, output);
   if (told.fallback) return;
-  told.fallback = warn_of_fallback(pipeline.statistics().fallback_reason, output);
+  told.fallback = tell_fallback(pipeline.statistics().fallback_reason, true, output);
 }
 
 /// Meanwhile prints each new message of the source and the check once.

@@ -122,9 +122,9 @@ void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding
   told = findings;
 }
 
-bool warn_of_fallback(const std::string& failure, Output& output) {
-  if (!failure.empty()) output.warn(failure);
-  return !failure.empty();
+bool tell_fallback(const std::string& reason, bool matters, Output& output) {
+  if (!reason.empty()) matters ? output.warn(reason) : output.say("{}", reason);
+  return !reason.empty();
 }
 
 }  // namespace slipstream::app

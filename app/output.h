@@ -213,7 +213,7 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output);
 
-/// Warns of Engine::fallback_reason; returns false if there is none.
-bool warn_of_fallback(const std::string& failure, Output& output);
+/// Prints Engine::fallback_reason, as a warning if `matters`; returns false if there is none.
+bool tell_fallback(const std::string& reason, bool matters, Output& output);
 
 }  // namespace slipstream::app

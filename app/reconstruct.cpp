@@ -213,7 +213,8 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   memory.get();
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (engine && !reused.fallback_told) {
-    reused.fallback_told = warn_of_fallback(engine->fallback_reason(), output);
+    const bool chosen = setup.settings.engine != EngineKind::automatic;
+    reused.fallback_told = tell_fallback(engine->fallback_reason(), chosen, output);
   }
   if (result.epipolar && result.epipolar->contradicts())
     add_finding(contradiction(*result.epipolar), result);

@@ -36,8 +36,8 @@ void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   });
 }
 
-std::string without_gpu(const GpuError& error) {
-  return fmt::format("{}; continuing on the CPU", error.what());
+std::string without_gpu(std::string_view why) {
+  return fmt::format("{}; continuing on the CPU", why);
 }
 
 std::string without_fused(const std::string& why) {
@@ -76,13 +76,14 @@ struct Engine::Tables {
     if (asked.engine != EngineKind::reference && !asked.own_engine) {
       std::string why_not;
       fused = FusedEngine::make(complete, corrections, &why_not);
-      if (!fused && asked.engine == EngineKind::fused) fall_back(without_fused(why_not));
+      if (!fused) fall_back(without_fused(why_not));
     }
     if (fused && asked.engine == EngineKind::gpu) {
       try {
         gpu = GpuEngine::make(*fused, asked.gpu);
+        if (!gpu) fall_back(without_gpu("its shaders do not support this coding"));
       } catch (const GpuError& error) {  // the device is too small
-        fall_back(without_gpu(error));
+        fall_back(without_gpu(error.what()));
       }
     }
     if (!asked.own_engine && (!fused || fused->wants_coarse())) static_cast<void>(reference());
@@ -203,7 +204,7 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
   if (setup().settings.own_engine) return setup().settings.own_engine->run(frames, outputs);
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) {
-    if (setup().settings.engine == EngineKind::fused && !frames.quantised()) {
+    if (tables_->fused && !tables_->gpu && !frames.quantised()) {
       tables_->fall_back(without_fused("it requires 8 to 16 bits"));
     }
     return tables_->reference().run(frames, outputs);
@@ -215,7 +216,7 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
       return (*tables_->gpu)(frames, outputs, memory_->gpu, coarse);
     } catch (const GpuError& error) {  // the CPU gives the same result
       if (error.why == GpuFailure::lost) tables_->gpu->gpu->lose();
-      tables_->fall_back(without_gpu(error));
+      tables_->fall_back(without_gpu(error.what()));
     }
   }
   memory_->gpu.slots.clear();

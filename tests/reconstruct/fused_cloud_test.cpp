@@ -187,20 +187,17 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
     reconstruct.cloud(unquantised, cloud);
     EXPECT_EQ(point_count(cloud), 0U);
 
-    // Said only where the fused engine is asked for by name.
-    const bool asked = kind == EngineKind::fused;
     EXPECT_EQ(reconstruct.fallback_reason(),
-              asked ? "no fused engine: it requires 8 to 16 bits; using the reference engine" : "");
+              "no fused engine: it requires 8 to 16 bits; using the reference engine");
     Engine of_narrow(example_scanner({15, 48}), sequence, settings);
     EXPECT_EQ(of_narrow.backend_for(narrow), "lut");
-    EXPECT_EQ(
-        of_narrow.fallback_reason(),
-        asked ? "no fused engine: the image is narrower than 16 pixels; using the reference engine"
-              : "");
+    EXPECT_EQ(of_narrow.fallback_reason(),
+              "no fused engine: the image is narrower than 16 pixels; using the reference engine");
     EXPECT_EQ(Engine(bent, sequence, settings).backend_for(bytes), "lut");
   }
   Engine reference(example_scanner({64, 48}), sequence, {.engine = EngineKind::reference});
   EXPECT_EQ(reference.backend_for(bytes), "lut");
+  EXPECT_EQ(reference.fallback_reason(), "");
 }
 
 TEST(FusedCloud, RefusesWhatDoesNotFit) {

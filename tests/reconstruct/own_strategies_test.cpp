@@ -40,6 +40,12 @@ std::vector<Strategy> fused_strategies() {
   return strategies;
 }
 
+std::vector<Strategy> fused_strategies_and_codes() {
+  std::vector<Strategy> strategies = fused_strategies();
+  for (const Strategy& strategy : every_code()) strategies.push_back(strategy);
+  return strategies;
+}
+
 std::vector<Strategy> phase_strategies() {
   std::vector<Strategy> strategies = fused_strategies();
   for (const Strategy& strategy : every_strategy_by_reference()) strategies.push_back(strategy);
@@ -82,7 +88,7 @@ TEST(Codes, ComeOutWithinTheirStripe) {
       const VirtualScan scan =
           take_scan(scanner, scene_named("boxes", scanner), pattern_set(strategy, axis), {});
       Engine engine(setup_of(scanner, strategy, axis, {.minimum_modulation = 1}));
-      EXPECT_EQ(engine.backend_for(scan.frames), "equation");
+      EXPECT_EQ(engine.backend_for(scan.frames), "fused");
       Cloud cloud;
       Maps maps;
       engine.cloud_and_maps(scan.frames, cloud, maps);
@@ -178,7 +184,7 @@ TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
     const Scanner scanner = example_scanner({width, 90});
     const Axis axis = width == 160 ? Axis::x : Axis::y;
     const VirtualScan scan = statue_scan(scanner, axis);
-    std::vector<Strategy> strategies = fused_strategies();
+    std::vector<Strategy> strategies = fused_strategies_and_codes();
     strategies.push_back(Strategy(PhaseMeasuring{3, 1}).in_motion(1));
     strategies.push_back(Strategy(PhaseMeasuring{4, 1}).in_motion(2));
     strategies.push_back(Strategy(PhaseMeasuring{5, 1}).in_motion(2));
@@ -204,7 +210,7 @@ TEST_P(OwnStrategiesOn, DecodeToTheMapsOfTheEquations) {
   const OnlyVectorTarget only(GetParam());
   for (const int width : {64, 203}) {
     const Scanner scanner = example_scanner({width, 120});
-    for (const Strategy& strategy : fused_strategies()) {
+    for (const Strategy& strategy : fused_strategies_and_codes()) {
       SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width);
       const EngineSetup setup = setup_of(scanner, strategy, Axis::x);
       const FrameSet frames = statue_frames(scanner, strategy, Axis::x,

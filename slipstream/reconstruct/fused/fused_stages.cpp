@@ -46,6 +46,7 @@ FusedStages::CodeBits code_bits(const Layout& layout, const EngineSetup& setup) 
   for (int n = 0; n < layout.frames; ++n) {
     if (std::ranges::count(code.frames, n) == 0) bits.stage.rest.push_back(n);
   }
+  bits.stage.narrower = narrow(numbers.stripe - 1 / code.stripes);
   bits.stage.shift = narrow(-0.5 / projector_length(setup));
   bits.stage.largest_doubt = narrow(setup.settings.fringe_order.largest_doubt);
   return bits;
@@ -203,8 +204,7 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   const Layout& layout = strategy.layout();
   // Two sinusoids of a band are added up in a chain alone.
   const bool adds = carrier_periods(layout) > 0;
-  // Matched with a second camera, stripes of the row kernel give more wrong points.
-  if (layout.unwrapping->pixel != nullptr || layout.unwrapping->whole_stripes ||
+  if (layout.unwrapping->pixel != nullptr ||
       (adds && (order_source(layout) != OrderSource::bands || unwraps_by_picture(setup)))) {
     return fmt::format("it does not support {}", strategy.name());
   }

@@ -78,9 +78,10 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
       first = hn::Min(first, stripe);
       last = hn::Max(last, stripe);
     }
-    const Floats width = hn::Set(d, stage.stripe / 2);
-    const Floats y = hn::MulAdd(hn::ConvertTo(d, hn::Add(first, last)), width,
-                                hn::Set(d, stage.stripe / 2 + stage.shift));
+    const Floats halves = hn::ConvertTo(d, hn::Add(hn::Add(first, last), hn::Set(di, 1)));
+    const Floats rest =
+        hn::NegMulAdd(halves, hn::Set(d, stage.narrower / 2), hn::Set(d, stage.shift));
+    const Floats y = hn::MulAdd(halves, hn::Set(d, stage.stripe / 2), rest);
     if (!alone) return Unwrapped{y, zero, flags};
     take(stage.rest);
     const Floats range = hn::Mul(half, hn::ConvertTo(d, hn::Sub(brightest, darkest)));

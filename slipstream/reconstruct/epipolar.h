@@ -69,7 +69,7 @@ struct EpipolarLine {
 
   [[nodiscard]] Eigen::Vector2d pixel(double depth) const;
 
-  /// Phase at that depth minus that of `reference`, wrapped, rad; NaN beside an invalid pixel.
+  /// Phase at that depth less the phase of `reference`, wrapped, rad; NaN beside an invalid pixel.
   [[nodiscard]] double difference(const Image<Phasor>& phase, Phasor reference, double depth) const;
 
   /// Change of depth that moves the image in the second camera by one pixel, mm.

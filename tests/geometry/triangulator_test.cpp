@@ -1,5 +1,6 @@
 #include "slipstream/geometry/triangulator.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -47,8 +48,11 @@ RC_GTEST_PROP(PointForms, GiveThePointsOfEquation115, ()) {
       const PointForm3 form3 = point_form3(coefficients, x, y);
       for (const double y_p : {0.03, 0.31, 0.72, 0.98}) {
         const Eigen::Vector3d exact = triangulate(matrices, x, y, y_p);
-        RC_ASSERT(relative_difference(form1(y_p), exact) < 1e-9);
-        RC_ASSERT(relative_difference(form3(y_p), exact) < 1e-9);
+        // A ray almost parallel to a stripe's plane meets it beyond any scene: kilometres are one
+        // over a difference of which rounding leaves few digits.
+        const double tolerance = 1e-9 * std::max(1.0, exact.norm() / 1e7);
+        RC_ASSERT(relative_difference(form1(y_p), exact) < tolerance);
+        RC_ASSERT(relative_difference(form3(y_p), exact) < tolerance);
       }
     }
   }

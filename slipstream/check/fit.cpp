@@ -80,6 +80,7 @@ void FrameJudge::clear() {
   std::ranges::fill(damped_, Complex{});
   std::ranges::fill(ratios_, SharedSpread{});
   doubts_.clear();
+  misfits_.clear();
   residual_ = variation_ = by_origin_ = origin_square_ = 0;
   pairs_ = seams_ = far_pairs_ = 0;
 }
@@ -140,7 +141,11 @@ void FrameJudge::sum_up(std::size_t groups) {
   }
   look_for_damping(n);
   evidence_.residual = variation_ > 0 ? std::sqrt(std::max(0.0, residual_ / variation_)) : 0;
-  evidence_.doubt = doubts_.empty() ? 0 : quantile(doubts_, 0.5);
+  // Close to their noise, single frames fit several orders almost as well as the right one. Right
+  // scans in harsh light reach 1.6, another number of periods leaves 2 or more.
+  constexpr double most_by_noise = 1.8;
+  const bool by_noise = misfits_.empty() || quantile(misfits_, 0.5) <= most_by_noise;
+  evidence_.doubt = by_noise ? 0 : quantile(doubts_, 0.5);
   evidence_.origin = origin_square_ > 0 ? by_origin_ / origin_square_ : 0;
   evidence_.ratio_spread = 0;
   for (const SharedSpread& of_band : ratios_) {
@@ -161,6 +166,7 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
     const double variation = variation_of(levels, samples.frames());
     model_.read(levels, order, here_);
     doubts_.push_back(here_.doubt);
+    misfits_.push_back(here_.misfit);
     by_origin_ += here_.by_origin;
     origin_square_ += here_.origin_square;
     for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += turned(here_.relations[i]);

@@ -61,7 +61,7 @@ struct FrameEvidence {
   /// Largest variation of a ratio of two bands' modulations from pixel to pixel: the standard
   /// deviation of its logarithm, without noise.
   double ratio_spread = 0;
-  double doubt = 0;   ///< median: see SampleReading
+  double doubt = 0;   ///< median: see SampleReading; 0 where noise alone leaves as much
   double origin = 0;  ///< error of the origin by single frames, rad
   /// Of the fringes against the cue, share of their modulation, if band and cue agree with it only.
   double damping = 0;
@@ -112,7 +112,7 @@ class FrameJudge {
   std::vector<std::complex<double>> mean_, between_;  ///< of each relation
   std::vector<std::complex<double>> damped_;          ///< of the cue's, for each damping
   std::vector<SharedSpread> ratios_;                  ///< of each band
-  std::vector<double> doubts_;
+  std::vector<double> doubts_, misfits_;
   double residual_ = 0, variation_ = 0, by_origin_ = 0, origin_square_ = 0;
   int pairs_ = 0, seams_ = 0, far_pairs_ = 0;
 };

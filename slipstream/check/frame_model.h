@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include <Eigen/Core>
@@ -33,6 +34,9 @@ struct SampleReading {
   /// Components that the patterns' shapes cannot explain, grey levels.
   std::vector<double> unexplained;
   double doubt = 0;  ///< of the coordinate if no band unwraps another: see PixelCoordinate
+  /// With single frames: mean square of what the coordinate leaves of the frames, over the noise
+  /// variance if that is known, otherwise infinite.
+  double misfit = std::numeric_limits<double>::infinity();
   /// With single frames, or bands that are unwrapped together: products of what the coordinate
   /// leaves with its derivative by the origin, and of that with itself. The ratio of their sums is
   /// the error of the origin, rad.

@@ -183,8 +183,8 @@ void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
   rest -= known * fitted;
   if (photometry_.noise_variance) {
     constexpr int fitted_numbers = 3;
-    reading.misfit = rest.col(0).squaredNorm() / (layout_.frames - fitted_numbers) /
-                     *photometry_.noise_variance;
+    reading.misfit =
+        rest.col(0).squaredNorm() / (layout_.frames - fitted_numbers) / *photometry_.noise_variance;
   }
   const double modulation = fitted(1, 0);
   reading.by_origin = modulation * rest.col(0).dot(rest.col(1));

@@ -34,8 +34,8 @@ struct SampleReading {
   /// Components that the patterns' shapes cannot explain, grey levels.
   std::vector<double> unexplained;
   double doubt = 0;  ///< of the coordinate if no band unwraps another: see PixelCoordinate
-  /// With single frames: mean square of what the coordinate leaves of the frames, over the noise
-  /// variance if that is known, otherwise infinite.
+  /// With single frames: mean square of the frames' rest after the fit, over the noise variance;
+  /// infinite if it is unknown.
   double misfit = std::numeric_limits<double>::infinity();
   /// With single frames, or bands that are unwrapped together: products of what the coordinate
   /// leaves with its derivative by the origin, and of that with itself. The ratio of their sums is

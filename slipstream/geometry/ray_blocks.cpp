@@ -236,7 +236,7 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
   }
   blocks.knot_rows.push_back(size.height - 1);
   const auto down = static_cast<int>(blocks.knot_rows.size());
-  if (size.width < RayBlocks::width || down < 5) return std::nullopt;
+  if (geometry.solved || size.width < RayBlocks::width || down < 5) return std::nullopt;
   blocks.knots = Image<Block>({across, down});
   blocks.described = Image<RayBlocks::Range>({across, down});
   Image<KnownBlock> known({across, down});

@@ -123,6 +123,7 @@ struct RowFiller {
 }  // namespace
 
 std::optional<RayTable> ray_table(const Lens& camera) {
+  if (!camera.distortion.is_zero() && !largest_tangent(camera)) return std::nullopt;
   const Size size = camera.size;
   if (knot_count(size.width) >= 4 && knot_count(size.height) >= 4) {
     const Knots knots =

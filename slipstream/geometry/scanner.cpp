@@ -1,6 +1,7 @@
 #include "slipstream/geometry/scanner.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -17,28 +18,50 @@ namespace {
 template <class Number>
 using Vector2 = Eigen::Matrix<Number, 2, 1>;
 
-/// Projection onto a sensor tilted by tau_x, tau_y (OpenCV's last two coefficients).
-Eigen::Matrix3d tilt_matrix(double tau_x, double tau_y) {
-  const Eigen::Matrix3d R = (Eigen::AngleAxisd(-tau_y, Eigen::Vector3d::UnitY()) *
-                             Eigen::AngleAxisd(-tau_x, Eigen::Vector3d::UnitX()))
-                                .toRotationMatrix();
-  Eigen::Matrix3d onto_sensor;
-  onto_sensor << R(2, 2), 0, -R(0, 2), 0, R(2, 2), -R(1, 2), 0, 0, 1;
-  return onto_sensor * R;
-}
-
 template <class Number>
 Vector2<Number> distort_generic(const Distortion& distortion, const Vector2<Number>& direction) {
   const double tau_x = distortion.coefficients[12], tau_y = distortion.coefficients[13];
   const Vector2<Number> bent = distort_untilted(distortion.coefficients.data(), direction);
   if (tau_x == 0 && tau_y == 0) return bent;
 
-  const Eigen::Matrix3d tilt = tilt_matrix(tau_x, tau_y);
+  const Eigen::Matrix3d tilt = sensor_tilt(tau_x, tau_y);
   const auto row = [&](int i) -> Number {
     return tilt(i, 0) * bent.x() + tilt(i, 1) * bent.y() + tilt(i, 2);
   };
   const Number depth = row(2);
   return {row(0) / depth, row(1) / depth};
+}
+
+/// A direction after the lens, and how it changes with the direction before.
+struct Bent {
+  Eigen::Vector2d direction;
+  Eigen::Matrix2d jacobian;
+};
+
+Bent bent(const Distortion& distortion, const Eigen::Vector2d& direction) {
+  using Dual = Eigen::AutoDiffScalar<Eigen::Vector2d>;
+  const Vector2<Dual> bent =
+      distort_generic<Dual>(distortion, {Dual(direction.x(), 2, 0), Dual(direction.y(), 2, 1)});
+  Eigen::Matrix2d jacobian;
+  jacobian << bent.x().derivatives().transpose(), bent.y().derivatives().transpose();
+  return {{bent.x().value(), bent.y().value()}, jacobian};
+}
+
+/// Newton's method from `direction`; NaN if it comes to where the model is not invertible.
+Eigen::Vector2d undistorted_from(Eigen::Vector2d direction, const Distortion& distortion,
+                                 const Eigen::Vector2d& distorted) {
+  constexpr int most_iterations = 30;
+  constexpr double tolerance = 1e-15;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const auto [image, jacobian] = bent(distortion, direction);
+    if (!(jacobian.determinant() > 0)) return {nan, nan};
+    const Eigen::Vector2d step = jacobian.inverse() * (image - distorted);
+    direction -= step;
+    if (step.lpNorm<Eigen::Infinity>() <= tolerance * (1 + direction.lpNorm<Eigen::Infinity>())) {
+      return direction;
+    }
+  }
+  return {nan, nan};
 }
 
 void require_size(const Lens& lens, std::string_view device) {
@@ -101,32 +124,53 @@ void require_valid(const Lens& lens, std::string_view device) {
            "{}: invalid camera matrix; expected [fx s cx; 0 fy cy; 0 0 1] with fx, fy > 0", device);
 }
 
+Eigen::Matrix3d sensor_tilt(double tau_x, double tau_y) {
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(-tau_y, Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(-tau_x, Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
+  Eigen::Matrix3d onto_sensor;
+  onto_sensor << R(2, 2), 0, -R(0, 2), 0, R(2, 2), -R(1, 2), 0, 0, 1;
+  return onto_sensor * R;
+}
+
 Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& direction) {
   return distort_generic<double>(distortion, direction);
 }
 
 Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& distorted) {
   if (distortion.is_zero()) return distorted;
-  using Dual = Eigen::AutoDiffScalar<Eigen::Vector2d>;
-  constexpr int most_iterations = 30;
-  constexpr double tolerance = 1e-15;
+  Eigen::Vector2d direction = undistorted_from(distorted, distortion, distorted);
+  if (direction.allFinite()) return direction;
+  // The model may turn back on the way from there: come from the middle.
+  direction.setZero();
+  for (const double share : {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0})
+    direction = undistorted_from(direction, distortion, share * distorted);
+  return direction;
+}
 
-  Eigen::Vector2d direction = distorted;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Vector2<Dual> variables(Dual(direction.x(), 2, 0), Dual(direction.y(), 2, 1));
-    const Vector2<Dual> bent = distort_generic<Dual>(distortion, variables);
-    Eigen::Matrix2d jacobian;
-    jacobian << bent.x().derivatives().transpose(), bent.y().derivatives().transpose();
-    if (!(jacobian.determinant() > 0)) return {nan, nan};
-    const Eigen::Vector2d residual(bent.x().value() - distorted.x(),
-                                   bent.y().value() - distorted.y());
-    const Eigen::Vector2d step = jacobian.inverse() * residual;
-    direction -= step;
-    if (step.lpNorm<Eigen::Infinity>() <= tolerance * (1 + direction.lpNorm<Eigen::Infinity>())) {
-      return direction;
+std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& margin) {
+  constexpr int rays = 96, steps = 48;
+  constexpr double steepest = 20;
+  const Eigen::Vector2d size(lens.size.width, lens.size.height);
+  const Eigen::Vector3d corner = lens.intrinsic.inverse() * size.homogeneous();
+  double largest = 0;
+  for (int i = 0; i < rays; ++i) {
+    const double angle = 2 * std::numbers::pi * i / rays;
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+    for (double r = 0, step = 0;; r += step) {
+      const auto [image, jacobian] = bent(lens.distortion, r * along);
+      const Eigen::Vector3d pixel = lens.intrinsic * image.homogeneous();
+      const Eigen::Array2d beyond =
+          (pixel.head<2>().array() / size.array() - 0.5).abs() - margin.array();
+      largest = std::max(largest, r);
+      if (beyond.maxCoeff() > 0.5) break;
+      const double area = jacobian.determinant();
+      if (!(area > 0) || r > steepest) return std::nullopt;
+      // A fold narrower than a step begins with a small area.
+      step = corner.head<2>().norm() / steps * std::clamp(area, 0.05, 1.0);
     }
   }
-  return {nan, nan};
+  return largest;
 }
 
 Eigen::Vector2d project(const Lens& lens, const Eigen::Vector3d& point) {

@@ -41,11 +41,19 @@ struct Lens {
 /// focal lengths and K(2, 2) = 1.
 void require_valid(const Lens& lens, std::string_view device);
 
+/// Projection onto a sensor tilted by tau_x, tau_y.
+Eigen::Matrix3d sensor_tilt(double tau_x, double tau_y);
+
 /// The image of direction (u, v, 1) after the lens, in normalised coordinates.
 Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& direction);
 
 /// The inverse of distort, to rounding. NaN where the model is not invertible.
 Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& distorted);
+
+/// The largest tangent of a direction's angle to the axis whose image lies in the picture, or past
+/// its ends by the share `margin` of its width and height. Nullopt if the lens model turns back
+/// before: there, several directions have one image.
+std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& margin = {0, 0});
 
 /// Pixel at which the device sees, or illuminates, a point in its own frame (Z > 0).
 Eigen::Vector2d project(const Lens& lens, const Eigen::Vector3d& point);

@@ -10,8 +10,8 @@ namespace slipstream {
 namespace {
 
 constexpr int fitted_nodes = 16;
-constexpr int largest_degree = 8;
 constexpr double lens_tolerance = 4e-7;  ///< of the field
+constexpr double start_tolerance = 0.5;  ///< of the field: from there, Newton's method converges
 constexpr double edge_tolerance = 1e-4;  ///< of the field: only decides which points are outside
 
 using StripeSamples = Eigen::Matrix<double, fitted_nodes, fitted_nodes>;  ///< rows: p, columns: q
@@ -46,6 +46,33 @@ class ProjectorPlane {
     return from_direction(undistort(lens_.distortion, to_direction(y)));
   }
 
+  /// `unit_place`: from the place across to q. Nullopt if the model is not invertible.
+  [[nodiscard]] std::optional<SolvedLens> solved(const UnitMap& unit_place, double end,
+                                                 double margin) const {
+    const int a = along_, b = 1 - along_;
+    Eigen::Vector2d margins(margin, margin);
+    margins(a) = end;
+    const std::optional<double> largest = largest_tangent(lens_, margins);
+    if (!largest) return std::nullopt;
+    constexpr double between_rays = 1.1;  // a corner lies between two of its rays
+    const auto& k = lens_.distortion.coefficients;
+    Eigen::Matrix3d pixel = Eigen::Matrix3d::Zero();  // of (w, q, 1)
+    pixel(a, 0) = along_length();
+    pixel(b, 1) = across_length() / unit_place.scale;
+    pixel(b, 2) = across_length() * unit_place.inverse(0);
+    pixel(2, 2) = 1;
+    const Eigen::Matrix3d direction = inverse_intrinsic_ * pixel;
+    Eigen::Matrix<double, 12, 1> bend;
+    bend << k[0], k[1], k[4], k[5], k[6], k[7], 2 * k[3 - a], 2 * k[2 + a],  //
+        k[3 - a] + k[8 + 2 * a], k[9 + 2 * a], k[2 + a] + k[8 + 2 * b], k[9 + 2 * b];
+    Eigen::Matrix3d image = lens_.intrinsic * sensor_tilt(k[12], k[13]);
+    if (a == 1) image = image({1, 0, 2}, {1, 0, 2}).eval();
+    image.row(0) /= along_length();
+    image.row(1) = (2 / across_length() * image.row(1) - image.row(2)) / (1 + 2 * margin);
+    return SolvedLens{direction({a, b}, {0, 1, 2}).cast<float>(), bend.cast<float>(),
+                      image.cast<float>(), static_cast<float>(between_rays * *largest * *largest)};
+  }
+
   /// d across / d along of the epipolar line through w.
   [[nodiscard]] double slope_through(const Eigen::Vector2d& w) const {
     const double A = along()(3), B = across()(3), D = depth()(3);
@@ -55,8 +82,10 @@ class ProjectorPlane {
   [[nodiscard]] double undistorted_on_line(double y, double place) const {
     const double slope = slope_through({y, place});
     const auto error = [&](double w) { return distorted({w, place + slope * (w - y)}).x() - y; };
-    double before = y, error_before = error(before), now = y - error_before;
-    for (int iteration = 0; iteration < 20; ++iteration) {
+    const double near = undistorted({y, place}).x();
+    double before = std::isfinite(near) ? near : y;
+    double error_before = error(before), now = before - error_before;
+    for (int iteration = 0; iteration < 40; ++iteration) {
       const double error_now = error(now);
       if (std::abs(error_now) < 1e-13) return now;
       const double step = error_now * (now - before) / (error_now - error_before);
@@ -90,7 +119,8 @@ class ProjectorPlane {
 };
 
 /// The polynomial of least degree whose omitted terms are within the tolerance.
-std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double tolerance) {
+std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double tolerance,
+                                      int largest_degree) {
   if (!samples.allFinite()) return std::nullopt;
   const auto transform = chebyshev_transform<fitted_nodes>();
   StripeSamples spectrum = transform * samples * transform.transpose();
@@ -174,21 +204,6 @@ std::pair<double, double> StripeGeometry::inner_places() const {
   return {low + apart, high - apart};
 }
 
-StripeGeometry::Depth StripeGeometry::operator()(double E_x, double E_y, double y) const {
-  const Eigen::Vector3d e(E_x, E_y, 1);
-  const double g = facing * e;
-  const double p = unit_coordinate(y);
-  const double q = (place_constant.dot(e) + p * place_slope.dot(e)) / g;
-  const double w = y + lens(p, q);
-  const double numerator = w * depth(3) - coordinate(3);
-  const double denominator = coordinate.head<3>().dot(e) - w * depth.head<3>().dot(e);
-  const auto [least, largest] = places_at(p);
-  return {
-      .z = numerator / denominator,
-      .before_projector = denominator * g > 0,
-      .in_field = y >= least_coordinate && y <= largest_coordinate && q >= least && q <= largest};
-}
-
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin) {
   require_valid(scanner);
   require_depth_visible(scanner, axis);
@@ -215,20 +230,28 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
     return std::nullopt;
   }
   const UnitMap unit_place = UnitMap::of(low.minCoeff(), high.maxCoeff());
+  set_place(geometry, plane, unit_place);
   const auto low_edge = fitted_edge(unit_place.scale * low.array() + unit_place.offset);
   const auto high_edge = fitted_edge(unit_place.scale * high.array() + unit_place.offset);
-  if (!low_edge || !high_edge) return std::nullopt;
-  geometry.low_edge = *low_edge;
-  geometry.high_edge = *high_edge;
-  set_place(geometry, plane, unit_place);
-  if (scanner.projector.distortion.is_zero()) return geometry;
-
-  StripeSamples added;
-  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
-    added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
-  });
-  const std::optional<PlanePolynomial> lens = fitted(added, lens_tolerance);
-  if (!lens) return std::nullopt;
+  const auto added = [&](bool inside) {
+    StripeSamples samples;
+    for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+      const double across = unit_place.inverse(node(j));
+      const double q = inside ? std::clamp(across, low(i), high(i)) : across;
+      samples(i, j) = plane.undistorted_on_line(y(i), q) - y(i);
+    });
+    return samples;
+  };
+  auto lens = fitted(added(false), lens_tolerance, PlanePolynomial::largest_degree);
+  if (low_edge && high_edge && lens) {
+    geometry.low_edge = *low_edge;
+    geometry.high_edge = *high_edge;
+  } else {
+    // Outside the field, where the model may turn back, any start will do.
+    lens = fitted(added(true), start_tolerance, SolvedLens::start_degree);
+    geometry.solved = plane.solved(unit_place, end, margin);
+    if (!lens || !geometry.solved) return std::nullopt;
+  }
   geometry.lens = *lens;
   return geometry;
 }

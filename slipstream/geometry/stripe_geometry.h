@@ -93,6 +93,8 @@ Eigen::Matrix<double, count, count> chebyshev_transform() {
 
 /// A polynomial in two variables, sum of c_ij p^i q^j with i + j <= degree.
 struct PlanePolynomial {
+  static constexpr int largest_degree = 8;
+
   int degree = 0;
   std::vector<double> coefficients{0};  ///< c_00 c_01 ... c_0d c_10 ... c_d0
 
@@ -127,13 +129,28 @@ struct UnitMap {
   return std::max(0.02, 0.5 / length);
 }
 
+/// The projector's lens, for Newton's method. A direction is (a, b, 1), along and across the axis.
+struct SolvedLens {
+  static constexpr int start_degree = 7;  ///< at most, of StripeGeometry::lens
+  /// (a, b) of (w, q, 1): on the epipolar line, q changes with the undistorted coordinate w.
+  Eigen::Matrix<float, 2, 3> direction;
+  /// k1 k2 k3 k4 k5 k6 t_a t_b u_a v_a u_b v_b: with r^2 = a^2 + b^2 and the quotient R as in
+  /// distort_untilted, a bends to a (R + t_a a + t_b b) + r^2 (u_a + v_a r^2), and b in the same
+  /// way.
+  Eigen::Matrix<float, 12, 1> bend;
+  /// From the bent direction to multiples of (y, place, 1); |place| <= 1 in the field and its
+  /// margin.
+  Eigen::Matrix3f image;
+  float largest_square = 0;  ///< of r in the field; beyond it, the model may turn back
+};
+
 /// Depth along a camera ray from the projector coordinate, with no table but the rays: M_z, N_z and
 /// C of Liu 2010, Eq. (2.29), are ratios of linear functions of the ray e = (E_x, E_y, 1).
 ///
 /// Projector distortion: the points of a ray lie on one line of the undistorted projector image,
 /// the epipolar line. Where it crosses the decoded coordinate y, its position along the stripe is
 /// x_p; y and x_p together determine the line, so that the lens's change of y is a smooth function
-/// of both, here a polynomial. No iteration is required.
+/// of both, here a polynomial. No iteration is required if one describes it.
 struct StripeGeometry {
   Eigen::RowVector4d coordinate;  ///< m^p of the coordinate, as in ProjectionMatrices
   Eigen::RowVector4d depth;       ///< m^p of the depth
@@ -149,29 +166,24 @@ struct StripeGeometry {
   static constexpr int edge_terms = 6;
   /// q at the ends of the field and its margin along the stripe, as polynomials in p.
   std::array<double, edge_terms> low_edge{}, high_edge{};
+  /// For a lens that no polynomial describes: `lens` is where Newton's method starts, and the edges
+  /// are not used.
+  std::optional<SolvedLens> solved{};
 
   /// Range of q inside the field and its margin at the coordinate p.
   [[nodiscard]] std::pair<double, double> places_at(double p) const;
   /// Range of q that is inside at every coordinate.
   [[nodiscard]] std::pair<double, double> inner_places() const;
-
-  struct Depth {
-    double z = 0;                   ///< mm; not finite or not positive without a point
-    bool before_projector = false;  ///< false if behind it
-    bool in_field = false;          ///< including the margin along the stripe
-  };
-  /// For the point on the ray that the projector lights at the coordinate y, as decoded.
-  [[nodiscard]] Depth operator()(double E_x, double E_y, double y) const;
 };
 
-/// `margin`: how far beyond the ends of the field points may lie, see ReconstructSettings. nullopt
-/// if the lens cannot be fitted to 4e-7 of the field, or its model is not invertible there. Throws
-/// Error as Triangulator does.
+/// `margin`: how far beyond the ends of the field points may lie, see ReconstructSettings. The lens
+/// is solved if polynomials do not fit it to 4e-7 of the field. nullopt if its model cannot be
+/// inverted over the projector's picture. Throws Error as Triangulator does.
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin);
 
 /// The blocks of an image. Within the range `described`, depths correspond to coordinate errors of
 /// at most 1e-6 of the field, and E_x, E_y are accurate to 2.5e-7. nullopt for images narrower than
-/// a block or less than five knots high.
+/// a block or less than five knots high, and for a solved lens.
 std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
 
 }  // namespace slipstream

@@ -81,7 +81,8 @@ struct Engine::Tables {
     if (fused && asked.engine == EngineKind::gpu) {
       try {
         gpu = GpuEngine::make(*fused, asked.gpu);
-        if (!gpu) fall_back(without_gpu("its shaders do not support this coding"));
+        if (!gpu)
+          fall_back(without_gpu("its shaders do not support this lens or this number of frames"));
       } catch (const GpuError& error) {  // the device is too small
         fall_back(without_gpu(error.what()));
       }

@@ -7,6 +7,7 @@
 
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "tests/geometry/depth_on_ray.h"
 #include "tests/geometry/random_scanner.h"
 
 namespace slipstream::ray_table_test {
@@ -98,13 +99,13 @@ int check(const Scanner& scanner, Axis axis) {
         const int column = RayBlocks::first_column(block, size.width) + i;
         const double t = (2 * i + 1.0) / RayBlocks::width - 1;
         const auto at = [&](double p) {
-          return (*geometry)(rays->E_x(column, row), rays->E_y(column, row),
-                             geometry->unit_coordinate.inverse(p));
+          return depth_on_ray(*geometry, rays->E_x(column, row), rays->E_y(column, row),
+                              geometry->unit_coordinate.inverse(p));
         };
         const double span = std::abs(1 / at(1).z - 1 / at(-1).z);
         for (const double share : {1e-6, 0.3, 0.6, 1 - 1e-6}) {
           const double p = std::lerp(double{range.least}, double{range.largest}, share);
-          const StripeGeometry::Depth exact = at(p);
+          const DepthOnRay exact = at(p);
           EXPECT_TRUE(exact.in_field && exact.z > 0 && exact.before_projector)
               << column << ' ' << row << ' ' << p;
           const double inverse = inverse_depth(known, block, t, p);

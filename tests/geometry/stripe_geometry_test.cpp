@@ -6,6 +6,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/geometry/triangulator.h"
+#include "tests/geometry/depth_on_ray.h"
 #include "tests/geometry/random_scanner.h"
 
 namespace slipstream::stripe_geometry_test {
@@ -14,7 +15,7 @@ namespace slipstream::stripe_geometry_test {
 void expect_depths_of_triangulator(const Scanner& scanner, Axis axis) {
   constexpr double margin = 0.02;
   const auto geometry = stripe_geometry(scanner, axis, margin);
-  ASSERT_TRUE(geometry);
+  ASSERT_TRUE(geometry && !geometry->solved);
   const Triangulator triangulate(scanner, axis, PointMethod::inverse);
   const Axis across = axis == Axis::x ? Axis::y : Axis::x;
   int points = 0;
@@ -25,7 +26,7 @@ void expect_depths_of_triangulator(const Scanner& scanner, Axis axis) {
           geometry->coordinate.head<3>().dot(ray) / geometry->depth.head<3>().dot(ray);
       for (double y = 0.05; y < 1; y += 0.05) {
         if (std::abs(at_infinity - y) < 0.1) continue;
-        const auto depth = (*geometry)(ray.x(), ray.y(), y);
+        const auto depth = depth_on_ray(*geometry, ray.x(), ray.y(), y);
         const Eigen::Vector3d point = triangulate(column, row, y);
         const Eigen::Vector3d seen = in_projector_frame(scanner, point);
         if (!(point.z() > 0 && seen.z() > 0)) continue;
@@ -53,7 +54,8 @@ TEST(StripeGeometry, GivesTheDepthsOfTheTriangulator) {
       // Along the other axis the baseline is too short for most of these.
       const Eigen::Vector3d& T = scanner.translation;
       const bool along = std::abs(axis == Axis::x ? T.x() : T.y()) > 0.7 * T.norm();
-      if (!along || !stripe_geometry(scanner, axis, 0.02)) continue;
+      const auto geometry = stripe_geometry(scanner, axis, 0.02);
+      if (!along || !geometry || geometry->solved) continue;
       SCOPED_TRACE(testing::Message() << "scanner " << seed << ", axis " << name_of(axis));
       expect_depths_of_triangulator(scanner, axis);
       ++geometries;
@@ -62,10 +64,14 @@ TEST(StripeGeometry, GivesTheDepthsOfTheTriangulator) {
   EXPECT_GE(geometries, 12);
 }
 
-TEST(StripeGeometry, IsNoneForALensThatBendsTooMuch) {
+TEST(StripeGeometry, SolvesALensThatBendsMuchUnlessItTurnsBack) {
   Scanner scanner = random_scanner(1);
   scanner.projector.intrinsic(0, 0) = scanner.projector.intrinsic(1, 1) = 500;
   scanner.projector.distortion = make_distortion(std::array{-0.5, 0.3, 0.0, 0.0});
+  const auto geometry = stripe_geometry(scanner, Axis::x, 0.02);
+  ASSERT_TRUE(geometry && geometry->solved);
+  EXPECT_FALSE(ray_blocks(*geometry, ray_table(scanner.camera).value()));
+  scanner.projector.distortion = make_distortion(std::array{-0.5, 0.0, 0.0, 0.0});
   EXPECT_FALSE(stripe_geometry(scanner, Axis::x, 0.02));
 }
 

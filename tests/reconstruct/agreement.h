@@ -27,6 +27,14 @@ inline double coordinate_at_infinity(const Scanner& scanner, Axis axis, int colu
          matrices.projector_depth.head<3>().dot(ray);
 }
 
+/// As coordinate_at_infinity.
+inline double undistorted_coordinate(const Scanner& scanner, Axis axis,
+                                     const Eigen::Vector3d& point) {
+  const ProjectionMatrices matrices = projection_matrices(scanner, axis);
+  return matrices.projector_coordinate.dot(point.homogeneous()) /
+         matrices.projector_depth.dot(point.homogeneous());
+}
+
 struct Agreement {
   std::size_t points = 0;
   std::size_t other_validity = 0;
@@ -50,7 +58,9 @@ inline Agreement compare(const Scanner& scanner, Axis axis, const Cloud& cloud,
       agreement.other_intensity += std::abs(difference) <= 1e-3F ? 0 : 1;
       if (validity != Validity::valid) continue;
       ++agreement.points;
-      const double y = exact.maps.coordinate(column, row);
+      const double y = undistorted_coordinate(
+          scanner, axis,
+          {exact.cloud.x(column, row), exact.cloud.y(column, row), exact.cloud.z(column, row)});
       if (std::abs(coordinate_at_infinity(scanner, axis, column, row) - y) < gap) continue;
       const double depth = exact.cloud.z(column, row);
       agreement.worst =

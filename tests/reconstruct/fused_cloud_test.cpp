@@ -177,7 +177,7 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
   const FrameSet unquantised(FrameSet::ImagesUnquantised(3, Image<double>({64, 48})));
   const FrameSet narrow(FrameSet::Images8(3, Image<std::uint8_t>({15, 48})));
   Scanner bent = example_scanner({64, 48});
-  bent.projector.distortion = make_distortion(std::vector{-0.9, 0.8, 0.0, 0.0, 0.3});
+  bent.projector.distortion = make_distortion(std::vector{-9.0, 0.0, 0.0, 0.0});
   for (const EngineKind kind : {EngineKind::fused, EngineKind::automatic}) {
     const ReconstructSettings settings{.engine = kind};
     Engine reconstruct(example_scanner({64, 48}), sequence, settings);
@@ -193,7 +193,11 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
     EXPECT_EQ(of_narrow.backend_for(narrow), "lut");
     EXPECT_EQ(of_narrow.fallback_reason(),
               "no fused engine: the image is narrower than 16 pixels; using the reference engine");
-    EXPECT_EQ(Engine(bent, sequence, settings).backend_for(bytes), "lut");
+    Engine of_bent(bent, sequence, settings);
+    EXPECT_EQ(of_bent.backend_for(bytes), "lut");
+    EXPECT_EQ(of_bent.fallback_reason(),
+              "no fused engine: the projector's lens model cannot be inverted over its picture; "
+              "using the reference engine");
   }
   Engine reference(example_scanner({64, 48}), sequence, {.engine = EngineKind::reference});
   EXPECT_EQ(reference.backend_for(bytes), "lut");

@@ -302,8 +302,8 @@ EdgeTerms edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
 }
 
 PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths) {
-  const int needed = geometry.lens.degree;
-  const int degree = needed == 0 ? 0 : std::max(3, needed + (needed % 2 == 0 ? 1 : 0));  // compiled
+  const int needed = geometry.solved ? -1 : geometry.lens.degree;
+  const int degree = needed < 1 ? needed : std::max(3, needed + (needed % 2 == 0 ? 1 : 0));
   const auto [inner_low, inner_high] = geometry.inner_places();
   constexpr double largest = std::numeric_limits<float>::max();
   return {PointNumbers{.coordinate = linear(geometry.coordinate),
@@ -324,7 +324,8 @@ PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths)
                        .inner_high = narrow(inner_high),
                        .nearest = narrow(std::min(depths.nearest, largest)),
                        .farthest = narrow(std::min(depths.farthest, largest))},
-          kernel_order(geometry.lens, degree), depths.nearest > 0 || depths.farthest < largest};
+          kernel_order(geometry.lens, geometry.solved ? SolvedLens::start_degree : degree),
+          geometry.solved, depths.nearest > 0 || depths.farthest < largest};
 }
 
 /// Limits blocks to turns before the cut, where the row kernel needs no cut.
@@ -352,8 +353,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   if (why.empty()) {
     geometry = stripe_geometry(scanner, sequence.axis, settings.field_margin);
     rays = ray_table(scanner.camera);
-    if (!geometry) why = "the projector's lens distortion is too strong";
-    if (!rays) why = "the camera's lens distortion is too strong";
+    if (!geometry) why = "the projector's lens model cannot be inverted over its picture";
+    if (!rays) why = "the camera's lens model cannot be inverted over its picture";
   }
   if (!why.empty()) {
     if (why_not != nullptr) *why_not = why;

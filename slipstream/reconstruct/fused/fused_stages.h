@@ -74,8 +74,8 @@ struct FusedStages {
 
 /// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the
 /// reference engine: a cue with other weights or another reference than in Eqs. (3.53), (3.68),
-/// (3.83), a rule other than CueRule::consensus, a lens too distorted for StripeGeometry or
-/// RayTable, an image narrower than `least_row_width`, a frequency above 16384 with a cue, or a
+/// (3.83), a rule other than CueRule::consensus, a lens whose model is not invertible over its
+/// picture, an image narrower than `least_row_width`, a frequency above 16384 with a cue, or a
 /// field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections,

@@ -14,7 +14,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
-HWY_INLINE Floats linear(const RayTerms& c, Floats E_x, Floats E_y) {
+template <class Terms>
+HWY_INLINE Floats linear(const Terms& c, Floats E_x, Floats E_y) {
   const FloatTag d;
   return hn::MulAdd(hn::Set(d, c[0]), E_x, hn::MulAdd(hn::Set(d, c[1]), E_y, hn::Set(d, c[2])));
 }
@@ -31,6 +32,47 @@ HWY_INLINE Floats plane_polynomial(const float* coefficients, Floats p, Floats q
     sum = hn::MulAdd(sum, p, inner);
   }
   return sum;
+}
+
+/// The undistorted coordinate of the point lit at y on a ray with q = start + w rise, see
+/// SolvedLens. Newton's method from w: mostly two steps.
+HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats start, Floats rise,
+                         FloatMask& in_field) {
+  const auto all = [](float c) SLIPSTREAM_STEP { return hn::Set(FloatTag(), c); };
+  const auto k = [&](int i) SLIPSTREAM_STEP { return all(lens.bend(i - 1)); };
+  const Floats one = all(1), two = all(2);
+  const Floats t_a = k(7), t_b = k(8), u_a = k(9), v_a = k(10), u_b = k(11), v_b = k(12);
+  const auto row = [&](int i) SLIPSTREAM_STEP {  // its product with the bent direction is 0 at y
+    return all(lens.image(0, i)) - y * all(lens.image(2, i));
+  };
+  // Derivatives by w begin with d, but dR is by r^2.
+  const Floats da = all(lens.direction(0, 0)) + all(lens.direction(0, 1)) * rise;
+  const Floats db = all(lens.direction(1, 0)) + all(lens.direction(1, 1)) * rise;
+  Floats s = y, bent_a = y, bent_b = y;  // s is r^2
+  for (int step = 0; step < 8; ++step) {
+    const Floats q = w * rise + start;
+    const Floats a = linear(lens.direction.row(0), w, q), b = linear(lens.direction.row(1), w, q);
+    const Floats ds = two * (a * da + b * db);
+    s = a * a + b * b;
+    const Floats below = one / (one + s * (k(4) + s * (k(5) + s * k(6))));
+    const Floats R = below * (one + s * (k(1) + s * (k(2) + s * k(3))));
+    const Floats dR = below * (k(1) + s * (two * k(2) + all(3) * s * k(3)) -
+                               R * (k(4) + s * (two * k(5) + all(3) * s * k(6))));
+    const Floats scale = R + t_a * a + t_b * b, dscale = dR * ds + t_a * da + t_b * db;
+    bent_a = a * scale + s * (u_a + v_a * s);
+    bent_b = b * scale + s * (u_b + v_b * s);
+    const Floats dbent_a = da * scale + a * dscale + ds * (u_a + two * v_a * s);
+    const Floats dbent_b = db * scale + b * dscale + ds * (u_b + two * v_b * s);
+    const Floats error = row(0) * bent_a + row(1) * bent_b + row(2);
+    const Floats change = error / (row(0) * dbent_a + row(1) * dbent_b);
+    w = w - change;
+    // The next change is about the square of this one.
+    if (hn::AllFalse(FloatTag(), hn::Gt(hn::Abs(change), all(1e-4F)))) break;
+  }
+  const Floats place = linear(lens.image.row(1), bent_a, bent_b);
+  in_field = hn::And(hn::Le(hn::Abs(place), linear(lens.image.row(2), bent_a, bent_b)),
+                     hn::Le(s, all(lens.largest_square)));
+  return w;
 }
 
 HWY_INLINE Floats edge_polynomial(const EdgeTerms& edge, Floats p) {
@@ -53,7 +95,7 @@ HWY_INLINE FloatMask within_limits(const PointStage& stage, Floats z) {
   return hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)));
 }
 
-/// StripeGeometry::operator().
+/// The points of StripeGeometry.
 template <int lens_degree>
 HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
                                     Floats y) {
@@ -65,7 +107,15 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row
       hn::MulAdd(p, linear(stage.place_slope, E_x, E_y), linear(stage.place_constant, E_x, E_y));
   const Floats q = quotient(place, g);
   Floats w = y;
-  if constexpr (lens_degree > 0) {
+  FloatMask in_field =
+      hn::And(hn::Gt(q, hn::Set(d, stage.inner_low)), hn::Lt(q, hn::Set(d, stage.inner_high)));
+  if constexpr (lens_degree < 0) {
+    const Floats rise =
+        hn::Mul(hn::Set(d, stage.unit_scale), quotient(linear(stage.place_slope, E_x, E_y), g));
+    w = hn::Add(y, plane_polynomial<SolvedLens::start_degree>(stage.lens.data(), p, q));
+    w = solved(*stage.solved, y, w, hn::NegMulAdd(rise, y, q), rise, in_field);
+    in_field = hn::And(in_field, hn::Le(hn::Abs(q), hn::Set(d, 1)));
+  } else if constexpr (lens_degree > 0) {
     w = hn::Add(y, plane_polynomial<lens_degree>(stage.lens.data(), p, q));
   }
   const Floats numerator =
@@ -77,9 +127,7 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row
   const Floats largest = hn::Set(d, std::numeric_limits<float>::max());
   const FloatMask before_camera = hn::And(hn::Gt(z, hn::Zero(d)), hn::Le(z, largest));
   const FloatMask before_projector = hn::Gt(hn::Mul(denominator, g), hn::Zero(d));
-  FloatMask in_field =
-      hn::And(hn::Gt(q, hn::Set(d, stage.inner_low)), hn::Lt(q, hn::Set(d, stage.inner_high)));
-  if (HWY_UNLIKELY(!hn::AllTrue(d, in_field))) {
+  if (lens_degree >= 0 && HWY_UNLIKELY(!hn::AllTrue(d, in_field))) {
     in_field = hn::And(hn::Ge(q, edge_polynomial(stage.low_edge, p)),
                        hn::Le(q, edge_polynomial(stage.high_edge, p)));
   }
@@ -158,7 +206,7 @@ using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, F
 HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
   constexpr std::array of_degrees{vector_on_rays<0>, vector_on_rays<3>, vector_on_rays<5>,
                                   vector_on_rays<7>, vector_on_rays<9>};
-  return of_degrees[lens_degree / 2];
+  return lens_degree < 0 ? vector_on_rays<-1> : of_degrees[lens_degree / 2];
 }
 
 /// Finds the lanes with enough agreeing neighbours, see FringeOrderConsensus.

@@ -251,6 +251,7 @@ void hold_ballots(const BallotRows& rows, std::span<ShiftedPixel> pixels, bool r
 
 struct PointStage : PointNumbers {
   std::vector<float> lens{};  ///< PlanePolynomial, last coefficient first
+  std::optional<SolvedLens> solved{};
   bool limits_depth = false;  ///< `nearest` and `farthest` are not 0 and infinity
 };
 

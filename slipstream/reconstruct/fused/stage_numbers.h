@@ -99,7 +99,7 @@ struct PointNumbers {
   float coordinate_offset, depth_offset;  ///< m_14^p, m_34^p
   float unit_scale, unit_offset;          ///< from y to p
   float least_coordinate, largest_coordinate;
-  int lens_degree;  ///< of PointStage::lens; 0 without distortion
+  int lens_degree;  ///< of PointStage::lens; 0 without distortion, -1 if it is solved
   EdgeTerms low_edge, high_edge;
   float inner_low, inner_high;  ///< every q between them is in the field at every p
   float nearest, farthest;

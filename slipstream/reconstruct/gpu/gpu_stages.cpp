@@ -134,7 +134,7 @@ GpuVote gpu_vote(const OrderCostStage& costs, Words& words) {
 
 bool is_too_much(const FusedStages& stages) {
   return stages.orders || stages.reads_stripes() || std::ranges::count(stages.measured, 1) > 1 ||
-         std::max(stages.bands.size(), stages.chain.size()) > most_bands ||
+         stages.point.solved || std::max(stages.bands.size(), stages.chain.size()) > most_bands ||
          std::any_of(stages.bands.begin(), stages.bands.end(), [](const auto& band) {
            constexpr std::ptrdiff_t most_frames = 31;  // see GpuBand
            return std::max(std::ssize(band.sinusoid.cosines), std::ptrdiff_t{band.sinusoid.steps}) >

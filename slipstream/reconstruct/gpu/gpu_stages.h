@@ -101,7 +101,7 @@ struct GpuProgramText {
   std::vector<int> words;
 };
 
-/// Nullopt if the shaders do not support this number of bands or frames.
+/// Nullopt if the shaders do not support this number of bands or frames, or the lens is solved.
 std::optional<GpuProgramText> gpu_stages(const FusedStages& stages);
 
 }  // namespace slipstream

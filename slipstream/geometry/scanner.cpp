@@ -47,23 +47,6 @@ Bent bent(const Distortion& distortion, const Eigen::Vector2d& direction) {
   return {{bent.x().value(), bent.y().value()}, jacobian};
 }
 
-/// Newton's method from `direction`; NaN if it comes to where the model is not invertible.
-Eigen::Vector2d undistorted_from(Eigen::Vector2d direction, const Distortion& distortion,
-                                 const Eigen::Vector2d& distorted) {
-  constexpr int most_iterations = 30;
-  constexpr double tolerance = 1e-15;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const auto [image, jacobian] = bent(distortion, direction);
-    if (!(jacobian.determinant() > 0)) return {nan, nan};
-    const Eigen::Vector2d step = jacobian.inverse() * (image - distorted);
-    direction -= step;
-    if (step.lpNorm<Eigen::Infinity>() <= tolerance * (1 + direction.lpNorm<Eigen::Infinity>())) {
-      return direction;
-    }
-  }
-  return {nan, nan};
-}
-
 void require_size(const Lens& lens, std::string_view device) {
   throw_if(lens.size.width < 1 || lens.size.height < 1,
            "{}: size {} is empty; set it in the scanner file or with a flag", device,
@@ -139,13 +122,32 @@ Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& dir
 
 Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& distorted) {
   if (distortion.is_zero()) return distorted;
-  Eigen::Vector2d direction = undistorted_from(distorted, distortion, distorted);
-  if (direction.allFinite()) return direction;
-  // The model may turn back on the way from there: come from the middle.
-  direction.setZero();
-  for (const double share : {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0})
-    direction = undistorted_from(direction, distortion, share * distorted);
-  return direction;
+  constexpr int most_iterations = 60;
+  constexpr double tolerance = 1e-15, small = 1e-6;
+
+  Eigen::Vector2d direction = distorted, step = {0, 0};
+  double farthest = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const auto [image, jacobian] = bent(distortion, direction);
+    const double apart = (image - distorted).norm();
+    // Newton's method; where it would leave the part that is invertible, with shorter steps, and
+    // from the middle if it begins outside.
+    if (!(jacobian.determinant() > 0) || !(apart < farthest || step.norm() < small)) {
+      if (iteration == 0) {
+        direction.setZero();
+      } else {
+        direction += step /= 2;
+      }
+      continue;
+    }
+    farthest = apart;
+    step = jacobian.inverse() * (image - distorted);
+    direction -= step;
+    if (step.lpNorm<Eigen::Infinity>() <= tolerance * (1 + direction.lpNorm<Eigen::Infinity>())) {
+      return direction;
+    }
+  }
+  return {nan, nan};
 }
 
 std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& margin) {

@@ -131,7 +131,7 @@ struct UnitMap {
 
 /// The projector's lens, for Newton's method. A direction is (a, b, 1), along and across the axis.
 struct SolvedLens {
-  static constexpr int start_degree = 7;  ///< at most, of StripeGeometry::lens
+  static constexpr int start_degree = 7;  ///< of StripeGeometry::lens, at most
   /// (a, b) of (w, q, 1): on the epipolar line, q changes with the undistorted coordinate w.
   Eigen::Matrix<float, 2, 3> direction;
   /// k1 k2 k3 k4 k5 k6 t_a t_b u_a v_a u_b v_b: with r^2 = a^2 + b^2 and the quotient R as in

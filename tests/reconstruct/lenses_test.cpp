@@ -106,7 +106,6 @@ std::size_t expect_points_of_the_equations(const EngineSetup& setup, const Frame
       EXPECT_NEAR(coordinate_along(sequence.axis, pixel, size), exact.maps.coordinate(column, row),
                   1e-5);
       EXPECT_LE(std::abs(coordinate_along(across(sequence.axis), pixel, size) - 0.5), 0.521);
-      printf("extra %d %d\n", column, row);
     }
   });
   EXPECT_LE(missing, 1U);
@@ -139,9 +138,9 @@ TEST(Lenses, AreSolvedWhereTheyAreInvertible) {
       ++refused;
     }
   }
-  EXPECT_GE(fused, 240);
+  EXPECT_GE(fused, 250);
   EXPECT_GE(refused, 50);
-  EXPECT_LE(unsolved, 2);
+  EXPECT_EQ(unsolved, 0);
 }
 
 }  // namespace slipstream::lenses_test

@@ -303,7 +303,7 @@ EdgeTerms edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
 
 PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths) {
   const int needed = geometry.solved ? -1 : geometry.lens.degree;
-  const int degree = needed < 1 ? needed : std::max(3, needed + (needed % 2 == 0 ? 1 : 0));
+  const int degree = needed < 1 ? needed : std::max(3, needed | 1);  // odd ones are compiled
   const auto [inner_low, inner_high] = geometry.inner_places();
   constexpr double largest = std::numeric_limits<float>::max();
   return {PointNumbers{.coordinate = linear(geometry.coordinate),

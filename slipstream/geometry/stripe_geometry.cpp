@@ -78,13 +78,12 @@ class ProjectorPlane {
     const double A = along()(3), B = across()(3), D = depth()(3);
     return (B - w.y() * D) / (A - w.x() * D);
   }
-  /// The coordinate on the epipolar line through (y, place) that the lens distorts to y, or NaN.
-  [[nodiscard]] double undistorted_on_line(double y, double place) const {
+  /// The coordinate on the epipolar line through (y, place) that the lens distorts to y, by the
+  /// secant method from `start`, or NaN.
+  [[nodiscard]] double undistorted_on_line(double y, double place, double start) const {
     const double slope = slope_through({y, place});
     const auto error = [&](double w) { return distorted({w, place + slope * (w - y)}).x() - y; };
-    const double near = undistorted({y, place}).x();
-    double before = std::isfinite(near) ? near : y;
-    double error_before = error(before), now = before - error_before;
+    double before = start, error_before = error(before), now = before - error_before;
     for (int iteration = 0; iteration < 40; ++iteration) {
       const double error_now = error(now);
       if (std::abs(error_now) < 1e-13) return now;
@@ -236,9 +235,13 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
   const auto added = [&](bool inside) {
     StripeSamples samples;
     for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
-      const double across = unit_place.inverse(node(j));
-      const double q = inside ? std::clamp(across, low(i), high(i)) : across;
-      samples(i, j) = plane.undistorted_on_line(y(i), q) - y(i);
+      double across = unit_place.inverse(node(j)), start = y(i);
+      if (inside) {
+        across = std::clamp(across, low(i), high(i));
+        const double near = plane.undistorted({y(i), across}).x();
+        if (std::isfinite(near)) start = near;
+      }
+      samples(i, j) = plane.undistorted_on_line(y(i), across, start) - y(i);
     });
     return samples;
   };

@@ -153,23 +153,32 @@ Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& d
 std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& margin) {
   constexpr int rays = 96, steps = 48;
   constexpr double steepest = 20;
-  const Eigen::Vector2d size(lens.size.width, lens.size.height);
-  const Eigen::Vector3d corner = lens.intrinsic.inverse() * size.homogeneous();
+  const Eigen::Array2d size(lens.size.width, lens.size.height);
+  const auto place = [&](const Eigen::Vector2d& image) -> Eigen::Array2d {
+    return (lens.intrinsic * image.homogeneous()).head<2>().array() / size;
+  };
   double largest = 0;
+  for (const auto& [x, y] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 0), std::pair(1, 1)}) {
+    const Eigen::Array2d corner = Eigen::Array2d(x, y) * (1 + 2 * margin.array()) - margin.array();
+    largest = std::fmax(largest, ray_through(lens, (corner * size).matrix()).head<2>().norm());
+  }
+  if (largest == 0) return std::nullopt;
+  // The axis may lie beside the picture.
+  const Eigen::Array2d axis = place({0, 0});
+  const Eigen::Array2d low = axis.min(-margin.array()), high = axis.max(1 + margin.array());
+  const double longest_step = largest / steps;
   for (int i = 0; i < rays; ++i) {
     const double angle = 2 * std::numbers::pi * i / rays;
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-    for (double r = 0, step = 0;; r += step) {
+    for (double r = 0;;) {
       const auto [image, jacobian] = bent(lens.distortion, r * along);
-      const Eigen::Vector3d pixel = lens.intrinsic * image.homogeneous();
-      const Eigen::Array2d beyond =
-          (pixel.head<2>().array() / size.array() - 0.5).abs() - margin.array();
-      largest = std::max(largest, r);
-      if (beyond.maxCoeff() > 0.5) break;
+      const Eigen::Array2d at = place(image);
+      if ((at < low).any() || (at > high).any()) break;
       const double area = jacobian.determinant();
       if (!(area > 0) || r > steepest) return std::nullopt;
       // A fold narrower than a step begins with a small area.
-      step = corner.head<2>().norm() / steps * std::clamp(area, 0.05, 1.0);
+      r += longest_step * std::clamp(area, 0.05, 1.0);
+      largest = std::max(largest, r);
     }
   }
   return largest;

@@ -51,8 +51,9 @@ Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& dir
 Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& distorted);
 
 /// The largest tangent of a direction's angle to the axis whose image lies in the picture, or past
-/// its ends by the share `margin` of its width and height. Nullopt if the lens model turns back
-/// before: there, several directions have one image.
+/// its ends by the share `margin` of its width and height; a little more, or the tangent beside the
+/// picture if the axis is there. Nullopt if the lens model turns back before: there, several
+/// directions have one image.
 std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& margin = {0, 0});
 
 /// Pixel at which the device sees, or illuminates, a point in its own frame (Z > 0).

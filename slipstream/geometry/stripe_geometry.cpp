@@ -11,7 +11,7 @@ namespace {
 
 constexpr int fitted_nodes = 16;
 constexpr double lens_tolerance = 4e-7;  ///< of the field
-constexpr double start_tolerance = 0.5;  ///< of the field: from there, Newton's method converges
+constexpr double start_tolerance = 1;    ///< of the field, summed over the terms left out
 constexpr double edge_tolerance = 1e-4;  ///< of the field: only decides which points are outside
 
 using StripeSamples = Eigen::Matrix<double, fitted_nodes, fitted_nodes>;  ///< rows: p, columns: q
@@ -54,7 +54,6 @@ class ProjectorPlane {
     margins(a) = end;
     const std::optional<double> largest = largest_tangent(lens_, margins);
     if (!largest) return std::nullopt;
-    constexpr double between_rays = 1.1;  // a corner lies between two of its rays
     const auto& k = lens_.distortion.coefficients;
     Eigen::Matrix3d pixel = Eigen::Matrix3d::Zero();  // of (w, q, 1)
     pixel(a, 0) = along_length();
@@ -70,7 +69,7 @@ class ProjectorPlane {
     image.row(0) /= along_length();
     image.row(1) = (2 / across_length() * image.row(1) - image.row(2)) / (1 + 2 * margin);
     return SolvedLens{direction({a, b}, {0, 1, 2}).cast<float>(), bend.cast<float>(),
-                      image.cast<float>(), static_cast<float>(between_rays * *largest * *largest)};
+                      image.cast<float>(), static_cast<float>(*largest * *largest)};
   }
 
   /// d across / d along of the epipolar line through w.

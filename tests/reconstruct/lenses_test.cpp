@@ -42,12 +42,14 @@ Distortion random_distortion(const Lens& lens, std::mt19937& random) {
   return make_distortion(k);
 }
 
-/// How far beyond the picture, in its lengths, the lens first turns back along a ray from the
-/// middle; negative inside. At most 0.05.
+/// How far beyond the picture and the axis, in the picture's lengths, the lens first turns back
+/// along a ray from the axis; negative inside. At most 0.05.
 double turning_point(const Lens& lens) {
   constexpr int rays = 120;
   constexpr double step = 5e-3, farthest = 0.05;
   double nearest = farthest;
+  const double axis_x = lens.intrinsic(0, 2) / lens.size.width;
+  const double axis_y = lens.intrinsic(1, 2) / lens.size.height;
   for (int i = 0; i < rays; ++i) {
     const double angle = 2 * std::numbers::pi * i / rays;
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
@@ -64,7 +66,8 @@ double turning_point(const Lens& lens) {
       }
       const Eigen::Vector3d pixel = lens.intrinsic * bent(0, 0).homogeneous();
       const double x = pixel.x() / lens.size.width, y = pixel.y() / lens.size.height;
-      beyond = std::max({-x, -y, x - 1, y - 1});
+      beyond = std::max({std::min(0.0, axis_x) - x, std::min(0.0, axis_y) - y,
+                         x - std::max(1.0, axis_x), y - std::max(1.0, axis_y)});
     }
   }
   return nearest;
@@ -118,6 +121,11 @@ TEST(Lenses, AreSolvedWhereTheyAreInvertible) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     Scanner scanner = random_scanner(seed, 0, {48, 36});
+    // Many projectors look up from the lower edge of their picture or below.
+    if (seed % 4 == 0) {
+      scanner.projector.intrinsic(1, 2) =
+          (1 + 0.001 * (seed % 200)) * scanner.projector.size.height;
+    }
     for (Lens* const lens : {&scanner.camera, &scanner.projector}) {
       lens->distortion = random_distortion(*lens, random);
     }

@@ -35,9 +35,14 @@ inline Scanner random_scanner(unsigned seed, double distortion = 0, Size camera 
   scanner.projector = lens({1024, 768});
   const double distance = uniform(300, 1500);
   const double around = uniform(0, 2 * std::numbers::pi);
-  const Eigen::Vector3d centre(uniform(50, 400) * std::cos(around),
-                               uniform(50, 400) * std::sin(around), uniform(-30, 30));
-  const Eigen::Vector3d target(uniform(-30, 30), uniform(-30, 30), distance);
+  // One by one: compilers evaluate arguments in different orders.
+  Eigen::Vector3d centre, target;
+  centre.z() = uniform(-30, 30);
+  centre.y() = uniform(50, 400) * std::sin(around);
+  centre.x() = uniform(50, 400) * std::cos(around);
+  target.z() = distance;
+  target.y() = uniform(-30, 30);
+  target.x() = uniform(-30, 30);
   const Eigen::Vector3d forward = (target - centre).normalized();
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(forward).normalized();
   Eigen::Matrix3d rotation;

@@ -40,6 +40,7 @@ HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats star
                          FloatMask& in_field) {
   const auto all = [](float c) SLIPSTREAM_STEP { return hn::Set(FloatTag(), c); };
   const auto k = [&](int i) SLIPSTREAM_STEP { return all(lens.bend(i - 1)); };
+  const Floats settled = all(1e-4F);  // the next change is about the square of this one
   const Floats one = all(1), two = all(2);
   const Floats t_a = k(7), t_b = k(8), u_a = k(9), v_a = k(10), u_b = k(11), v_b = k(12);
   const auto row = [&](int i) SLIPSTREAM_STEP {  // its product with the bent direction is 0 at y
@@ -49,7 +50,8 @@ HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats star
   const Floats da = all(lens.direction(0, 0)) + all(lens.direction(0, 1)) * rise;
   const Floats db = all(lens.direction(1, 0)) + all(lens.direction(1, 1)) * rise;
   Floats s = y, bent_a = y, bent_b = y;  // s is r^2
-  for (int step = 0; step < 8; ++step) {
+  Floats change = y;
+  for (int step = 0; step < 12; ++step) {
     const Floats q = w * rise + start;
     const Floats a = linear(lens.direction.row(0), w, q), b = linear(lens.direction.row(1), w, q);
     const Floats ds = two * (a * da + b * db);
@@ -64,14 +66,14 @@ HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats star
     const Floats dbent_a = da * scale + a * dscale + ds * (u_a + two * v_a * s);
     const Floats dbent_b = db * scale + b * dscale + ds * (u_b + two * v_b * s);
     const Floats error = row(0) * bent_a + row(1) * bent_b + row(2);
-    const Floats change = error / (row(0) * dbent_a + row(1) * dbent_b);
+    change = error / (row(0) * dbent_a + row(1) * dbent_b);
     w = w - change;
-    // The next change is about the square of this one.
-    if (hn::AllFalse(FloatTag(), hn::Gt(hn::Abs(change), all(1e-4F)))) break;
+    if (hn::AllFalse(FloatTag(), hn::Gt(hn::Abs(change), settled))) break;
   }
   const Floats place = linear(lens.image.row(1), bent_a, bent_b);
-  in_field = hn::And(hn::Le(hn::Abs(place), linear(lens.image.row(2), bent_a, bent_b)),
-                     hn::Le(s, all(lens.largest_square)));
+  in_field =
+      hn::And(hn::Le(hn::Abs(place), linear(lens.image.row(2), bent_a, bent_b)),
+              hn::And(hn::Le(hn::Abs(change), settled), hn::Le(s, all(lens.largest_square))));
   return w;
 }
 

@@ -35,10 +35,10 @@ class KeptRows {
 /// 4 rows further.
 class VoteBlock : public KeptRows {
  public:
-  static constexpr int most_rows = 88;  ///< rows that become points at once
-  static constexpr int voters = 10;     ///< rows around them in which pixels get shifts
-  static constexpr int seen = 14;       ///< rows around them that are decoded
-  static constexpr int looks_past = 4;  ///< rows that a vote reads past the last decoded one
+  static constexpr int most_rows = 216;  ///< rows that become points at once
+  static constexpr int voters = 10;      ///< rows around them in which pixels get shifts
+  static constexpr int seen = 14;        ///< rows around them that are decoded
+  static constexpr int looks_past = 4;   ///< rows that a vote reads past the last decoded one
 
   /// Allocates rows of `width` pixels, unless they are there already.
   void prepare(int width);

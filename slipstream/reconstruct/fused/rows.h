@@ -236,8 +236,8 @@ void order_costs(const OrderCostStage& stage, float to_8_bits, const FrameRows& 
 /// Input of NeighbourhoodVote, in images of one width that keep the last rows, a power of two of
 /// them, with 16 more columns on both sides. Each pointer is to the pixel at row 0, column 0.
 struct BallotRows {
-  const float* coordinate = nullptr;  ///< NaN if invalid or outside the image
-  const std::int16_t* shift = nullptr;
+  const float* coordinate = nullptr;               ///< NaN if invalid or outside the image
+  const std::int16_t* shift = nullptr;             ///< null if all are 0
   const float *below = nullptr, *above = nullptr;  ///< OrderCosts of the voters
   std::ptrdiff_t stride = 0;
   int kept_rows = 1;

@@ -54,7 +54,8 @@ class VoteField {
   }
   /// Not if there are dim pixels: vectors cannot tell that these have coordinates but no vote.
   void hold_ballots(std::span<ShiftedPixel> pixels, bool restores) const {
-    const BallotRows rows = block_.ballots(static_cast<float>(cue_.f_h));
+    BallotRows rows = block_.ballots(static_cast<float>(cue_.f_h));
+    if (!some_shifts_) rows.shift = nullptr;
     if (!some_dim_) slipstream::hold_ballots(rows, pixels, restores);
   }
   [[nodiscard]] double against(PixelPlace at, int shift) const {
@@ -72,6 +73,7 @@ class VoteField {
   [[nodiscard]] bool own_order_costs_least() const { return cue_.exact.is_circle(); }
   [[nodiscard]] int shift(PixelPlace at) const { return block_.shifts(at.row)[at.column]; }
   void set_shift(PixelPlace at, int shift) {
+    some_shifts_ = true;
     block_.shifts(at.row)[at.column] = static_cast<std::int16_t>(shift);
   }
 
@@ -107,6 +109,7 @@ class VoteField {
   VoteBlock& block_;
   double to_8_bits_;
   bool some_dim_;  ///< some pixels with coordinates may not vote
+  bool some_shifts_ = false;
 };
 
 /// Decodes a row, each pixel by itself. Rows outside the band are decoded only for the vote.
@@ -208,7 +211,7 @@ void voted_band(const FusedBand& band) {
 }
 
 void VoteBlock::prepare(int width) {
-  constexpr int count = 128;
+  constexpr int count = 256;
   static_assert(count >= most_rows + 2 * (seen + looks_past));
   if (this->width() != width) {
     KeptRows::prepare(width, count);

@@ -312,6 +312,20 @@ SharedScan with_gamma(const Scan& scan, double gamma) {
   return std::make_shared<const Scan>(std::move(bent));
 }
 
+/// The scan, with lenses of a real scanner that no polynomial describes.
+SharedScan with_bent_lenses(const Scan& scan) {
+  Scan bent = scan;
+  bent.scanner->camera.distortion = make_distortion(std::array{-0.0712, -0.185, 2e-4, 6e-4, 1.84});
+  bent.scanner->projector.distortion =
+      make_distortion(std::array{-0.0425, -0.66, -7e-4, 1.1e-3, 3.46});
+  return std::make_shared<const Scan>(std::move(bent));
+}
+
+BenchRow tables_row(const SharedScan& scan, std::string name, int steps) {
+  return row_for(*scan, std::move(name), steps, 0,
+                 [scan, setup = setup_for(*scan)] { static_cast<void>(fused_stages(setup, {})); });
+}
+
 /// Adds the rows of one N at 640x480.
 void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
   const Frames<std::uint8_t> frames = bytes_of(scan->frames);
@@ -320,9 +334,9 @@ void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
   const double between = 2 * (sizeof(float) + sizeof(std::int32_t));
   rows.push_back(row_for(*scan, "simd", steps, steps + between + block_bytes + cloud_bytes,
                          [scan, staged] { (*staged)(); }));
-  rows.push_back(row_for(*scan, "tables", steps, 0, [scan, setup = setup_for(*scan)] {
-    static_cast<void>(fused_stages(setup, {}));
-  }));
+  rows.push_back(tables_row(scan, "tables", steps));
+  const SharedScan bent = with_bent_lenses(*scan);
+  rows.push_back(tables_row(bent, "tables-lens", steps));
   rows.push_back(fused_row(scan, "fused", steps));
   rows.push_back(fused_row(scan, "fused-depth", steps, Asked::depth));
   rows.push_back(fused_row(scan, "fused-depth16", steps, Asked::depth16));
@@ -333,6 +347,7 @@ void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
   rows.push_back(engine_row(scan, "engine-raw", steps, {.clean = CleanSettings::none()}));
   rows.push_back(live_check_row(scan, steps));
   rows.push_back(fused_row(with_gamma(*scan, 2.2), "fused-corrected", steps));
+  rows.push_back(fused_row(bent, "fused-lens", steps));
   if (steps == 3) {
     if (auto psp = opencv_psp(frames)) {
       rows.push_back(row_for(*scan, "opencv-psp", steps, 0, [scan, psp] { psp(); }));

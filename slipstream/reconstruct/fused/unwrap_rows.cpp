@@ -27,12 +27,12 @@ HWY_INLINE Ints stripes(const CodeStage& stage, Ints shown) {
   return hn::Xor(shown, hn::ShiftRight<16>(shown));
 }
 
-template <class Pixel>
+/// `alone`: CodeStage::alone, else also a part of the phase.
+template <bool alone, class Pixel>
 HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel* const* frames,
                            const float* reference, float* contrast, const UnwrappedRow& row) {
   constexpr int most_doubtful = 4;  // see read_code
   // Local copies stay in registers: no store can alias them.
-  const bool alone = stage.alone;
   const std::span<const int> bits = stage.frames, inverses = stage.inverses;
   const FloatTag d;
   const IntTag di;
@@ -53,14 +53,21 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
     if (alone) take(bits);
     Floats limit = hn::Mul(half, hn::ConvertTo(d, hn::Add(darkest, brightest)));
     if (reference != nullptr) limit = hn::LoadU(d, reference + i);
+    // A whole level is above a number if it is above the number rounded down.
+    const Ints whole_limit = hn::ConvertTo(di, limit);
     Ints shown = hn::Zero(di), doubtful = shown, count = shown;
     for (std::size_t bit = 0; bit < bits.size(); ++bit) {
+      if constexpr (!alone) {
+        const Ints dark = inverses.empty() ? whole_limit : level(inverses[bit]);
+        const auto bright = hn::Gt(level(bits[bit]), dark);
+        shown = hn::Sub(hn::Add(shown, shown), hn::VecFromMask(di, bright));  // a mask is -1
+        continue;
+      }
       Floats above = hn::ConvertTo(d, level(bits[bit]));
       above = inverses.empty()
                   ? hn::Sub(above, limit)
                   : hn::Mul(half, hn::Sub(above, hn::ConvertTo(d, level(inverses[bit]))));
-      shown = hn::Sub(hn::Add(shown, shown), mask(hn::Gt(above, zero)));  // a mask is -1
-      if (!alone) continue;
+      shown = hn::Sub(hn::Add(shown, shown), mask(hn::Gt(above, zero)));
       const Ints unsure = mask(hn::Lt(hn::Abs(above), tolerance));
       doubtful = hn::Sub(hn::Add(doubtful, doubtful), unsure);
       count = hn::Sub(count, unsure);
@@ -69,7 +76,7 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
     doubtful = hn::IfThenElseZero(readable, doubtful);
     Ints first = stripes(stage, shown), last = first;
     // Pixels with fewer doubtful bits go through theirs again until all end at once.
-    for (Ints wrong = doubtful; !hn::AllTrue(di, hn::Eq(wrong, hn::Zero(di)));
+    for (Ints wrong = doubtful; alone && !hn::AllTrue(di, hn::Eq(wrong, hn::Zero(di)));
          wrong = hn::And(hn::Sub(wrong, hn::Set(di, 1)), doubtful)) {
       const Ints stripe = stripes(stage, hn::Xor(shown, wrong));
       first = hn::Min(first, stripe);
@@ -93,10 +100,11 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
 
 void CodeRow(const CodeStage& stage, float grey_level, const FrameRows& frames,
              const float* reference, float* contrast, const UnwrappedRow& row) {
-  if (frames.of_8_bits != nullptr) {
-    return read_row(stage, grey_level, frames.of_8_bits, reference, contrast, row);
-  }
-  read_row(stage, grey_level, frames.of_16_bits, reference, contrast, row);
+  const auto read = [&](const auto* const* of) {
+    stage.alone ? read_row<true>(stage, grey_level, of, reference, contrast, row)
+                : read_row<false>(stage, grey_level, of, reference, contrast, row);
+  };
+  frames.of_8_bits != nullptr ? read(frames.of_8_bits) : read(frames.of_16_bits);
 }
 
 void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {

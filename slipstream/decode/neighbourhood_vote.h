@@ -259,14 +259,13 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     const double own = field_.periods(at.column, at.row);
     if (std::isnan(own)) return false;  // outside the image there are no shifts
     const int shift = field_.shift(at);
-    bool found = false;  // no early end: most pixels need all four, and branches cost more
-    for (const auto& [dx, dy] : directions) {
-      const double step = field_.periods(at.column + dx, at.row + dy) - own;
-      const double nearest = nearest_whole(step), implied = shift - nearest;
-      const bool linked = std::abs(step - nearest) <= steepest;
-      found |= linked & (field_.shift({at.row + dy, at.column + dx}) != implied);
-    }
-    return found;
+    return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
+      const int column = at.column + direction[0], row = at.row + direction[1];
+      const double step = field_.periods(column, row) - own;
+      const double nearest = nearest_whole(step);
+      return std::abs(step - nearest) <= steepest &&
+             field_.shift({row, column}) != shift - static_cast<int>(nearest);
+    });
   }
 
   [[nodiscard]] int chosen_shift(PixelPlace at) const {

@@ -142,26 +142,19 @@ class Ballot {
     return implied;
   }
 
-  /// `part_` of the cells to the right; undefined after the last.
-  [[nodiscard]] HWY_INLINE LineFloats next_parts(std::size_t k) const {
-    const LineTag d;
-    if constexpr (lanes == 1) return part_[k + 1 < vectors ? k + 1 : k];
-    std::array<std::int32_t, lanes> from{};
-    for (std::size_t i = 0; i + 1 < lanes; ++i) from[i] = static_cast<std::int32_t>(i) + 1;
-    const LineFloats next = hn::TableLookupLanes(part_[k], hn::SetTableIndices(d, from.data()));
-    if constexpr (per_line == 1) return next;
-    const LineFloats first = hn::Set(d, hn::GetLane(part_[k + 1 < vectors ? k + 1 : k]));
-    return hn::IfThenElse(hn::FirstN(d, lanes - 1), next, first);
-  }
-
   /// Cells whose step to the next, without whole periods, is small. If all are, any two steps
   /// differ by less than `roughest`, so that all cells are linked.
   template <int dx, int dy>
   [[nodiscard]] HWY_INLINE Cells flat_links() const {
     const LineTag d;
     return cells_where([&](std::size_t k) SLIPSTREAM_STEP {
-      const LineFloats next =
-          dy != 0 ? part_[k + per_line < vectors ? k + per_line : k] : next_parts(k);
+      LineFloats next;
+      if constexpr (dy != 0) {
+        next = part_[k + per_line < vectors ? k + per_line : k];
+      } else {
+        const LineFloats p = periods(k, 1, 0);
+        next = hn::Sub(p, hn::Round(p));
+      }
       return hn::Le(hn::Abs(hn::Sub(next, part_[k])), hn::Set(d, 0.0249F));
     });
   }

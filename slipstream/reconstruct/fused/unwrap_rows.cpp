@@ -57,20 +57,17 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
     const Ints whole_limit = hn::ConvertTo(di, limit);
     Ints shown = hn::Zero(di), doubtful = shown, count = shown;
     for (std::size_t bit = 0; bit < bits.size(); ++bit) {
-      if constexpr (!alone) {
-        const Ints dark = inverses.empty() ? whole_limit : level(inverses[bit]);
-        const auto bright = hn::Gt(level(bits[bit]), dark);
-        shown = hn::Sub(hn::Add(shown, shown), hn::VecFromMask(di, bright));  // a mask is -1
-        continue;
+      const Ints here = level(bits[bit]);
+      const Ints dark = inverses.empty() ? whole_limit : level(inverses[bit]);
+      shown = hn::Sub(hn::Add(shown, shown), mask(hn::Gt(here, dark)));  // a mask is -1
+      if constexpr (alone) {
+        const Floats above = inverses.empty()
+                                 ? hn::Sub(hn::ConvertTo(d, here), limit)
+                                 : hn::Mul(half, hn::ConvertTo(d, hn::Sub(here, dark)));
+        const Ints unsure = mask(hn::Lt(hn::Abs(above), tolerance));
+        doubtful = hn::Sub(hn::Add(doubtful, doubtful), unsure);
+        count = hn::Sub(count, unsure);
       }
-      Floats above = hn::ConvertTo(d, level(bits[bit]));
-      above = inverses.empty()
-                  ? hn::Sub(above, limit)
-                  : hn::Mul(half, hn::Sub(above, hn::ConvertTo(d, level(inverses[bit]))));
-      shown = hn::Sub(hn::Add(shown, shown), mask(hn::Gt(above, zero)));
-      const Ints unsure = mask(hn::Lt(hn::Abs(above), tolerance));
-      doubtful = hn::Sub(hn::Add(doubtful, doubtful), unsure);
-      count = hn::Sub(count, unsure);
     }
     const auto readable = hn::Lt(count, hn::Set(di, most_doubtful + 1));
     doubtful = hn::IfThenElseZero(readable, doubtful);

@@ -29,14 +29,12 @@ std::uint64_t pixels_of(const ScanFiles& scan) {
 }
 
 /// Unreadable scans cost little; their shard reports why.
-void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output) {
-  try {
-    listed.cost =
-        scan_count(listed, flags.every) * pixels_of(scan_files_in(listed.path, flags.cloud));
-  } catch (const Error& error) {
-    output.warn(error.what());
-    listed.cost = 1;
-  }
+void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output) try {
+  listed.cost =
+      scan_count(listed, flags.every) * pixels_of(scan_files_in(listed.path, flags.cloud));
+} catch (const Error& error) {
+  output.warn(error.what());
+  listed.cost = 1;
 }
 
 /// Throws Error if two scans share an output. Like require_writable, but compares paths as text, so

@@ -53,14 +53,10 @@ std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scan
 /// The flags of `calibrate geometry`.
 struct CalibrateGeometryFlags {
   BoardCaptureFlags boards;
-  std::string camera_distortion = "auto";
-  std::string projector_distortion = "auto";
-  std::string print = "estimated";
+  std::string camera_distortion = "auto", projector_distortion = "auto", print = "estimated";
   double print_deviation = 0.01;
   std::string scanner;
-  std::optional<std::string> report;
-  std::optional<std::string> compare;
-  std::optional<std::string> measured;
+  std::optional<std::string> report, compare, measured;
 };
 
 /// Calibrates from board scans in several poses; writes and reports the scanner file and the

@@ -103,9 +103,7 @@ void say_measure(const std::string& what, const BoardMeasure& measure, Output& o
 /// Writes the corrected scanner if requested and if there is something to correct.
 void write_corrected(const CalibrateVerifyFlags& flags, const Verification& found, Output& output) {
   if (!flags.output) return;
-  if (found.holds) {
-    return output.say("{} was not written: nothing to correct", *flags.output);
-  }
+  if (found.holds) return output.say("{} was not written: nothing to correct", *flags.output);
   if (!found.mended) {
     throw Error(
         fmt::format("{} was not written: {}", *flags.output, text_of(found.findings.back())));
@@ -278,9 +276,7 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   output.warn(findings);
   output.say("{}", verdict_of(findings).words);
   output.say("scanner file: {}", flags.scanner);
-  if (flags.report) {
-    output.say("report: {}", (fs::path(*flags.report) / "report.html").string());
-  }
+  if (flags.report) output.say("report: {}", (fs::path(*flags.report) / "report.html").string());
   if (!kept.empty()) output.say("kept from the existing file: {}", fmt::join(kept, ", "));
 }
 

@@ -99,9 +99,7 @@ void serve_camera(const ServeFlags& flags, Output& output) {
         "scene",
         *flags.boards);
   }
-  while (!end.reached()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+  while (!end.reached()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   output.say("sent {} frames in {:.1f} s", camera.sent(), end.seconds());
   output.document = described("address", flags.address, "serial", flags.serial, "frames",
                               camera.sent(), "seconds", end.seconds());

@@ -194,8 +194,7 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
   }
   if (several) whole = merged(std::move(whole));
   const CheckedScan checked = check_and_repair(whole);
-  if (!several && !opened.in_colour)
-    scan = std::move(whole);  // frames out of order are put in order
+  if (!several && !opened.in_colour) scan = std::move(whole);  // its frames are in order
   save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt, opened.in_colour,
             opened.white);
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),

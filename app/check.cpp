@@ -11,15 +11,6 @@ struct CheckFlags {
   CheckSettings settings;
 };
 
-void tell_findings(const std::string& folder, const std::vector<Finding>& findings,
-                   Output& output) {
-  if (findings.empty()) output.say("{}: OK: no problems found", folder);
-  for (const Finding& finding : findings) {
-    output.say("{}: {}: {}", folder, finding.gravity == Gravity::wrong ? "wrong" : "doubtful",
-               text_of(finding));
-  }
-}
-
 void check(const CheckFlags& flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
   Progress progress("scans", flags.folders.size());
@@ -35,7 +26,11 @@ void check(const CheckFlags& flags, Output& output) {
     if (any_wrong(findings)) output.exit_code = 2;
     output.add_to("scans", "scan", folder, "findings", findings);
     progress.finish();
-    tell_findings(folder, findings, output);
+    if (findings.empty()) output.say("{}: OK: no problems found", folder);
+    for (const Finding& finding : findings) {
+      output.say("{}: {}: {}", folder, finding.gravity == Gravity::wrong ? "wrong" : "doubtful",
+                 text_of(finding));
+    }
     if (scan.scanner) {
       const double baseline = scan.scanner->translation.norm(), depth = checked.median_depth;
       output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);

@@ -259,9 +259,7 @@ void convert(const ConvertFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(flags.output);
   if (ending == ".slip")
     return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
-  if (ending.empty()) {
-    return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
-  }
+  if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
   CloudFiles files(flags.output, output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
   require_only(!one_file || flags.paths.size() == 1, flags.output);

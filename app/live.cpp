@@ -197,6 +197,64 @@ void require_good(const LiveFlags& flags) {
 #endif
 }
 
+/// The flags of `serve`.
+LiveFlags served(LiveFlags flags) {
+  flags.headless = true;
+  throw_if(flags.publish.empty() && flags.record.empty(),
+           "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
+           "publish: [web:8080]");
+  require_good(flags);
+  return flags;
+}
+
+/// Each run writes its own files, also after a restart of the service.
+LiveFlags with_free_names(LiveFlags flags, Output& output) {
+  const auto choose = [&](std::string& name, std::size_t begin = 0) {
+    if (name.size() <= begin) return;
+    const std::string path = name.substr(begin), free = free_path(path).string();
+    if (free != path) output.say("{} already exists; writing {}", path, free);
+    name.replace(begin, path.size(), free);
+  };
+  for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
+  for (std::string& sink : flags.publish) {
+    if (constexpr std::string_view file = "mcap:"; sink.starts_with(file))
+      choose(sink, file.size());
+  }
+  return flags;
+}
+
+void serve(const LiveFlags& given, Output& output) {
+  const auto again = given.again;
+  const RigSaid& rig = *given.rig;
+  LiveFlags now = served(given);
+  const auto refuse = [&](const std::exception& error) {
+    output.warn(fmt::format("{}; continuing with the old settings", located(rig, error.what())));
+  };
+  std::optional<LiveFlags> before;  // until a run with the new file has begun
+  while (true) {
+    std::optional<LiveFlags> next;
+    now.begun = [&] { before.reset(); };
+    now.hung_up = [&] {
+      try {
+        next = served(again());
+        output.say("restarting");
+      } catch (const std::exception& error) {
+        refuse(error);
+      }
+      return next.has_value();
+    };
+    try {
+      live(with_free_names(now, output), output);
+      if (!next) return;
+      before = std::exchange(now, *next);
+    } catch (const std::exception& error) {  // only known once everything is opened
+      if (!before) throw;
+      refuse(error);
+      now = *std::exchange(before, std::nullopt);
+    }
+  }
+}
+
 }  // namespace
 
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
@@ -343,68 +401,6 @@ void live(const LiveFlags& flags, Output& output) {
   }
   if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
 }
-
-namespace {
-
-/// The flags of `serve`.
-LiveFlags served(LiveFlags flags) {
-  flags.headless = true;
-  throw_if(flags.publish.empty() && flags.record.empty(),
-           "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
-           "publish: [web:8080]");
-  require_good(flags);
-  return flags;
-}
-
-/// Each run writes its own files, also after a restart of the service.
-LiveFlags with_free_names(LiveFlags flags, Output& output) {
-  const auto choose = [&](std::string& name, std::size_t begin = 0) {
-    if (name.size() <= begin) return;
-    const std::string path = name.substr(begin), free = free_path(path).string();
-    if (free != path) output.say("{} already exists; writing {}", path, free);
-    name.replace(begin, path.size(), free);
-  };
-  for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
-  for (std::string& sink : flags.publish) {
-    if (constexpr std::string_view file = "mcap:"; sink.starts_with(file))
-      choose(sink, file.size());
-  }
-  return flags;
-}
-
-void serve(const LiveFlags& given, Output& output) {
-  const auto again = given.again;
-  const RigSaid& rig = *given.rig;
-  LiveFlags now = served(given);
-  const auto refuse = [&](const std::exception& error) {
-    output.warn(fmt::format("{}; continuing with the old settings", located(rig, error.what())));
-  };
-  std::optional<LiveFlags> before;  // until a run with the new file has begun
-  while (true) {
-    std::optional<LiveFlags> next;
-    now.begun = [&] { before.reset(); };
-    now.hung_up = [&] {
-      try {
-        next = served(again());
-        output.say("restarting");
-      } catch (const std::exception& error) {
-        refuse(error);
-      }
-      return next.has_value();
-    };
-    try {
-      live(with_free_names(now, output), output);
-      if (!next) return;
-      before = std::exchange(now, *next);
-    } catch (const std::exception& error) {  // only known once everything is opened
-      if (!before) throw;
-      refuse(error);
-      now = *std::exchange(before, std::nullopt);
-    }
-  }
-}
-
-}  // namespace
 
 void add_live(const Commands& program) {
   const auto [command, flags] = program.add(

@@ -65,8 +65,6 @@ MonitorProjector open_projector(std::optional<int> monitor);
 struct LiveSession {
   /// Opens projector, source and pipeline. Throws like these.
   LiveSession(LiveFlags given, Output& output);
-  LiveSession(const LiveSession&) = delete;
-  LiveSession& operator=(const LiveSession&) = delete;
   ~LiveSession() { publisher.finish(); }  // before the members that its sinks use
 
   /// Opens the sinks and starts.
@@ -84,7 +82,9 @@ struct LiveSession {
   bool motion_when_seen;     ///< see LiveSettings
   Strategy strategy;         ///< at the start
   std::mutex mutex{};        ///< guards the setup and pipeline changes
-  std::atomic<std::uint64_t> changes{0};  ///< of setup and camera, except the viewer's own
+  std::mutex saving{};       ///< guards `saved`
+  std::chrono::steady_clock::time_point saved{};  ///< at most once a second, over all callers
+  std::atomic<std::uint64_t> changes{0};          ///< of setup and camera, except the viewer's own
   Publisher publisher;
   std::unique_ptr<LivePipeline> pipeline;
 };

@@ -144,22 +144,16 @@ std::string trouble_of(const LiveSession& session) {
   return pipeline.running() ? "" : "the source has ended";
 }
 
-/// When a cloud was last saved: at most one a second, over all callers.
-struct LastSave {
-  std::mutex mutex{};
-  std::chrono::steady_clock::time_point end{};
-};
-
-std::string save_newest(LiveSession& session, LastSave& last) {
-  const std::lock_guard lock(last.mutex);
-  throw_if(std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1),
+std::string save_newest(LiveSession& session) {
+  const std::lock_guard lock(session.saving);
+  throw_if(std::chrono::steady_clock::now() - session.saved < std::chrono::seconds(1),
            "saved a moment ago");
   const Pooled<LiveCloud> newest = session.pipeline->newest();
   throw_if(!newest, "no cloud to save yet");
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
                          doubts(session.pipeline->statistics().findings));
-  last.end = std::chrono::steady_clock::now();
+  session.saved = std::chrono::steady_clock::now();
   return folder;
 }
 
@@ -229,7 +223,6 @@ void change_setting(LiveSession& session, const std::string& name, const std::st
 
 void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document) {
   const Scanner& scanner = session.setup.scanner;
-  const auto last = std::make_shared<LastSave>();
   for (const std::string& name : session.flags.publish) {
     const auto maps = std::make_shared<CloudMaps>(session);
     PublishedRun run{
@@ -241,7 +234,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
               return document().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
             },
         .trouble = [&session] { return trouble_of(session); },
-        .save = [&session, last] { return save_newest(session, *last); },
+        .save = [&session] { return save_newest(session); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
         .sequence = [&session] { return setup_of(session).sequence; },
         .settings = [&session] { return settings_of(session); },

@@ -15,10 +15,7 @@ namespace {
 struct DesignFlags {
   DesignGoal goal;
   std::optional<int> frames;
-  std::optional<double> coordinate_noise;
-  std::optional<double> phase_speed;
-  std::optional<double> ambient;
-  std::optional<double> noise_variance;
+  std::optional<double> coordinate_noise, phase_speed, ambient, noise_variance;
   std::optional<std::string> scanner;
   std::string plot;
 };

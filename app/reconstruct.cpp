@@ -129,9 +129,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   std::optional<Uncertainty> uncertainty = scan.uncertainty;
   const auto thin = [&](auto&... images) { ((images = subsampled(images, flags.subsample)), ...); };
   if (normals) thin(normals->x, normals->y, normals->z);
-  if (uncertainty) {
-    thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z);
-  }
+  if (uncertainty) thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z);
   std::optional<Cloud> coarse;
   if (flags.subsample > 1) coarse = subsampled(scan.cloud, flags.subsample);
   write_results({.cloud = scan.files.cloud}, coarse ? *coarse : scan.cloud, {},
@@ -247,11 +245,8 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
   ReconstructedScan& result = loaded.result;
   if (result.done_before || !result.failure.empty()) return std::move(result);
   try {
-    if (flags.from.empty()) {
-      reconstruct_scan(loaded.scan, result, flags, reused);
-    } else {
-      reconstruct_map(loaded, flags);
-    }
+    flags.from.empty() ? reconstruct_scan(loaded.scan, result, flags, reused)
+                       : reconstruct_map(loaded, flags);
   } catch (const Error& error) {
     result.failure = error.what();
   }
@@ -354,9 +349,7 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   std::optional<ManifestLog> log;
   if (!flags.manifest.empty()) log.emplace(flags.manifest, output);
   reconstruct_in_turn(flags, log ? &*log : nullptr, output);
-  if (flags.files.named().empty()) {
-    output.say("nothing was written; -o cloud.ply writes the cloud");
-  }
+  if (flags.files.named().empty()) output.say("nothing was written; -o cloud.ply writes the cloud");
 }
 
 void add_reconstruct(const Commands& program) {

@@ -22,13 +22,11 @@ std::vector<double> settings_in(const std::string& text) {
 }
 
 /// Why a non-numeric setting is invalid; empty if it is valid.
-std::string numbers_only(const std::string& text) {
-  try {
-    settings_in(text);
-    return {};
-  } catch (const Error& error) {
-    return error.what();
-  }
+std::string numbers_only(const std::string& text) try {
+  settings_in(text);
+  return {};
+} catch (const Error& error) {
+  return error.what();
 }
 
 /// The strategies, those that others replace at the end.
@@ -211,15 +209,10 @@ Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_ca
   return scan;
 }
 
-Scan load(const std::string& path, const ScanFlags& flags, bool all_cameras, Output& output) {
-  Scan scan = load_checkable(path, flags, all_cameras, output);
-  throw_if(!scan.scanner.has_value(),
-           "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
-  return scan;
-}
-
 SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output,
                      Wanted wanted) {
+  throw_if(wanted == Wanted::points && !scan.scanner && scan.further_cameras.empty(),
+           "{}: no scanner is known; name its file with --scanner or in scan.yaml", name);
   Stopwatch watch;
   SoundScan sound;
   sound.gamma = gamma_of(scan, flags);
@@ -250,7 +243,7 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
     return result;
   }
   require_valid(flags.settings.clean);
-  Scan scan = load(path, flags, false, output);
+  Scan scan = load_checkable(path, flags, false, output);
   const SoundScan sound = sound_scan(scan, path, flags, output);
   nlohmann::json& findings = output.list("findings");
   for (const Finding& finding : sound.checked.findings) findings.push_back(finding);

@@ -62,11 +62,8 @@ class OpenedRecording {
   std::shared_ptr<const RecordingReader> reader_;
 };
 
-/// Loads a scan folder or recording with its scanner and the flags' overrides; with `all_cameras`
-/// also the second camera's. Warnings of the reader go to `output`.
-Scan load(const std::string& path, const ScanFlags& flags, bool all_cameras, Output& output);
-
-/// Loads a scan whose scanner may be unknown.
+/// Loads a scan folder or recording with its scanner, which may be unknown, and the flags'
+/// overrides; with `all_cameras` also the second camera's. Warnings of the reader go to `output`.
 Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
                     Output& output);
 

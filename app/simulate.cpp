@@ -14,10 +14,7 @@ struct SimulateFlags {
   SequenceChanges scan;
   std::optional<int> boards;  ///< poses of a board; 0: a scene
   BoardFlags board;
-  bool unquantised = false;
-  bool second_camera = false;
-  bool in_colour = false;
-  bool primaries = false;
+  bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
   double paint = 0;
 };
 

@@ -118,7 +118,7 @@ struct ViewPathFlags {
 view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked,
                                 const std::string& save_to, Output& output) {
   require_valid(asked.settings.clean);
-  Scan scan = load(path, asked, false, output);
+  Scan scan = load_checkable(path, asked, false, output);
   const SoundScan sound = sound_scan(scan, path, asked, output);
   const EngineSetup& setup = sound.setup;
   const auto given = sound.gamma.response;

@@ -49,12 +49,10 @@ void document(const py::handle& function, const std::string& text) {
 }
 
 /// E.g. name too long or circular links: bad input, reported by the next translator.
-void translate(std::exception_ptr failure) {
-  try {
-    if (failure) std::rethrow_exception(failure);
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw Error(error.path1().string() + ": " + error.code().message());
-  }
+void translate(std::exception_ptr failure) try {
+  if (failure) std::rethrow_exception(failure);
+} catch (const std::filesystem::filesystem_error& error) {
+  throw Error(error.path1().string() + ": " + error.code().message());
 }
 
 }  // namespace

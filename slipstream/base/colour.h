@@ -7,9 +7,7 @@ namespace slipstream {
 
 /// An 8-bit RGB pixel for the screen.
 struct Colour {
-  std::uint8_t red = 0;
-  std::uint8_t green = 0;
-  std::uint8_t blue = 0;
+  std::uint8_t red = 0, green = 0, blue = 0;
 
   friend bool operator==(const Colour&, const Colour&) = default;
 };

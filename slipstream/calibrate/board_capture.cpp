@@ -140,9 +140,7 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
            text_of(projector), text_of(along_y.sequence.projector));
   const FringeFreePictures pictures = fringe_free_pictures(along_x.frames, along_y.frames);
   std::optional<BoardCorners> found = find_board(board, pictures);
-  if (!found) {
-    return {std::nullopt, why_none(board, pictures)};
-  }
+  if (!found) return {std::nullopt, why_none(board, pictures)};
   std::vector<Finding> findings;
   for (Scan* const scan : {&along_x, &along_y}) check_and_repair(*scan, name, settings, findings);
   const auto wrong = std::ranges::find(findings, Gravity::wrong, &Finding::gravity);

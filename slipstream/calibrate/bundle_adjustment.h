@@ -113,9 +113,7 @@ struct Squares {
 /// RMS distances between observed and predicted corners, pixels of the device; `stereo`: over the
 /// corners of both devices.
 struct ReprojectionRms {
-  double camera = 0;
-  double projector = 0;
-  double stereo = 0;
+  double camera = 0, projector = 0, stereo = 0;
 };
 
 /// The same distances, squared.

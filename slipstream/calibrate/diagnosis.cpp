@@ -150,8 +150,7 @@ void add_print(std::vector<Finding>& findings, const PrintShape& print) {
   }
   if (std::abs(print.stretch) > std::max(least_stretch, deviations * print.stretch_deviation)) {
     findings.push_back(
-        {.what = fmt::format("the spacings of the board's rows and columns differ by "
-                             "over {:g} %",
+        {.what = fmt::format("the spacings of the board's rows and columns differ by over {:g} %",
                              100 * least_stretch),
          .evidence = {{"rows to columns, %", 100 * print.stretch}},
          .likely = "a print stretched along one axis",

@@ -202,8 +202,7 @@ struct GuidedPoses {
 
   BoardViews take_all() {
     while (!enough && !(settings.ends && settings.ends())) {
-      const auto glimpse = camera.look(std::chrono::milliseconds(200));
-      if (glimpse) judge(*glimpse);
+      if (const auto glimpse = camera.look(std::chrono::milliseconds(200))) judge(*glimpse);
     }
     return std::move(taken);
   }
@@ -217,11 +216,9 @@ struct GuidedPoses {
     tell(pictures, verdict);
     if (verdict.state != PoseState::good) return;
     std::optional<std::vector<FrameSet>> frames = camera.take();
-    if (frames) {
-      verdict = keep(std::move(*frames), verdict);
-    } else {
-      verdict = {PoseState::moving, "the board moved during capture: hold still", verdict.board};
-    }
+    verdict = frames ? keep(std::move(*frames), verdict)
+                     : PoseVerdict{PoseState::moving, "the board moved during capture: hold still",
+                                   verdict.board};
     if (verdict.state == PoseState::refused) refused = verdict;
     tell(pictures, verdict);
   }
@@ -237,9 +234,7 @@ struct GuidedPoses {
     }
     BoardCapture found = board_capture(name, board, scans[0], scans[1]);
     if (!found.view) return {PoseState::refused, "refused: " + found.told, seen.board};
-    for (const Scan& scan : scans) {
-      settings.save(folder / name / name_of(scan.sequence.axis), scan);
-    }
+    for (const Scan& scan : scans) settings.save(folder / name / name_of(scan.sequence.axis), scan);
     taken.push_back(std::move(*found.view));
     return {PoseState::taken, fmt::format("{} captured: {}", name, found.told), seen.board};
   }
@@ -304,9 +299,7 @@ Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdic
                           const PoseNeeds& needs, const BoardViews& taken, int width) {
   const Drawing drawing = enlarged(picture, width);
   if (!needs.enough) dim_uncovered(drawing, needs.coverage);
-  for (const BoardView& view : taken) {
-    draw_outline(drawing, view.camera, scalar_of(green) * 0.7);
-  }
+  for (const BoardView& view : taken) draw_outline(drawing, view.camera, scalar_of(green) * 0.7);
   if (verdict.board) {
     const cv::Scalar colour = scalar_of(colour_of(verdict.state));
     draw_outline(drawing, verdict.board->pixels, colour);

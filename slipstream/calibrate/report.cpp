@@ -254,8 +254,7 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
   if (camera.scores.empty() && projector.scores.empty()) return;
   page.paragraph(
       "RMS error of both devices on held-out poses, in standard deviations, over all poses in "
-      "turn. "
-      "The simplest model that is not clearly worse than the best is chosen.");
+      "turn. The simplest model that is not clearly worse than the best is chosen.");
   page.table({"model", "camera", "projector"});
   const auto score = [](const LensChoice& choice, int model) {
     const auto found = std::ranges::find(choice.scores, model, &LensModelScore::coefficients);

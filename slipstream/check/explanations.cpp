@@ -132,23 +132,19 @@ struct FrameGains {
   double all = 0;
 };
 
-struct OddFrame {
-  int frame = 0;
-  double gain = 0;
-};
-
-/// The frame whose gain alone explains nearly all, and more than any other frame's.
-std::optional<OddFrame> odd_frame(const FrameGains& gains) {
+/// The frame whose gain alone explains nearly all, and more than any other frame's, with
+/// its gain in percent.
+std::optional<Evidence> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
   const auto& [unused, normal, right, all] = gains;
-  std::optional<OddFrame> best;
+  std::optional<Evidence> best;
   double most = 0, second = 0;
   for (Eigen::Index n = 0; n < right.size(); ++n) {
     const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
     second = std::max(second, std::min(share, most));
     if (share <= most) continue;
     most = share;
-    best = {static_cast<int>(n), right[n] / normal(n, n)};
+    best = Evidence{fmt::format("frame {}, percent", n), 100 * (right[n] / normal(n, n))};
   }
   return most >= least_share && most >= second + least_lead ? best : std::nullopt;
 }
@@ -210,8 +206,7 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   return Finding{
       .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
                           100 * least_gain),
-      .evidence = {odd ? Evidence{fmt::format("frame {}, percent", odd->frame), 100 * odd->gain}
-                       : Evidence{"the most, percent", 100 * size}},
+      .evidence = {odd.value_or(Evidence{"the most, percent", 100 * size})},
       .likely = "light that flickers, or an exposure or gain that changed between frames",
       .advice = "fix exposure and gain; expose for whole periods of the mains and the projector"};
 }

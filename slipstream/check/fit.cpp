@@ -102,9 +102,7 @@ void FrameJudge::add_pair(double variation) {
     residual_ += here_.unexplained[i] * next_.unexplained[i];
   }
   variation_ += variation;
-  for (std::size_t b = 0; b < ratios_.size(); ++b) {
-    ratios_[b].add(ratio(here_, b), ratio(next_, b));
-  }
+  for (std::size_t b = 0; b < ratios_.size(); ++b) ratios_[b].add(ratio(here_, b), ratio(next_, b));
 }
 
 void FrameJudge::look_for_damping(double groups) {

@@ -143,9 +143,7 @@ double flat_topped(const FrameModel& model, const ScanSamples& samples) {
   constexpr double fewest_of_top = 0.25;
   std::vector<int> frames = measuring_frames(model.layout());
   // Further frames of a window show the same patterns again.
-  if (const auto& cycle = measuring_band(model.layout()).cycle) {
-    frames.resize(cycle->steps);
-  }
+  if (const auto& cycle = measuring_band(model.layout()).cycle) frames.resize(cycle->steps);
   float top = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     for (const int n : frames) top = std::max(top, level(samples, g, n));

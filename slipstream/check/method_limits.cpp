@@ -208,8 +208,7 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, d
           fmt::format("neighbouring pixels differ over {:g} times as much as noise explains", most),
       .evidence = {{"times the noise", ratio}},
       .likely =
-          "one-bit patterns in focus, speckle, compressed pictures or too small a noise "
-          "variance",
+          "one-bit patterns in focus, speckle, compressed pictures or too small a noise variance",
       .advice =
           "defocus the projector or show 8-bit patterns; measure the noise with slipstream "
           "calibrate noise"};

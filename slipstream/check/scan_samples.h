@@ -21,9 +21,7 @@ class ScanSamples {
   /// How many pixels to read. A pixel is lit if its frames differ by `least_range` grey levels of
   /// 255.
   struct Effort {
-    int most_looked = 16384;
-    int fewest_looked = 2048;
-    int lit_wanted = 768;
+    int most_looked = 16384, fewest_looked = 2048, lit_wanted = 768;
     double least_range = 22;
     /// Whether to read neighbours in other rows and far ones; unread ones count as unlit.
     bool all_places = true;

@@ -44,7 +44,8 @@ struct DepthRow {
   std::uint64_t* bent_across = nullptr;    ///< the column bends here
 };
 
-/// Neighbours are neither linked nor bent unless both have points.
+/// Neighbours are neither linked nor bent unless both have points. Bits at the ends of the row that
+/// compare with pixels beyond it have no meaning.
 void compare_depths(const DepthLimits& limits, const TrustStage& trust, const DepthRow& row);
 
 /// Words evaluated at once, of rows that follow each other with a word of zeros between them.

@@ -82,7 +82,8 @@ std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
     for (int i = 0; i < 4; ++i) {
       const int c = column + i % 2, r = row + i / 2;
       const auto place = static_cast<std::size_t>(i);
-      block.pixels[place] = static_cast<std::uint32_t>(r * width + c);
+      block.pixels[place] = static_cast<std::uint32_t>(r) * static_cast<std::uint32_t>(width) +
+                            static_cast<std::uint32_t>(c);
       block.points[place] = position_at(cloud, c, r);
     }
     const auto step = [&](std::size_t i, std::size_t k) {

@@ -81,9 +81,7 @@ std::vector<Strategy> candidates(int frames, int most_periods) {
       add(MultiFrequency{.steps = steps, .periods = {f, root, 1}});
       add(MultiFrequency{.steps = steps, .periods = {f, f - root, f - 2 * root + 1}});
     }
-    for (int bits = 1; bits <= 10; ++bits) {
-      add(GrayPhase{.steps = frames - bits, .periods = f});
-    }
+    for (int bits = 1; bits <= 10; ++bits) add(GrayPhase{.steps = frames - bits, .periods = f});
   }
   return all;
 }

@@ -232,8 +232,7 @@ void require_valid(const Layout& layout, std::string_view name) {
            "{}: {} frames with {} bands; at least one of each is required", name, layout.frames,
            layout.bands.size());
   for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
-  const auto require = layout.unwrapping->require;
-  if (require != nullptr) require(layout, name);
+  if (const auto require = layout.unwrapping->require) require(layout, name);
 }
 
 Band phase_shifted_band(int frames, int first, int steps, double periods, int channel, double share,

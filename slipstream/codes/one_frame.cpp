@@ -240,9 +240,7 @@ Layout CompositePattern::layout() const {
   Layout layout{.frames = frames,
                 .bands = {sine_cosine_mean_band(frames, steps(), high)},
                 .unwrapping = Unwrapping::surfaces};
-  for (int n = 0; n < steps(); ++n) {
-    layout.single_frames.push_back({n, low, -2 * pi * n / steps()});
-  }
+  for (int n = 0; n < steps(); ++n) layout.single_frames.push_back({n, low, -2 * pi * n / steps()});
   return layout;
 }
 

@@ -35,16 +35,14 @@ std::string setting_names(const Coding& coding) {
 
 /// Throws Error with the setting's name if the value has the wrong type.
 template <class Value>
-void set(Value& target, const std::string& name, const SettingValue& value) {
-  try {
-    if constexpr (requires { target.has_value(); }) {
-      value.read(target.emplace());
-    } else {
-      value.read(target);
-    }
-  } catch (const Error& error) {
-    throw Error(fmt::format("{} {}", name, error.what()));
+void set(Value& target, const std::string& name, const SettingValue& value) try {
+  if constexpr (requires { target.has_value(); }) {
+    value.read(target.emplace());
+  } else {
+    value.read(target);
   }
+} catch (const Error& error) {
+  throw Error(fmt::format("{} {}", name, error.what()));
 }
 
 template <class Coding>

@@ -262,8 +262,14 @@ void require_surfaces(const Layout& layout, std::string_view name) {
 }
 
 void require_single_frames(const Layout& layout, std::string_view name) {
-  throw_if(!has_single_frames(layout, infinity) || !step_run(layout.bands.front()),
+  const auto run = step_run(layout.bands.front());
+  throw_if(!has_single_frames(layout, infinity) || !run,
            "{}: a run of steps and single frames of one sinusoid each are required", name);
+  std::vector<int> shown(static_cast<std::size_t>(layout.frames));
+  for (int n = run->first; n < run->first + run->steps; ++n) ++shown[static_cast<std::size_t>(n)];
+  for (const SingleFrame& one : layout.single_frames) ++shown[static_cast<std::size_t>(one.frame)];
+  throw_if(std::ranges::count(shown, 1) != std::ssize(shown),
+           "{}: each frame must be either a step or one single frame", name);
   const double f = layout.bands.front().periods;
   for (int k = 1; k < f; ++k) {
     const bool repeats = std::ranges::all_of(layout.single_frames, [&](const SingleFrame& single) {

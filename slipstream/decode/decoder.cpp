@@ -82,9 +82,7 @@ BasicMaps<double> Decoder::unwrapped(LayoutPhases phases, double full_scale,
   CueSettings cue = cue_;
   cue.least_modulation = std::max(cue.least_modulation, least_modulation / grey_level);
   UnwrappedPhases unwrapped = unwrap(layout_, phases, cue, projector_length_, grey_level);
-  if (!unwrapped.contrast.empty()) {
-    phases.bands.front().modulation = std::move(unwrapped.contrast);
-  }
+  if (!unwrapped.contrast.empty()) phases.bands.front().modulation = std::move(unwrapped.contrast);
   return maps_of(std::move(phases.bands), measuring_band_index(layout_), std::move(unwrapped));
 }
 

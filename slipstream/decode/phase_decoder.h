@@ -86,9 +86,7 @@ std::string_view name_of(PhaseMethod method);
 
 /// PhaseSample of every pixel.
 struct PhaseMaps {
-  Image<double> mean;
-  Image<double> modulation;
-  Image<double> wrapped_phase;
+  Image<double> mean, modulation, wrapped_phase;
 };
 
 /// Decodes bands to phase, by the given method if possible, otherwise by the equations.

@@ -89,9 +89,7 @@ void set_pixel_format(CameraSettings& settings, const std::string& name);
 /// A camera found by a search.
 struct CameraDescription {
   std::string name;  ///< name to open it
-  std::string vendor;
-  std::string model;
-  std::string serial;
+  std::string vendor, model, serial;
   std::string address;   ///< its address on the network or bus
   std::string protocol;  ///< "GigEVision", "USB3Vision", "V4L2"
 };

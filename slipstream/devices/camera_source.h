@@ -148,15 +148,13 @@ class CameraSource : public FrameSource, public CameraControls {
   }
 
   const std::string name_;
-  CameraSettings
-      settings_;  ///< exposure, gain and rate may change while streaming, the rest may not
+  CameraSettings settings_;  ///< only exposure, gain and rate may change while streaming
   std::shared_ptr<Connection> connection_;
   const FrameFormat format_;
   FrameCount count_;
 
  private:
-  mutable std::mutex
-      mutex_;  ///< guards connection_ and settings_ against other threads, and state_
+  mutable std::mutex mutex_;  ///< guards connection_, settings_ and state_ against other threads
   std::string state_;
   std::atomic<std::uint64_t> delivered_ = 0, lost_ = 0, reconnects_ = 0;
 };

@@ -191,10 +191,6 @@ DlpSink::Bytes DlpSink::exchange(std::string_view name, bool is_read, const Valu
   return {answer->begin() + 4, answer->begin() + 4 + width};
 }
 
-void DlpSink::write(const char* command, const Values& values, const Bytes& data) {
-  exchange(command, false, values, data);
-}
-
 void DlpSink::change(const char* setting, const Values& values) {
   found_.emplace_back(setting, exchange(setting, true, {}, {}));
   write(setting, values);

@@ -69,7 +69,9 @@ class DlpSink : public PatternSink {
   using Values = std::vector<std::uint32_t>;
   Bytes exchange(std::string_view command, bool is_read, const Values& values, const Bytes& data);
   std::uint8_t read(const char* command) { return exchange(command, true, {}, {}).front(); }
-  void write(const char* command, const Values& values, const Bytes& data = {});
+  void write(const char* command, const Values& values, const Bytes& data = {}) {
+    exchange(command, false, values, data);
+  }
   void change(const char* setting, const Values& values);
   void await(const char* command, int mask, int wanted, const char* failure);
   void enter(std::uint8_t mode);

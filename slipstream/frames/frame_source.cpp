@@ -22,11 +22,8 @@ void require_valid(const FrameFormat& format) {
 
 Frame::Frame(const FrameFormat& format) : bits(format.bits) {
   require_valid(format);
-  if (bits == 8) {
-    pixels = Image<std::uint8_t>(format.size);
-  } else {
-    pixels = Image<std::uint16_t>(format.size);
-  }
+  pixels = bits == 8 ? decltype(pixels)(Image<std::uint8_t>(format.size))
+                     : decltype(pixels)(Image<std::uint16_t>(format.size));
 }
 
 Reel reel_of(std::vector<Frame> frames) {

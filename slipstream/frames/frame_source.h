@@ -70,9 +70,7 @@ inline constexpr std::array<CameraControlWords, 3> camera_controls{
 
 /// The value and range of a control.
 struct ControlValue {
-  double value = 0;
-  double least = 0;
-  double most = 0;
+  double value = 0, least = 0, most = 0;
 };
 
 /// Controls of a camera source. Thread-safe, also while streaming.

@@ -65,9 +65,7 @@ class SlipWatch {
   std::vector<bool> known_;
   std::vector<float> distances_;
   std::vector<Seen> suspects_;  ///< one per place of the cycle, the first `suspected_` in use
-  int suspected_ = 0;
-  int supporting_ = 0;
-  int places_ = 0;
+  int suspected_ = 0, supporting_ = 0, places_ = 0;
 };
 
 /// A run of phase-shifted frames in a cycle.

@@ -149,16 +149,14 @@ void SteppedSource::show(std::uint64_t sequence) {
   shown_.push_back({sequence, Clock::now()});
 }
 
-void SteppedSource::run() {
-  try {
-    while (!is_ending_) {
-      show(next_++);
-      std::this_thread::sleep_for(hold());
-    }
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    failure_ = std::current_exception();
+void SteppedSource::run() try {
+  while (!is_ending_) {
+    show(next_++);
+    std::this_thread::sleep_for(hold());
   }
+} catch (...) {
+  const std::lock_guard lock(mutex_);
+  failure_ = std::current_exception();
 }
 
 Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {

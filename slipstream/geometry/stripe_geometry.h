@@ -18,8 +18,8 @@ struct RayTable {
 };
 
 /// Exact at every eighth pixel and cubic in between, a few milliseconds for 640x480; exact
-/// everywhere if the cubic would be off by more than 1e-7, as in small images. nullopt if some
-/// pixel has no ray.
+/// everywhere if the cubic would be off by more than 1e-7, as in small images. nullopt if the lens
+/// model cannot be inverted over the picture.
 std::optional<RayTable> ray_table(const Lens& camera);
 
 /// StripeGeometry and RayTable as polynomials, one set for each block of adjacent pixels of a row.

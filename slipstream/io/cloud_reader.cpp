@@ -44,9 +44,7 @@ std::vector<PointElement> read_ply_header(NumberReader& reader) {
 StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
   NumberReader reader(bytes);
   StoredPoints stored;
-  for (const PointElement& element : read_ply_header(reader)) {
-    read_element(element, reader, stored);
-  }
+  for (const PointElement& element : read_ply_header(reader)) read_element(element, reader, stored);
   return stored;
 }
 
@@ -148,9 +146,7 @@ StoredCloud cloud_of(StoredPoints stored) {
     cloud.intensity.begin()[i] = static_cast<float>(point.intensity);
     if (!is_finite(point)) continue;
     cloud.validity.begin()[i] = Validity::valid;
-    for (const auto& [image, field] : columns) {
-      image->begin()[i] = static_cast<float>(point.*field);
-    }
+    for (const auto& [image, field] : columns) image->begin()[i] = static_cast<float>(point.*field);
   }
   return result;
 }

@@ -220,10 +220,6 @@ void OutputFile::sync() {
   synced_ = written_;
 }
 
-void OutputFile::keep() {
-  keep_together({this});
-}
-
 void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
   for (OutputFile* const file : files) file->finish();
   for (auto place = files.begin(); place != files.end(); ++place) {

@@ -107,7 +107,7 @@ class OutputFile {
   /// Returns once the bytes so far, and the name, would survive a power failure.
   void sync();
   /// Syncs, closes and renames the file. Throws if the disk has failed before.
-  void keep();
+  void keep() { keep_together({this}); }
   /// Keeps files that belong together, in this order. After a failure none appears, and existing
   /// files stay.
   static void keep_together(std::initializer_list<OutputFile*> files);

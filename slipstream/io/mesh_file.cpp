@@ -313,13 +313,10 @@ void write_surface(const fs::path& path, const Surface& surface) {
   throw_if(surface.triangles.empty(), "{}: no neighbouring points to make a mesh of",
            path.string());
   const std::string extension = lower_case_extension(path);
-  if (extension == ".obj") {
-    write_obj(path, surface);
-  } else {
-    write_file(path, extension == ".ply"   ? ply_file(surface)
-                     : extension == ".stl" ? stl_file(surface)
-                                           : glb_file(surface));
-  }
+  if (extension == ".obj") return write_obj(path, surface);
+  write_file(path, extension == ".ply"   ? ply_file(surface)
+                   : extension == ".stl" ? stl_file(surface)
+                                         : glb_file(surface));
 }
 
 }  // namespace slipstream

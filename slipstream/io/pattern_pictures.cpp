@@ -58,11 +58,9 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
     const Image<std::uint16_t> picture = render_pattern(patterns, n, sequence.projector, bits);
     if (n == 0) make_folder(folder);
     const fs::path file = pattern_file(folder, static_cast<std::size_t>(n));
-    if (patterns.binary) {
-      write_one_bit_image(file, in_8_bits(picture));
-    } else {
-      bits == 8 ? write_image(file, in_8_bits(picture)) : write_image(file, picture);
-    }
+    patterns.binary ? write_one_bit_image(file, in_8_bits(picture))
+    : bits == 8     ? write_image(file, in_8_bits(picture))
+                    : write_image(file, picture);
     pictures.push_back(file);
     written();
   }

@@ -24,20 +24,15 @@ enum class PlotScale { linear, logarithmic };
 
 /// Lines over common axes.
 struct LinePlot {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
+  std::string title, x_label, y_label;
   PlotScale y_scale = PlotScale::linear;
   std::vector<PlotLine> lines;
 };
 
 /// One bar for each bin of equal width from `low` to `high`.
 struct BarPlot {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
-  double low = 0;
-  double high = 1;
+  std::string title, x_label, y_label;
+  double low = 0, high = 1;
   std::vector<double> heights;
 };
 

@@ -51,8 +51,6 @@ class Recorder {
   /// Throws as RecordingWriter.
   Recorder(const std::filesystem::path& path, const RecordingHeader& header,
            std::size_t memory = default_memory, const FileLimit& limit = {});
-  Recorder(const Recorder&) = delete;
-  Recorder& operator=(const Recorder&) = delete;
   ~Recorder();  ///< finishes; ignores errors
 
   /// Copies a frame of the header's format into the queue. Call from one thread. If the queue is

@@ -31,11 +31,7 @@ struct FileHeader {
   std::array<char, 8> recording_magic{};
   std::uint32_t version = 0;
   std::uint32_t header_size = 0;  ///< offset of the first record
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;
-  std::uint32_t bits = 0;
-  std::uint32_t scan_length = 0;
-  std::uint32_t scanner_length = 0;
+  std::uint32_t width = 0, height = 0, bits = 0, scan_length = 0, scanner_length = 0;
   std::uint32_t channels = 0;  ///< 3 in colour, otherwise 0
   double frame_rate = 0;
   std::uint64_t record_size = 0;

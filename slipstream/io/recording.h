@@ -31,8 +31,6 @@ class RecordingWriter {
   /// file.
   RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header,
                   OutputFile::Writing writing = OutputFile::Writing::over_time);
-  RecordingWriter(const RecordingWriter&) = delete;
-  RecordingWriter& operator=(const RecordingWriter&) = delete;
   /// Closes the file. Without finish(), a file with frames written `over_time` reads as
   /// interrupted; otherwise an existing file stays.
   ~RecordingWriter();

@@ -16,9 +16,7 @@ namespace {
 
 FrameSet recorded_frames(const ScanFiles& files) {
   const RecordingReader& recording = *files.recording;
-  if (recording.header().in_colour) {
-    require_in_colour(files.sequence, files.path.string());
-  }
+  if (recording.header().in_colour) require_in_colour(files.sequence, files.path.string());
   const int bits = recording.header().format.bits;
   throw_if(bits != files.bits, "{}: its frames have {} bits; --camera-bits {} is only for pictures",
            files.path.string(), bits, files.bits);
@@ -295,9 +293,7 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
 std::uint32_t checksum_of(const ScanFiles& scan) {
   std::uint32_t sum =
       scan.second_camera ? checksum_of(scan_files_in(*scan.second_camera)) : std::uint32_t{0};
-  if (scan.recording) {
-    sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
-  }
+  if (scan.recording) sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
   std::vector<fs::path> files;
   for (const fs::path& frame : scan.frames) {
     if (files.empty() || files.back() != file_of_page(frame)) files.push_back(file_of_page(frame));

@@ -77,8 +77,7 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
                                            : std::vector<std::pair<int, std::string>>();
   if (static_cast<int>(extra.size()) != surplus) {
     return fmt::format(
-        "{} too many; leave them out with --order, or check --strategy, --steps and "
-        "--low-steps{}",
+        "{} too many; leave them out with --order, or check --strategy, --steps and --low-steps{}",
         surplus, count < 2 * wanted ? "" : "; reconstruct --windows : takes them as a recording");
   }
   std::vector<int> order;

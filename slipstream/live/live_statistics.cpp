@@ -45,9 +45,7 @@ void LatencyHistogram::add(std::chrono::nanoseconds duration) {
   const double decades = std::log10(std::max(static_cast<double>(ns) * 1e-6 / shortest_ms, 1.0));
   const auto step = static_cast<std::size_t>(std::ceil(decades * steps_per_decade));
   counts_[std::min(step, steps - 1)].fetch_add(1, std::memory_order_relaxed);
-  if (ns > longest_.load(std::memory_order_relaxed)) {
-    longest_.store(ns, std::memory_order_relaxed);
-  }
+  if (ns > longest_.load(std::memory_order_relaxed)) longest_.store(ns, std::memory_order_relaxed);
 }
 
 Latency LatencyHistogram::latency() const {

@@ -21,9 +21,7 @@ struct LiveFinding {
 
 /// Durations, ms; 0 before the first measurement.
 struct Latency {
-  double p50 = 0;
-  double p99 = 0;
-  double max = 0;
+  double p50 = 0, p99 = 0, max = 0;
 
   template <class Visit>
   void for_each_figure(const Visit& visit) const {

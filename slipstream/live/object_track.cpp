@@ -51,8 +51,7 @@ std::string text_of(const ObjectTrack& track) {
 std::string text_of(const ModelStatistics& model) {
   return fmt::format(
       "model: {} points of {} views, RMS {:.3f} mm from the last; {} did not fit, {} missed; "
-      "{:.1f} "
-      "ms per view",
+      "{:.1f} ms per view",
       model.points, model.views, model.rms, model.left_out, model.missed, model.milliseconds);
 }
 

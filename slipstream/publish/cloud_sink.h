@@ -90,8 +90,7 @@ class DisjointCloudSink : public CloudSink {
   }
 
  private:
-  std::optional<std::uint64_t>
-      last_;  ///< sequence number of the newest frame of the last cloud taken
+  std::optional<std::uint64_t> last_;  ///< number of the newest frame of the last cloud taken
 };
 
 /// The available sinks: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE, genicam:ADDRESS".

@@ -121,9 +121,8 @@ ddsi_sertype_ops make_type_operations() {
     ddsi_sertype_fini(type);
     delete type;
   };
-  make.equal = [](const ddsi_sertype*, const ddsi_sertype*) {
-    return true;
-  };  // types are compared by name
+  // Types are compared by name.
+  make.equal = [](const ddsi_sertype*, const ddsi_sertype*) { return true; };
   make.hash = [](const ddsi_sertype*) { return std::uint32_t{0}; };
   // For loaned samples, which are not used here.
   make.zero_samples = [](const ddsi_sertype*, void*, std::size_t) {};

@@ -68,8 +68,7 @@ std::string_view without_port(std::string_view host) {
 
 class Connection;
 
-/// The server and its clients. Everything except `put` and `finish` runs in the serving
-/// thread.
+/// The server and its clients. Everything except `put` and `finish` runs in the serving thread.
 class WebSink final : public CloudSink {
  public:
   WebSink(const tcp::endpoint& endpoint, PublishedRun run);
@@ -426,8 +425,7 @@ tcp::endpoint web_endpoint_from(const std::string& where) {
   const std::size_t colon = where.rfind(':');
   std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  const auto port =
-      number_in<std::uint16_t>(where.substr(colon + 1));  // the whole text if it has no colon
+  const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // all without a colon
   Failure failure;
   const auto address = asio::ip::make_address(host, failure);
   throw_if(!port || failure,

@@ -81,8 +81,10 @@ struct Engine::Tables {
     if (fused && asked.engine == EngineKind::gpu) {
       try {
         gpu = GpuEngine::make(*fused, asked.gpu);
-        if (!gpu)
-          fall_back(without_gpu("its shaders do not support this lens or this number of frames"));
+        if (!gpu) {
+          fall_back(
+              without_gpu("its shaders do not support this strategy, lens or number of frames"));
+        }
       } catch (const GpuError& error) {  // the device is too small
         fall_back(without_gpu(error.what()));
       }
@@ -147,6 +149,7 @@ struct Engine::Memory {
   DepthOrders orders;
   FrameMotion motion;
   Cleaner clean;
+  std::atomic<bool> unquantised = false;  ///< the newest frames, which no fused engine takes
 };
 
 Engine::Engine(const EngineSetup& setup)
@@ -204,10 +207,8 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
 void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse) {
   if (setup().settings.own_engine) return setup().settings.own_engine->run(frames, outputs);
   const EngineKind kind = tables_->engine_for(frames);
+  memory_->unquantised = tables_->fused && !frames.quantised();
   if (kind == EngineKind::reference) {
-    if (tables_->fused && !tables_->gpu && !frames.quantised()) {
-      tables_->fall_back(without_fused("it requires 8 to 16 bits"));
-    }
     return tables_->reference().run(frames, outputs);
   }
   if (tables_->fused->wants_coarse() && coarse == nullptr)
@@ -294,6 +295,7 @@ std::string Engine::backend_for(const FrameViews& frames) {
 }
 
 std::string Engine::fallback_reason() const {
+  if (memory_->unquantised) return without_fused("it requires 8 to 16 bits");
   return tables_->fell_back ? tables_->fallback_reason : "";
 }
 

@@ -68,7 +68,8 @@ class Engine {
   /// Backend used for such frames: "fused", "gpu" until it fails in any copy, or the phase method
   /// of the reference engine: "lut", "equation", "closed-form".
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
-  /// Why the chosen or default engine is not used and what replaces it, one line; empty if used.
+  /// Why the chosen or default engine does not take scans such as the newest, and what replaces it,
+  /// one line; empty if it does.
   [[nodiscard]] std::string fallback_reason() const;
 
  private:

@@ -13,17 +13,15 @@ namespace {
 
 /// Calls the driver; its errors become GpuError.
 template <class Call>
-auto driver_call(const Call& call) -> decltype(call()) {
-  try {
-    return call();
-  } catch (const vk::SystemError& error) {
-    const std::error_code code = error.code();
-    const bool no_memory = code == vk::Result::eErrorOutOfDeviceMemory ||
-                           code == vk::Result::eErrorOutOfHostMemory ||
-                           code == vk::Result::eErrorTooManyObjects;
-    throw GpuError(no_memory ? GpuFailure::no_memory : GpuFailure::lost,
-                   fmt::format("the GPU has failed: {}", error.what()));
-  }
+auto driver_call(const Call& call) -> decltype(call()) try {
+  return call();
+} catch (const vk::SystemError& error) {
+  const std::error_code code = error.code();
+  const bool no_memory = code == vk::Result::eErrorOutOfDeviceMemory ||
+                         code == vk::Result::eErrorOutOfHostMemory ||
+                         code == vk::Result::eErrorTooManyObjects;
+  throw GpuError(no_memory ? GpuFailure::no_memory : GpuFailure::lost,
+                 fmt::format("the GPU has failed: {}", error.what()));
 }
 
 constexpr std::uint32_t least_version = VK_API_VERSION_1_1;

@@ -32,9 +32,7 @@ bool has_second_harmonic(const ResponseLinearity& linearity, double share);
 /// Distribution of the ambient light beta of Eq. (3.5) over the pixels, grey levels.
 struct AmbientEstimate {
   double mode = 0;  ///< the most frequent value: centroid of the fullest grey level
-  double median = 0;
-  double mean = 0;
-  double variance = 0;
+  double median = 0, mean = 0, variance = 0;
   std::size_t pixels = 0;
 };
 

@@ -247,8 +247,7 @@ ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, con
       middle.constraint.*part = model[centre].*part + value;
       if (part == &Constraint::mean) continue;
       noise += variance;
-      curve.variance +=
-          pi / 2 * variance / static_cast<double>(left.size());  // variance of a median
+      curve.variance += pi / 2 * variance / static_cast<double>(left.size());  // of a median
     }
   }
   const auto count = static_cast<double>(std::max<std::size_t>(curve.bins.size(), 1));

@@ -191,8 +191,7 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
   }
   throw_if(all.empty(),
            "these scans cannot measure noise; expected two equal scans of a static scene, one of 4 "
-           "steps "
-           "of one frequency, or one with a second band in the same frames");
+           "steps of one frequency, or one with a second band in the same frames");
   for (NoiseMeasurement& other : all) other.reason = disagreement(other, all.front());
   return all;
 }

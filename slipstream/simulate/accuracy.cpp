@@ -191,9 +191,7 @@ void take(const RigSetting& setting, const fs::path& folder, Artefacts& artefact
   if (const auto kind = scans.find(setting.name); kind != scans.end()) {
     for (const std::string& scan : setting.values) kind->second->push_back(folder / scan);
   } else if (setting.name == "diameters") {
-    for (const std::string& text : setting.values) {
-      artefacts.diameters.push_back(length_from(text));
-    }
+    for (const std::string& text : setting.values) artefacts.diameters.push_back(length_from(text));
   } else if (setting.name == "distance") {
     artefacts.distance = one_length_from(setting.values);
   } else if (setting.name == "diagonal") {

@@ -21,9 +21,7 @@ namespace slipstream {
 struct Artefacts {
   std::vector<double> diameters{};   ///< mm; up to two
   std::optional<double> distance{};  ///< mm; of two spheres
-  std::vector<std::string> spheres{};
-  std::vector<std::string> planes{};
-  std::vector<std::string> repeated{};
+  std::vector<std::string> spheres{}, planes{}, repeated{};
   std::optional<double> diagonal{};  ///< mm; if set, figures are also given relative to it
 };
 

@@ -88,9 +88,7 @@ struct PixelShares {
 };
 
 PixelShares shares_about(double place, double deviation, int length) {
-  if (deviation == 0) {
-    return {std::clamp(static_cast<int>(std::lround(place)), 0, length - 1), {1}};
-  }
+  if (deviation == 0) return {std::clamp(static_cast<int>(std::lround(place)), 0, length - 1), {1}};
   const int first = std::max(static_cast<int>(std::lround(place - 4 * deviation)), 0);
   const int last = std::min(static_cast<int>(std::lround(place + 4 * deviation)), length - 1);
   const auto up_to = [&](double edge) {

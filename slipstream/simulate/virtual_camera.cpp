@@ -128,9 +128,7 @@ std::optional<VirtualCamera::Clock::time_point> VirtualCamera::wait_until(Clock:
   const std::chrono::duration<double> due(static_cast<double>(sequence_ + 1) / *rate_);
   const Clock::time_point whole = start_ + std::chrono::duration_cast<Clock::duration>(due);
   // A sleep may end early by a tick of the system's clock.
-  while (Clock::now() < std::min(whole, end)) {
-    std::this_thread::sleep_until(std::min(whole, end));
-  }
+  while (Clock::now() < std::min(whole, end)) std::this_thread::sleep_until(std::min(whole, end));
   if (whole > end) return std::nullopt;
   return whole;
 }

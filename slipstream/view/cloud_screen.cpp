@@ -285,15 +285,13 @@ void CloudScreen::answer(const PanelRequests& requests) {
 }
 
 template <class Action>
-bool CloudScreen::attempt(const Action& action) {
-  try {
-    action();
-    state_.message.clear();
-    return true;
-  } catch (const std::exception& error) {
-    state_.message = error.what();
-    return false;
-  }
+bool CloudScreen::attempt(const Action& action) try {
+  action();
+  state_.message.clear();
+  return true;
+} catch (const std::exception& error) {
+  state_.message = error.what();
+  return false;
 }
 
 void CloudScreen::change_setup() {

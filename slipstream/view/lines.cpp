@@ -144,9 +144,7 @@ std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
     const glm::vec3 end = origin + length * direction, middle = end + 1.9F * letter * direction;
     const auto place = [&](float x, float y) { return middle + letter * (x * right + y * up); };
     lines.push_back({origin, end, colour, 1});
-    for (const Stroke& s : strokes) {
-      lines.push_back({place(s.x, s.y), place(s.z, s.w), colour, 1});
-    }
+    for (const Stroke& s : strokes) lines.push_back({place(s.x, s.y), place(s.z, s.w), colour, 1});
   };
   add({1, 0, 0}, letter_x, red);
   add({0, 1, 0}, letter_y, green);

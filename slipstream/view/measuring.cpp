@@ -39,12 +39,10 @@ std::string text_of(const FittedSphere& sphere) {
 }
 
 template <class Fit>
-std::string fitted(const char* shape, const Fit& fit, std::span<const MeasuredPoint> points) {
-  try {
-    return text_of(fit(points, std::nullopt));
-  } catch (const Error& error) {
-    return fmt::format("No {}: {}", shape, error.what());
-  }
+std::string fitted(const char* shape, const Fit& fit, std::span<const MeasuredPoint> points) try {
+  return text_of(fit(points, std::nullopt));
+} catch (const Error& error) {
+  return fmt::format("No {}: {}", shape, error.what());
 }
 
 }  // namespace

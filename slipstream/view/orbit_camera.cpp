@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
@@ -17,14 +16,9 @@ float aspect(Size picture) {
          static_cast<float>(std::max(picture.height, 1));
 }
 
-constexpr float steepest =
-    glm::half_pi<float>() - 0.01F;  // elevation limit; straight up has no azimuth
+constexpr float steepest = glm::half_pi<float>() - 0.01F;  // elevation; straight up has no azimuth
 
 }  // namespace
-
-float Box::diagonal() const {
-  return glm::length(high - low);
-}
 
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag) {
   constexpr float turn = glm::pi<float>();  // angle for a drag over the whole height

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -15,7 +16,7 @@ struct Box {
   glm::vec3 low{0}, high{0};
 
   [[nodiscard]] glm::vec3 centre() const { return 0.5F * (low + high); }
-  [[nodiscard]] float diagonal() const;
+  [[nodiscard]] float diagonal() const { return glm::length(high - low); }
 };
 
 /// The viewpoint: a place on a sphere around a target; upright like the scanner's camera if all

@@ -92,9 +92,7 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   };
   frames.for_each_figure(bad_news);
   statistics.for_each_figure(bad_news);
-  if (statistics.motion > 0) {
-    row("extra frames for motion", fmt::format("{}", statistics.motion));
-  }
+  if (statistics.motion > 0) row("extra frames for motion", fmt::format("{}", statistics.motion));
 }
 
 void draw_latencies(const LiveStatistics& statistics) {
@@ -145,8 +143,7 @@ void draw_counts(const PanelState& state, const ViewSource& source) {
   const bool alone = pictures_alone(source);
   table("pixels", 2, ImGuiTableFlags_SizingFixedFit, [&] {
     ImGui::TableSetupColumn("share");
-    ImGui::TableSetupColumn("reason",
-                            ImGuiTableColumnFlags_WidthStretch);  // the set of reasons changes
+    ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // the reasons change
     for (std::size_t i = 0; i < state.counts.size(); ++i) {
       if (i != 0 && state.counts[i] == 0) continue;
       const std::string percent = percent_of(state.counts[i], state.pixels);
@@ -312,9 +309,7 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
     }
     if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
   }
-  if (can_choose_exposure(state, source)) {
-    requests.expose |= ImGui::Button("Best exposure (E)");
-  }
+  if (can_choose_exposure(state, source)) requests.expose |= ImGui::Button("Best exposure (E)");
   if (!source.camera_region.empty()) say(quiet, "region {}", source.camera_region);
 }
 

@@ -41,6 +41,14 @@ Layout with_cue(std::vector<double> weights = mean_weights(3), double periods = 
           .unwrapping = Unwrapping::vote};
 }
 
+/// A band of three steps and two frames of one sinusoid each.
+Layout with_single_frames() {
+  return {.frames = 5,
+          .bands = {phase_shifted_band(5, 0, 3, 12)},
+          .single_frames = {{.frame = 3, .periods = 13}, {.frame = 4, .periods = 11.5}},
+          .unwrapping = Unwrapping::single_frames};
+}
+
 /// A cue that is a second band in the second full phase channel of five steps.
 Layout with_second_band() {
   return {
@@ -273,6 +281,10 @@ TEST(Layout, RefusesWhatIsNone) {
       {"a sine too many", one_band(1), [](Layout& l) { l.bands[0].sine.push_back(0); }},
       {"no weights of the mean", one_band(1), [](Layout& l) { l.bands[0].mean.clear(); }},
       {"a frame more than weights", one_band(1), [](Layout& l) { ++l.frames; }},
+      {"a frame that is no single one", with_single_frames(),
+       [](Layout& l) { l.single_frames.pop_back(); }},
+      {"a single frame twice", with_single_frames(),
+       [](Layout& l) { l.single_frames.push_back(l.single_frames.front()); }},
       {"a weight that is no number", one_band(1), [&](Layout& l) { l.bands[0].sine[1] = nan; }},
       {"infinite weights", one_band(1), [&](Layout& l) { l.bands[0].mean[0] = infinity; }},
       {"a cosine of constant light", one_band(1), [](Layout& l) { l.bands[0].cosine[0] += 0.1; }},

@@ -70,7 +70,7 @@ std::uint64_t place_of_call() {
 }
 
 /// Whether this call is the one.
-bool fails(FaultCall call) {
+[[gnu::noinline]] bool fails(FaultCall call) {
   if (!armed.load(std::memory_order_relaxed) || !is_of_program) return false;
   if (is_drawing && (call == of_malloc || call == of_thread)) return false;
   const std::uint64_t number = record->calls[call].fetch_add(1) + 1;
@@ -174,7 +174,8 @@ int pthread_getattr_np(pthread_t thread, pthread_attr_t* attributes) noexcept {
   return failed;
 }
 
-// What comes next is the C library, or a sanitizer's memory.
+// What comes next is the C library, or a sanitizer's memory, which must see who calls: it passes
+// over what the loader keeps. So it is called last, and `fails` is not inlined.
 
 void* malloc(std::size_t size) {
   static const auto allocate = next<decltype(&malloc)>("malloc");

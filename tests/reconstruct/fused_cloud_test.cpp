@@ -189,6 +189,8 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
 
     EXPECT_EQ(reconstruct.fallback_reason(),
               "no fused engine: it requires 8 to 16 bits; using the reference engine");
+    reconstruct.cloud(bytes, cloud);
+    EXPECT_EQ(reconstruct.fallback_reason(), "");
     Engine of_narrow(example_scanner({15, 48}), sequence, settings);
     EXPECT_EQ(of_narrow.backend_for(narrow), "lut");
     EXPECT_EQ(of_narrow.fallback_reason(),
@@ -199,6 +201,12 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
               "no fused engine: the projector's lens model cannot be inverted over its picture; "
               "using the reference engine");
   }
+  MicroPhaseShifting most;
+  most.periods.clear();
+  while (most.periods.size() < 64) most.periods.push_back(21 + 0.37 * std::ssize(most.periods));
+  Engine of_most(example_scanner({64, 48}), {.strategy = most});
+  EXPECT_EQ(of_most.backend_for(FrameSet(FrameSet::Images8(66, Image<std::uint8_t>({64, 48})))),
+            "fused");
   Engine reference(example_scanner({64, 48}), sequence, {.engine = EngineKind::reference});
   EXPECT_EQ(reference.backend_for(bytes), "lut");
   EXPECT_EQ(reference.fallback_reason(), "");

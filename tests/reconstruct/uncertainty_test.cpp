@@ -74,6 +74,21 @@ TEST(Uncertainty, IsThatOfTheVirtualScannerWithinTenPercent) {
   }
 }
 
+/// Whose pixels have neighbours on one side alone.
+TEST(Uncertainty, IsSaidOfAPictureOfOneRow) {
+  const Scanner scanner = example_scanner({200, 1});
+  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
+                                     pattern_set(PhaseMeasuring{}, Axis::x, light), photometry);
+  Engine engine(scanner, {.strategy = PhaseMeasuring{}, .light = light});
+  Cloud cloud;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, cloud, maps);
+  const Uncertainty sigma = engine.uncertainty(cloud, maps, scan.frames);
+  for (int column = 0; column < 200; ++column) {
+    EXPECT_EQ(std::isfinite(sigma.z(column, 0)), cloud.validity(column, 0) == Validity::valid);
+  }
+}
+
 TEST(Uncertainty, IsNotSaidWhereThereIsNoPoint) {
   const Scanner scanner = example_scanner({80, 60});
   const Strategy strategy = DualFrequency{};

@@ -21,9 +21,7 @@ void for_each_sample(Size size, const Visit& visit) {
   constexpr int across = 24;
   const int step_x = std::max(1, size.width / across), step_y = std::max(1, size.height / across);
   for (int row = step_y / 2; row < size.height; row += step_y) {
-    for (int column = 1 + step_x / 2; column + 1 < size.width; column += step_x) {
-      visit(column, row);
-    }
+    for (int column = 1 + step_x / 2; column + 1 < size.width; column += step_x) visit(column, row);
   }
 }
 

@@ -67,22 +67,12 @@ void add_predicted(std::span<std::uint8_t> row, const std::uint8_t* above, Predi
 /// Undoes the filter of a row, given the row above. `pixel`: bytes of one. False: no such filter.
 template <std::size_t pixel>
 bool undo_filter(int filter, std::span<std::uint8_t> row, const std::uint8_t* above) {
-  switch (filter) {
-    case 0:
-      return true;
-    case 1:
-      return add_predicted<pixel>(row, above, [](int left, int, int) { return left; }), true;
-    case 2:
-      return add_predicted<pixel>(row, above, [](int, int up, int) { return up; }), true;
-    case 3:
-      return add_predicted<pixel>(row, above,
-                                  [](int left, int up, int) { return (left + up) / 2; }),
-             true;
-    case 4:
-      return add_predicted<pixel>(row, above, closest), true;
-    default:
-      return false;
-  }
+  const auto undo = [&](auto predict) { add_predicted<pixel>(row, above, predict); };
+  if (filter == 1) undo([](int left, int, int) { return left; });
+  if (filter == 2) undo([](int, int up, int) { return up; });
+  if (filter == 3) undo([](int left, int up, int) { return (left + up) / 2; });
+  if (filter == 4) undo(closest);
+  return filter <= 4;
 }
 
 }  // namespace

@@ -24,9 +24,7 @@ using Window = Several<vectors, LineFloats>;
 
 constexpr Cells spread(std::uint32_t cells) {
   Cells found = 0;
-  for (int line = 0; line < 5; ++line) {
-    found |= Cells{cells >> (5 * line) & 31U} << (8 * line);
-  }
+  for (int line = 0; line < 5; ++line) found |= Cells{cells >> (5 * line) & 31U} << (8 * line);
   return found;
 }
 constexpr Cells whole_window = spread(WindowCells::whole_window);

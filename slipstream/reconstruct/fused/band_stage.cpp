@@ -72,9 +72,7 @@ std::vector<float> in_turns(const Values& spectrum, int degree) {
   kept.tail(terms - 1 - degree).setZero();
   const Eigen::Matrix<double, terms, 1> powers = chebyshev_coefficients<terms>().transpose() * kept;
   std::vector<float> coefficients;
-  for (int k = degree; k >= 0; --k) {
-    coefficients.push_back(static_cast<float>(powers(k) / two_pi));
-  }
+  for (int k = degree; k >= 0; --k) coefficients.push_back(static_cast<float>(powers(k) / two_pi));
   return coefficients;
 }
 

@@ -73,7 +73,7 @@ const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratc
 }
 
 /// Level above which the bits of each pixel are bright; null if a code needs none. `mean`: row of
-/// the first band, in levels of the output.
+/// the measuring band, in levels of the output.
 const float* bright_levels(const FusedBand& band, int row, const float* mean) {
   const FusedStages::CodeBits& code = *band.stages.code;
   const int width = band.width();
@@ -142,7 +142,9 @@ void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Ma
   FusedScratch& scratch = band.scratch;
   const auto& chain = band.stages.chain;
   const int width = band.width();
-  float *const doubt = maps != nullptr ? maps->fringe_order_doubt.row(row) : nullptr,
+  float *const doubt = maps != nullptr && band.stages.has_doubt()
+                           ? maps->fringe_order_doubt.row(row)
+                           : nullptr,
                *const kept = scratch.kept.coordinates(row);
   float* const y = maps != nullptr ? maps->coordinate.row(row) : kept;
   const std::int32_t hidden = maps == nullptr ? PixelFlag::dark : 0;
@@ -337,16 +339,13 @@ void FusedBand::finish_points(int row, KeptRows& kept, const float* turn) const 
     to.below = kept.coordinates(row + 1);
     point_row(stages.point, stages.consensus, to);
   }
-  if (output.depth16 != nullptr) {
-    number_row(output.scale, width(), to.z, output.depth16->row(row));
-  }
+  if (output.depth16 != nullptr) number_row(output.scale, width(), to.z, output.depth16->row(row));
   if (output.points == nullptr) return;
   const auto at = [&](Image<float>& image) { return image.row(first) + scratch.packed; };
   PackedPoints& points = *output.points;
-  scratch.packed +=
-      pack_row(width(), {to.x, to.y, to.z, mean_row(row)},
-               {at(points.x), at(points.y), at(points.z), at(points.intensity)},
-               static_cast<std::size_t>(width() * (row + 1 - first)) - scratch.packed);
+  scratch.packed += pack_row(width(), {to.x, to.y, to.z, mean_row(row)},
+                             {at(points.x), at(points.y), at(points.z), at(points.intensity)},
+                             index(width()) * index(row + 1 - first) - scratch.packed);
 }
 
 void prepare(const Outputs& output, Size size, bool doubtful) {
@@ -402,7 +401,7 @@ void FusedEngine::operator()(const FrameViews& frames, const Outputs& output, Fu
   require_frames(frames, stages->frames, size);
   throw_if(!frames.quantised(), "frames are not quantised; the fused pass takes 8 to 16 bits");
   find_limits(frames, output, memory.limits);
-  prepare(output, size, stages->asks_neighbours());
+  prepare(output, size, stages->has_doubt());
   const bool past_cache =
       output.cloud != nullptr && output.maps == nullptr && written_past_cache(size);
   run_bands(

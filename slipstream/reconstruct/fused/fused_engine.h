@@ -90,7 +90,7 @@ struct FusedScratch {
 /// Memory of the fused pass, reused from scan to scan.
 struct FusedMemory {
   std::vector<FusedScratch> scratch;   ///< one per band of rows
-  std::vector<SinusoidLimits> limits;  ///< one per band of the layout
+  std::vector<SinusoidLimits> limits;  ///< one per entry of FusedStages::bands
 };
 
 /// Resizes the requested outputs; `doubtful`: the maps include fringe_order_doubt.
@@ -143,7 +143,7 @@ struct FusedPass {
   const FusedStages& stages;
   const FrameViews& frames;
   const Outputs& output;
-  const std::vector<SinusoidLimits>& limits;  ///< one per band of the layout
+  const std::vector<SinusoidLimits>& limits;  ///< one per entry of FusedStages::bands
   CueLimits cue_limits;
   bool past_cache;
   const Image<float>* coarse;  ///< null if not given

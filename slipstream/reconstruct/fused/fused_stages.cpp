@@ -28,16 +28,14 @@ FusedStages::CodeBits code_bits(const Layout& layout, const EngineSetup& setup) 
   const Code& code = *layout.code;
   const CodeNumbers numbers{.gray = code.gray ? 1 : 0, .stripe = narrow(1 / code.stripes)};
   FusedStages::CodeBits bits{.stage = {numbers, code.frames, code.inverses},
-                             .against_mean = code.reference == layout.bands.front().mean,
+                             .against_mean = code.reference == measuring_band(layout).mean,
                              .reference = {}};
   if (code.base) {
     const int count = static_cast<int>(code.frames.size());
     bits.stage.base = 1 << (count - 1 - *code.base);
     bits.stage.others = ((1 << count) - 1) & ~bits.stage.base;
   }
-  for (const double weight : code.reference) {
-    bits.reference.push_back(narrow(weight));
-  }
+  for (const double weight : code.reference) bits.reference.push_back(narrow(weight));
   if (!layout.unwrapping->whole_stripes) return bits;
   bits.against_mean = false;
   bits.stage.alone = true;
@@ -139,7 +137,8 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
     return;
   }
   const bool several = chain.size() > 1;
-  if (!several && layout.bands.front().mirrored.empty()) return;
+  stages.only_adds = !several;
+  if (!several && measuring_band(layout).mirrored.empty()) return;
   if (!several) stages.consensus.fewest_neighbours = 0;
   stages.coarse = factors(chain.front());
   stages.coarse_in_field = !is_circle(layout);
@@ -208,8 +207,9 @@ std::string why_not_in_rows(const EngineSetup& setup) {
       (adds && (order_source(layout) != OrderSource::bands || unwraps_by_picture(setup)))) {
     return fmt::format("it does not support {}", strategy.name());
   }
-  if (layout.unwrapping->tries_orders && layout.frames > OrderStage::most_waves) {
-    return fmt::format("it supports at most {} frames", OrderStage::most_waves);
+  const auto waves = layout.single_frames.empty() ? std::ssize(layout.bands) : layout.frames;
+  if (layout.unwrapping->tries_orders && waves > OrderStage::most_waves) {
+    return fmt::format("it compares at most {} sinusoids", OrderStage::most_waves);
   }
   if (!has_coordinate(layout) && !unwraps_by_depth(setup)) return "it requires a coordinate";
   if (order_source(layout) == OrderSource::neighbours && !has_fused_cue(setup)) {

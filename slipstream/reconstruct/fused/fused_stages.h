@@ -28,7 +28,7 @@ struct FusedStages {
   /// A binary code that starts the chain, or stands alone.
   struct CodeBits {
     CodeStage stage;
-    bool against_mean = false;     ///< compare with the mean of the first band
+    bool against_mean = false;     ///< compare with the mean of the measuring band
     std::vector<float> reference;  ///< otherwise a weight per frame, or inverse frames
   };
 
@@ -52,8 +52,9 @@ struct FusedStages {
   bool coarse_given = false;       ///< the coordinate is an input, see unwraps_by_picture
   bool coarse_in_field = false;    ///< apply `coarse_stage`: the chain is not circular
   CoordinateStage coarse_stage{};  ///< brings the coordinate into the field
-  std::vector<Link> chain{};       ///< empty: one band of at most one period, `orders` or a cue
+  std::vector<Link> chain{};  ///< empty: one band of one period, `orders`, a code alone or a cue
   std::optional<OrderStage> orders{};
+  bool only_adds = false;     ///< the chain only adds up the sinusoids of a band of one period
   bool weighs_bands = false;  ///< the coordinate is a weighted mean over several bands
   std::optional<Cue> cue{};
   ConsensusStage consensus;  ///< with several bands or a cue
@@ -70,13 +71,16 @@ struct FusedStages {
   [[nodiscard]] bool reads_stripes() const { return code && code->stage.alone; }
   /// Whether neighbours confirm the fringe orders, so that rows become points one row late.
   [[nodiscard]] bool asks_neighbours() const { return !chain.empty() || orders || code || cue; }
+  /// Whether maps tell the doubt of the fringe order.
+  [[nodiscard]] bool has_doubt() const { return asks_neighbours() && !only_adds; }
 };
 
 /// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the
 /// reference engine: a cue with other weights or another reference than in Eqs. (3.53), (3.68),
-/// (3.83), a rule other than CueRule::consensus, a lens whose model is not invertible over its
-/// picture, an image narrower than `least_row_width`, a frequency above 16384 with a cue, or a
-/// field margin above a quarter.
+/// (3.83), a rule other than CueRule::consensus, a method of one's own, carriers whose order comes
+/// from elsewhere than the bands, too many sinusoids to compare, no coordinate, a lens whose model
+/// is not invertible over its picture, an image narrower than `least_row_width`, a frequency above
+/// 16384 with a cue, or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections,
                                         std::string* why_not = nullptr);

@@ -80,7 +80,7 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
       const Floats periods = hn::MulAdd(order, ratio(n), apart[n]);
       return hn::Sub(periods, hn::Round(periods));
     };
-    const Floats inverse = hn::Div(hn::Set(d, 1.0F), length);
+    const Floats inverse = hn::Div(hn::Set(d, 1.0F), hn::Max(length, hn::Set(d, 1e-30F)));
     // At the coordinate near this order that fits all bands best.
     const auto cost = [&](std::size_t, Floats order) SLIPSTREAM_STEP {
       Floats square = hn::Zero(d), along = square;
@@ -93,9 +93,7 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
     };
     const Floats order = likeliest_order(stage, turn, cost).order;
     Floats doubt = hn::Zero(d);
-    for (std::size_t n = 0; n < bands; ++n) {
-      doubt = hn::Max(doubt, hn::Abs(residual(n, order)));
-    }
+    for (std::size_t n = 0; n < bands; ++n) doubt = hn::Max(doubt, hn::Abs(residual(n, order)));
     return Unwrapped{hn::Mul(hn::Add(turn, order), hn::Set(d, stage.period)), doubt, flags};
   });
 }

@@ -126,7 +126,7 @@ struct OrderStage {
     int frame = 0;     ///< in the scan
     float weight = 0;  ///< of a band: inverse variance of its phase for B = 1
   };
-  static constexpr int most_waves = 64;
+  static constexpr int most_waves = 66;  ///< 3 steps and 63 single frames, as of micro
 
   float period = 1;          ///< of the band, fields
   float begin = 0, end = 1;  ///< of the field, periods of the band
@@ -167,8 +167,8 @@ struct CodeStage : CodeNumbers {
 
 /// Coordinate of the middle of each pixel's stripe; of a code alone, of all stripes that its
 /// doubtful bits allow. `reference`: grey level above which a bit is bright, for each pixel; null
-/// if there are inverse frames, or if it is half way between the darkest and the brightest bit of a
-/// code alone. `contrast`: of a code alone, see CodeReading; may be null. `grey_level`: one of 255.
+/// if there are inverse frames, or if it is half way between the darkest and the brightest bit.
+/// `contrast`: of a code alone, see CodeReading; may be null. `grey_level`: one of 255.
 void code_row(const CodeStage& stage, float grey_level, const FrameRows& frames,
               const float* reference, float* contrast, const UnwrappedRow& row);
 

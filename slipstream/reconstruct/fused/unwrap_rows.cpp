@@ -50,11 +50,11 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
         brightest = hn::Max(brightest, level(frame));
       }
     };
-    if (alone) take(bits);
+    if (alone || (reference == nullptr && inverses.empty())) take(bits);
     Floats limit = hn::Mul(half, hn::ConvertTo(d, hn::Add(darkest, brightest)));
     if (reference != nullptr) limit = hn::LoadU(d, reference + i);
     // A whole level is above a number if it is above the number rounded down.
-    const Ints whole_limit = hn::ConvertTo(di, limit);
+    const Ints whole_limit = hn::ConvertTo(di, hn::Floor(limit));
     Ints shown = hn::Zero(di), doubtful = shown, count = shown;
     for (std::size_t bit = 0; bit < bits.size(); ++bit) {
       const Ints here = level(bits[bit]);

@@ -155,7 +155,7 @@ vec4 code_coordinates(int fours, vec4 mean) {
   ivec4 shown = ivec4(0);
   for (int bit = 0; bit < code.count; ++bit) {
     ivec4 against =
-        code.inverses < 0 ? ivec4(limit) : levels(words[code.inverses + bit], fours);
+        code.inverses < 0 ? ivec4(floor(limit)) : levels(words[code.inverses + bit], fours);
     bvec4 bright = greaterThan(levels(words[code.frames + bit], fours), against);
     shown = 2 * shown + ivec4(bright);
   }

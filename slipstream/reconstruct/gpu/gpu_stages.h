@@ -101,7 +101,8 @@ struct GpuProgramText {
   std::vector<int> words;
 };
 
-/// Nullopt if the shaders do not support this number of bands or frames, or the lens is solved.
+/// Nullopt for orders that are tried, a code alone or without a reference, a carrier, a solved
+/// lens, and too many bands or frames.
 std::optional<GpuProgramText> gpu_stages(const FusedStages& stages);
 
 }  // namespace slipstream

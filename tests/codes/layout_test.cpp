@@ -253,10 +253,10 @@ TEST(Layout, OtherWeightsAreNoRunOfSteps) {
 }
 
 TEST(Layout, ThoseOfTheStrategiesAreValid) {
-  for (const Layout& layout : {one_band(1), one_band(16), one_band(0.8, 7), hierarchy({1}),
-                               hierarchy({1, 16}), hierarchy({0.5, 4, 24}), hierarchy({36, 1, 6}),
-                               with_cue(), with_cue(half_phase_weights()), with_second_band(),
-                               with_single_frames()}) {
+  for (const Layout& layout :
+       {one_band(1), one_band(16), one_band(0.8, 7), hierarchy({1}), hierarchy({1, 16}),
+        hierarchy({0.5, 4, 24}), hierarchy({36, 1, 6}), with_cue(), with_cue(half_phase_weights()),
+        with_second_band(), with_single_frames()}) {
     EXPECT_NO_THROW(require_valid(layout, "layout"));
   }
 }

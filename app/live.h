@@ -83,7 +83,7 @@ struct LiveSession {
   Strategy strategy;         ///< at the start
   std::mutex mutex{};        ///< guards the setup and pipeline changes
   std::mutex saving{};       ///< guards `saved`
-  std::chrono::steady_clock::time_point saved{};  ///< at most once a second, over all callers
+  std::chrono::steady_clock::time_point saved{};  ///< the newest cloud; at most one a second
   std::atomic<std::uint64_t> changes{0};          ///< of setup and camera, except the viewer's own
   Publisher publisher;
   std::unique_ptr<LivePipeline> pipeline;

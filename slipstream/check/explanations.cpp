@@ -132,8 +132,7 @@ struct FrameGains {
   double all = 0;
 };
 
-/// The frame whose gain alone explains nearly all, and more than any other frame's, with
-/// its gain in percent.
+/// The frame whose gain alone explains nearly all, and more than any other's, with its gain.
 std::optional<Evidence> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
   const auto& [unused, normal, right, all] = gains;

@@ -128,10 +128,18 @@ struct Cleaner::Pass {
   }
 
   void drop_bits(Word bits, int row, int word, Validity reason, ValidityCounts& counted) const {
-    for_each_bit(bits, word, [&](int column) {
-      cloud.leave_out(column, row, reason);
-      ++counted[static_cast<std::size_t>(reason)];
-    });
+    counted[static_cast<std::size_t>(reason)] += static_cast<std::size_t>(std::popcount(bits));
+    while (bits != 0) {  // of large areas, whole words
+      const int first = std::countr_zero(bits), count = std::countr_one(bits >> first);
+      const auto fill = [&](auto& image, auto value) {
+        std::fill_n(image.row(row) + word * word_pixels + first, count, value);
+      };
+      for (Image<float>* axis : {&cloud.x, &cloud.y, &cloud.z}) {
+        fill(*axis, std::numeric_limits<float>::quiet_NaN());
+      }
+      fill(cloud.validity, reason);
+      bits &= first + count < word_pixels ? ~Word{0} << (first + count) : Word{0};
+    }
   }
 
   void compare(int row) {

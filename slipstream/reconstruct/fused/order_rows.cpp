@@ -124,16 +124,18 @@ class FramesFit {
   /// `doubt`: half of the least misfit over the next order's.
   [[nodiscard]] HWY_INLINE Floats order(Floats turn, Floats& doubt) const {
     const FloatTag d;
-    Several<OrderStage::most_waves, Direction> phase;
+    Several<OrderStage::most_waves> cosine, sine;  // of the phase
     for (std::size_t n = 0; n < count_; ++n) {
-      phase[n] = direction_of(hn::Mul(turn, set(stage_.waves[n].ratio)));
+      const Direction phase = direction_of(hn::Mul(turn, set(stage_.waves[n].ratio)));
+      cosine[n] = phase.cosine;
+      sine[n] = phase.sine;
     }
     struct Sums {
       Floats shown, square, covariance;
     };
     const auto add = [&](Sums& sums, std::size_t k, std::size_t n) SLIPSTREAM_STEP {
       const auto& [c, s] = stage_.beginnings[k * count_ + n];
-      const Floats shown = hn::NegMulAdd(set(s), phase[n].sine, hn::Mul(set(c), phase[n].cosine));
+      const Floats shown = hn::NegMulAdd(set(s), sine[n], hn::Mul(set(c), cosine[n]));
       sums.shown = hn::Add(sums.shown, shown);
       sums.square = hn::MulAdd(shown, shown, sums.square);
       sums.covariance = hn::MulAdd(shown, I_[n], sums.covariance);

@@ -129,7 +129,8 @@ struct Cleaner::Pass {
 
   void drop_bits(Word bits, int row, int word, Validity reason, ValidityCounts& counted) const {
     counted[static_cast<std::size_t>(reason)] += static_cast<std::size_t>(std::popcount(bits));
-    while (bits != 0) {  // of large areas, whole words
+    // Run by run: in large areas a run is a whole word. The sum carries through the lowest run.
+    for (; bits != 0; bits &= bits + (bits & -bits)) {
       const int first = std::countr_zero(bits), count = std::countr_one(bits >> first);
       const auto fill = [&](auto& image, auto value) {
         std::fill_n(image.row(row) + word * word_pixels + first, count, value);
@@ -138,7 +139,6 @@ struct Cleaner::Pass {
         fill(*axis, std::numeric_limits<float>::quiet_NaN());
       }
       fill(cloud.validity, reason);
-      bits &= first + count < word_pixels ? ~Word{0} << (first + count) : Word{0};
     }
   }
 

@@ -88,7 +88,8 @@ double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column
 double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sigma) {
   std::vector<float> ratios;
   const Size size = cloud.size();
-  for (int i = 0; i < 4096 && size.width > 1 && size.height > 1; ++i) {
+  if (std::min(size.width, size.height) < 2) return 1;
+  for (int i = 0; i < 4096; ++i) {
     const auto [x, y] = spread_place(i);
     const int column = static_cast<int>(x * (size.width - 1));
     const int row = static_cast<int>(y * (size.height - 1));

@@ -137,8 +137,8 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
     return;
   }
   const bool several = chain.size() > 1;
-  stages.only_adds = !several;
   if (!several && measuring_band(layout).mirrored.empty()) return;
+  stages.only_adds = !several;
   if (!several) stages.consensus.fewest_neighbours = 0;
   stages.coarse = factors(chain.front());
   stages.coarse_in_field = !is_circle(layout);

@@ -30,6 +30,11 @@ struct FusedStages {
     CodeStage stage;
     bool against_mean = false;     ///< compare with the mean of the measuring band
     std::vector<float> reference;  ///< otherwise a weight per frame, or inverse frames
+
+    /// With none of these, bits are compared with the darkest and the brightest of them.
+    [[nodiscard]] bool compares_bits() const {
+      return !against_mean && reference.empty() && stage.inverses.empty();
+    }
   };
 
   /// A cue in the frames of the first band identifies the period, with the neighbours' vote.

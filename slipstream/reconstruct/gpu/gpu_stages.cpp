@@ -133,10 +133,7 @@ GpuVote gpu_vote(const OrderCostStage& costs, Words& words) {
 }
 
 bool is_too_much(const FusedStages& stages) {
-  const auto& code = stages.code;
-  const bool by_range = code && !code->against_mean && code->reference.empty() &&
-                        code->stage.inverses.empty();  // see code_row
-  return stages.orders || stages.reads_stripes() || by_range ||
+  return stages.orders || stages.reads_stripes() || (stages.code && stages.code->compares_bits()) ||
          std::ranges::count(stages.measured, 1) > 1 || stages.point.solved ||
          std::max(stages.bands.size(), stages.chain.size()) > most_bands ||
          std::any_of(stages.bands.begin(), stages.bands.end(), [](const auto& band) {

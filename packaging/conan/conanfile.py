@@ -29,10 +29,10 @@ class Slipstream(ConanFile):
         needed = ["eigen/[^3.4]", "fmt/[>=9]", "highway/[^1.0]", "onetbb/[>=2021]"]
         if self.options.io:
             needed += ["libdeflate/[^1.14]", "libjpeg-turbo/[>=2.1]", "libpng/[^1.6]",
-                       "libtiff/[^4.5]", "nlohmann_json/[^3.11]", "opencv/[>=4.5.4 <5]", "pugixml/[^1.13]",
+                       "libtiff/[^4.5]", "nlohmann_json/[^3.11]", "pugixml/[^1.13]", "stb/cci.20240531",
                        "tinyobjloader/[>=2.0.0-rc10]", "yaml-cpp/[>=0.7]"]
         if self.options.calibrate:
-            needed.append("ceres-solver/[^2.1]")
+            needed += ["ceres-solver/[^2.1]", "opencv/[>=4.5.4 <5]"]
         for one in needed:
             self.requires(one, transitive_headers=True)
 

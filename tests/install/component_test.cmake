@@ -10,6 +10,6 @@ run(${WORK_FOLDER}/build/decoder)
 
 execute_process(COMMAND ${configure} -B ${WORK_FOLDER}/build-with-files -DMORE_ROOMS=io
                 RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-if(result EQUAL 0 OR NOT output MATCHES "io needs opencv_core")
+if(result EQUAL 0 OR NOT output MATCHES "io needs PkgConfig::yaml-cpp")
   message(FATAL_ERROR "The room io was to be missing:\n${output}")
 endif()

@@ -68,6 +68,22 @@ TEST(PlotFile, NoLegendHidesACurve) {
   EXPECT_EQ(cv::norm(told.rowRange(0, axes), bare.rowRange(0, axes), cv::NORM_INF), 0);
 }
 
+TEST(PlotFile, ReducesLargeMapsToMeans) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "map.png";
+  Image<double> map({2500, 50});
+  for_each_pixel_in_order(map.size(), [&](int column, int row) {
+    map(column, row) = (column + row) % 2 == 0 ? 1 : 3;  // whose mean is the same everywhere
+  });
+  write_map_preview(path, map, "mm, \u00b5m, \xff");
+  const cv::Mat picture = cv::imread(path.string());
+  ASSERT_GT(picture.cols, 1000);
+  const cv::Mat shown = picture(cv::Rect(0, 0, 1000, 20));
+  cv::Mat mean, deviation;
+  cv::meanStdDev(shown, mean, deviation);
+  EXPECT_LT(cv::norm(deviation, cv::NORM_INF), 20);  // checks alone would deviate by 60 and more
+}
+
 TEST(PlotFile, RefusesWhatCannotBeShown) {
   const TemporaryFolder folder;
   const LinePlot empty{"none", "x", "y", PlotScale::linear, {{"", {1}, {nan}}}};

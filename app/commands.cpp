@@ -21,8 +21,7 @@ void collect_settings(const CLI::App& app, std::set<std::string>& names) {
       if (!of_run.contains(name)) names.insert(name);
     }
   }
-  const auto any = [](const CLI::App*) { return true; };
-  for (const CLI::App* const command : app.get_subcommands(any)) collect_settings(*command, names);
+  for (const CLI::App* const sub : app.get_subcommands(nullptr)) collect_settings(*sub, names);
 }
 
 /// Paths in a rig file, also after replay:, are relative to the file.
@@ -101,11 +100,10 @@ int clarity(const RigSetting& setting, const std::string& message) {
   const bool names_flag = has_word(message, "--" + setting.name) ||
                           message.find("'" + setting.name + "'") != message.npos;
   const bool names_setting = has_word(message, last.size() > 5 ? last : setting.name);
-  const bool names_value =
-      std::any_of(setting.values.begin(), setting.values.end(), [&](const std::string& value) {
-        const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
-        return what.size() > 1 && has_word(message, what);
-      });
+  const bool names_value = std::ranges::any_of(setting.values, [&](const std::string& value) {
+    const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
+    return what.size() > 1 && has_word(message, what);
+  });
   return (names_flag ? 4 : 0) + (names_setting ? 2 : 0) + (names_value ? 1 : 0);
 }
 

@@ -72,9 +72,7 @@ std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
   const auto is_flag = [](const std::string& word) { return word.starts_with("-"); };
   const auto flag = std::find_if(words.begin(), words.end(), is_flag);
   std::vector<std::string> known;
-  for (const CLI::App* const sub : command.get_subcommands([](auto*) { return true; })) {
-    known.push_back(sub->get_name());
-  }
+  for (const auto* const sub : command.get_subcommands(nullptr)) known.push_back(sub->get_name());
   if (!known.empty() && !words.empty() && !is_flag(words.front())) {
     return fmt::format("there is no command '{}'{}{}", words.front(),
                        did_you_mean(words.front(), known), in_whole_program);
@@ -140,9 +138,7 @@ const ProgramCommand* command_named(std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const auto is_rig = [](std::string_view argument) { return argument.starts_with("--rig"); };
   if (first == "serve" || std::any_of(arguments.begin(), arguments.end(), is_rig)) return nullptr;
-  const auto* const found =
-      std::find_if(std::begin(program_commands), std::end(program_commands),
-                   [&](const ProgramCommand& command) { return command.name == first; });
+  const auto* const found = std::ranges::find(program_commands, first, &ProgramCommand::name);
   return found == std::end(program_commands) ? nullptr : found;
 }
 

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <limits>
 
 #include "app/process.h"
 #include "app/scan_flags.h"
@@ -24,7 +23,7 @@ void leave_out(Image<double>& phase, const Image<double>& mask) {
            text_of(mask.size()), text_of(phase.size()));
   for (std::size_t i = 0; i < phase.pixel_count(); ++i) {
     const double in = mask.begin()[i];
-    if (in == 0 || std::isnan(in)) phase.begin()[i] = std::numeric_limits<double>::quiet_NaN();
+    if (in == 0 || std::isnan(in)) phase.begin()[i] = nan;
   }
 }
 

@@ -305,11 +305,10 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   const auto tell_next = [&] {
     ReconstructedScan scan = next_of(writing);
     progress.finish();
-    const bool already = scan.done_before;
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
     scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
     reused.clouds.push_back(std::move(scan.cloud));
-    progress.advance(already);
+    progress.advance(scan.done_before);
   };
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
     for (; asked < std::min(i + threads, count); ++asked) {

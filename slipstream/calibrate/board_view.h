@@ -80,9 +80,7 @@ inline Eigen::Matrix2d slope_at(const BoardView& view, std::size_t corner) {
 
 /// Number of corners with a known projector pixel.
 inline int lit_corners(const BoardView& view) {
-  int count = 0;
-  for (const Eigen::Vector2d& pixel : view.projector) count += pixel.allFinite() ? 1 : 0;
-  return count;
+  return static_cast<int>(std::ranges::count_if(view.projector, &Eigen::Vector2d::allFinite));
 }
 
 /// Number of boards that cover each cell of a device's picture, divided into 100 columns of square

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
 #include <ceres/crs_matrix.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
@@ -45,10 +46,7 @@ PoseNumbers numbers_of(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& t
 Eigen::Isometry3d pose_of(const PoseNumbers& numbers) {
   Eigen::Matrix3d rotation;
   ceres::AngleAxisToRotationMatrix(numbers.data(), rotation.data());
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation;
-  pose.translation() = Eigen::Vector3d(numbers[3], numbers[4], numbers[5]);
-  return pose;
+  return Eigen::Translation3d(numbers[3], numbers[4], numbers[5]) * Eigen::Isometry3d(rotation);
 }
 
 void set_lens(Lens& lens, const LensNumbers& numbers) {
@@ -69,11 +67,11 @@ RigNumbers numbers_of(const Scanner& scanner) {
 }
 
 /// Calls `use` with each number of a deviation and the corresponding number of a row.
-template <class Deviation, class Row, class Use>
-void with_row(Deviation& deviation, Row& row, const Use& use) {
-  auto* next = row.data();
+template <class Use>
+void with_row(BundleDeviation& deviation, const RigNumbers& row, const Use& use) {
+  const double* next = row.data();
   const auto each = [&](auto& values) {
-    for (auto& value : values) use(value, *next++);
+    for (double& value : values) use(value, *next++);
   };
   for (auto* lens : {&deviation.camera, &deviation.projector}) {
     each(lens->focal);
@@ -84,26 +82,12 @@ void with_row(Deviation& deviation, Row& row, const Use& use) {
   each(deviation.translation);
 }
 
-BundleDeviation deviation_of(const RigNumbers& row) {
-  BundleDeviation deviation;
-  with_row(deviation, row, [](double& value, double number) { value = number; });
-  return deviation;
-}
-
-RigNumbers numbers_of(const BundleDeviation& deviation) {
-  RigNumbers row;
-  with_row(deviation, row, [](double value, double& number) { number = value; });
-  return row;
-}
-
-template <int Columns>
-using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Columns, Eigen::RowMajor>>;
-
 /// Sets a parameter's block of the Jacobian if Ceres requests it.
 template <int Columns, class Derivative>
 void set_block(double** jacobians, int block, const Derivative& derivative) {
+  using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Columns, Eigen::RowMajor>>;
   if (jacobians == nullptr || jacobians[block] == nullptr) return;
-  Block<Columns>(jacobians[block], derivative.rows(), Columns) = derivative;
+  Block(jacobians[block], derivative.rows(), Columns) = derivative;
 }
 
 /// Camera residual of a corner, in standard deviations. Parameters: lens, pose, place.
@@ -245,14 +229,10 @@ class QuietCeres {
 
 /// Diagonal of the inverse of J^T J; nullopt if singular.
 std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-  for (std::size_t row = 0; row + 1 < jacobian.rows.size(); ++row) {
-    for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
-      for (int j = jacobian.rows[row]; j < jacobian.rows[row + 1]; ++j) {
-        normal(jacobian.cols[i], jacobian.cols[j]) += jacobian.values[i] * jacobian.values[j];
-      }
-    }
-  }
+  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> J(
+      jacobian.num_rows, jacobian.num_cols, std::ssize(jacobian.values), jacobian.rows.data(),
+      jacobian.cols.data(), jacobian.values.data());
+  const Eigen::MatrixXd normal = J.transpose() * J;
   if (!(normal.diagonal().array() > 0).all()) return std::nullopt;
   // Scale away the units: pixels, radians and millimetres.
   const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
@@ -323,7 +303,7 @@ class BundleProblem {
     put(parameters_.camera.data(), 0);
     put(parameters_.projector.data(), lens_size);
     put(parameters_.rig.data(), 2 * lens_size);
-    deviation = deviation_of(deviations);
+    with_row(deviation, deviations, [](double& value, double number) { value = number; });
     return true;
   }
 
@@ -362,13 +342,12 @@ class BundleProblem {
   void settle_places(const BoardPlaces& printed, const std::optional<double>& deviation) {
     for (std::size_t i = 0; i < printed.size(); ++i) {
       double* place = parameters_.places[i].data();
-      if (!problem_.HasParameterBlock(place)) continue;
       if (!deviation) {
         hold(place);
-        continue;
+      } else if (problem_.HasParameterBlock(place)) {
+        problem_.AddResidualBlock(owned(std::make_unique<PrintError>(printed[i], *deviation)),
+                                  nullptr, place);
       }
-      problem_.AddResidualBlock(owned(std::make_unique<PrintError>(printed[i], *deviation)),
-                                nullptr, place);
     }
   }
 
@@ -417,13 +396,15 @@ BundleState bundle_adjusted(const BoardViews& views, BundleState start, const Bo
   return state;
 }
 
-BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scanner>& without_one) {
+BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one) {
   const auto m = static_cast<double>(without_one.size());
   RigNumbers mean = RigNumbers::Zero(), squares = RigNumbers::Zero();
   for (const Scanner& scanner : without_one) mean += numbers_of(scanner) / m;
   for (const Scanner& scanner : without_one) squares += (numbers_of(scanner) - mean).cwiseAbs2();
   const RigNumbers jackknife = ((m - 1) / m * squares).cwiseSqrt();
-  return deviation_of(jackknife.cwiseMax(numbers_of(deviation)));
+  with_row(deviation, jackknife,
+           [](double& value, double number) { value = std::max(value, number); });
+  return deviation;
 }
 
 }  // namespace slipstream

@@ -70,7 +70,7 @@ BundleState bundle_adjusted(const BoardViews& views, BundleState start, const Bo
 /// calibrations, each without one of the m poses, deviate from their mean by
 /// sigma^2 = (m - 1) / m * (sum of squares). The jackknife includes errors common to a pose's
 /// corners, but not errors common to all poses, such as the print's scale.
-BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scanner>& without_one);
+BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one);
 
 PixelDeviations pixel_deviations(const BoardViews& views, const BundleState& state);
 
@@ -120,10 +120,6 @@ struct ReprojectionRms {
 struct Reprojection {
   Squares camera, projector;
 
-  void add(const Reprojection& other) {
-    camera.add(other.camera);
-    projector.add(other.projector);
-  }
   [[nodiscard]] ReprojectionRms rms() const;
 };
 

@@ -235,7 +235,8 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Reprojection of_pose = reprojection(views[v], state, v);
-    all.add(of_pose);
+    all.camera.add(of_pose.camera);
+    all.projector.add(of_pose.projector);
     result.poses.push_back({.name = views[v].name,
                             .corners = static_cast<int>(views[v].places.size()),
                             .lit = lit_corners(views[v]),

@@ -98,21 +98,19 @@ double rms_of_means(const Image<double>& map) {
   constexpr int side = 16, least = side * side / 2;
   double squares = 0;
   int means = 0;
-  for (int top = 0; top + side <= map.height(); top += side) {
-    for (int left = 0; left + side <= map.width(); left += side) {
-      double sum = 0;
-      int count = 0;
-      for (int i = 0; i < side * side; ++i) {
-        const double value = map(left + i % side, top + i / side);
-        if (std::isnan(value)) continue;
-        sum += value;
-        ++count;
-      }
-      if (count < least) continue;
-      squares += sum / count * sum / count;
-      ++means;
+  for_each_pixel_in_order({map.width() / side, map.height() / side}, [&](int column, int row) {
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < side * side; ++i) {
+      const double value = map(side * column + i % side, side * row + i / side);
+      if (std::isnan(value)) continue;
+      sum += value;
+      ++count;
     }
-  }
+    if (count < least) return;
+    squares += sum / count * sum / count;
+    ++means;
+  });
   return std::sqrt(squares / means);
 }
 

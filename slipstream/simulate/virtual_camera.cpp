@@ -1,6 +1,5 @@
 #include "slipstream/simulate/virtual_camera.h"
 
-#include <cstdlib>
 #include <thread>
 
 #include "slipstream/base/throw_if-inl.h"
@@ -11,9 +10,8 @@ Frame first_frame(const FrameSet& exposed) {
   Frame frame({exposed.size(), exposed.bits()});
   exposed.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
-      const Pixel* const first = views[0].row(0);
       auto& image = std::get<Image<Pixel>>(frame.pixels);
-      std::copy(first, first + image.pixel_count(), image.begin());
+      std::copy_n(views[0].row(0), image.pixel_count(), image.begin());
     }
   });
   return frame;
@@ -70,8 +68,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
   const auto expose = [&](const PatternSet& patterns) {
     std::vector<Frame> seen = virtual_frames(world.scanner, {sheet}, patterns, photometry, 1);
     photometry.seed += seen.size();
-    reel.frames.insert(reel.frames.end(), std::make_move_iterator(seen.begin()),
-                       std::make_move_iterator(seen.end()));
+    std::ranges::move(seen, std::back_inserter(reel.frames));
   };
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const std::size_t first = reel.frames.size();

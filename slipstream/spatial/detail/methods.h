@@ -117,9 +117,9 @@ class PhaseGroups {
   Place find(int pixel) {
     int order = 0;
     while (true) {
-      Member& member = at(pixel);
+      Member& member = members_[pixel];
       if (member.before < 0) return {pixel, order};
-      const Member before = at(member.before);
+      const Member before = members_[member.before];
       if (before.before < 0) return {member.before, order + member.order};
       member = {before.before, member.order + before.order};  // path halving
       order += member.order;
@@ -132,12 +132,12 @@ class PhaseGroups {
     Place first = find(from), second = find(to);
     if (first.group == second.group) return;
     step += first.order - second.order;
-    if (at(first.group).before > at(second.group).before) {
+    if (members_[first.group].before > members_[second.group].before) {
       std::swap(first, second);
       step = -step;
     }
-    at(first.group).before += at(second.group).before;
-    at(second.group) = {first.group, step};
+    members_[first.group].before += members_[second.group].before;
+    members_[second.group] = {first.group, step};
   }
 
   Orders orders(const WrappedCycles& wrapped) {
@@ -156,7 +156,6 @@ class PhaseGroups {
     int before = -1;  ///< parent; for a root, the negative size of its group
     int order = 0;    ///< relative to the parent
   };
-  Member& at(int pixel) { return members_[pixel]; }
 
   std::vector<Member> members_;
 };

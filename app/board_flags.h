@@ -1,13 +1,6 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <Eigen/Geometry>
-
 #include "app/commands.h"
-#include "app/output.h"
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/simulate/virtual_camera.h"

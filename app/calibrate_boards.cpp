@@ -5,12 +5,8 @@
 
 #include "app/board_flags.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/error.h"
-#include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {
 namespace {

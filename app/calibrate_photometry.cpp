@@ -6,7 +6,6 @@
 #include "slipstream/io/pattern_pictures.h"
 #include "slipstream/io/plot.h"
 #include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/gamma.h"
 #include "slipstream/response/noise_calibration.h"
 
 namespace slipstream::app {

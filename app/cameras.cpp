@@ -5,9 +5,7 @@
 #include "app/process.h"
 #include "app/source_flags.h"
 #include "slipstream/devices/virtual_gige_camera.h"
-#include "slipstream/io/recorder.h"
 #include "slipstream/reconstruct/gpu.h"
-#include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <future>
 
 #include "app/board_flags.h"

@@ -5,7 +5,6 @@
 #include <set>
 #include <tuple>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/scanner_file.h"

@@ -2,8 +2,6 @@
 
 #include "app/scan_flags.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/recording.h"
 #include "slipstream/io/replay_source.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/publish/mcap.h"

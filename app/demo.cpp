@@ -5,7 +5,6 @@
 #include "slipstream/simulate/comparison.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_files.h"
-#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

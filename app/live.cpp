@@ -5,10 +5,6 @@
 #include <thread>
 
 #include "app/process.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/response/gamma.h"
 
 namespace slipstream::app {
 namespace {

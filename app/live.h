@@ -2,10 +2,8 @@
 
 #include <atomic>
 
-#include "app/scan_flags.h"
 #include "app/source_flags.h"
 #include "slipstream/frames/stepped_source.h"
-#include "slipstream/io/recorder.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/publish/cloud_sink.h"
 #include "slipstream/view/scene_renderer.h"

@@ -9,7 +9,6 @@
 
 #include "app/process.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/error.h"
 
 namespace slipstream::app {
 extern const char* const program_version;  // made at build time: see version.cmake

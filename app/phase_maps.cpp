@@ -6,7 +6,6 @@
 #include "slipstream/base/statistics.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/plot.h"
-#include "slipstream/reconstruct/engine.h"
 #include "slipstream/spatial/spatial_unwrapping.h"
 
 namespace slipstream::app {

@@ -2,14 +2,12 @@
 #include <future>
 #include <numeric>
 
+#include "app/process.h"
 #include "app/reconstructed_scan.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/surface.h"
 #include "slipstream/decode/frame_motion.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/coordinate_map.h"
 #include "slipstream/reconstruct/coordinate_matcher.h"
 

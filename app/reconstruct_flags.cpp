@@ -2,9 +2,6 @@
 
 #include <set>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/recording.h"
-
 namespace slipstream::app {
 namespace {
 

@@ -1,14 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <CLI/App.hpp>
-
-#include "app/commands.h"
-#include "app/output.h"
 #include "app/scan_flags.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/reconstruct/phase_matcher.h"

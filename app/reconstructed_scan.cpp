@@ -2,7 +2,6 @@
 
 #include "app/process.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/coordinate_map.h"
 
 namespace slipstream::app {

@@ -1,9 +1,6 @@
 #include "app/source_flags.h"
 
-#include "app/commands.h"
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {

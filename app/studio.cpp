@@ -7,7 +7,6 @@
 #include "slipstream/codes/registry.h"
 #include "slipstream/devices/camera.h"
 #include "slipstream/io/result_files.h"
-#include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
 namespace {

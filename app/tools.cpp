@@ -4,7 +4,6 @@
 #include "bench/bench_report.h"
 #include "bench/bench_rows.h"
 #include "paper/reproduction.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/reconstruct/gpu.h"
 

@@ -4,11 +4,7 @@
 #include "app/live.h"
 #include "slipstream/devices/monitor.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/reconstruct/engine.h"
 #include "slipstream/response/exposure_advice.h"
-#include "slipstream/response/gamma.h"
-#include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
 

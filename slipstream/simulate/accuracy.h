@@ -1,8 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-
 #include "slipstream/base/page.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/simulate/virtual_world.h"

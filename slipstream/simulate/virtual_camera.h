@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <string>
 
 #include "slipstream/simulate/virtual_world.h"
 

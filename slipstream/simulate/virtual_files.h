@@ -1,8 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/simulate/virtual_world.h"
 

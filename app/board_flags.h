@@ -7,7 +7,6 @@
 
 namespace slipstream::app {
 
-/// Flags that describe the calibration board.
 struct BoardFlags {
   CalibrationBoard board;
   bool has_spacing = false;

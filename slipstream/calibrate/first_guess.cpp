@@ -23,7 +23,6 @@ cv::Point2f point_of(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
 
-/// The corners visible to a device.
 SharedCorners corners_seen_by(Device device, const BoardViews& views, const BoardPlaces& printed) {
   SharedCorners shared;
   for (const BoardView& view : views) {

@@ -189,7 +189,6 @@ void draw_tilts(const Drawing& drawing, const std::array<bool, 4>& tilted) {
   }
 }
 
-/// State of guided capture.
 struct GuidedPoses {
   ScanCamera& camera;
   const fs::path& folder;

@@ -127,7 +127,6 @@ Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residua
   return image_from<Colour>(picture);
 }
 
-/// Table cells for a board's quality.
 std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
   if (!quality) return {"-", "-", "-"};
   return {fmt::format("{:.4f}", quality->flatness), fmt::format("{:.4f}", quality->distance_error),

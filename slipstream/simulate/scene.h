@@ -75,7 +75,6 @@ using Shape = std::variant<Board, Sphere, Box, std::shared_ptr<const MeshTree>>;
 /// Reflectivity, in [0, 1], at a point of the body's own frame.
 using Texture = std::function<double(const Eigen::Vector3d&)>;
 
-/// The same everywhere.
 Texture uniform_texture(double alpha);
 
 /// Dark and light veins between the two reflectivities, that repeat about every `scale` mm.

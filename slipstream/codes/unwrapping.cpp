@@ -172,20 +172,16 @@ std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
 /// From all frames, which share one mean and modulation.
 double single_frames_variance(const Layout& layout) {
   constexpr int places = 509;
-  const Band& band = layout.bands.front();
+  const std::vector<SingleFrame> frames = frames_of_sinusoids(layout);
   double sum = 0;
   for (int i = 0; i < places; ++i) {
     const double y = (i + 0.5) / places;
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-    const auto add = [&](double periods, double shift) {
-      const double a = two_pi * periods * y - shift;
-      const Eigen::Vector3d row(1, std::cos(a), -two_pi * periods * std::sin(a));
+    for (const SingleFrame& shown : frames) {
+      const double a = two_pi * shown.periods * y + shown.origin;
+      const Eigen::Vector3d row(1, std::cos(a), -two_pi * shown.periods * std::sin(a));
       products += row * row.transpose();
-    };
-    for (std::size_t n = 0; n < band.mean.size(); ++n) {
-      if (band.mean[n] != 0) add(band.periods, std::atan2(band.sine[n], band.cosine[n]));
     }
-    for (const SingleFrame& single : layout.single_frames) add(single.periods, -single.origin);
     sum += products.inverse()(2, 2);
   }
   return sum / places;
@@ -372,6 +368,17 @@ std::vector<double> band_weights(const Layout& layout) {
   }
   for (double& weight : weights) weight /= sum;
   return weights;
+}
+
+std::vector<SingleFrame> frames_of_sinusoids(const Layout& layout) {
+  const Band& band = layout.bands.front();
+  const StepRun run = *step_run(band);
+  std::vector<SingleFrame> frames;
+  for (int n = run.first; n < run.first + run.steps; ++n) {
+    frames.push_back({n, band.periods, -std::atan2(band.sine[n], band.cosine[n])});
+  }
+  frames.insert(frames.end(), layout.single_frames.begin(), layout.single_frames.end());
+  return frames;
 }
 
 double least_periods(const Layout& layout) {

@@ -88,6 +88,9 @@ bool is_circle(const Layout& layout);
 /// inverse variances (0 below a hundredth of the best); otherwise the measuring band alone.
 std::vector<double> band_weights(const Layout& layout);
 
+/// The frames of the first band, which must be a run of steps, as single ones, then the others.
+std::vector<SingleFrame> frames_of_sinusoids(const Layout& layout);
+
 /// The fewest periods at which unwrapping starts: the coordinate is known up to whole multiples of
 /// its inverse if is_circle.
 double least_periods(const Layout& layout);

@@ -52,15 +52,7 @@ BandUnwrapper::BandUnwrapper(Layout layout, int projector_length, double noise)
   }
   if (!layout_.unwrapping->tries_orders || layout_.single_frames.empty()) return;
   waves_.resize(static_cast<std::size_t>(layout_.frames));
-  const Band& band = layout_.bands.front();
-  const StepRun run = *step_run(band);
-  for (int n = 0; n < run.steps; ++n) {
-    const auto frame = static_cast<std::size_t>(run.first + n);
-    waves_[frame] = {band.periods, std::atan2(band.sine[frame], band.cosine[frame])};
-  }
-  for (const auto& [frame, periods, origin] : layout_.single_frames) {
-    waves_[frame] = {periods, -origin};
-  }
+  for (const SingleFrame& wave : frames_of_sinusoids(layout_)) waves_[wave.frame] = wave;
 }
 
 PixelCoordinate BandUnwrapper::operator()(const PixelReading& reading) const {
@@ -143,7 +135,7 @@ PixelCoordinate BandUnwrapper::by_single_frames(double phi, std::span<const doub
   std::vector<std::complex<double>> wave(I.size()), turn(I.size());
   double sum = 0, square = 0;
   for (std::size_t n = 0; n < I.size(); ++n) {
-    wave[n] = std::polar(1.0, two_pi * waves_[n].periods * begin - waves_[n].shift);
+    wave[n] = std::polar(1.0, two_pi * waves_[n].periods * begin + waves_[n].origin);
     turn[n] = std::polar(1.0, two_pi * waves_[n].periods / f);
     sum += I[n];
     square += I[n] * I[n];
@@ -185,7 +177,7 @@ double BandUnwrapper::refined(double y, std::span<const double> I) const {
     Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
     Eigen::Vector2d sums = Eigen::Vector2d::Zero();
     for (std::size_t n = 0; n < I.size(); ++n) {
-      const Eigen::Vector2d row(1, std::cos(two_pi * waves_[n].periods * y - waves_[n].shift));
+      const Eigen::Vector2d row(1, std::cos(two_pi * waves_[n].periods * y + waves_[n].origin));
       products += row * row.transpose();
       sums += I[n] * row;
     }
@@ -193,8 +185,8 @@ double BandUnwrapper::refined(double y, std::span<const double> I) const {
     Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
     Eigen::Vector3d misfit = Eigen::Vector3d::Zero();
     for (std::size_t n = 0; n < I.size(); ++n) {
-      const auto& [f, shift] = waves_[n];
-      const double a = two_pi * f * y - shift;
+      const auto& [frame, f, origin] = waves_[n];
+      const double a = two_pi * f * y + origin;
       const Eigen::Vector3d row(1, std::cos(a), -two_pi * f * levels[1] * std::sin(a));
       all += row * row.transpose();
       misfit += row * (I[n] - levels[0] - levels[1] * std::cos(a));

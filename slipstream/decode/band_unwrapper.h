@@ -33,11 +33,6 @@ class BandUnwrapper {
   [[nodiscard]] PixelCoordinate operator()(const PixelReading& reading) const;
 
  private:
-  struct Wave {
-    double periods = 1;
-    double shift = 0;  ///< cos(2 pi periods y - shift)
-  };
-
   [[nodiscard]] PixelCoordinate by_chain(std::span<const double> phases) const;
   [[nodiscard]] PixelCoordinate likeliest(std::span<const double> phases,
                                           std::span<const double> modulations) const;
@@ -57,7 +52,7 @@ class BandUnwrapper {
   std::vector<PhaseSum> chain_;
   bool circle_;
   std::vector<double> weights_;
-  std::vector<Wave> waves_;                                  ///< with single frames: one per frame
+  std::vector<SingleFrame> waves_;                           ///< with single frames: one per frame
   std::function<PixelCoordinate(const PixelReading&)> own_;  ///< for a custom method
 };
 

@@ -52,21 +52,15 @@ FusedStages::CodeBits code_bits(const Layout& layout, const EngineSetup& setup) 
 
 /// Stage that tries the orders of the measuring band against all bands, or all single frames.
 OrderStage order_stage(const Layout& layout, const EngineSetup& setup) {
-  const Band& band = measuring_band(layout);
-  const double f = band.periods, begin = -0.5 * f / projector_length(setup);
+  const double f = measuring_band(layout).periods, begin = -0.5 * f / projector_length(setup);
   OrderStage stage{.period = narrow(1 / f),
                    .begin = narrow(begin),
                    .end = narrow(begin + f),
                    .orders = static_cast<int>(f) + 2,
                    .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)};
   if (layout.single_frames.empty()) return stage;
-  const StepRun run = *step_run(band);
-  std::vector<SingleFrame> frames;
-  for (int n = run.first; n < run.first + run.steps; ++n) {
-    frames.push_back({n, f, -std::atan2(band.sine[n], band.cosine[n])});
-  }
-  stage.steps = frames.size();
-  frames.insert(frames.end(), layout.single_frames.begin(), layout.single_frames.end());
+  const std::vector<SingleFrame> frames = frames_of_sinusoids(layout);
+  stage.steps = frames.size() - layout.single_frames.size();
   for (const auto& [frame, periods, origin] : frames) {
     stage.waves.push_back(
         {.ratio = narrow(periods / f), .shift = narrow(-origin / two_pi), .frame = frame});
@@ -78,6 +72,16 @@ OrderStage order_stage(const Layout& layout, const EngineSetup& setup) {
     }
   }
   return stage;
+}
+
+/// `periods`: of the coordinate that it gives.
+FusedStages::Link link(std::vector<int> of, double ratio, double periods,
+                       const EngineSetup& setup) {
+  const double largest_doubt = setup.settings.fringe_order.largest_doubt;
+  return {.of = std::move(of),
+          .unwrap = {.ratio = narrow(ratio),
+                     .largest_doubt = narrow(largest_doubt),
+                     .coordinate = unplaced(periods)}};
 }
 
 /// Adds the bands, the measuring one first, and their unwrapping.
@@ -115,23 +119,15 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   }
   const std::vector<PhaseSum> chain = unwrapping_chain(layout);
   stages.measured = factors(chain.back());
-  const double largest_doubt = setup.settings.fringe_order.largest_doubt;
-  const auto link = [&](const PhaseSum& fine, double ratio) {
-    return FusedStages::Link{.of = factors(fine),
-                             .unwrap = {.ratio = narrow(ratio),
-                                        .largest_doubt = narrow(largest_doubt),
-                                        .coordinate = unplaced(1)}};
-  };
   if (layout.unwrapping->reads_code) {
     stages.code = code_bits(layout, setup);
     if (layout.unwrapping->whole_stripes) {
       stages.consensus.fewest_neighbours = 0;  // only doubtful pixels need them, as in `judged`
       return;
     }
-    stages.chain.push_back(link(chain.back(), chain.back().periods));
+    const double periods = chain.back().periods, open = open_by_code(*layout.code, periods);
+    stages.chain.push_back(link(stages.measured, periods, periods, setup));
     UnwrapStage& unwrap = stages.chain.back().unwrap;
-    unwrap.coordinate = unplaced(chain.back().periods);
-    const double open = open_by_code(*layout.code, chain.back().periods);
     unwrap.open = narrow(open);
     unwrap.doubt_scale = narrow(1 / (1 - 2 * open));
     return;
@@ -146,8 +142,8 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
       coordinate_stage(chain.front().periods, chain.front().periods, projector_length(setup));
   for (std::size_t i = several ? 1 : 0; i < chain.size(); ++i) {
     const bool first = i == 1 && stages.coarse_in_field;
-    const double before = chain[i - (several ? 1 : 0)].periods;
-    stages.chain.push_back(link(chain[i], first ? chain[i].periods : chain[i].periods / before));
+    const double before = first ? 1 : chain[i - (several ? 1 : 0)].periods;
+    stages.chain.push_back(link(factors(chain[i]), chain[i].periods / before, 1, setup));
   }
   UnwrapStage& last = stages.chain.back().unwrap;
   const bool places = !stages.coarse_in_field && !stages.weighs_bands;
@@ -161,11 +157,7 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
   stages.bands.push_back(band_stage(band, corrections));
   stages.measured = {1};
   stages.coarse_given = true;
-  stages.chain.push_back(
-      {.of = {1},
-       .unwrap = {.ratio = narrow(band.periods),
-                  .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt),
-                  .coordinate = unplaced(band.periods)}});
+  stages.chain.push_back(link({1}, band.periods, band.periods, setup));
   if (unwraps_by_depth(setup)) stages.consensus.fewest_neighbours = 0;
 }
 
@@ -267,14 +259,11 @@ OrderCostStage order_cost_stage(const Layout& layout, const CueEvidence& exact, 
 }
 
 FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
-  const CueSettings settings = cue_settings(setup);
-  const CueEvidence exact(layout, settings);
+  const CueEvidence exact(layout, cue_settings(setup));
   return {.stage = cue_stage(layout, setup),
           .exact = exact,
           .f_h = layout.bands[0].periods,
           .projector_length = projector_length(setup),
-          .dimmest_lit = exact.dimmest_lit(),
-          .ambient = needs_ambient_light(layout) ? settings.ambient : 0,
           .costs = order_cost_stage(layout, exact, exact.margin(projector_length(setup)))};
 }
 
@@ -406,11 +395,11 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
 CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
                      double full_scale) {
   const double grey_level = full_scale / 255;
-  const double dimmest =
-      stages.cue->dimmest_lit * grey_level / stages.bands.front().sinusoid.modulation_scale;
-  const double voting = least_neighbour_modulation(settings, full_scale) /
-                        stages.bands.front().sinusoid.modulation_scale;
-  return {.ambient = narrow(stages.cue->ambient * grey_level),
+  const CueEvidence& cue = stages.cue->exact;
+  const float scale = stages.bands.front().sinusoid.modulation_scale;
+  const double dimmest = cue.dimmest_lit() * grey_level / scale;
+  const double voting = least_neighbour_modulation(settings, full_scale) / scale;
+  return {.ambient = narrow(cue.cost().constant_light * grey_level),
           .lit_square = narrow(dimmest * dimmest),
           .voting_square = narrow(voting * voting)};
 }

@@ -28,13 +28,10 @@ struct FusedStages {
   /// A binary code that starts the chain, or stands alone.
   struct CodeBits {
     CodeStage stage;
-    bool against_mean = false;     ///< compare with the mean of the measuring band
-    std::vector<float> reference;  ///< otherwise a weight per frame, or inverse frames
-
-    /// With none of these, bits are compared with the darkest and the brightest of them.
-    [[nodiscard]] bool compares_bits() const {
-      return !against_mean && reference.empty() && stage.inverses.empty();
-    }
+    bool against_mean = false;  ///< compare with the mean of the measuring band
+    /// Otherwise a weight per frame; empty with inverse frames, and if bits are compared with the
+    /// darkest and the brightest of them.
+    std::vector<float> reference;
   };
 
   /// A cue in the frames of the first band identifies the period, with the neighbours' vote.
@@ -43,8 +40,6 @@ struct FusedStages {
     CueEvidence exact;  ///< for single pixels
     double f_h = 12;
     int projector_length = 0;  ///< pixels along the axis
-    double dimmest_lit = 0;    ///< grey levels of 255: see CueEvidence::lit
-    double ambient = 0;        ///< beta, grey levels of 255; 0 if the cue does not need it
     OrderCostStage costs;
   };
 

@@ -133,7 +133,10 @@ GpuVote gpu_vote(const OrderCostStage& costs, Words& words) {
 }
 
 bool is_too_much(const FusedStages& stages) {
-  return stages.orders || stages.reads_stripes() || (stages.code && stages.code->compares_bits()) ||
+  const auto& code = stages.code;
+  const bool is_compared =
+      !code || code->against_mean || !code->reference.empty() || !code->stage.inverses.empty();
+  return stages.orders || stages.reads_stripes() || !is_compared ||
          std::ranges::count(stages.measured, 1) > 1 || stages.point.solved ||
          std::max(stages.bands.size(), stages.chain.size()) > most_bands ||
          std::any_of(stages.bands.begin(), stages.bands.end(), [](const auto& band) {

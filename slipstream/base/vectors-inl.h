@@ -117,11 +117,6 @@ HWY_INLINE Floats quotient(Floats a, Floats b) {
 #endif
 }
 
-/// 1 / b to the accuracy of `quotient`.
-HWY_INLINE Floats reciprocal(Floats b) {
-  return quotient(hn::Set(FloatTag(), 1.0F), b);
-}
-
 /// a / b for each.
 template <std::size_t count>
 HWY_INLINE Several<count> quotients(const Several<count>& a, const Several<count>& b) {

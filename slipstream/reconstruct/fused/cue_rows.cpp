@@ -293,8 +293,7 @@ HWY_NOINLINE void decode_cue(const SinusoidStage& stage, const CueStage& cue,
 
 void DecodeCueRow(const SinusoidStage& stage, const CueStage& cue, const FrameRows& frames,
                   const CueRow& row) {
-  if (frames.of_8_bits != nullptr) return decode_cue(stage, cue, frames.of_8_bits, row);
-  decode_cue(stage, cue, frames.of_16_bits, row);
+  std::visit([&](auto of) { decode_cue(stage, cue, of, row); }, frames);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

@@ -294,7 +294,8 @@ void FusedBand::decode(int row, SinusoidRow to) const {
     if (stages.weighs_modulations())
       to.own_modulation = scratch.modulations.row(static_cast<int>(i));
     to.limits = limits[i];
-    decode_row(band.sinusoid, rows.from(band.first_frame), to);
+    const auto from_first = [&](auto of) -> FrameRows { return of + band.first_frame; };
+    decode_row(band.sinusoid, std::visit(from_first, rows), to);
   }
 }
 

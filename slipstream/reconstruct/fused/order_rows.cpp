@@ -228,8 +228,7 @@ HWY_NOINLINE void fit_pixels(const OrderStage& stage, const SinusoidLimits& limi
 
 void FitRow(const OrderStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
             const float* turn, const UnwrappedRow& row) {
-  if (frames.of_8_bits != nullptr) return fit_pixels(stage, limits, frames.of_8_bits, turn, row);
-  fit_pixels(stage, limits, frames.of_16_bits, turn, row);
+  std::visit([&](auto of) { fit_pixels(stage, limits, of, turn, row); }, frames);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

@@ -120,7 +120,8 @@ HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<c
   each<count>([&](std::size_t k)
                   SLIPSTREAM_STEP { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
   Several<count> z;
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = reciprocal(inverse[k]); });
+  const Floats one = hn::Set(FloatTag(), 1.0F);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = quotient(one, inverse[k]); });
   return z;
 }
 

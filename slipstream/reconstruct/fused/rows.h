@@ -1,5 +1,7 @@
 #pragma once
 
+#include <variant>
+
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/decode/neighbourhood_vote.h"
 #include "slipstream/geometry/stripe_geometry.h"
@@ -21,20 +23,7 @@ enum PixelFlag : std::int32_t {
 };
 
 /// A row of each frame, 8 or 16 bits per pixel.
-struct FrameRows {
-  FrameRows() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor)
-  FrameRows(const std::uint8_t* const* rows) : of_8_bits(rows) {}
-  // NOLINTNEXTLINE(google-explicit-constructor)
-  FrameRows(const std::uint16_t* const* rows) : of_16_bits(rows) {}
-
-  [[nodiscard]] FrameRows from(int frame) const {
-    return of_8_bits != nullptr ? FrameRows(of_8_bits + frame) : FrameRows(of_16_bits + frame);
-  }
-
-  const std::uint8_t* const* of_8_bits = nullptr;
-  const std::uint16_t* const* of_16_bits = nullptr;
-};
+using FrameRows = std::variant<const std::uint8_t* const*, const std::uint16_t* const*>;
 
 /// Corrected phase of 3, 4 or 6 frames directly from U and V: the correction replaces the
 /// polynomial of the arctangent.

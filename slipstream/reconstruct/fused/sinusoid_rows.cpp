@@ -212,8 +212,7 @@ HWY_NOINLINE void decode_pixels(const SinusoidStage& stage, const Pixel* const* 
 }
 
 void DecodeRow(const SinusoidStage& stage, const FrameRows& frames, const SinusoidRow& row) {
-  if (frames.of_8_bits != nullptr) return decode_pixels(stage, frames.of_8_bits, row);
-  decode_pixels(stage, frames.of_16_bits, row);
+  std::visit([&](auto of) { decode_pixels(stage, of, row); }, frames);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

@@ -97,11 +97,11 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
 
 void CodeRow(const CodeStage& stage, float grey_level, const FrameRows& frames,
              const float* reference, float* contrast, const UnwrappedRow& row) {
-  const auto read = [&](const auto* const* of) {
+  const auto read = [&](auto of) {
     stage.alone ? read_row<true>(stage, grey_level, of, reference, contrast, row)
                 : read_row<false>(stage, grey_level, of, reference, contrast, row);
   };
-  frames.of_8_bits != nullptr ? read(frames.of_8_bits) : read(frames.of_16_bits);
+  std::visit(read, frames);
 }
 
 void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {

@@ -155,10 +155,7 @@ HWY_NOINLINE void costs_by_form(const OrderCostStage& stage, float to_8_bits,
 
 void CostsOfOrders(const OrderCostStage& stage, float to_8_bits, const FrameRows& frames,
                    const float* coordinate, const OrderCosts& costs) {
-  if (frames.of_8_bits != nullptr) {
-    return costs_by_form(stage, to_8_bits, frames.of_8_bits, coordinate, costs);
-  }
-  costs_by_form(stage, to_8_bits, frames.of_16_bits, coordinate, costs);
+  std::visit([&](auto of) { costs_by_form(stage, to_8_bits, of, coordinate, costs); }, frames);
 }
 
 /// Reads byte by byte: a wider load would wait for the narrower store before it.

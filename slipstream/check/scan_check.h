@@ -28,7 +28,6 @@ struct CheckSettings {
 /// Darker pixels may become points if the settings allow, but are too noisy for the check.
 double least_range(const CheckSettings& settings);
 
-/// Result of a scan check.
 struct ScanFindings {
   std::vector<Finding> findings;
   /// Set if the cycle certainly begins at another frame: frame `order[n]` shows pattern n.

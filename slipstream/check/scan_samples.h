@@ -58,7 +58,6 @@ class ScanSamples {
   [[nodiscard]] double gain(std::size_t group) const { return lit_[group].gain; }
   /// Difference of the brightest and the darkest frame.
   [[nodiscard]] double range(const float* levels) const;
-  /// Whether the pixel there is lit.
   [[nodiscard]] bool lit(std::size_t group, Place place) const;
 
   /// Number of lit pixels with a saturated frame.

@@ -4,7 +4,6 @@
 
 namespace slipstream {
 
-/// Requirements for a pattern design.
 struct DesignGoal {
   int steps = 5;                ///< N, 3 to 64
   double alpha = 0.5;           ///< least reflectivity to measure, (0, 1]

@@ -196,7 +196,6 @@ using KnownCodings =
                  TwoFrequency2N, TwoFrequency4N, MicroPhaseShifting, ModulatedPhaseShifting,
                  PeriodCoded, FourierProfilometry, CompositePattern, DeBruijn, SymbolArray>;
 
-/// The default strategy.
 inline Strategy default_strategy() {
   return DualFrequency{};
 }

@@ -68,7 +68,6 @@ inline constexpr std::array<CameraControlWords, 3> camera_controls{
      {CameraControl::frame_rate, "rate", "frame rate of a free-running camera", "per s",
       "%.1f per s"}}};
 
-/// The value and range of a control.
 struct ControlValue {
   double value = 0, least = 0, most = 0;
 };

@@ -9,7 +9,6 @@
 
 namespace slipstream {
 
-/// Settings of phase matching between two cameras.
 struct PhaseMatchSettings {
   /// Half width, pixels of the first camera, of the window in which a plane is fitted to the
   /// matches, weighted by the slope of the phase, which gamma flattens in places. 0: no fit.

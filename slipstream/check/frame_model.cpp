@@ -63,19 +63,17 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
   if (photometry.response) {
     constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
     corrections_ = phase_corrections(photometry.response->response, layout_, accuracy);
-  }
-  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-    const auto run = bent_run(layout_.bands[b]);
-    const int steps = run ? run->steps : 1;
-    if (corrections_.contains(steps)) corrected_steps_[b] = steps;
-  }
-  if (photometry.response) {
     constexpr int steps = 512;  // accurate to 1e-5 of the range
     const auto& [alpha_p, beta_p] = sequence.light;
     for (int i = 0; i <= steps + 1; ++i) {
       const double shape = std::min(1.0, static_cast<double>(i) / steps);
       light_.push_back(light_at(photometry.response->response, (alpha_p * shape + beta_p) / 255));
     }
+  }
+  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
+    const auto run = bent_run(layout_.bands[b]);
+    const int steps = run ? run->steps : 1;
+    if (corrections_.contains(steps)) corrected_steps_[b] = steps;
   }
   if (order_source(layout_) == OrderSource::pixel) {
     chain_ = {slipstream::measuring_band_index(layout_)};

@@ -32,11 +32,9 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
   }
   if (apart == 2 || reference == "none") return code;
   code.reference.resize(frames);
-  const auto add = [&](int from, int count, double weight) {
-    std::fill_n(code.reference.begin() + from, count, weight);
-  };
-  if (reference == "white-black") add(first + bits, 2, 0.5);
-  if (reference == "mean") add(first, bits, 1.0 / bits);
+  const auto begin = code.reference.begin() + first;
+  if (reference == "white-black") std::fill_n(begin + bits, 2, 0.5);
+  if (reference == "mean") std::fill_n(begin, bits, 1.0 / bits);
   return code;
 }
 

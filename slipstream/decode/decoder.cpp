@@ -36,8 +36,7 @@ BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
     std::ranges::transform(fine.modulation, band.modulation, fine.modulation.begin(),
                            [](double a, double b) { return std::min(a, b); });
   }
-  std::ranges::transform(unwrapped.shade, fine.mean, fine.mean.begin(),
-                         [](double shade, double mean) { return mean - shade; });
+  std::ranges::transform(fine.mean, unwrapped.shade, fine.mean.begin(), std::minus<>());
   return {.mean = std::move(fine.mean),
           .modulation = std::move(fine.modulation),
           .wrapped_phase = std::move(fine.wrapped_phase),

@@ -83,17 +83,15 @@ PatternCycle pattern_cycle(const Sequence& sequence, int scans) {
 }
 
 Demodulator::Demodulator(Demodulation how, Axis axis) : how_(std::move(how)), axis_(axis) {
-  std::vector<SpectralFrame> first;
   for (const SpectralFrame& frame : how_.frames) {
-    const auto known = std::ranges::find_if(first, [&](const auto& other) {
-      return frame.periods == other.periods && frame.across == other.across;
+    const auto known = std::ranges::find_if(bands_, [&](const Band& band) {
+      return frame.periods == band.periods && frame.across == band.across;
     });
-    band_of_.push_back(static_cast<std::size_t>(known - first.begin()));
-    if (known == first.end()) first.push_back(frame);
+    band_of_.push_back(static_cast<std::size_t>(known - bands_.begin()));
+    if (known == bands_.end()) bands_.push_back({frame.periods, frame.across});
   }
-  bands_.resize(first.size());
   images_.resize(how_.frames.size());
-  aligned_ = std::ranges::none_of(first, [](const auto& frame) { return frame.across; });
+  aligned_ = std::ranges::none_of(bands_, &Band::across);
 }
 
 const FrameViews& Demodulator::operator()(const FrameViews& shown) {
@@ -144,10 +142,8 @@ void Demodulator::locate(const FrameViews& shown) {
       const float y = at.coordinate(column, row);
       const float B = at.modulation(column, row);
       mean_(column, row) = std::max(mean_(column, row), B);  // symbols have more dark than lit area
-      for (std::size_t n = 0; n < images_.size(); ++n) {
-        if (n > 0 && band_of_[n] == band_of_[n - 1]) continue;
-        Band& band = bands_[band_of_[n]];
-        const double turns = how_.frames[n].periods * static_cast<double>(y);
+      for (Band& band : bands_) {
+        const double turns = band.periods * static_cast<double>(y);
         const auto angle = static_cast<float>(two_pi * (turns - std::rint(turns)));
         const bool known = !std::isnan(y);
         band.cosine(column, row) = known ? B * std::cos(angle) : 0;
@@ -190,16 +186,15 @@ void Demodulator::take(const FrameViews& shown) {
 void Demodulator::find_carriers() {
   for (const bool across : {false, true}) {
     std::vector<double> periods;
-    std::vector<std::size_t> of;
-    for (std::size_t n = 0; n < how_.frames.size(); ++n) {
-      const SpectralFrame& frame = how_.frames[n];
-      if (frame.across != across || std::ranges::count(of, band_of_[n]) > 0) continue;
-      periods.push_back(frame.periods);
-      of.push_back(band_of_[n]);
+    std::vector<Band*> of;
+    for (Band& band : bands_) {
+      if (band.across != across) continue;
+      periods.push_back(band.periods);
+      of.push_back(&band);
     }
     if (periods.empty()) continue;
     const auto found = found_carriers(frame_, periods, (axis_ == Axis::x) != across);
-    for (std::size_t i = 0; i < of.size(); ++i) bands_[of[i]].carrier = found[i];
+    for (std::size_t i = 0; i < of.size(); ++i) of[i]->carrier = found[i];
   }
   longest_ = 1;
   widest_ = {1, 1};

@@ -63,6 +63,8 @@ class Demodulator {
  private:
   /// A carrier and its C + i S.
   struct Band {
+    double periods = 1;
+    bool across = false;  ///< as in SpectralFrame
     Carrier carrier{};
     Size window{1, 1};  ///< of the moving mean
     Image<float> cosine{}, sine{};

@@ -1,7 +1,5 @@
 #include "slipstream/decode/neighbourhood_vote.h"
 
-#include <utility>
-
 #include "slipstream/base/numbers.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/decoder.h"
@@ -63,8 +61,8 @@ Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
 }
 
 /// The fringe order of every pixel by the given rule.
-Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, CueRule rule,
-                         double f_h, int projector_length) {
+Image<int> chosen_orders(const Image<CuePixel>& pixels, const Image<double>& wrapped_phase,
+                         const CueEvidence& cue, CueRule rule, double f_h, int projector_length) {
   Image<int> orders(pixels.size());
   std::ranges::transform(pixels, orders.begin(), [&](const CuePixel& pixel) {
     switch (rule) {
@@ -78,10 +76,7 @@ Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, 
     return 0;
   });
   if (rule != CueRule::consensus) return orders;
-  Image<double> wrapped_phase(pixels.size());
   Image<std::uint8_t> lit(pixels.size());
-  std::ranges::transform(pixels, wrapped_phase.begin(),
-                         [](const CuePixel& pixel) { return pixel.wrapped_phase; });
   std::ranges::transform(pixels, lit.begin(), [&](const CuePixel& pixel) {
     return static_cast<std::uint8_t>(cue.lit(pixel) ? 1 : 0);
   });
@@ -119,21 +114,20 @@ UnwrappedPhases unwrap_by_vote(const Layout& layout, const LayoutPhases& phases,
   const CueEvidence cue(layout, settings);
   const double f_h = layout.bands.front().periods;
   const Image<CuePixel> pixels = cue_pixels(phases, grey_level);
-  const Image<int> orders = chosen_orders(pixels, cue, settings.rule, f_h, projector_length);
+  const Image<int> orders = chosen_orders(pixels, phases.bands.front().wrapped_phase, cue,
+                                          settings.rule, f_h, projector_length);
   // The published rule leaves the DC channel's cue in the texture.
   const bool shaded = needs_ambient_light(layout) && settings.rule != CueRule::published;
   const Size size = pixels.size();
   UnwrappedPhases result{.coordinate = Image<double>(size),
                          .doubt = Image<double>(size),
                          .shade = Image<double>(shaded ? size : Size{})};
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      const CuePixel& pixel = pixels(column, row);
-      const double y = unwrapped_coordinate(pixel.wrapped_phase, orders(column, row), f_h);
-      result.coordinate(column, row) = y;
-      result.doubt(column, row) = cue.doubt(pixel, y);
-      if (shaded) result.shade(column, row) = grey_level * cue.shade(pixel, y);
-    }
+  for_each_pixel(size, [&](int column, int row) {
+    const CuePixel& pixel = pixels(column, row);
+    const double y = unwrapped_coordinate(pixel.wrapped_phase, orders(column, row), f_h);
+    result.coordinate(column, row) = y;
+    result.doubt(column, row) = cue.doubt(pixel, y);
+    if (shaded) result.shade(column, row) = grey_level * cue.shade(pixel, y);
   });
   return result;
 }

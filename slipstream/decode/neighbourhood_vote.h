@@ -297,10 +297,6 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       // With one captured reference std::function does not allocate.
       for_each_row(parts, [&work](int part) { work(part); });
     }
-    apply(lists);
-  }
-
-  void apply(NeighbourhoodVoteLists& lists) {
     lists.moved.clear();
     for (const auto& [at, shift] : lists.choices) {
       if (field_.shift(at) == shift) continue;

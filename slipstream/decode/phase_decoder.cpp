@@ -149,14 +149,12 @@ const PhaseCorrection* PhaseDecoder::correction_for(int steps) const {
 }
 
 PhaseMethod PhaseDecoder::method_for(int steps, const FrameViews& frames) const {
-  const bool has_closed_form = closed_form(steps) != nullptr;
   const bool is_of_bytes = frames.visit(
       []<class Pixel>(const Frames<Pixel>&) { return std::is_same_v<Pixel, std::uint8_t>; });
-  const bool has_table = tables_.contains(steps) && is_of_bytes;
-  if (method_ == PhaseMethod::closed_form && has_closed_form) return PhaseMethod::closed_form;
-  if (method_ == PhaseMethod::tables && has_table) return PhaseMethod::tables;
-  if (method_ == PhaseMethod::intensity_ratio && steps == 3) return PhaseMethod::intensity_ratio;
-  return PhaseMethod::equation;
+  const bool is_possible = method_ == PhaseMethod::closed_form ? closed_form(steps) != nullptr
+                           : method_ == PhaseMethod::tables ? tables_.contains(steps) && is_of_bytes
+                                                            : steps == 3;
+  return is_possible ? method_ : PhaseMethod::equation;
 }
 
 PhaseMethod PhaseDecoder::method_for(const Band& band, const FrameViews& frames) const {

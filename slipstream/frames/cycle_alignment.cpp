@@ -151,11 +151,8 @@ SlipWatch::Finding SlipWatch::look(int index, const std::vector<float>& samples)
     suspected_ = supporting_ = 0;
     places_ = places;
   }
-  if (suspected_ == 0 && !other) {
-    keep(index, samples);
-    return {};
-  }
-  if (much_nearer(own, distances_[moved(index, places_)])) {
+  const bool agrees = suspected_ == 0 && !other;
+  if (agrees || much_nearer(own, distances_[moved(index, places_)])) {
     settle(0);
     keep(index, samples);
     return {};
@@ -179,11 +176,6 @@ void SlipWatch::move_on(int places) {
   std::rotate(known_.begin(), known_.begin() + first, known_.end());
   suspected_ = 0;
 }
-
-struct CycleAlignment::Explanation {
-  double residual = 0;      ///< sum of squares
-  bool is_ordered = false;  ///< the phases of bands with more periods vary more
-};
 
 CycleAlignment::CycleAlignment(std::vector<CycleRun> runs)
     : runs_(std::move(runs)), fits_(runs_.size()), turns_(runs_.size()) {}

@@ -87,7 +87,10 @@ class CycleAlignment {
   [[nodiscard]] int misalignment(const CycleSamples& cycle);
 
  private:
-  struct Explanation;
+  struct Explanation {
+    double residual = 0;      ///< sum of squares
+    bool is_ordered = false;  ///< the phases of bands with more periods vary more
+  };
 
   /// How well the runs explain the cycle if the first frame has index `first`.
   [[nodiscard]] Explanation explain(const CycleSamples& cycle, int first);
@@ -178,7 +181,6 @@ class RollingWindow {
   int first_pattern_ = 0;
 };
 
-/// A repeated cycle of patterns.
 struct PatternCycle {
   int patterns = 1;              ///< N per cycle, for each exposure, without a marker
   int extra = 0;                 ///< frames of a window beyond a cycle

@@ -59,22 +59,19 @@ Match nearest_match(const EpipolarLine& line, const Image<Phasor>& phase, Phasor
     const double slope = (difference(depth + step) - difference(depth - step)) / (2 * step);
     return {depth, slope};
   };
-  const double d_start = difference(start);
-  double d_nearer = d_start, d_farther = d_start;
-  for (int i = 1; i <= farthest; ++i) {
-    const double next_near = start - i * step, next_far = start + i * step;
-    const double d_next_near = difference(next_near), d_next_far = difference(next_far);
-    const Match near = match_between(start - (i - 1) * step, next_near, d_nearer, d_next_near);
-    const Match far = match_between(start + (i - 1) * step, next_far, d_farther, d_next_far);
-    if (std::isfinite(near.depth) || std::isfinite(far.depth)) {
-      const bool take_far =
-          !std::isfinite(near.depth) || std::abs(far.depth - start) < std::abs(near.depth - start);
-      return take_far ? far : near;
+  Match nearest;
+  double d_nearer = difference(start), d_farther = d_nearer;
+  for (int i = 1; i <= farthest && !std::isfinite(nearest.depth); ++i) {
+    for (const int side : {-1, 1}) {
+      double& d_before = side < 0 ? d_nearer : d_farther;
+      const double next = start + side * i * step, d_next = difference(next);
+      const Match match = match_between(start + side * (i - 1) * step, next, d_before, d_next);
+      const bool farther = std::abs(match.depth - start) >= std::abs(nearest.depth - start);
+      if (std::isfinite(match.depth) && !farther) nearest = match;
+      d_before = d_next;
     }
-    d_nearer = d_next_near;
-    d_farther = d_next_far;
   }
-  return {};
+  return nearest;
 }
 
 /// Search range in the second camera on either side of the place given by the projector, as a share

@@ -115,14 +115,11 @@ std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
   if (run == runs.end()) return std::nullopt;
   const FrameSet frames = scans.frames.mean();
   const auto pixels = pixel_harmonics(frames, run->first, run->steps);
-  const Image<std::uint8_t> lit = well_lit(pixels, frames);
+  const Image<std::uint8_t> serves = in_both(well_lit(pixels, frames), scans.unclipped);
   ResponseLinearity found{.steps = run->steps};
   ShareFit fit;
-  const auto serves = [&](std::size_t i) {
-    return lit.begin()[i] != 0 && scans.unclipped.begin()[i] != 0;
-  };
   for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
-    if (!serves(i)) continue;
+    if (serves.begin()[i] == 0) continue;
     fit.add(pixels.begin()[i], run->steps);
     ++found.pixels;
   }
@@ -130,7 +127,7 @@ std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
   found.second = fit.share();
   double residual = 0;
   for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
-    if (!serves(i)) continue;
+    if (serves.begin()[i] == 0) continue;
     const MeasuredHarmonics& pixel = pixels.begin()[i];
     residual += std::norm(pixel.second - found.second * whole_second(pixel, run->steps));
   }

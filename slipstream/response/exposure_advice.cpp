@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
@@ -55,11 +56,8 @@ Image<double> brightest_level(const FrameViews& frames) {
 LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shortest,
                      double noise_variance) {
   constexpr double deviations = 5;
-  double variance = 0;
-  for (const Band& band : layout.bands) {
-    variance = std::max(variance, component_noise(band) * noise_variance);
-  }
-  const double least = deviations * std::sqrt(variance);
+  const double noise = std::ranges::max(layout.bands | std::views::transform(component_noise));
+  const double least = deviations * std::sqrt(noise * noise_variance);
   const double grey_level = frames.full_scale() / 255;
   const Image<double> B = modulation(frames, layout), peak = brightest_level(frames);
   LitPixels lit{.all = B.pixel_count()};

@@ -30,7 +30,7 @@ class LiveRun {
         captured_(paced_ ? std::max<std::size_t>(settings.waiting_frames, 1) : stage_places),
         windows_(stage_places),
         finished_(stage_places),
-        followed_(settings, plan_->engines.front().setup().scanner.camera,
+        followed_(settings, plan_->setup().scanner.camera,
                   [this](std::exception_ptr failure) { fail(std::move(failure)); }) {
     try {
       for (const auto stage :
@@ -132,7 +132,6 @@ class LiveRun {
   };
 
   void capture() {
-    using Kind = SequenceWatch::Kind;
     if (paced_) go_when_woken();
     Frame spare(format_);  // takes frames while the pool is empty
     const auto enough = [this] {
@@ -150,7 +149,7 @@ class LiveRun {
       }
       if (arrival == Arrival::damaged) sequence_.damaged();
       const bool came = arrival == Arrival::frame;
-      const bool repeated = came && sequence_.look(filled.stamp.sequence) == Kind::repeated;
+      const bool repeated = came && !sequence_.look(filled.stamp.sequence);
       frames_lost_ = sequence_.lost();
       if (repeated) ++frames_repeated_;
       if (!came || repeated) continue;
@@ -172,8 +171,8 @@ class LiveRun {
         const auto patterns_of = [](const Sequence& shown) {
           return std::tie(shown.strategy, shown.axis, shown.exposures);
         };
-        const Sequence& sequence = sequence_of(*wanted);
-        if (!windows || patterns_of(sequence) != patterns_of(sequence_of(*current))) {
+        const Sequence& sequence = wanted->setup().sequence;
+        if (!windows || patterns_of(sequence) != patterns_of(current->setup().sequence)) {
           lost_before = windows_lost_;
           resynchronised_before = resynchronisations_;
           windows.emplace(pattern_cycle(sequence), settings_.indexing, format_.size);
@@ -248,10 +247,6 @@ class LiveRun {
     }
   }
 
-  static const Sequence& sequence_of(const WindowEngine& plan) {
-    return plan.engines.front().setup().sequence;
-  }
-
   /// Stops all stages.
   void fail(std::exception_ptr failure) {
     {
@@ -299,12 +294,8 @@ class LiveRun {
 
   void pass_on(Pooled<Frame> frame) {
     const Clock::time_point captured_at = frame->stamp.host_time;
-    if (paced_) {
-      if (captured_.push_over_oldest({std::move(frame), sequence_.restarts()}))
-        ++frames_overwritten_;
-    } else {
-      captured_.push_when_room({std::move(frame), sequence_.restarts()});
-    }
+    // Without the source's own pace there is room, as capture() waits for it.
+    if (captured_.push_over_oldest({std::move(frame), sequence_.restarts()})) ++frames_overwritten_;
     capture_meter_.done(captured_at);
   }
 

@@ -50,8 +50,7 @@ void LatencyHistogram::add(std::chrono::nanoseconds duration) {
 
 Latency LatencyHistogram::latency() const {
   std::array<std::uint64_t, steps> counts{};
-  std::transform(counts_.begin(), counts_.end(), counts.begin(),
-                 [](const auto& count) { return count.load(std::memory_order_relaxed); });
+  std::copy(counts_.begin(), counts_.end(), counts.begin());
   const std::uint64_t total = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
   const double longest = static_cast<double>(longest_.load(std::memory_order_relaxed)) * 1e-6;
   const auto percentile = [&](double share) {
@@ -96,17 +95,12 @@ StageStatistics StageMeter::statistics(Clock::time_point then) const {
       last_second += slot.count.load(std::memory_order_relaxed);
     }
   }
-  StageStatistics statistics;
-  statistics.done = count();
-  if (whole > 0) {
-    statistics.rate =
-        static_cast<double>(last_second * slots_per_second) / static_cast<double>(whole);
-  }
-  statistics.latency = latency_.latency();
-  return statistics;
+  const double rate = static_cast<double>(last_second * slots_per_second) /
+                      static_cast<double>(std::max<std::int64_t>(whole, 1));
+  return {.name = {}, .done = count(), .rate = rate, .latency = latency_.latency()};
 }
 
-SequenceWatch::Kind SequenceWatch::look(std::uint64_t sequence) {
+bool SequenceWatch::look(std::uint64_t sequence) {
   const bool restart = begun_ && sequence + memory < expected_;
   if (!begun_ || restart) {
     lost_ += std::exchange(damaged_, 0);
@@ -114,7 +108,7 @@ SequenceWatch::Kind SequenceWatch::look(std::uint64_t sequence) {
     begun_ = true;
     expected_ = sequence + 1;
     seen_.reset().set(0);
-    return restart ? Kind::restart : Kind::fresh;
+    return true;
   }
   if (sequence >= expected_) {
     const std::uint64_t gap = sequence - expected_;
@@ -122,13 +116,13 @@ SequenceWatch::Kind SequenceWatch::look(std::uint64_t sequence) {
     seen_ = gap + 1 < memory ? seen_ << (gap + 1) : std::bitset<memory>();
     seen_.set(0);
     expected_ = sequence + 1;
-    return Kind::fresh;
+    return true;
   }
   const std::uint64_t back = expected_ - 1 - sequence;
-  if (back >= memory || seen_.test(back)) return Kind::repeated;
+  if (back >= memory || seen_.test(back)) return false;
   seen_.set(back);
   if (lost_ > 0) --lost_;
-  return Kind::fresh;
+  return true;
 }
 
 void FindingLog::replace(std::vector<Finding> findings, std::uint64_t sequence) {

@@ -31,7 +31,6 @@ struct Latency {
   }
 };
 
-/// Statistics of one stage.
 struct StageStatistics {
   std::string name;          ///< "capture", "window", "reconstruct", "show"
   std::uint64_t done = 0;    ///< items finished
@@ -167,13 +166,8 @@ class SequenceWatch {
   /// How far back a frame counts as late, not as a restart.
   static constexpr std::uint64_t memory = 64;
 
-  enum class Kind {
-    fresh,     ///< newer than all others, or missing until now
-    repeated,  ///< received before
-    restart,   ///< the source counts from the beginning again
-  };
-
-  Kind look(std::uint64_t sequence);
+  /// Returns false for a frame received before.
+  bool look(std::uint64_t sequence);
   /// Call for a damaged frame. Its number counts as lost, unless the next gap contains it.
   void damaged() { ++damaged_; }
 

@@ -102,12 +102,12 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
   used = &engines[static_cast<std::size_t>(window.first_pattern)];
-  if (!has_geometry(engines.front().setup().scanner)) {
+  if (!has_geometry(setup().scanner)) {
     if (!window.cloud.z.empty()) window.cloud = Cloud();
     return {};
   }
   view_window(window.frames, views);
-  const int extra = engines.front().setup().sequence.motion;
+  const int extra = setup().sequence.motion;
   if (still && used->moving_share(views) < least_moving) {
     used = &*still;
     window.motion = 0;

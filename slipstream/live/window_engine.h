@@ -53,6 +53,7 @@ struct WindowEngine {
   /// Whether to check the window: once per cycle, when its last pattern has arrived.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);
+  [[nodiscard]] const EngineSetup& setup() const { return engines.front().setup(); }
 
   /// One for each first pattern of a window; a single one if windows are in pattern order.
   std::vector<Engine> engines;

@@ -347,10 +347,6 @@ void write_one_bit_image(const fs::path& path, const Image<std::uint8_t>& image)
   write_file(path, one_bit_png_file_of(image));
 }
 
-std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image) {
-  return png_file_of(image);
-}
-
 void require_map_ending(const fs::path& path) {
   require_ending(path, "map", {".tif", ".tiff", ".npy"});
 }

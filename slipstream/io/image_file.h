@@ -66,9 +66,6 @@ void write_print(const std::filesystem::path& path, const Image<std::uint8_t>& p
 /// size.
 bool decode_jpeg(std::span<const std::uint8_t> bytes, Image<std::uint8_t>& grey);
 
-/// A grey picture as the bytes of a PNG file.
-std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);
-
 /// Throws Error unless the ending supports maps: tif, tiff, npy.
 void require_map_ending(const std::filesystem::path& path);
 

@@ -9,9 +9,9 @@
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
+#include "slipstream/io/detail/pictures.h"
 #include "slipstream/io/detail/point_elements.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -73,7 +73,7 @@ void write_obj(const fs::path& path, const Surface& surface) {
   const std::vector<fs::path> beside = files_beside(path);
   const std::string picture = beside[0].filename().string();
   OutputFile texture(beside[0]), materials(beside[1]), object(path);
-  texture.write({png_file(surface.picture)});
+  texture.write({png_file_of(surface.picture)});
   materials.write(
       {bytes_of(fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", picture))});
   object.write({bytes_of(obj_file(surface, beside[1].filename().string()))});
@@ -133,7 +133,7 @@ json document_of(const Surface& surface, Binary& binary) {
       binary.accessor(surface.intensity, "SCALAR", float32, vertex_buffer),
       binary.accessor(surface.triangles, "SCALAR", uint32, index_buffer),
   };
-  const std::vector<std::uint8_t> picture = png_file(surface.picture);
+  const std::vector<std::uint8_t> picture = png_file_of(surface.picture);
   const std::size_t picture_view = binary.append(picture.data(), picture.size());
   return {
       {"asset", {{"version", "2.0"}, {"generator", "slipstream"}}},

@@ -39,10 +39,6 @@ StoredMatrix matrix_from(std::string_view rows, std::string_view columns,
   return whole ? matrix : StoredMatrix();
 }
 
-std::string text_of(const YAML::Node& node) {
-  return node.IsScalar() ? node.Scalar() : "";
-}
-
 /// A number, or otherwise a text.
 StoredMatrix scalar_from(const std::string& text) {
   StoredMatrix entry = matrix_from("1", "1", {text});
@@ -54,8 +50,8 @@ StoredMatrix entry_from(const YAML::Node& node) {
   if (node.IsScalar()) return scalar_from(node.Scalar());
   if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"]) return {};
   std::vector<std::string> data;
-  for (const YAML::Node& number : node["data"]) data.push_back(text_of(number));
-  return matrix_from(text_of(node["rows"]), text_of(node["cols"]), data);
+  for (const YAML::Node& number : node["data"]) data.push_back(number.Scalar());
+  return matrix_from(node["rows"].Scalar(), node["cols"].Scalar(), data);
 }
 
 /// Returns nullopt, or throws a YAML exception, if it is not such a file.
@@ -65,7 +61,7 @@ std::optional<StoredEntries> entries_from_yaml(std::string text) {
   const YAML::Node root = yaml_document(text);
   if (!root.IsMap()) return std::nullopt;
   StoredEntries entries;
-  for (const auto& entry : root) entries[text_of(entry.first)] = entry_from(entry.second);
+  for (const auto& entry : root) entries[entry.first.Scalar()] = entry_from(entry.second);
   return entries;
 }
 

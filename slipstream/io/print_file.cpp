@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/numbers.h"
+#include "slipstream/io/detail/pictures.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 
@@ -114,7 +115,7 @@ std::string pdf_of(const Sheet& sheet) {
 
 /// A PNG file with a chunk for its resolution after the header.
 std::vector<std::uint8_t> png_of(const Image<std::uint8_t>& picture, double mm_per_pixel) {
-  std::vector<std::uint8_t> file = png_file(picture), chunk{0, 0, 0, 9, 'p', 'H', 'Y', 's'};
+  std::vector<std::uint8_t> file = png_file_of(picture), chunk{0, 0, 0, 9, 'p', 'H', 'Y', 's'};
   const auto per_metre = static_cast<std::uint32_t>(std::lround(1000 / mm_per_pixel));
   append_numbers<std::endian::big>(chunk, per_metre, per_metre, std::uint8_t{1});  // of a metre
   append_numbers<std::endian::big>(chunk, checksum(std::span(chunk).subspan(4)));

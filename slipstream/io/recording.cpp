@@ -270,10 +270,6 @@ void RecordingWriter::finish() {
 void RecordingWriter::write(std::initializer_list<Bytes> parts) try {
   file_->write(parts);
 } catch (const WorldError&) {
-  give_up();
-}
-
-void RecordingWriter::give_up() {
   const std::unique_ptr<OutputFile> file = std::exchange(file_, nullptr);
   const std::uint64_t record = record_size(format_);
   const bool keeps = keeps_frames();

@@ -50,7 +50,6 @@ class RecordingWriter {
 
  private:
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);
-  [[noreturn]] void give_up();
   /// Whether an unfinished file stays.
   [[nodiscard]] bool keeps_frames() const {
     return count_ > 0 && writing_ == OutputFile::Writing::over_time;

@@ -8,7 +8,6 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/geometry/triangulator.h"
 #include "slipstream/io/detail/unique_keys.h"
 #include "slipstream/io/file.h"
 #include "slipstream/response/response_fit.h"
@@ -232,15 +231,12 @@ std::vector<int> pixel_counts(const StoredEntries& entries, std::string_view nam
 }
 
 Size size_of(const StoredEntries& entries, const LensNames& names) {
-  if (names.width.empty()) {
-    const std::vector<int> both = pixel_counts(entries, names.height, 2);
-    return {both[1], both[0]};
-  }
-  if (!names.height.empty()) {
+  const bool height_first = names.width.empty();
+  if (!height_first && !names.height.empty()) {
     return {pixel_counts(entries, names.width, 1)[0], pixel_counts(entries, names.height, 1)[0]};
   }
-  const std::vector<int> both = pixel_counts(entries, names.width, 2);
-  return {both[0], both[1]};
+  const auto both = pixel_counts(entries, height_first ? names.height : names.width, 2);
+  return height_first ? Size{both[1], both[0]} : Size{both[0], both[1]};
 }
 
 Lens lens_of(const StoredEntries& entries, const LensNames& names) {

@@ -34,8 +34,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
 
   void trigger() override {
     if (settings_.trigger != "Software") return;
-    const std::shared_ptr<AravisConnection> connection = shared_connection();
-    if (connection) connection->trigger();
+    if (const auto connection = shared_connection()) connection->trigger();
   }
 
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const override {
@@ -87,7 +86,6 @@ class AravisSource final : public CameraSource<AravisConnection> {
     last_heard_ = steady_clock::now();
   }
 
-  /// For frames of this size.
   [[nodiscard]] static Size frame_size(Size picture, PixelFormat format) {
     return {values_of(format) * picture.width, picture.height};
   }

@@ -15,7 +15,6 @@ namespace slipstream {
 /// Parses "127.0.0.1"; throws Error if it is not an IPv4 address.
 in_addr host_from(const std::string& address);
 
-/// A UDP socket.
 class UdpSocket {
  public:
   /// Port 0: any free one. `shared`: other sockets may use the port too. Throws WorldError.

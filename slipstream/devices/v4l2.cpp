@@ -63,7 +63,6 @@ class FileDevice : public VideoDevice {
 
 constexpr unsigned v4l2_buffer_count = 8;
 
-/// A supported pixel layout.
 struct PixelLayout {
   std::uint32_t code;
   int bits;

@@ -1,7 +1,6 @@
 #include "slipstream/live/cyclic_scans.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "slipstream/base/throw_if-inl.h"
@@ -55,8 +54,7 @@ std::optional<std::vector<FrameSet>> CyclicScans::scans_of_window() {
   std::vector<FrameSet> scans;
   for (auto first = window_.begin(); first != window_.end(); first += frames_) {
     std::vector<Frame> frames;
-    std::transform(first, first + frames_, std::back_inserter(frames),
-                   [](const Pooled<Frame>& frame) { return *frame; });
+    for (int n = 0; n < frames_; ++n) frames.push_back(*first[n]);
     scans.push_back(frame_set_of(std::move(frames)));
   }
   return scans;

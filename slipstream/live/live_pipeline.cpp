@@ -40,10 +40,6 @@ LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetu
   });
 }
 
-LivePipeline::~LivePipeline() {
-  stop();
-}
-
 std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
   const Size camera = setup.scanner.camera.size;
   throw_if(camera != format_.size, "frames are {}, the scanner's camera has {}; both must agree",

@@ -47,7 +47,7 @@ class LivePipeline {
   /// frames.
   LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetup& setup,
                const LiveSettings& settings = {});
-  ~LivePipeline();  ///< stops
+  ~LivePipeline() { stop(); }
 
   /// Throws as the source does. Resets all counts.
   void start();

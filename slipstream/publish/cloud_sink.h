@@ -122,7 +122,6 @@ extern const SinkKind ros2_sink;
 /// depth, with intensity and confidence on request.
 extern const SinkKind genicam_sink;
 
-/// Statistics of a sink.
 struct SinkStatistics {
   std::string name;             ///< as requested
   std::uint64_t published = 0;  ///< clouds taken

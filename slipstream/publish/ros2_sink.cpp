@@ -317,8 +317,7 @@ class Ros2Sink final : public DisjointCloudSink {
   /// rmw_dds_common/msg/ParticipantEntitiesInfo of the node. Identities have 24 bytes up to ROS 2
   /// Humble.
   void tell_node() {
-    const std::string distribution = variable("ROS_DISTRO");
-    const std::size_t spare = distribution == "humble" ? 8 : 0;
+    const std::size_t spare = variable("ROS_DISTRO") == "humble" ? 8 : 0;
     const std::string whole = fmt::format("/{}", name_);
     const std::size_t last = whole.rfind('/');
     dds_guid_t id;

@@ -35,7 +35,7 @@ constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
                                                   {"sigma_y", 1000},
                                                   {"sigma_z", 1000}}};
 
-/// Starts an Image message.
+/// Starts a message of an image or of one value for each pixel: header, height, width.
 Cdr begin_picture(RosMessage& message, const RosHeader& header, Size size) {
   Cdr cdr(message);
   cdr.add_time(header.time).add_text(header.frame_id).add(static_cast<std::uint32_t>(size.height));

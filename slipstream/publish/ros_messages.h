@@ -14,7 +14,6 @@ namespace slipstream {
 /// A ROS 2 message in little-endian CDR.
 using RosMessage = std::vector<std::uint8_t>;
 
-/// Header of a message.
 struct RosHeader {
   std::uint64_t time;  ///< Unix time in ns
   std::string_view frame_id = camera_frame;
@@ -175,7 +174,6 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
 /// name.
 Frame read_frame(std::span<const std::uint8_t> message, int bits);
 
-/// A ROS 2 service.
 struct RosService {
   std::string name;  ///< "scanner/capture"
   std::string type;  ///< "std_srvs/srv/Trigger"

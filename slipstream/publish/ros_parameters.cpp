@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <iterator>
 
 #include <fmt/ranges.h>
 
@@ -152,14 +151,13 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
 
 bool write_parameter_event(const std::string& node, std::uint64_t time, const Settings& before,
                            const Settings& now, RosMessage& message) {
-  Settings come, changed, gone;
+  Settings come, changed, gone = before;
   for (const RunSetting& setting : now) {
     const RunSetting was = find(before, setting.name);
     if (was.name.empty()) come.push_back(setting);
     if (!was.name.empty() && was.value != setting.value) changed.push_back(setting);
   }
-  std::copy_if(before.begin(), before.end(), std::back_inserter(gone),
-               [&](const RunSetting& setting) { return find(now, setting.name).name.empty(); });
+  std::erase_if(gone, [&](const RunSetting& was) { return !find(now, was.name).name.empty(); });
   if (come.empty() && changed.empty() && gone.empty()) return false;
   Cdr cdr(message);
   cdr.add_time(time).add_text("/" + node);

@@ -55,7 +55,6 @@ class Features {
     keep(is_float ? "FloatReg" : "IntReg", name, where, access, index,
          is_float ? "" : unsigned_number);
   }
-  /// A feature with a constant value.
   void constant(const std::string& name, const std::string& only) {
     show("Enumeration", name,
          fmt::format("<ImposedAccessMode>RO</ImposedAccessMode><EnumEntry Name=\"{}\"><Value>0"

@@ -51,7 +51,7 @@ bool CloudScreen::take_newest() {
   cloud_ = std::move(newest);
   told_shown_ = false;
   uncertainty_.reset();
-  set_cloud(cloud_);
+  set_cloud();
   expose();
   return true;
 }
@@ -64,34 +64,34 @@ const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   return &maps_;
 }
 
-void CloudScreen::set_cloud(const ShownCloud& shown) {
+void CloudScreen::set_cloud() {
   drawn_ = look();
-  if (pictures_alone(source_)) return set_pictures(shown);
-  const Cloud& cloud = *shown.cloud;
+  if (pictures_alone(source_)) return set_pictures();
+  const Cloud& cloud = *cloud_.cloud;
   state_.counts = count_by_validity(cloud);
   state_.pixels = cloud.z.pixel_count();
   const bool pictures = state_.shown && (state_.picture_open[1] || state_.picture_open[2]);
   const bool wanted = pictures || state_.view.colour == PointColour::modulation;
-  const Maps* const maps = wanted ? maps_of(shown.frames) : nullptr;
+  const Maps* const maps = wanted ? maps_of(cloud_.frames) : nullptr;
   PointImages images = images_of(cloud);
   if (state_.view.shaded) shading_ = shading(cloud);
   images.shading = state_.view.shaded ? &shading_ : nullptr;
   scene_.set_cloud(images, maps != nullptr ? &maps->modulation : nullptr, state_.view.colour);
-  if (state_.shown) update_pictures(shown.frames, maps);
+  if (state_.shown) update_pictures(cloud_.frames, maps);
   // The first clouds may show an empty room.
   if (!fitted_ && point_count(cloud) > state_.pixels / 50) fit_wanted_ = true;
 }
 
-void CloudScreen::set_pictures(const ShownCloud& shown) {
-  const Maps* const maps = maps_of(shown.frames);
+void CloudScreen::set_pictures() {
+  const Maps* const maps = maps_of(cloud_.frames);
   if (maps == nullptr) return;
   PictureReport report =
-      picture_report(engine_->merged(shown.frames), *maps, engine_->setup().settings);
+      picture_report(engine_->merged(cloud_.frames), *maps, engine_->setup().settings);
   validity_ = std::move(report.validity);
   state_.counts = count_by_validity(validity_);
   state_.pixels = validity_.pixel_count();
   state_.modulation = report.modulation;
-  update_pictures(shown.frames, maps);
+  update_pictures(cloud_.frames, maps);
 }
 
 int CloudScreen::width_of(std::size_t picture) const {
@@ -150,7 +150,7 @@ void CloudScreen::draw_over(const Area& area, const Screen& screen) const {
 }
 
 void CloudScreen::draw(const Screen& screen) {
-  if (cloud_ && drawn_ != look()) set_cloud(cloud_);
+  if (cloud_ && drawn_ != look()) set_cloud();
   const PanelWidths widths = panel_widths(state_, source_, screen);
   const Pane pane = pane_between(widths, screen);
   draw_scene(pane, screen);

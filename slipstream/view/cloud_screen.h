@@ -147,8 +147,8 @@ class CloudScreen {
   [[nodiscard]] bool closed() const { return closed_; }
 
  private:
-  void set_cloud(const ShownCloud& shown);
-  void set_pictures(const ShownCloud& shown);
+  void set_cloud();
+  void set_pictures();
   void update_pictures(const FrameViews& frames, const Maps* maps);
   [[nodiscard]] int width_of(std::size_t picture) const;
   /// Decodes the frames again; null without frames, or if they belong to another strategy, e.g.

@@ -224,7 +224,8 @@ std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
   return monitors;
 }
 
-Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings) {
+Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings)
+    : window_(nullptr, glfwDestroyWindow) {
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -251,10 +252,6 @@ Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings) {
       glfwCreateWindow(size.width, size.height, settings.title.c_str(), monitor, nullptr));
   if (!window_) throw WorldError(fmt::format("no OpenGL 3.3 window: {}", last_words()));
   glfwMakeContextCurrent(get());
-}
-
-void Window::Close::operator()(GLFWwindow* window) const {
-  glfwDestroyWindow(window);
 }
 
 Size Window::framebuffer_size() const {

@@ -89,7 +89,6 @@ class WindowSystem {
   [[nodiscard]] std::vector<Monitor> monitors() const;
 };
 
-/// Options of a window.
 struct WindowSettings {
   std::string title = "slipstream";
   Size size{1280, 800};    ///< inner size; the monitor's if fullscreen
@@ -108,10 +107,7 @@ class Window {
   [[nodiscard]] Size framebuffer_size() const;  ///< in pixels
 
  private:
-  struct Close {
-    void operator()(GLFWwindow* window) const;
-  };
-  std::unique_ptr<GLFWwindow, Close> window_;
+  std::unique_ptr<GLFWwindow, void (*)(GLFWwindow*)> window_;
 };
 
 /// An OpenGL 3.3 core context without a window, made current at construction: by surfaceless EGL,

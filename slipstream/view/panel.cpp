@@ -33,7 +33,6 @@ bool section(const char* name) {
   return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen);
 }
 
-/// A table row: name and value.
 void row(const char* name, const std::string& value, const ImVec4& colour = white) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();

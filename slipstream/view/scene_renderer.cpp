@@ -200,7 +200,7 @@ void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Si
 void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pane& pane,
                          float pixel_ratio) const {
   const Size picture = pane.size;
-  glViewport(pane.left, pane.bottom, picture.width, picture.height);
+  glViewport(pane.left, 0, picture.width, picture.height);
   glClearColor(background.r, background.g, background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   draw_points(settings, ambient, picture, false);

@@ -17,7 +17,6 @@ struct PointImages {
   const Image<float>* shading = nullptr;  ///< brightness, 0 to 1; null: 1 everywhere
 };
 
-/// A range of values.
 struct Range {
   float low = 0, high = 1;
 };
@@ -89,9 +88,9 @@ struct ViewSettings {
   OrbitCamera camera{.azimuth = 0.33F, .elevation = 0.22F};
 };
 
-/// A part of the framebuffer, in pixels from its lower left corner.
+/// A part of the framebuffer from its lower edge up, in pixels.
 struct Pane {
-  int left = 0, bottom = 0;
+  int left = 0;
   Size size;
 };
 

@@ -19,10 +19,10 @@ ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const En
   return {.cloud = {made, &made->first}, .frames = *frames};
 }
 
-std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas_beside(
-    const std::optional<MeasuredResponse>& given) {
-  std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> choices{
-      {"initial", given}, {"none", std::nullopt}};
+using Gammas = decltype(ViewSource::gammas);
+
+Gammas gammas_beside(const std::optional<MeasuredResponse>& given) {
+  Gammas choices{{"initial", given}, {"none", std::nullopt}};
   for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
     choices.emplace_back(fmt::format("{:g}", gamma), MeasuredResponse{PowerLaw{gamma}, gamma});
   }

@@ -116,7 +116,6 @@ ViewSource still_source(FrameSet frames, const EngineSetup& setup);
 /// Offers other responses and, if patterns can change, strategies; the caller adds files.
 ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change);
 
-/// Options of the viewer.
 struct ViewerSettings {
   ViewSettings view{};
   Size size{1280, 800};          ///< initial window size

@@ -4,7 +4,6 @@
 
 #include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/sequence.h"
-#include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
 

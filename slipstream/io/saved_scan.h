@@ -1,7 +1,6 @@
 #pragma once
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/decode/maps.h"
 #include "slipstream/geometry/scan.h"
 #include "slipstream/io/scan_folder.h"
 

@@ -231,8 +231,11 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
       if (is_outside(slightly)) ++beyond;
     }
     depths.push_back(z);
-    const bool has_next = samples.lit(g, ScanSamples::right) && samples.lit(g, ScanSamples::below);
-    if (!rises || !has_next) continue;
+    // On things of a few pixels, blur mixes what is lit beside each other.
+    const bool inside = std::ranges::all_of(
+        std::array{Place::right, Place::below, Place::far_right, Place::far_below},
+        [&](Place place) { return samples.lit(g, place); });
+    if (!rises || !inside) continue;
     const auto expected = [&](const Eigen::Vector2d& step) {
       return place_in_field(scanner, axis, z * ray_through(scanner.camera, pixel + step)).along -
              lit.along;
@@ -241,7 +244,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
                                expected({0, turn.rows ? -1 : 1}));
     // The phase is exact, but wraps between pixels that are a good part of a period apart.
     const bool coarse = f * flat.cwiseAbs().maxCoeff() > 0.25;
-    const auto change = [&](ScanSamples::Place place) {
+    const auto change = [&](Place place) {
       model.read(samples.levels(g, place), order, next);
       if (coarse) return next.coordinate - here.coordinate;
       return std::remainder(next.phase[band] - here.phase[band], two_pi) / (two_pi * f);
@@ -260,7 +263,9 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     result.beyond = beyond / static_cast<double>(depths.size());
     result.median_depth = quantile(depths, 0.5);
   }
-  if (!slopes.empty()) {
+  // The scatter of fewer says too little about their median.
+  constexpr std::size_t fewest_slopes = 16;
+  if (slopes.size() >= fewest_slopes) {
     result.slope = quantile(slopes, 0.5);
     for (double& slope : slopes) slope = std::abs(slope - result.slope);
     // Standard error of the median.
@@ -301,7 +306,8 @@ bool Fit::poor() const {
   // Right scans: at most 0.05, 0.001, 0.04.
   constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
   const auto is_off = [](const BandRelation& relation) {
-    return std::abs(relation.offset) > poor_offset + 3 * relation.error;
+    return relation.noise >= least_noise &&
+           std::abs(relation.offset) > poor_offset + 3 * relation.error;
   };
   return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||
          (geometry && (geometry->outside + geometry->without_point > poor_outside ||

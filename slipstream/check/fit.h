@@ -124,9 +124,10 @@ struct GeometryEvidence {
   double median_depth = 0;   ///< mm
   double out_of_range = 0;   ///< share of points outside the calibrated depths, with a margin
   double beyond = 0;         ///< the same with a tenth of the range as margin
-  /// Median over the pixels of the coordinate's change to the next pixel, divided by the change on
-  /// a surface that faces the camera: about 1 if all is right, negative if the stripes run the
-  /// other way, near 0 if they run along the other axis. Always 1 for a code alone.
+  /// Median over the pixels inside of surfaces of the coordinate's change to the next pixel,
+  /// divided by the change on a surface that faces the camera: about 1 if all is right, negative if
+  /// the stripes run the other way, near 0 if they run along the other axis. Always 1 for a code
+  /// alone, and if there are few such pixels.
   double slope = 1;
   double slope_doubt = 0;  ///< three standard errors of `slope`, from the scatter of the pixels
 };

@@ -41,7 +41,7 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
   const Floats least = hn::Set(d, grey_level * stage.least_contrast);
   const auto mask = [&](auto test)
                         SLIPSTREAM_STEP { return hn::VecFromMask(di, hn::RebindMask(di, test)); };
-  unwrap_vectors(row, stage.largest_doubt, [&](std::size_t i, Ints flags) SLIPSTREAM_STEP {
+  const auto read = [&](std::size_t i, Ints flags) SLIPSTREAM_STEP {
     const auto level = [&](int frame) SLIPSTREAM_STEP { return load_pixels(frames[frame] + i); };
     Ints darkest = level(bits.front()), brightest = darkest;
     const auto take = [&](std::span<const int> some) SLIPSTREAM_STEP {
@@ -92,6 +92,10 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
                        hn::Set(d, 1 / stage.stripe));
     const Ints dark = hn::And(mask(hn::Lt(range, least)), hn::Set(di, PixelFlag::dark));
     return Unwrapped{y, hn::Min(half, hn::Mul(spread, hn::Set(d, 0.125F))), hn::Or(flags, dark)};
+  };
+  if (alone) return unwrap_vectors(row, stage.largest_doubt, read);
+  for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
+    hn::StoreU(read(i, hn::Zero(di)).y, d, row.coordinate + i);
   });
 }
 

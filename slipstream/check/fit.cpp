@@ -231,7 +231,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
       if (is_outside(slightly)) ++beyond;
     }
     depths.push_back(z);
-    // On things of a few pixels, blur mixes what is lit beside each other.
+    // On things of a few pixels, blur mixes the coordinates of both sides.
     const bool inside = std::ranges::all_of(
         std::array{Place::right, Place::below, Place::far_right, Place::far_below},
         [&](Place place) { return samples.lit(g, place); });

@@ -101,7 +101,12 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
     return;
   }
   if (!flags.plots.empty()) make_folder(flags.plots);
-  if (!flags.report.empty()) make_folder(fs::absolute(flags.report).parent_path());
+
+  // Only with --report: std::filesystem::absolute throws for an empty path.
+  const fs::path report_folder =
+      flags.report.empty() ? fs::path() : fs::absolute(flags.report).parent_path();
+  if (!flags.report.empty()) make_folder(report_folder);
+
   for (const char* kind : {"tables", "figures", "sections", "experiments"}) {
     output.document[kind] = nlohmann::json::array();
   }
@@ -118,7 +123,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
     const auto plots = as_json(done.plots, [](const fs::path& plot) { return plot.string(); });
     output.add_to(std::string(item.kind) + "s", "id", item.id, "title", item.title, "cells", cells,
                   "plots", plots, "notes", done.result.notes);
-    add_to(report, done, fs::absolute(flags.report).parent_path());
+    if (!flags.report.empty()) add_to(report, done, report_folder);
     progress.advance();
     output.say("{}", text_of(done));
   }

@@ -220,6 +220,13 @@ TEST_F(GammaProgram, TakesPicturesInColourApartByTheScannerGiven) {
   EXPECT_NEAR(measured.response->gamma, 2.2, 0.05);
 }
 
+TEST_F(GammaProgram, ReproducesWithoutAnyFlag) {
+  const std::string table = out_of({"reproduce", "table-4.1"});
+  for (const char* words : {"table-4.1:", "published", "recomputed"}) {
+    EXPECT_TRUE(says(table, words)) << words << " in " << table;
+  }
+}
+
 TEST_F(GammaProgram, ReproducesTablesAndFigures) {
   const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
                                    "--report", path("reports/report.html"), "--json"});

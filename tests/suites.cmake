@@ -1,8 +1,10 @@
 # Runs after a test program is built. Adds one test per suite, so that its cases share their fixtures,
-# and a second for the suite's nightly cases (night.txt).
+# and up to five for the suite's nightly cases (night.txt): one per part of the night.
 #
 #   cmake -D PROGRAM=... -D ROOM=... -D NIGHT=tests/night.txt -D RESULTS=folder
 #         -D FILE=... -D PORT_SUITES=pattern -P suites.cmake
+include(${CMAKE_CURRENT_LIST_DIR}/night_parts.cmake)
+
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX REPLACE " *#[^\n]*" "" listed "${listed}")  # parameter values
 string(REPLACE "\n" ";" lines "${listed}")
@@ -44,14 +46,30 @@ function(add_suite name label filter count)
   set(text "${text}" PARENT_SCOPE)
 endfunction()
 
+# Deals a suite's nightly cases out to the parts in turn.
+macro(add_nightly_suites)
+  night_part_of("${ROOM}.${suite}" part)
+
+  foreach(case IN LISTS of_night)
+    list(APPEND of_part_${part} ${case})
+    math(EXPR part "${part} % ${night_parts} + 1")
+  endforeach()
+
+  foreach(part RANGE 1 ${night_parts})
+    list(LENGTH of_part_${part} count)
+    string(JOIN ":" filter ${of_part_${part}})
+    add_suite("${ROOM}.${suite}.night-${part}" "night-${part}" "${filter}" ${count})
+    set(of_part_${part} "")
+  endforeach()
+endmacro()
+
 macro(end_suite)
   if(suite)
-    string(JOIN ":" left_out ${of_night})
-    list(LENGTH of_night nights)
     list(LENGTH of_day days)
-    if(nights)
-      add_suite("${ROOM}.${suite}" "" "${suite}.*-${left_out}" ${days})
-      add_suite("${ROOM}.${suite}.night" night "${left_out}" ${nights})
+    if(of_night)
+      string(JOIN ":" of_all_parts ${of_night})
+      add_suite("${ROOM}.${suite}" "" "${suite}.*-${of_all_parts}" ${days})
+      add_nightly_suites()
     else()
       add_suite("${ROOM}.${suite}" "" "${suite}.*" ${days})
     endif()

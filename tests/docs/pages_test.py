@@ -1,80 +1,20 @@
-"""What the pages tell a reader to type is there, and what can run here does.
+"""Pages agree with the program: commands, flags, files and links that they name exist.
 
-Comments before a block, which Markdown does not show, say what it needs: <!-- first: COMMANDS -->
-runs before it, or stands before C++, where <!-- last: CODE --> stands after it. With
-<!-- not run: WHY --> commands and flags must be there, no more.
+Tier: every change; seconds. commands_test.py runs the commands.
 """
 
-import dataclasses
 import importlib.util
 import os
-import pathlib
 import re
-import shlex
 import subprocess
 
 import pytest
+from pages import (PAGES, SHELL, SOURCES, blocks_of, inline_code, lines_of, name_of,
+                   simple_commands)
 
-SOURCES = pathlib.Path(__file__).parents[2]
 PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
-PAGES = [*SOURCES.glob("*.md"), *SOURCES.glob("packaging/*.md"),
-         *SOURCES.glob("ros/*.md"), *sorted(SOURCES.glob("docs/**/*.md"))]
-SHELL = ("sh", "bash", "console")
-
-# Lines that ask for more than a program and its files.
-NEEDS = {
-    "a camera": r"(aravis|v4l2):|slipstream camera",
-    "a projector": r"--monitor|slipstream project",
-    "a window": r"slipstream (live(?!.*--headless)|view(?!.*shot )|studio)",
-    "a screen of its own": r"^xvfb-run",
-    "a network, or a build": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
-}
 WRAPPERS = ("xvfb-run", "timeout", "parallel")
 OF_OTHER_PROGRAMS = {"--requeue", "--resume-failed"}
-
-
-@dataclasses.dataclass
-class Block:
-    page: pathlib.Path
-    language: str
-    text: str
-    comments: dict
-
-    def runs(self):
-        return self.language in SHELL and "not run" not in self.comments
-
-
-def blocks_of(page):
-    fenced = r"^((?: *<!--(?:(?!-->).)*-->\n)*)( *)```(\S*)[^\n]*\n(.*?)^\2```$"
-    for before, indent, language, text in re.findall(fenced, page.read_text(), re.M | re.S):
-        comments = dict(re.findall(r"<!-- ([a-z ]+):\s(.*?) -->", before, re.S))
-        yield Block(page, language, re.sub(rf"^{indent}", "", text, flags=re.M), comments)
-
-
-def lines_of(text):
-    """Of a shell, the continued ones joined; of a console what follows its prompt."""
-    lines = re.sub(r" *\\\n *", " ", text).splitlines()
-    prompts = [line[2:] for line in lines if line.startswith("$ ")]
-    return prompts or [line for line in lines if line and not line.startswith("#")]
-
-
-def simple_commands(line):
-    lexer = shlex.shlex(line, posix=True, punctuation_chars=";|&")
-    lexer.whitespace_split = True
-    words = []
-    for word in [*lexer, ";"]:
-        if not set(word) <= set(";|&"):
-            words.append(word)
-        elif words:
-            yield words
-            words = []
-
-
-def inline_code(page):
-    prose = re.sub(r"^ *```.*?^ *```", "", page.read_text(), flags=re.M | re.S)
-    return re.findall(r"`([^`\n]+)`", prose)
-
-
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 
@@ -116,11 +56,11 @@ def wrong_in(words, commands, tasks):
     return [flag for flag in asked if short.get(flag, flag) not in flags]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_commands_flags_and_files_are_there(page, commands, tasks):
     known = {flag for flags, _ in commands.values() for flag in flags} | OF_OTHER_PROGRAMS
     shown = [line for block in blocks_of(page) if block.language in SHELL
-             for line in lines_of(block.text)]
+             for line in lines_of(block.text) if "\n" not in line]
     shown += [code for code in inline_code(page)
               if re.match(r"((build/)?slipstream [a-z-]|\./dev)", code)]
     wrong = [(line, named) for line in shown for words in simple_commands(line)
@@ -144,50 +84,6 @@ def test_the_index_names_every_command(commands):
 def test_shell_is_called_shell():
     assert not [block for block in BLOCKS if not block.language
                 and re.search(r"^(\$ )?(build/)?slipstream [a-z]|^\./dev", block.text, re.M)]
-
-
-def same_but_for_rounding(told, shown):
-    """As the page shows it, up to its "...", with numbers off by what other vectors may change."""
-    if shown.endswith("\n...\n"):
-        shown = shown.removesuffix("...\n")
-        told = "".join(told.splitlines(keepends=True)[:shown.count("\n")])
-    number = r"-?\d+(?:\.\d+)?(?:e-?\d+)?"
-    words_told, words_shown = (re.sub(number, "#", text).split() for text in (told, shown))
-    assert words_told == words_shown
-    assert [*map(float, re.findall(number, told))] == pytest.approx(
-        [*map(float, re.findall(number, shown))], rel=0.05, abs=0.02)
-
-
-def run(line, folder):
-    environment = dict(os.environ, PATH=f"{folder / 'build'}:{os.environ['PATH']}")
-    done = subprocess.run(["bash", "-euc", line], cwd=folder, env=environment,
-                          capture_output=True, text=True)
-    assert done.returncode == 0, f"{line}\n{done.stderr}"
-    return done.stdout
-
-
-@pytest.mark.parametrize("page", [page for page in PAGES if any(map(Block.runs, blocks_of(page)))],
-                         ids=lambda page: page.name)
-def test_blocks_run_one_after_the_other(page, tmp_path):
-    (tmp_path / "build").mkdir()
-    (tmp_path / "build" / "slipstream").symlink_to(PROGRAM)
-    for folder in ("tests", "tools"):
-        (tmp_path / folder).symlink_to(SOURCES / folder)
-    for block in blocks_of(page):
-        file = re.match(r"# (\S+\.yaml)\n", block.text)
-        if file:
-            (tmp_path / file[1]).write_text(block.text)
-        if not block.runs():
-            continue
-        if "first" in block.comments:
-            run(block.comments["first"], tmp_path)
-        for line in lines_of(block.text):
-            if any(re.search(pattern, line) for pattern in NEEDS.values()):
-                continue
-            told = run(line, tmp_path)
-            if block.language == "console":
-                shown = re.search(re.escape("$ " + line) + r"\n((?:(?!\$ ).*\n)*)", block.text)[1]
-                same_but_for_rounding(told if shown else "", shown)
 
 
 def test_cpp_compiles(tmp_path):

@@ -1,0 +1,293 @@
+"""Runs every command that the pages print and that needs no device, page by page.
+
+Tier: a fifth of the pages in each ./dev test, all in ./dev test all. Unlike pages_test.py, which
+compares commands with the program's help, this runs them in the order in which a reader would.
+
+    python3 -m pytest -s tests/docs/commands_test.py   # all pages, with counts and times
+"""
+
+import importlib.util
+import os
+import re
+import signal
+import subprocess
+import time
+
+import pytest
+from pages import (PAGES, SOURCES, blocks_of, inline_commands, lines_of, name_of)
+
+PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
+DATA = SOURCES.parent / "shared" / "data"
+
+# Lines that need more than the program, its files, a display and this machine's network.
+NEEDS = {
+    "a camera": r"aravis:(?!127)|v4l2:|slipstream (assist --source|capture --poses`?$)",
+    "a DLP projector": r"--dlp",
+    "photographs": r"calibrate gamma --uniform|verify artefacts",
+    "downloads, or builds": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
+}
+
+# Parts of commands, printed within sentences.
+FRAGMENTS = ("slipstream calibrate geometry poses", "slipstream project --colour")
+
+# Commands that repeat others of the pages.
+REPEATED = {"slipstream reproduce all": "each item has its own line on another page"}
+
+# They run until Ctrl-C or until their window is closed.
+ENDLESS = (r"slipstream ((camera )?serve(?!.*(--frames|--duration))|studio|project(?!.*--list)"
+           r"|view(?!.*(--snapshot|--screenshot|shot ))"
+           r"|live(?!.*(--frames|--duration|--screenshot|replay:(?!.*--loop).*--headless)))")
+
+# These complete what they have begun on Ctrl-C and exit with 0; others just end.
+COMPLETED = r"slipstream (camera serve|serve|project|live)"
+
+# Seconds that an endless command runs at least: enough for a first cloud under load.
+ENDLESS_SECONDS = 15
+
+
+@pytest.fixture(scope="session")
+def display(tmp_path_factory):
+    """A display for windows."""
+    log = tmp_path_factory.mktemp("display") / "log"
+    with log.open("w") as errors:
+        server = subprocess.Popen(
+            ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
+            stdout=subprocess.PIPE, stderr=errors, text=True)
+    yield f":{server.stdout.readline().strip()}"
+    server.terminate()
+    server.wait()
+
+
+class Page:
+    """Commands of one page, in one folder."""
+
+    def __init__(self, folder, display):
+        self.folder = folder
+        self.environment = dict(os.environ, DISPLAY=display,
+                                PATH=f"{folder / 'build'}:{os.environ['PATH']}")
+        self.endless = []
+        self.ran = []
+        self.not_run = []
+
+    def run(self, line):
+        done = subprocess.run(["bash", "-euc", line], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True)
+        assert done.returncode == 0, f"{line}\n{done.stderr}"
+        return done.stdout
+
+    def begin(self, line):
+        """Starts an endless command; a camera goes on while other endless commands come and go."""
+        if "camera serve" in line:
+            self.end_all()
+        else:
+            self.end_all(lambda running: "camera serve" not in running.args[-1])
+
+        log = (self.folder / f"endless-{len(self.ran)}.log").open("w+")
+        running = subprocess.Popen(["bash", "-euc", line], cwd=self.folder, env=self.environment,
+                                   stdout=log, stderr=log, start_new_session=True)
+        running.log = log
+        self.endless.append(running)
+
+        # A camera answers once it prints its address.
+        until = time.monotonic() + (120 if "camera serve" in line else ENDLESS_SECONDS)
+        while time.monotonic() < until and running.poll() is None:
+            time.sleep(0.1)
+            if "camera serve" in line and "127.0.0.1" in self.text_of(running):
+                break
+        assert running.poll() is None, f"ended by itself: {line}\n{self.text_of(running)}"
+
+    @staticmethod
+    def text_of(running):
+        running.log.flush()
+        with open(running.log.name) as log:
+            return log.read()
+
+    def end_all(self, which=lambda running: True):
+        """Ends endless commands as Ctrl-C does."""
+        for running in [running for running in self.endless if which(running)]:
+            self.endless.remove(running)
+            os.killpg(running.pid, signal.SIGINT)
+            try:
+                code = running.wait(60)
+            except subprocess.TimeoutExpired:
+                os.killpg(running.pid, signal.SIGKILL)
+                code = "none within 60 s of Ctrl-C"
+            allowed = [0] if re.search(COMPLETED, running.args[-1]) else [0, -signal.SIGINT]
+            assert code in allowed, f"exit code {code}: {running.args[-1]}\n{self.text_of(running)}"
+
+    def kill_all(self):
+        for running in self.endless:
+            os.killpg(running.pid, signal.SIGKILL)
+            running.wait()
+
+    def obey(self, line):
+        """Runs a line, unless it needs what a test does not have. Returns its output, or None."""
+        why = next((need for need, pattern in NEEDS.items() if re.search(pattern, line)),
+                   next((why for begin, why in REPEATED.items() if begin in line), None))
+        if why:
+            self.not_run.append((why, line))
+            return None
+
+        self.ran.append(line)
+        if re.search(ENDLESS, line):
+            self.begin(line)
+            return None
+        return self.run(line)
+
+
+def same_except_rounding(printed, shown):
+    """Compares output with the page's, up to its "...", allowing for rounding by other vectors."""
+    if shown.endswith("\n...\n"):
+        shown = shown.removesuffix("...\n")
+        printed = "".join(printed.splitlines(keepends=True)[:shown.count("\n")])
+
+    number = r"-?\d+(?:\.\d+)?(?:e-?\d+)?"
+    printed_text, shown_text = (re.sub(number, "#", text).split() for text in (printed, shown))
+    assert printed_text == shown_text
+    assert [*map(float, re.findall(number, printed))] == pytest.approx(
+        [*map(float, re.findall(number, shown))], rel=0.05, abs=0.02)
+
+
+def run_block(block, page):
+    """Runs a block's lines; compares what a console shows."""
+    why = block.comments.get("not run")
+    data = block.comments.get("data")
+    if data and not (DATA / data).exists():
+        why = f"data set {data}"
+    if why:
+        page.not_run += [(why, line) for line in lines_of(block.text)]
+        return
+
+    if data:
+        for file in (DATA / data).iterdir():
+            if not (page.folder / file.name).exists():
+                (page.folder / file.name).symlink_to(file)
+    if "first" in block.comments:
+        page.run(block.comments["first"])
+
+    for line in lines_of(block.text):
+        printed = page.obey(line)
+        if block.language == "console" and printed is not None:
+            shown = re.search(re.escape("$ " + line) + r"\n((?:(?!\$ ).*\n)*)", block.text)[1]
+            same_except_rounding(printed if shown else "", shown)
+
+
+def run_inline(command, page):
+    """Runs a command of a sentence; the scan that it names is the one of the page, if any."""
+    if command in FRAGMENTS or command in page.ran:
+        return
+    if re.search(r"\bscan\b", command) and not (page.folder / "scan").exists():
+        page.run("slipstream simulate scan --camera 320x240")
+    page.obey(command)
+
+
+def has_commands(page):
+    return any(block.is_shell() for block in blocks_of(page)) or any(inline_commands(page))
+
+
+@pytest.mark.parametrize("page", [*filter(has_commands, PAGES)], ids=name_of)
+def test_commands_run(page, tmp_path, display):
+    # 1. A folder as a reader has it: the built program, and the folders that pages name.
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "slipstream").symlink_to(PROGRAM)
+    for folder in ("tests", "tools"):
+        (tmp_path / folder).symlink_to(SOURCES / folder)
+
+    # 2. Blocks in their order, then commands within sentences.
+    commands, began = Page(tmp_path, display), time.monotonic()
+    try:
+        for block in blocks_of(page):
+            file = re.match(r"# (\S+\.yaml)\n", block.text)
+            if file:
+                (tmp_path / file[1]).write_text(block.text)
+            if block.is_shell():
+                run_block(block, commands)
+        for command in inline_commands(page):
+            run_inline(command, commands)
+        commands.end_all()
+    finally:
+        commands.kill_all()
+
+    # 3. The account.
+    print(f"\n{name_of(page)}: {len(commands.ran)} commands ran in "
+          f"{time.monotonic() - began:.0f} s, {len(commands.not_run)} did not")
+    for why, line in commands.not_run:
+        print(f"  not run, {why}: {line}")
+
+
+# What the examples of --help start from, by how they begin; the first entry that fits.
+STARTS = {
+    "live --source replay": "slipstream record --source virtual --world ideal --camera 160x120"
+                            " --strategy pmp --frames 6 --rate 0 -o scan.slip",
+    "serve": "slipstream simulate example --camera 160x120; cp example/scanner.yaml .;"
+             " printf 'source: virtual\\nworld: ideal\\npublish: [web:8080]\\n' > rig.yaml",
+    "calibrate height": "for n in 0 10 20; do slipstream simulate plane_$n --scene board"
+                        " --camera 160x120 --seed $n; done",
+    "height": "for n in 0 10 20; do slipstream simulate plane_$n --scene board --camera 160x120"
+              " --seed $n; done; slipstream calibrate height plane_0 plane_10 plane_20"
+              " --heights 0,10,20 -o heights.npy; slipstream simulate scan --camera 160x120",
+    "calibrate verify": "slipstream simulate poses --boards 6 --corners 13x9 --spacing 10"
+                        " --camera 320x240; cp poses/scanner.yaml .",
+    "calibrate geometry": "slipstream simulate poses --boards 8 --corners 13x9 --spacing 10"
+                          " --strategy dual-frequency --steps 3 --high 16 --low 1"
+                          " --projector 1824x1140",
+    "calibrate colour": "slipstream simulate white --scene board --primaries --camera 128x96;"
+                        " slipstream simulate scan --camera 128x96; cp scan/scanner.yaml .",
+    "calibrate": "for n in 1 2 3; do slipstream simulate scan_$n --scene board --strategy pmp"
+                 " --steps 8 --camera 320x240 --seed $n; done",
+    "reconstruct frames": "slipstream simulate frames --strategy dual-frequency --steps 3"
+                          " --high 16 --low 1 --projector 1824x1140 --camera 320x240;"
+                          " mv frames/scanner.yaml .; rm frames/scan.yaml",
+    "reconstruct phase.tiff": "slipstream simulate scan --strategy pmp --frequency 16"
+                              " --camera 320x240; cp scan/scanner.yaml .;"
+                              " slipstream reconstruct scan --nearest 366 --farthest 416"
+                              " --coordinate phase.tiff",
+    "check frames": "slipstream simulate frames --strategy pmp --steps 4 --camera 320x240;"
+                    " rm frames/scan.yaml",
+    "measure cloud": "slipstream simulate s --scene sphere; slipstream reconstruct s -o cloud.ply;"
+                     " slipstream reconstruct s -o cloud.pcd",
+    "view cloud": "slipstream simulate s; slipstream reconstruct s -o cloud.ply",
+    "convert scan.slip": "slipstream record --source virtual --world ideal --camera 160x120"
+                         " --strategy pmp --frames 6 --rate 0 -o scan.slip",
+    "convert clouds.mcap": "slipstream record --source virtual --world ideal --camera 160x120"
+                           " --strategy pmp --frames 6 --rate 0 -o first.slip; mkdir clouds;"
+                           " slipstream live --source replay:first.slip --headless"
+                           " --publish mcap:clouds.mcap",
+    "": "slipstream simulate scan",
+}
+
+
+def examples_of_help():
+    """Commands of the section Examples of each --help."""
+    spec = importlib.util.spec_from_file_location(
+        "command_pages", SOURCES / "packaging" / "command_pages.py")
+    command_pages = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(command_pages)
+    for words, _, _ in command_pages.commands_of(PROGRAM):
+        text = command_pages.output_of(PROGRAM, *words, "--help-all")
+        section = re.search(r"^Examples?:\n((?:  slipstream .*\n?)+)", text, re.M)
+        yield from section[1].splitlines() if section else []
+
+
+def test_examples_of_help_run(tmp_path, display):
+    wrong, count = [], 0
+    for number, example in enumerate(map(str.strip, examples_of_help())):
+        folder = tmp_path / str(number)
+        (folder / "build").mkdir(parents=True)
+        (folder / "build" / "slipstream").symlink_to(PROGRAM)
+        start = next(start for begin, start in STARTS.items()
+                     if example.removeprefix("slipstream ").startswith(begin))
+
+        commands = Page(folder, display)
+        try:
+            if not any(re.search(need, example) for need in NEEDS.values()):
+                commands.run(start)
+            commands.obey(example)
+            commands.end_all()
+        except AssertionError as error:
+            wrong.append(f"{example}\n{error}")
+        finally:
+            commands.kill_all()
+        count += len(commands.ran)
+    print(f"\n--help: {count} examples ran")
+    assert not wrong, "\n\n".join(wrong)

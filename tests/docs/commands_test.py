@@ -23,6 +23,7 @@ DATA = SOURCES.parent / "shared" / "data"
 NEEDS = {
     "a camera": r"aravis:(?!127)|v4l2:|slipstream (assist --source|capture --poses`?$)",
     "a DLP projector": r"--dlp",
+    "a GPU": r"bench --gpu",
     "photographs": r"calibrate gamma --uniform|verify artefacts",
     "downloads, or builds": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
 }

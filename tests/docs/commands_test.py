@@ -6,7 +6,6 @@ compares commands with the program's help, this runs them in the order in which 
     python3 -m pytest -s tests/docs/commands_test.py   # all pages, with counts and times
 """
 
-import importlib.util
 import os
 import re
 import signal
@@ -14,9 +13,9 @@ import subprocess
 import time
 
 import pytest
-from pages import (PAGES, SOURCES, blocks_of, inline_commands, lines_of, name_of)
+from pages import (PAGES, PROGRAM, SOURCES, blocks_of, command_pages, inline_commands, lines_of,
+                   name_of)
 
-PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
 DATA = SOURCES.parent / "shared" / "data"
 
 # Lines that need more than the program, its files, a display and this machine's network.
@@ -260,12 +259,9 @@ STARTS = {
 
 def examples_of_help():
     """Commands of the section Examples of each --help."""
-    spec = importlib.util.spec_from_file_location(
-        "command_pages", SOURCES / "packaging" / "command_pages.py")
-    command_pages = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(command_pages)
-    for words, _, _ in command_pages.commands_of(PROGRAM):
-        text = command_pages.output_of(PROGRAM, *words, "--help-all")
+    of_program = command_pages()
+    for words, _, _ in of_program.commands_of(PROGRAM):
+        text = of_program.output_of(PROGRAM, *words, "--help-all")
         section = re.search(r"^Examples?:\n((?:  slipstream .*\n?)+)", text, re.M)
         yield from section[1].splitlines() if section else []
 

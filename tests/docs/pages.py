@@ -9,6 +9,8 @@ Comments before a block, which Markdown does not show, say what it needs:
 """
 
 import dataclasses
+import importlib.util
+import os
 import pathlib
 import re
 import shlex
@@ -16,7 +18,17 @@ import shlex
 SOURCES = pathlib.Path(__file__).parents[2]
 PAGES = [*SOURCES.glob("*.md"), *SOURCES.glob("packaging/*.md"),
          *SOURCES.glob("ros/*.md"), *sorted(SOURCES.glob("docs/**/*.md"))]
+PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
 SHELL = ("sh", "bash", "console")
+
+
+def command_pages():
+    """The module that reads commands and flags from the program's help."""
+    spec = importlib.util.spec_from_file_location(
+        "command_pages", SOURCES / "packaging" / "command_pages.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def name_of(page):

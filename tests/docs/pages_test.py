@@ -3,16 +3,14 @@
 Tier: every change; seconds. commands_test.py runs the commands.
 """
 
-import importlib.util
 import os
 import re
 import subprocess
 
 import pytest
-from pages import (PAGES, SHELL, SOURCES, blocks_of, inline_code, lines_of, name_of,
-                   simple_commands)
+from pages import (PAGES, PROGRAM, SHELL, SOURCES, blocks_of, command_pages, inline_code, lines_of,
+                   name_of, simple_commands)
 
-PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
 WRAPPERS = ("xvfb-run", "timeout", "parallel")
 OF_OTHER_PROGRAMS = {"--requeue", "--resume-failed"}
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
@@ -20,11 +18,7 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 
 @pytest.fixture(scope="module")
 def commands():
-    spec = importlib.util.spec_from_file_location(
-        "command_pages", SOURCES / "packaging" / "command_pages.py")
-    pages = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(pages)
-    return {words: (flags, below) for words, flags, below in pages.commands_of(PROGRAM)}
+    return {words: (flags, below) for words, flags, below in command_pages().commands_of(PROGRAM)}
 
 
 @pytest.fixture(scope="module")

@@ -50,6 +50,8 @@ void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   group.add_named("--colour", flags.settings.colour, view::point_colour_named,
                   view::point_colour_names().front(),
                   fmt::format("point colours: {}", fmt::join(view::point_colour_names(), ", ")));
+  group.add("--views", flags.settings.three_views,
+            "draw the cloud from the front, the side and above, side by side");
   group.add("--save-to", flags.save_to, "folder in which Save makes a folder per scan");
 }
 

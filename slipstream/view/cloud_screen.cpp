@@ -180,7 +180,7 @@ void CloudScreen::draw(const Screen& screen) {
 }
 
 void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& screen) {
-  if (pictures_alone(source_)) return;
+  if (pictures_alone(source_) || state_.view.three_views) return;
   const OrbitCamera& camera = state_.view.camera;
   if (!ImGui::GetIO().WantCaptureMouse) {
     move_camera(pane, screen);

@@ -1,6 +1,8 @@
 #include "slipstream/view/scene_renderer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <epoxy/gl.h>
 #include <glm/gtc/type_ptr.hpp>
@@ -61,19 +63,40 @@ std::size_t stride_over(std::size_t count) {
   return (count / enough) | 1U;
 }
 
-/// Organised: the median distance between neighbouring pixels' points. List of points: as if spread
-/// over the largest side of their box.
-float spacing_of(const PointImages& cloud, const Box& box) {
+/// Median distance of points `columns` apart in a row, per column; nullopt if there are too few.
+std::optional<float> step_over(const PointImages& cloud, int columns) {
+  constexpr std::size_t few = 16;
+  const int width = cloud.z.width();
   const std::size_t count = cloud.z.pixel_count(), stride = stride_over(count);
-  std::vector<float> distances;
-  for (std::size_t i = 0; cloud.z.height() > 1 && i + 1 < count; i += stride) {
-    const auto step = [i](const Image<float>& image) {
-      return image.begin()[i + 1] - image.begin()[i];
+
+  std::vector<float> steps;
+  for (std::size_t i = 0; i < count; i += stride) {
+    if (static_cast<int>(i % width) + columns >= width) continue;
+    const auto between = [&](const Image<float>& image) {
+      return image.begin()[i + columns] - image.begin()[i];
     };
-    const float distance = std::hypot(step(cloud.x), step(cloud.y), step(cloud.z));
-    if (std::isfinite(distance) && distance > 0) distances.push_back(distance);
+    const float distance = std::hypot(between(cloud.x), between(cloud.y), between(cloud.z));
+    if (std::isfinite(distance) && distance > 0) {
+      steps.push_back(distance / static_cast<float>(columns));
+    }
   }
-  if (!distances.empty()) return quantile(distances, 0.5);
+  if (steps.empty() || (columns > 1 && steps.size() < few)) return std::nullopt;
+  return quantile(steps, 0.5);
+}
+
+/// Organised: distance between neighbouring pixels' points along the surface. Noise of depth
+/// lengthens the steps between neighbours, but hardly those over many columns: the shortest counts.
+/// List of points: as if spread over the largest side of their box.
+float spacing_of(const PointImages& cloud, const Box& box) {
+  constexpr int most_columns = 32;
+  std::optional<float> shortest;
+  for (int columns = 1; cloud.z.height() > 1 && columns <= most_columns; columns *= 2) {
+    const std::optional<float> step = step_over(cloud, columns);
+    if (step) shortest = std::min(shortest.value_or(*step), *step);
+  }
+  if (shortest) return *shortest;
+
+  const std::size_t count = cloud.z.pixel_count();
   const glm::vec3 sides = box.high - box.low;
   const float area = std::max({sides.x * sides.y, sides.y * sides.z, sides.x * sides.z});
   return std::sqrt(area / static_cast<float>(std::max<std::size_t>(count, 1)));
@@ -199,10 +222,25 @@ void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Si
 
 void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pane& pane,
                          float pixel_ratio) const {
-  const Size picture = pane.size;
-  glViewport(pane.left, 0, picture.width, picture.height);
   glClearColor(background.r, background.g, background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (!settings.three_views) return draw_view(settings, ambient, pane, pixel_ratio);
+
+  constexpr std::array viewpoints{Viewpoint::front, Viewpoint::side, Viewpoint::top};
+  Pane part{.left = pane.left,
+            .size = {std::max(pane.size.width / int{viewpoints.size()}, 1), pane.size.height}};
+  for (const Viewpoint viewpoint : viewpoints) {
+    ViewSettings view = settings;
+    view.camera = fitted(looking_from(view.camera, viewpoint), extent_.box, part.size);
+    draw_view(view, ambient, part, pixel_ratio);
+    part.left += part.size.width;
+  }
+}
+
+void SceneRenderer::draw_view(const ViewSettings& settings, double ambient, const Pane& pane,
+                              float pixel_ratio) const {
+  const Size picture = pane.size;
+  glViewport(pane.left, 0, picture.width, picture.height);
   draw_points(settings, ambient, picture, false);
   if (settings.reflection) draw_points(settings, ambient, picture, true);
   const glm::mat4 clip = clip_matrix(settings.camera, picture);

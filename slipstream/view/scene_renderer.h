@@ -27,7 +27,7 @@ Range robust_range(const Image<float>& values);
 /// Position and density of a cloud, robust against a few outliers.
 struct CloudExtent {
   Box box;            ///< robust_range in each direction
-  float spacing = 1;  ///< median distance between neighbouring points, mm
+  float spacing = 1;  ///< distance between neighbouring points along the surface, mm
 };
 
 /// An empty cloud gives a box of one millimetre.
@@ -84,7 +84,8 @@ struct ViewSettings {
   bool shaded = true;       ///< shades by slope, if the cloud is a camera's grid
   bool reflection = true;   ///< reflection in the floor, parallel to the XZ plane
   bool axes = true;
-  bool grid = true;  ///< the floor's
+  bool grid = true;          ///< the floor's
+  bool three_views = false;  ///< from the front, the side and above side by side, fitted
   OrbitCamera camera{.azimuth = 0.33F, .elevation = 0.22F};
 };
 
@@ -119,6 +120,8 @@ class SceneRenderer {
             float pixel_ratio = 1) const;
 
  private:
+  void draw_view(const ViewSettings& settings, double ambient, const Pane& pane,
+                 float pixel_ratio) const;
   void draw_points(const ViewSettings& settings, double ambient, Size picture, bool mirrored) const;
 
   opengl::ShaderProgram program_;

@@ -188,6 +188,27 @@ TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
   EXPECT_GT(brightness_of_slope(-0.4F), brightness_of_slope(0) + 20);
 }
 
+TEST_F(SceneRendererTest, DrawsThreeViewsSideBySide) {
+  const MadeUpCloud cloud = wall({160, 120}, 600);
+  ViewSettings settings = bare();
+  settings.colour = PointColour::depth;
+  settings.three_views = true;
+  const Size size{600, 200};
+  const Image<Colour> image = drawn(cloud, settings, extent_of(cloud.images()), size);
+
+  // From the side and from above, a wall is a line.
+  const Colour nothing = background(bare());
+  std::array<int, 3> lit{};
+  for_each_pixel_in_order(size, [&](int column, int row) {
+    if (!(image(column, row) == nothing)) ++lit[3 * column / size.width];
+  });
+  EXPECT_GT(lit[0], 5000);
+  for (const int view : {1, 2}) {
+    EXPECT_GT(lit[view], 50) << view;
+    EXPECT_LT(lit[view], lit[0] / 4) << view;
+  }
+}
+
 TEST_F(SceneRendererTest, RefusesAPictureThatCannotBe) {
   EXPECT_THROW(opengl::RenderTarget({0, 100}), Error);
   EXPECT_THROW(opengl::RenderTarget({1 << 20, 10}), Error);

@@ -10,6 +10,7 @@
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/reconstruct/gpu/gpu_engine.h"
 #include "slipstream/reconstruct/pipeline.h"
+#include "slipstream/reconstruct/table_engine.h"
 
 namespace slipstream {
 namespace {
@@ -89,7 +90,12 @@ struct Engine::Tables {
         fall_back(without_gpu(error.what()));
       }
     }
-    if (!asked.own_engine && (!fused || fused->wants_coarse())) static_cast<void>(reference());
+    if (asked.engine == EngineKind::reference && !asked.own_engine && has_geometry(of.scanner)) {
+      std::string why_not;
+      table_engine = TableEngine::make(complete, corrections, &why_not);
+    }
+    if (!asked.own_engine && !table_engine && (!fused || fused->wants_coarse()))
+      static_cast<void>(reference());
   }
 
   /// The chosen engine or, if it cannot process these frames, the next.
@@ -129,6 +135,7 @@ struct Engine::Tables {
   std::optional<MotionMeasurement> measure_motion;  ///< for windows longer than a cycle
   std::optional<FusedEngine> fused;
   std::optional<GpuEngine> gpu;
+  std::optional<TableEngine> table_engine;  ///< in place of the reference engine where it can be
   std::once_flag once_fallen_back;
   std::string fallback_reason;  ///< set when it falls back
   std::atomic<bool> fell_back = false;
@@ -209,6 +216,9 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
   const EngineKind kind = tables_->engine_for(frames);
   memory_->unquantised = tables_->fused && !frames.quantised();
   if (kind == EngineKind::reference) {
+    if (tables_->table_engine && TableEngine::takes(frames, outputs)) {
+      return (*tables_->table_engine)(frames, outputs);
+    }
     return tables_->reference().run(frames, outputs);
   }
   if (tables_->fused->wants_coarse() && coarse == nullptr)
@@ -290,7 +300,11 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 std::string Engine::backend_for(const FrameViews& frames) {
   if (setup().settings.own_engine) return setup().settings.own_engine->name;
   const EngineKind kind = tables_->engine_for(frames);
-  if (kind == EngineKind::reference) return tables_->reference().method_for(frames);
+  if (kind == EngineKind::reference) {
+    const bool by_tables = tables_->table_engine && TableEngine::takes(frames, {});
+    return by_tables ? std::string(name_of(PhaseMethod::tables))
+                     : tables_->reference().method_for(frames);
+  }
   return kind == EngineKind::gpu ? "gpu" : "fused";
 }
 

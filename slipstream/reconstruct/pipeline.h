@@ -108,6 +108,11 @@ class ReferenceEngine {
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
                        const FrameViews& frames, const EngineSetup& setup);
 
+/// Why a point at this projector coordinate is rejected, or `valid`: behind the camera or the
+/// projector, outside the projector's field or outside the depth range. `point`: camera's frame,
+/// mm.
+Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup);
+
 /// Points of the valid pixels, without intensity. Rejects points behind the camera or the
 /// projector, outside the projector's field or outside the depth range.
 BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity> validity,

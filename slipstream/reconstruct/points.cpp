@@ -26,26 +26,6 @@ bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2
   return !((ray_through(lens, pixel) - direction).norm() > largest_error);
 }
 
-Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
-  if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
-  const auto& [scanner, sequence, settings] = setup;
-  const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
-  if (in_projector.z() <= 0) return Validity::no_point;
-  const double end = farthest_past_field(projector_length(setup));
-  if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
-
-  const Axis other = across(sequence.axis);
-  const Eigen::Vector2d pixel = project(scanner.projector, in_projector);
-  const double place = coordinate_along(other, pixel, scanner.projector.size);
-  if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin) ||
-      !is_lit(scanner.projector, in_projector, pixel)) {
-    return Validity::outside_field;
-  }
-  const auto [nearest, farthest] = depth_range(setup);
-  const bool in_range = point.z() >= nearest && point.z() <= farthest;
-  return in_range ? Validity::valid : Validity::out_of_range;
-}
-
 /// |dy / d ln z| of a point along its pixel's ray: change of the projector coordinate for a
 /// relative change of z. Needs only the forward projection of the projector's lens.
 double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) {
@@ -105,6 +85,26 @@ double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sig
 }
 
 }  // namespace
+
+Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
+  if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
+  const auto& [scanner, sequence, settings] = setup;
+  const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
+  if (in_projector.z() <= 0) return Validity::no_point;
+  const double end = farthest_past_field(projector_length(setup));
+  if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
+
+  const Axis other = across(sequence.axis);
+  const Eigen::Vector2d pixel = project(scanner.projector, in_projector);
+  const double place = coordinate_along(other, pixel, scanner.projector.size);
+  if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin) ||
+      !is_lit(scanner.projector, in_projector, pixel)) {
+    return Validity::outside_field;
+  }
+  const auto [nearest, farthest] = depth_range(setup);
+  const bool in_range = point.z() >= nearest && point.z() <= farthest;
+  return in_range ? Validity::valid : Validity::out_of_range;
+}
 
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
                        const FrameViews& frames, const EngineSetup& setup) {

@@ -1,0 +1,246 @@
+#include "slipstream/reconstruct/table_engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/reconstruct/pipeline.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int nodes = 4;
+
+/// c_0 + c_1 y + c_2 y^2 + c_3 y^3: the undistorted projector coordinate minus y.
+using LensCubic = std::array<float, nodes>;
+
+double at(const LensCubic& c, double y) {
+  return c[0] + y * (c[1] + y * (c[2] + y * c[3]));
+}
+
+/// Zeros of the Chebyshev polynomial of degree 4, in [0, 1].
+std::array<double, nodes> node_places() {
+  std::array<double, nodes> places;
+  for (int j = 0; j < nodes; ++j) {
+    places[j] = 0.5 - 0.5 * std::cos((2 * j + 1) * std::numbers::pi / (2 * nodes));
+  }
+  return places;
+}
+
+/// Of each pixel, by the points that the reference finds at four coordinates; NaN if it finds none.
+Image<LensCubic> lens_table(const Triangulator& triangulate, const ProjectionMatrices& matrices) {
+  const std::array<double, nodes> places = node_places();
+  Eigen::Matrix4d powers;
+  for (int j = 0; j < nodes; ++j) {
+    for (int k = 0; k < nodes; ++k) powers(j, k) = std::pow(places[j], k);
+  }
+  const Eigen::Matrix4d solve = powers.inverse();
+
+  Image<LensCubic> table(triangulate.scanner().camera.size);
+  for_each_pixel(table.size(), [&](int column, int row) {
+    Eigen::Vector4d shift;
+    for (int j = 0; j < nodes; ++j) {
+      const Eigen::Vector4d point = triangulate(column, row, places[j]).homogeneous();
+      const double undistorted =
+          matrices.projector_coordinate.dot(point) / matrices.projector_depth.dot(point);
+      shift[j] = undistorted - places[j];
+    }
+    const Eigen::Vector4d cubic = solve * shift;
+    for (int k = 0; k < nodes; ++k) table(column, row)[k] = static_cast<float>(cubic[k]);
+  });
+  return table;
+}
+
+/// Largest shift by the projector's lens across the axis, shares of the field.
+double largest_shift(const Lens& lens, Axis across_axis) {
+  constexpr int steps = 32;
+  double largest = 0;
+  for (int i = 0; i <= steps; ++i) {
+    for (int j = 0; j <= steps; ++j) {
+      const Eigen::Vector2d pixel(1.0 * lens.size.width * i / steps,
+                                  1.0 * lens.size.height * j / steps);
+      const Eigen::Vector3d straight = lens.intrinsic * ray_through(lens, pixel);
+      const Eigen::Vector2d shift = straight.head<2>() - pixel;
+      const double share = coordinate_along(across_axis, shift, lens.size);
+      largest = std::max(largest, std::isfinite(share) ? std::abs(share)
+                                                       : std::numeric_limits<double>::infinity());
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+struct TableEngine::Tables {
+  Tables(const EngineSetup& of, const StepRun& run, const PhaseCorrection* correction)
+      : setup(of),
+        phases(run.steps, correction),
+        triangulate(of.scanner, of.sequence.axis, PointMethod::form3),
+        matrices(projection_matrices(of.scanner, of.sequence.axis)),
+        forms(point_table(undistorted_pixels(of.scanner.camera), matrices, point_form3)),
+        depths(depth_range(of)),
+        least_coordinate(-0.5 / projector_length(of)) {
+    const Lens& projector = of.scanner.projector;
+    if (!projector.distortion.is_zero()) lens = lens_table(triangulate, matrices);
+
+    // Inside this margin of the field, a lens that shifts by less cannot put a point outside it.
+    const Axis other = across(of.sequence.axis);
+    const double length = length_along(other, projector.size);
+    safe_margin = of.settings.field_margin - 2 * largest_shift(projector, other) - 1 / length;
+    across_coordinate = projection_matrices(of.scanner, other).projector_coordinate;
+  }
+
+  /// Whether the point is valid for certain; others are judged by `validity_of`.
+  [[nodiscard]] bool is_surely_valid(const Eigen::Vector3d& point) const {
+    const double depth = matrices.projector_depth.dot(point.homogeneous());
+    const double place = across_coordinate.dot(point.homogeneous()) / depth;
+    return point.z() > 0 && depth > 0 && point.z() >= depths.nearest &&
+           point.z() <= depths.farthest && place >= -safe_margin && place <= 1 + safe_margin;
+  }
+
+  EngineSetup setup;
+  PhaseTables phases;
+  Triangulator triangulate;
+  ProjectionMatrices matrices;
+  Image<PointForm3> forms;
+  Image<LensCubic> lens;  ///< empty without distortion
+  DepthRange depths;
+  double least_coordinate;  ///< left edge of the field's first pixel
+  double safe_margin = 0;
+  Eigen::Matrix<double, 1, 4> across_coordinate;
+};
+
+std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
+                                             const PhaseCorrections& corrections,
+                                             std::string* why_not) {
+  const auto refuse = [&](const char* why) {
+    *why_not = why;
+    return std::nullopt;
+  };
+  if (setup.settings.phase_method != PhaseMethod::tables) return refuse("phases by other methods");
+  if (unwraps_by_picture(setup)) return refuse("fringe orders come from the whole picture");
+
+  const Layout& layout = setup.sequence.strategy.layout();
+  const std::optional<StepRun> run = step_run(layout.bands.front());
+  const bool has_tables = run && (run->steps == 3 || run->steps == 4 || run->steps == 6);
+  const bool is_plain = layout.bands.size() == 1 && !layout.cue && !layout.code &&
+                        layout.single_frames.empty() && layout.unwrapping == Unwrapping::none &&
+                        layout.bands.front().periods == 1 && layout.bands.front().carrier == 0;
+  if (!has_tables || !is_plain || run->first != 0 || run->steps != layout.frames ||
+      run->shifts != Shifts{}) {
+    return refuse("patterns other than 3, 4 or 6 steps of one period");
+  }
+
+  const auto correction = corrections.find(run->steps);
+  return TableEngine(std::make_shared<Tables>(
+      setup, *run, correction == corrections.end() ? nullptr : &correction->second));
+}
+
+bool TableEngine::takes(const FrameViews& frames, const Outputs& outputs) {
+  const bool has_bytes = frames.visit(
+      []<class Pixel>(const Frames<Pixel>&) { return std::is_same_v<Pixel, std::uint8_t>; });
+  return has_bytes && !frames.merged() && outputs.depth == nullptr && outputs.depth16 == nullptr &&
+         outputs.points == nullptr;
+}
+
+void TableEngine::operator()(const FrameViews& frames, const Outputs& outputs) const {
+  const Tables& tables = *tables_;
+  require_size(frames, tables.setup.scanner.camera.size);
+  throw_if(frames.count() != tables.setup.sequence.strategy.layout().frames,
+           "{} frames given; expected {}", frames.count(),
+           tables.setup.sequence.strategy.layout().frames);
+
+  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
+      if (views.size() == 3) return run<3>(views, outputs);
+      if (views.size() == 4) return run<4>(views, outputs);
+      return run<6>(views, outputs);
+    }
+  });
+}
+
+template <int N>
+void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs) const {
+  const Tables& tables = *tables_;
+  const Size size = tables.forms.size();
+  const ClosedForm& form = tables.phases.form();
+  const double least = least_modulation(tables.setup.settings, 255);
+  const int saturation = tables.setup.settings.drop_saturated ? 255 : 256;
+  constexpr float invalid = std::numeric_limits<float>::quiet_NaN();
+
+  const auto prepare = [&](auto& image) {
+    if (image.size() != size) image = std::decay_t<decltype(image)>(size);
+  };
+  Cloud* const cloud = outputs.cloud;
+  Maps* const maps = outputs.maps;
+  if (cloud != nullptr) {
+    prepare(cloud->x), prepare(cloud->y), prepare(cloud->z);
+    prepare(cloud->intensity), prepare(cloud->validity);
+  }
+  if (maps != nullptr) {
+    prepare(maps->mean), prepare(maps->modulation);
+    prepare(maps->wrapped_phase), prepare(maps->coordinate);
+    maps->fringe_order_doubt = {};
+  }
+  if (outputs.modulation != nullptr) prepare(*outputs.modulation);
+
+  for_each_row(size.height, [&](int row) {
+    std::array<const std::uint8_t*, N> rows;
+    for (int n = 0; n < N; ++n) rows[n] = frames[n].row(row);
+
+    for (int column = 0; column < size.width; ++column) {
+      // 1. U and V, integers: (2.4)-(2.9), (2.16)-(2.18).
+      std::array<int, N> I;
+      for (int n = 0; n < N; ++n) I[n] = rows[n][column];
+      const auto [U, V] = table_index<int>(form, std::span<const int>(I));
+      const double mean = std::accumulate(I.begin(), I.end(), 0) / double{N};
+
+      // 2. Modulation and phase, looked up; the coordinate of one period across the field.
+      const double B = tables.phases.mlut(U, V);
+      const double phi = tables.phases.plut(U, V);
+      double y = phi / two_pi;
+      if (y >= 1 + tables.least_coordinate) y -= 1;
+
+      if (outputs.modulation != nullptr) {
+        (*outputs.modulation)(column, row) = static_cast<float>(B);
+      }
+      if (maps != nullptr) {
+        maps->mean(column, row) = static_cast<float>(mean);
+        maps->modulation(column, row) = static_cast<float>(B);
+        maps->wrapped_phase(column, row) = static_cast<float>(phi);
+        maps->coordinate(column, row) = static_cast<float>(y);
+      }
+      if (cloud == nullptr) continue;
+
+      // 3. The point by the third form, (2.29)-(2.31), after the projector's lens.
+      Validity validity = B < least                                    ? Validity::too_dark
+                          : *std::ranges::max_element(I) >= saturation ? Validity::saturated
+                                                                       : Validity::valid;
+      Eigen::Vector3d point = Eigen::Vector3d::Constant(invalid);
+      if (validity == Validity::valid) {
+        const double shift = tables.lens.empty() ? 0 : at(tables.lens(column, row), y);
+        point = tables.forms(column, row)(y + shift);
+        if (!tables.is_surely_valid(point)) {
+          point = tables.triangulate(column, row, y);
+          validity = validity_of(y, point, tables.setup);
+        }
+      }
+      const bool is_point = validity == Validity::valid;
+      cloud->x(column, row) = is_point ? static_cast<float>(point.x()) : invalid;
+      cloud->y(column, row) = is_point ? static_cast<float>(point.y()) : invalid;
+      cloud->z(column, row) = is_point ? static_cast<float>(point.z()) : invalid;
+      cloud->intensity(column, row) = static_cast<float>(mean);
+      cloud->validity(column, row) = validity;
+    }
+  });
+}
+
+}  // namespace slipstream

@@ -1,0 +1,139 @@
+// The published system in one pass. Tier: every change; about a second. every_strategy.h compares
+// all engines with truth; here the tables are compared with the stages and the published loops, to
+// rounding, and by reason of rejection.
+#include "slipstream/reconstruct/table_engine.h"
+
+#include <gtest/gtest.h>
+
+#include "paper/published_loops.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/reconstruct/pipeline.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+namespace {
+
+struct Case {
+  int steps;
+  Axis axis;
+  bool has_lens;
+};
+
+std::ostream& operator<<(std::ostream& to, const Case& of) {
+  return to << of.steps << (of.axis == Axis::x ? "_x" : "_y") << (of.has_lens ? "_lens" : "");
+}
+
+Scanner scanner_of(const Case& of) {
+  Scanner scanner = example_scanner({160, 120});
+  scanner.projector.distortion = {};
+  if (of.has_lens) scanner.projector.distortion.coefficients = {-0.08, 0.02};
+  if (of.axis == Axis::y) scanner.translation = {20, -140, 20};
+  return scanner;
+}
+
+EngineSetup setup_of(const Case& of) {
+  EngineSetup setup{.scanner = scanner_of(of),
+                    .sequence = {.strategy = PhaseMeasuring{.steps = of.steps, .frequency = 1},
+                                 .axis = of.axis,
+                                 .projector = scanner_of(of).projector.size}};
+  set_backend(setup.settings, "lut");
+  setup.settings.nearest = 300;
+  setup.settings.farthest = 700;
+  setup.settings.clean = CleanSettings::none();
+  return setup;
+}
+
+VirtualScan scan_of(const EngineSetup& setup) {
+  return take_scan(setup.scanner, scene_named("statue", setup.scanner), pattern_set(setup.sequence),
+                   {.ambient = 5, .noise_variance = 1.55});
+}
+
+class TableEngineTest : public testing::TestWithParam<Case> {};
+
+TEST_P(TableEngineTest, GivesThePointsAndReasonsOfTheStages) {
+  const EngineSetup setup = setup_of(GetParam());
+  const VirtualScan scan = scan_of(setup);
+  std::string why_not;
+  const auto tables = TableEngine::make(setup, {}, &why_not);
+  ASSERT_TRUE(tables) << why_not;
+
+  Cloud cloud, expected;
+  Maps maps, expected_maps;
+  ASSERT_TRUE(TableEngine::takes(scan.frames.views(), {.cloud = &cloud, .maps = &maps}));
+  (*tables)(scan.frames.views(), {.cloud = &cloud, .maps = &maps});
+  ReferenceEngine(setup, {}).run(scan.frames.views(), {.cloud = &expected, .maps = &expected_maps});
+
+  ASSERT_GT(point_count(expected), 5000U);
+  double most = 0;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    ASSERT_EQ(cloud.validity.begin()[i], expected.validity.begin()[i]) << "pixel " << i;
+    ASSERT_EQ(cloud.intensity.begin()[i], expected.intensity.begin()[i]) << "pixel " << i;
+    ASSERT_EQ(maps.modulation.begin()[i], expected_maps.modulation.begin()[i]) << "pixel " << i;
+    ASSERT_NEAR(maps.coordinate.begin()[i], expected_maps.coordinate.begin()[i], 1e-7);
+    if (expected.validity.begin()[i] != Validity::valid) continue;
+    most = std::max({most, std::abs(double{cloud.x.begin()[i]} - expected.x.begin()[i]),
+                     std::abs(double{cloud.y.begin()[i]} - expected.y.begin()[i]),
+                     std::abs(double{cloud.z.begin()[i]} - expected.z.begin()[i])});
+  }
+  EXPECT_LT(most, 1e-3) << "mm";
+}
+
+TEST_P(TableEngineTest, GivesThePointsOfThePublishedLoops) {
+  if (GetParam().has_lens) return;  // print ignores the projector's lens
+  const EngineSetup setup = setup_of(GetParam());
+  const VirtualScan scan = scan_of(setup);
+  std::string why_not;
+  Cloud cloud;
+  (*TableEngine::make(setup, {}, &why_not))(scan.frames.views(), {.cloud = &cloud});
+
+  scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
+      PublishedLoops loops(setup.scanner, setup.sequence.axis, frames);
+      loops.lut();
+      std::size_t compared = 0;
+      for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+        if (cloud.validity(column, row) != Validity::valid) return;
+        if (std::isnan(loops.z(column, row))) return;  // darker than its threshold
+        ++compared;
+        ASSERT_EQ(cloud.x(column, row), static_cast<float>(loops.x(column, row)));
+        ASSERT_EQ(cloud.y(column, row), static_cast<float>(loops.y(column, row)));
+        ASSERT_EQ(cloud.z(column, row), static_cast<float>(loops.z(column, row)));
+      });
+      EXPECT_GT(compared, 4000U);
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, TableEngineTest,
+                         testing::Values(Case{3, Axis::x, false}, Case{4, Axis::x, false},
+                                         Case{6, Axis::x, false}, Case{3, Axis::x, true},
+                                         Case{4, Axis::y, false}, Case{6, Axis::y, true}),
+                         testing::PrintToStringParamName());
+
+TEST(TableEngine, RefusesOtherPatternsWithTheReason) {
+  EngineSetup setup = setup_of({4, Axis::x, false});
+  const auto refused = [&](const Strategy& strategy) {
+    setup.sequence.strategy = strategy;
+    std::string why_not;
+    return TableEngine::make(setup, {}, &why_not) ? std::string("taken") : why_not;
+  };
+  const std::string other = "patterns other than 3, 4 or 6 steps of one period";
+  EXPECT_EQ(refused(PhaseMeasuring{.steps = 5, .frequency = 1}), other);
+  EXPECT_EQ(refused(DualFrequency{.steps = 3, .high = 16, .low = 1}), other);
+  EXPECT_EQ(refused(PhaseMeasuring{.steps = 6, .frequency = 1}), "taken");
+}
+
+TEST(TableEngine, IsTheEngineOfBackendLut) {
+  const EngineSetup setup = setup_of({4, Axis::x, false});
+  const VirtualScan scan = scan_of(setup);
+  Engine engine(setup);
+  EXPECT_EQ(engine.backend_for(scan.frames.views()), "lut");
+  Cloud cloud;
+  engine.cloud(scan.frames.views(), cloud);
+  EXPECT_GT(point_count(cloud), 5000U);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -99,14 +99,19 @@ class LiveRun {
     add("show", show_meter_, finished_.waiting(), finished_.capacity());
     statistics.source_state = source_.state();
     followed_.add_to(statistics);
-    const std::lock_guard lock(mutex_);
-    statistics.findings = findings_.current();
-    statistics.fallback_reason = fallback_reason_;
-    if (newest_) {
-      statistics.cleaned = newest_->cleaned;
-      statistics.motion = newest_->motion;
-      statistics.backend = backend_;
+    Pooled<LiveCloud> newest;
+    {
+      const std::lock_guard lock(mutex_);
+      statistics.findings = findings_.current();
+      statistics.fallback_reason = fallback_reason_;
+      newest = newest_;
+      if (newest) statistics.backend = backend_;
     }
+    if (!newest) return statistics;
+
+    statistics.motion = newest->motion;
+    statistics.cleaned = newest->cleaned;
+    statistics.cleaned[static_cast<std::size_t>(Validity::valid)] = point_count(newest->cloud);
     return statistics;
   }
 

@@ -12,13 +12,16 @@ namespace {
 constexpr double shortest_ms = 1e-3;  // resolution limit of the histogram
 
 std::string text_of_cleaned(const ValidityCounts& cleaned) {
-  std::string text;
+  const std::size_t points = cleaned[static_cast<std::size_t>(Validity::valid)];
+  std::string text = points == 0 ? "" : fmt::format("\nnewest cloud: {} points", points);
+
+  std::string removed;
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (cleaned[i] == 0) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "\nremoved from the newest cloud, " : ", ",
-                        name_of(static_cast<Validity>(i)), cleaned[i]);
+    removed += fmt::format("{}{}: {}", removed.empty() ? "\nremoved from the newest cloud, " : ", ",
+                           name_of(static_cast<Validity>(i)), cleaned[i]);
   }
-  return text;
+  return text + removed;
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ struct LiveStatistics {
   std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or out of order
   std::uint64_t windows_skipped = 0;     ///< without a cloud, though whole: for lack of time
   std::uint64_t resynchronisations = 0;  ///< pattern indices found shifted, and corrected
-  /// Points of the newest cloud that cleaning rejected, by reason; `valid` counts filled gaps.
+  /// Pixels of the newest cloud that cleaning rejected, by reason; `valid`: its points.
   ValidityCounts cleaned{};
   int motion = 0;                ///< of the newest cloud: see LiveCloud
   double seconds = 0;            ///< since the start

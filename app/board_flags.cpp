@@ -69,13 +69,14 @@ std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scan
   return board_poses(scanner, count, shape.width, shape.height);
 }
 
-Reel shown_boards(const BoardFlags& board, int count, int still_cycles, const VirtualWorld& world,
-                  const Sequence& sequence) {
+std::shared_ptr<RenderedReel> shown_boards(const BoardFlags& board, int count, int still_cycles,
+                                           const VirtualWorld& world, const Sequence& sequence) {
   const Body sheet = sheet_of(board_from(board), world.scanner);
   const auto poses = poses_of(sheet, count, world.scanner);
-  Progress progress("boards", count);
-  return moved_board(world, misprinted(sheet, world.photometry.physics), poses,
-                     along_both_axes(sequence), still_cycles, [&] { progress.advance(); });
+  return std::make_shared<RenderedReel>(
+      moved_board(world, misprinted(sheet, world.photometry.physics), poses,
+                  along_both_axes(sequence), still_cycles),
+      progress_of("rendering the boards"));
 }
 
 }  // namespace slipstream::app

@@ -33,8 +33,8 @@ struct BoardCaptureFlags {
 
 /// A board held in `count` poses, `still_cycles` each, under patterns along x, then along y.
 /// Throws Error as board_from and poses_of.
-Reel shown_boards(const BoardFlags& board, int count, int still_cycles, const VirtualWorld& world,
-                  const Sequence& sequence);
+std::shared_ptr<RenderedReel> shown_boards(const BoardFlags& board, int count, int still_cycles,
+                                           const VirtualWorld& world, const Sequence& sequence);
 
 /// The board as a flat sheet in the scene, printed finer than any camera resolves.
 Body sheet_of(const CalibrationBoard& board, const Scanner& scanner);

@@ -75,13 +75,15 @@ void serve_camera(const ServeFlags& flags, Output& output) {
   require_good(flags);
   const VirtualWorld world = world_from(flags.scene);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
-  std::vector<Reel> reels;
-  if (flags.boards)
+  VirtualGigeCamera::Reels reels;
+  if (flags.boards) {
     reels.push_back(shown_boards(flags.board, *flags.boards, flags.still, world, sequence));
-  reels.push_back(
-      reel_of(virtual_frames(world.scanner, world.scene, pattern_set(cycle_of(sequence)),
-                             world.photometry, flags.cycles)));
-  VirtualGigeCamera camera(std::move(reels), flags.address, flags.serial);
+  }
+  reels.push_back(std::make_shared<RenderedReel>(
+      looped_scene(world.scanner, world.scene, pattern_set(cycle_of(sequence)), world.photometry,
+                   flags.cycles, FirstRest::until_rendered),
+      progress_of("rendering the scene")));
+  VirtualGigeCamera camera(reels, flags.address, flags.serial);
   camera.set_frame_rate(flags.rate);
   camera.set_packet_loss(flags.packet_loss);
   camera.set_wiring(flags.wiring);
@@ -97,7 +99,10 @@ void serve_camera(const ServeFlags& flags, Output& output) {
         "scene",
         *flags.boards);
   }
-  while (!end.reached()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (!end.reached()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    for (const auto& reel : reels) static_cast<void>(reel->at(0));  // throws if rendering failed
+  }
   output.say("sent {} frames in {:.1f} s", camera.sent(), end.seconds());
   output.document = described("address", flags.address, "serial", flags.serial, "frames",
                               camera.sent(), "seconds", end.seconds());

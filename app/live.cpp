@@ -303,6 +303,9 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
   if (!flags.headless) request.before_rendering = require_desktop;
+  // A first cloud at once. As fast as possible and for so many frames, each run gives the same.
+  const bool repeats = request.rate.value_or(0) > 0 || !settings.most_frames;
+  request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;
   projector = open_projector(flags.monitor);
   if (projector.sink != nullptr && !request.sequence.projector) {
     request.sequence.projector = projector.sink->size();
@@ -310,10 +313,13 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   NamedSource opened = open(request, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   setup = setup_from(opened, flags, output);
-  // A replay may end after its first cycle; the channels of a colour picture move together.
+  // A replay may end after its first cycle; the channels of a colour picture move together; the
+  // published tables are of one cycle.
+  const bool is_published = setup.settings.engine == EngineKind::reference &&
+                            setup.settings.phase_method == PhaseMethod::tables;
   settings.motion_when_seen = scheme_of(request.source) != "replay" && !opened.in_colour &&
                               !request.sequence.motion && setup.sequence.motion == 0 &&
-                              takes_motion(setup.sequence);
+                              takes_motion(setup.sequence) && !is_published;
   if (settings.motion_when_seen) setup.sequence.motion = 2;
   if (flags.monitor) {
     stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);

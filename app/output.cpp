@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
+#include <memory>
 
 #include "app/process.h"
 #include "slipstream/base/error.h"
@@ -76,8 +78,32 @@ void Progress::finish() {
 void Progress::advance(bool already) {
   ++done_;
   if (already) ++done_before_;
-  const auto pause = std::chrono::milliseconds(100);
-  if (terminal_ && total_ > 1 && std::chrono::steady_clock::now() - drawn_at_ > pause) draw();
+  show();
+}
+
+void Progress::reach(std::int64_t done) {
+  done_ = done;
+  show();
+}
+
+void Progress::show() {
+  const auto now = std::chrono::steady_clock::now();
+  if (terminal_ && total_ > 1 && now - drawn_at_ > std::chrono::milliseconds(100)) draw();
+
+  // Elsewhere one line, once it is known to take long.
+  if (!terminal_ && !told_ && done_ < total_ && now - start_ > std::chrono::seconds(1)) {
+    told_ = true;
+    fmt::print(stderr, "{}: {} % done\n", label_, 100 * done_ / total_);
+  }
+}
+
+std::function<void(double)> progress_of(std::string label) {
+  constexpr int percent = 100;
+  const auto progress = std::make_shared<Progress>(std::move(label), percent);
+  return [progress](double share) {
+    progress->reach(std::lround(percent * share));
+    if (share >= 1) progress->finish();
+  };
 }
 
 void Progress::draw() {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <ranges>
 #include <string>
 #include <string_view>
@@ -175,7 +176,8 @@ class Output {
   std::vector<std::pair<std::FILE*, std::string>> held_{};
 };
 
-/// A progress bar on stderr, shown only on a terminal. The destructor removes it.
+/// Progress on stderr: on a terminal a bar, which the destructor removes; elsewhere one line with
+/// the share that is done, if all takes over a second.
 class Progress {
  public:
   template <class Count>
@@ -191,18 +193,25 @@ class Progress {
   /// towards the rate.
   void advance(bool already = false);
 
+  /// Counts `done` of `total` as done.
+  void reach(std::int64_t done);
+
   /// Removes the bar.
   void finish();
 
  private:
+  void show();
   void draw();
 
   std::string label_;
   std::int64_t total_, done_ = 0, done_before_ = 0;
   bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool drawn_ = false;
+  bool drawn_ = false, told_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), drawn_at_;
 };
+
+/// Shows the share, 0 to 1, that it is called with as a Progress, from any one thread.
+std::function<void(double)> progress_of(std::string label);
 
 /// Prints warnings and repairs. Throws Error with the scan's name and all diagnostics, errors
 /// first, if the scan is refused; with `anyway` prints them as warnings instead.

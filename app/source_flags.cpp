@@ -192,10 +192,7 @@ NamedSource open(SourceRequest request, Output& output) {
   request.camera.node_set = [&output](const CameraNode& node) {
     output.say("{} = {}", node.name, node.value);
   };
-  request.before_rendering = [&output, before = request.before_rendering] {
-    before();
-    output.tell_wait("rendering the virtual camera's frames");
-  };
+  request.while_rendering = progress_of("rendering the virtual camera's frames");
   NamedSource opened = open_source(request);
   if (request.camera.pixel_format == PixelFormat::mjpg) {
     output.warn("--pixel-format MJPG: lossy compression adds errors of depth; expose brightly");

@@ -8,7 +8,6 @@
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/replay_source.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream {
 namespace {
@@ -36,9 +35,12 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
   require_valid(photometry);
   request.before_rendering();
+  auto reel = std::make_shared<RenderedReel>(
+      looped_scene(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count),
+                   request.first_rest),
+      request.while_rendering);
   opened.frames = std::make_unique<VirtualCamera>(
-      virtual_frames(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count)),
-      request.rate == 0.0 ? std::nullopt : request.rate);
+      std::move(reel), request.rate == 0.0 ? std::nullopt : request.rate);
   opened.scanner = as_calibrated(*request.world);
   opened.scanner_name = "the virtual scanner";
   return opened;

@@ -4,7 +4,7 @@
 
 #include "slipstream/codes/sequence.h"
 #include "slipstream/devices/camera.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream {
 
@@ -21,8 +21,12 @@ struct SourceRequest {
   CameraSettings camera{};                         ///< for `aravis` and `v4l2`
   /// Delivers colour pictures whole, with their channels side by side.
   bool as_taken = false;
-  /// Called before `virtual` renders its frames for seconds.
+  /// Called before `virtual` begins to render.
   std::function<void()> before_rendering = [] {};
+  /// Called while `virtual` renders, from another thread, with the share that is rendered; may
+  /// outlive the request, not the source.
+  std::function<void(double)> while_rendering{};
+  FirstRest first_rest = FirstRest::none;  ///< of bodies that move in the virtual world
 
   /// Settings shared by flags and keywords.
   template <class Self, class Visit>

@@ -93,13 +93,11 @@ std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr 
   return memory;
 }
 
-std::vector<Reel> valid(std::vector<Reel> reels, const std::string& serial) {
-  for (const Reel& reel : reels) {
-    if (reel.frames.empty()) throw Error("a virtual camera needs at least one frame");
-    for (const Frame& frame : reel.frames) {
-      throw_if(frame.format() != reels.front().frames.front().format() || frame.bits != 8,
-               "the virtual GigE camera needs 8-bit frames of one size");
-    }
+VirtualGigeCamera::Reels valid(VirtualGigeCamera::Reels reels, const std::string& serial) {
+  if (reels.empty()) throw Error("a virtual camera needs at least one reel");
+  for (const auto& reel : reels) {
+    throw_if(reel->format() != reels.front()->format() || reel->format().bits != 8,
+             "the virtual GigE camera needs 8-bit frames of one size");
   }
   throw_if(serial.empty() || serial.size() > 15,
            "serial number of {} letters, '{}'; expected 1 to 15", serial.size(), serial);
@@ -108,13 +106,12 @@ std::vector<Reel> valid(std::vector<Reel> reels, const std::string& serial) {
 
 }  // namespace
 
-VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string& address,
+VirtualGigeCamera::VirtualGigeCamera(Reels reels, const std::string& address,
                                      const std::string& serial)
     : reels_(valid(std::move(reels), serial)),
       control_sockets_(address),
       stream_socket_(host_from(address), 0, false),
-      control_(fake_camera_memory(serial, host_from(address),
-                                  reels_.front().frames.front().format().size)),
+      control_(fake_camera_memory(serial, host_from(address), reels_.front()->format().size)),
       thread_([this] { run(); }) {}
 
 VirtualGigeCamera::~VirtualGigeCamera() {
@@ -133,19 +130,35 @@ std::size_t VirtualGigeCamera::shown_in(std::size_t k) const {
     return free ? static_cast<std::size_t>(shown) : k;
   }
   // Inverted, the rising edge ends the exposure; before the first one the last pattern is shown.
-  const std::size_t last = reels_[reel_].order.size() - 1;
+  const std::size_t last = reels_[reel_]->order().size() - 1;
   return pulses_ + (control_.read(line_register(line_inverter, 1)) != 0 ? last : 0);
 }
 
-/// The frame shown as frame k since the client's start.
-const Image<std::uint8_t>& VirtualGigeCamera::picture(std::size_t k, std::size_t shown) {
-  if (k == 0 && seen_whole_ && reel_ + 1 < reels_.size()) {
-    ++reel_;
-    seen_whole_ = false;
+/// Whether there is a picture to send, or it is still being rendered.
+bool VirtualGigeCamera::has_picture() const {
+  try {
+    return view_ || player_.frame() != nullptr;
+  } catch (...) {  // rendering failed: whoever began it is told
+    return false;
   }
-  const auto& [frames, order, enough] = reels_[reel_];
-  seen_whole_ |= k + 1 == (enough > 0 ? enough : order.size());
-  return std::get<Image<std::uint8_t>>(frames[order[shown % order.size()]].pixels);
+}
+
+/// The picture of frame k since the client's start; nullptr if it is not rendered yet.
+const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t k, std::size_t shown) {
+  if (k == 0) {
+    if (seen_whole_ && reel_ + 1 < reels_.size()) {
+      ++reel_;
+      seen_whole_ = false;
+    }
+    player_ = ReelPlayer(reels_[reel_]);
+    player_shows_ = 0;
+  }
+  player_.advance(shown - player_shows_);
+  player_shows_ = shown;
+  seen_whole_ |= player_.is_last_needed();
+
+  if (!has_picture()) return nullptr;
+  return &std::get<Image<std::uint8_t>>(player_.frame()->pixels);
 }
 
 /// Sends frame k since the client's start, numbered from 1. Clients enlarge their buffers at the
@@ -154,7 +167,9 @@ void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k, std::size_
   constexpr std::size_t largest_number = 65535;
   const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
   const Image<std::uint8_t> seen = view_ ? view_() : Image<std::uint8_t>();
-  const GigeBlock block = block_of(view_ ? seen : picture(k, shown), stream, number);
+  const Image<std::uint8_t>* const shown_picture = view_ ? &seen : picture(k, shown);
+  if (shown_picture == nullptr) return;  // lost, as if the projector were dark
+  const GigeBlock block = block_of(*shown_picture, stream, number);
   for_each_packet(block, [&, is_first = k == 0](auto packet) mutable {
     const bool lost = std::uniform_real_distribution()(random_) < packet_loss_;
     if (!lost) stream_socket_.send(packet, stream.to);
@@ -175,7 +190,7 @@ void VirtualGigeCamera::run() {
     const bool is_pulsed = stream && wiring_ == Wiring::trigger && !stream->is_free &&
                            control_.read(trigger_source) == line_1_triggers;
     const bool is_ready = stream && (stream->is_free || stream->is_triggered || is_pulsed);
-    const bool is_due = is_ready && steady_clock::now() >= due;
+    const bool is_due = is_ready && has_picture() && steady_clock::now() >= due;
     if (is_due) control_.write(software_trigger, 0);
     if (!stream) {  // a new client sees the first frame
       k = pulses_ = 0;
@@ -192,11 +207,12 @@ void VirtualGigeCamera::run() {
       send(*stream, k++, shown);
       due = std::max(due + (stream->is_free ? stream->period : period), steady_clock::now());
     }
-    control_sockets_.answer(is_ready ? std::min(due - steady_clock::now(), idle) : idle,
-                            [this](auto packet, const sockaddr_in& from) {
-                              const std::lock_guard answering(mutex_);
-                              return control_.answer(packet, from, steady_clock::now());
-                            });
+    control_sockets_.answer(
+        is_ready && has_picture() ? std::min(due - steady_clock::now(), idle) : idle,
+        [this](auto packet, const sockaddr_in& from) {
+          const std::lock_guard answering(mutex_);
+          return control_.answer(packet, from, steady_clock::now());
+        });
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include "slipstream/devices/gige_protocol.h"
 #include "slipstream/devices/gige_sockets.h"
-#include "slipstream/frames/frame_source.h"
+#include "slipstream/simulate/rendered_reel.h"
 
 namespace slipstream {
 
@@ -25,17 +25,21 @@ Wiring wiring_named(std::string_view name);
 
 /// A GigE Vision camera served over UDP to any client: Mono8, with the client's rate, region,
 /// trigger and output lines. Frames are numbered from 1 when a client starts the stream; wired in
-/// step, frame k shows frame (k - 1) mod length of a reel, also after losses. With several reels,
-/// clients see the first until one has seen enough of it, then the next, and so on.
+/// step, frame k shows frame (k - 1) mod length of a reel, also after losses; while the reel is
+/// being rendered, a ReelPlayer says which. With several reels, clients see the first until one has
+/// seen enough of it, then the next, and so on.
 class VirtualGigeCamera {
  public:
+  using Reels = std::vector<std::shared_ptr<const RenderedReel>>;
+
   /// `reels`: not empty, 8-bit frames of one size. `address`: of a network interface of this
   /// machine, one camera each. `serial`: name shown to clients, 1 to 15 letters. Throws Error if
   /// violated, WorldError if no interface has the address or its port 3956 is taken.
-  VirtualGigeCamera(std::vector<Reel> reels, const std::string& address, const std::string& serial);
+  VirtualGigeCamera(Reels reels, const std::string& address, const std::string& serial);
   /// One reel in which each frame is shown once.
   VirtualGigeCamera(std::vector<Frame> loop, const std::string& address, const std::string& serial)
-      : VirtualGigeCamera(std::vector<Reel>{reel_of(std::move(loop))}, address, serial) {}
+      : VirtualGigeCamera(Reels{std::make_shared<RenderedReel>(reel_of(std::move(loop)))}, address,
+                          serial) {}
   ~VirtualGigeCamera();  ///< disappears without notifying its client
 
   /// Frame rate until a client changes it, and the projector's pattern rate, 0.001 to 1e6 Hz.
@@ -51,18 +55,21 @@ class VirtualGigeCamera {
 
  private:
   [[nodiscard]] std::size_t shown_in(std::size_t k) const;
-  const Image<std::uint8_t>& picture(std::size_t k, std::size_t shown);
+  [[nodiscard]] bool has_picture() const;
+  const Image<std::uint8_t>* picture(std::size_t k, std::size_t shown);
   void send(const GigeStream& stream, std::size_t k, std::size_t shown);
   void run();
 
-  const std::vector<Reel> reels_;
+  const Reels reels_;
   const GigeControlSockets control_sockets_;
   const UdpSocket stream_socket_;
   std::mutex mutex_;  ///< guards control_
   GigeControl control_;
   std::function<Image<std::uint8_t>()> view_;
-  std::size_t reel_ = 0;     ///< the reel shown to the client
-  bool seen_whole_ = false;  ///< by this client or an earlier one
+  std::size_t reel_ = 0;  ///< the reel shown to the client
+  ReelPlayer player_{reels_.front()};
+  std::size_t player_shows_ = 0;  ///< frames shown since the client's start, in step with player_
+  bool seen_whole_ = false;       ///< by this client or an earlier one
   std::atomic<Wiring> wiring_ = Wiring::in_step;
   std::chrono::microseconds projector_period_{10'000};  ///< guarded by mutex_
   std::chrono::steady_clock::time_point started_;       ///< of the stream

@@ -223,15 +223,17 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
 }  // namespace
 
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
-               double time) {
+               double time, const std::stop_token& stop) {
   const Size size = scanner.camera.size;
   const Onlooker onlooker{scanner, scene, photometry, time};
   MetByCentres met{size, std::vector<std::optional<Met>>(size.width * size.height)};
   for_each_pixel(size, [&](int column, int row) {
+    if (stop.stop_requested()) return;
     met.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
   });
   SeenScene seen{size};
   for_each_row(size.height, [&](int row) {
+    if (stop.stop_requested()) return;
     std::vector<LitSample>& samples = seen.samples[row];
     for (int column = 0; column < size.width; ++column) {
       const Eigen::Vector2d pixel(column, row);

@@ -51,8 +51,9 @@ struct SeenScene {
 
 /// `time`: in frames, 0 at the first; of the first row for a rolling shutter. On even surfaces a
 /// pixel uses the ray through its centre, at edges the mean of `photometry.rays` rays.
+/// Once `stop` is requested, returns soon, with pixels left dark.
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
-               double time);
+               double time, const std::stop_token& stop = {});
 
 /// Light of a position in the projector's picture under blur, grey levels of 8 bits.
 using ProjectedLight = std::function<double(const LitSample&)>;

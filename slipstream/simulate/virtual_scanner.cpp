@@ -58,13 +58,14 @@ constexpr double exposed_for = 0.5;  // of a frame, with motion blur
 
 /// The scene during the exposure of a frame: one moment, or several with motion blur.
 std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
-                             const Photometry& photometry, double time) {
+                             const Photometry& photometry, double time,
+                             const std::stop_token& stop) {
   const bool blurred = photometry.physics.motion_blur && is_moving(scene);
   const int times = blurred ? 4 : 1;
   std::vector<SeenScene> seen;
   for (int i = 0; i < times; ++i) {
     const double later = blurred ? exposed_for * (i + 0.5) / times : 0;
-    seen.push_back(look(scanner, scene, photometry, time + later));
+    seen.push_back(look(scanner, scene, photometry, time + later, stop));
   }
   return seen;
 }
@@ -125,15 +126,15 @@ void require_valid(const Photometry& photometry) {
 }
 
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
-                      const Photometry& photometry, double time) {
+                      const Photometry& photometry, double time, const std::stop_token& stop) {
   require_valid(scanner);
   require_valid(photometry);
   const Size projector = scanner.projector.size;
-  std::vector<SeenScene> seen = looks(scanner, scene, photometry, time);
+  std::vector<SeenScene> seen = looks(scanner, scene, photometry, time, stop);
   const auto first = std::make_shared<const SeenScene>(seen.front());
   std::vector<Image<double>> exposures;
   for (int n = 0; n < patterns.count; ++n) {
-    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n);
+    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n, stop);
     Image<double> frame(scanner.camera.size);
     for (const SeenScene& now : seen) {
       const auto light = projected_light(patterns, n, projector, photometry, now);
@@ -148,7 +149,7 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
   const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
   const double middle = time + 0.5 * (patterns.count - 1 + exposure);
   const SeenScene truth =
-      middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle) : *first;
+      middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle, stop) : *first;
   Image<double> coordinate = patterns.axis == Axis::x ? truth.lit_column : truth.lit_row;
   for (double& position : coordinate) position /= length_along(patterns.axis, projector);
   return {digitised(std::move(exposures), photometry.bits),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <stop_token>
+
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
@@ -80,9 +82,11 @@ struct VirtualScan {
 /// alpha (I^p + beta) + beta + w, Eq. (3.2), I^p times the pattern's exposure, and 0 in the
 /// projector's shadow and outside its field. Without Physics::projector_pixels, patterns are exact,
 /// neither sampled by projector pixels nor quantised; binary ones use their pictures. Throws Error
-/// if the scanner or the photometry is invalid.
+/// if the scanner or the photometry is invalid. Once `stop` is requested, returns soon, with frames
+/// that show nothing of use.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
-                      const Photometry& photometry = {}, double time = 0);
+                      const Photometry& photometry = {}, double time = 0,
+                      const std::stop_token& stop = {});
 
 /// Frames of the scene of `scan`, at the same time, with other patterns or light. Reuses the traced
 /// rays, with their number, blur and bounces. Throws Error if the photometry is invalid.

@@ -129,8 +129,9 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
 
 TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
   const std::vector<Frame> rendered = some_frames(3, {320, 240});
-  const auto camera = serve(
-      std::vector<Reel>{{{rendered[0], rendered[1]}, {0, 0, 1, 0}, 4}, reel_of({rendered[2]})});
+  const auto camera = serve(VirtualGigeCamera::Reels{
+      std::make_shared<RenderedReel>(Reel{{rendered[0], rendered[1]}, {0, 0, 1, 0}, 4}),
+      std::make_shared<RenderedReel>(reel_of({rendered[2]}))});
   REQUIRE_CAMERA(camera);
   const auto see = [&](std::uint64_t frames) {
     const auto opened = open_genicam_camera(served_address, settings_at(100, 4));

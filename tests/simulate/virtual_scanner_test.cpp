@@ -144,12 +144,11 @@ std::vector<PatternSet> sets_of() {
 TEST(MovedBoard, StaysForItsCyclesAndMovesWithinOne) {
   const VirtualWorld world = small_world();
   const auto poses = board_poses(world.scanner, 3, 80, 60);
-  int rendered = 0;
-  const Reel reel = moved_board(world, sheet(), poses, sets_of(), 2, [&] { ++rendered; });
+  const ReelScript script = moved_board(world, sheet(), poses, sets_of(), 2);
+  const Reel reel = rendered(script);
   std::size_t cycle = 0;
   for (const PatternSet& set : sets_of()) cycle += static_cast<std::size_t>(set.count);
   EXPECT_EQ(cycle, 2U * static_cast<std::size_t>(frame_count(default_strategy())) + 1);
-  EXPECT_EQ(rendered, 3);
   EXPECT_EQ(reel.order.size(), 3 * 3 * cycle);
   EXPECT_EQ(reel.frames.size(), 3 * 2 * cycle);
   EXPECT_EQ(reel.enough, (2 * 3 + 1) * cycle);
@@ -160,11 +159,10 @@ TEST(MovedBoard, StaysForItsCyclesAndMovesWithinOne) {
 }
 
 TEST(MovedBoard, NeedsPosesAndCycles) {
-  const auto ignore = [] {};
   const auto poses = board_poses(small_world().scanner, 1, 80, 60);
-  EXPECT_THROW(moved_board(small_world(), sheet(), {}, sets_of(), 2, ignore), Error);
-  EXPECT_THROW(moved_board(small_world(), sheet(), poses, {}, 2, ignore), Error);
-  EXPECT_THROW(moved_board(small_world(), sheet(), poses, sets_of(), 0, ignore), Error);
+  EXPECT_THROW(moved_board(small_world(), sheet(), {}, sets_of(), 2), Error);
+  EXPECT_THROW(moved_board(small_world(), sheet(), poses, {}, 2), Error);
+  EXPECT_THROW(moved_board(small_world(), sheet(), poses, sets_of(), 0), Error);
 }
 
 }  // namespace slipstream::virtual_scanner_test

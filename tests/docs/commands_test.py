@@ -106,7 +106,8 @@ class Page:
         """Ends endless commands as Ctrl-C does."""
         for running in [running for running in self.endless if which(running)]:
             self.endless.remove(running)
-            os.killpg(running.pid, signal.SIGINT)
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGINT)
             try:
                 code = running.wait(60)
             except subprocess.TimeoutExpired:
@@ -117,8 +118,9 @@ class Page:
 
     def kill_all(self):
         for running in self.endless:
-            os.killpg(running.pid, signal.SIGKILL)
-            running.wait()
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGKILL)
+                running.wait()
 
     def obey(self, line):
         """Runs a line, unless it needs what a test does not have. Returns its output, or None."""

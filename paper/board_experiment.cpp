@@ -3,11 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "paper/cloud_views.h"
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/triangulator.h"
 #include "slipstream/response/correction.h"
 #include "slipstream/simulate/named_scenes.h"
 
@@ -21,11 +21,10 @@ PatternSet patterns(int steps) {
 }
 
 VirtualScan scan_of(const Scanner& scanner, BoardExperiment::Surface surface) {
-  Scene board = scene_named("board", scanner);
-  if (surface == BoardExperiment::Surface::textured) {
-    board.front().texture = veined_texture(0.35, 0.85, 40);
-  }
-  return take_scan(scanner, board, patterns(3));
+  using enum BoardExperiment::Surface;
+  Scene scene = scene_named(surface == fish ? "fish" : "board", scanner);
+  if (surface == textured) scene.front().texture = veined_texture(0.35, 0.85, 40);
+  return take_scan(scanner, scene, patterns(3));
 }
 
 }  // namespace
@@ -60,6 +59,13 @@ FrameSet BoardExperiment::precompensated(int steps, double gamma, double ambient
   return averaged(shown, photometry(gamma, ambient), repetitions);
 }
 
+FrameSet BoardExperiment::grey_levels(int count, double gamma, double ambient) const {
+  PatternSet uniform;
+  uniform.count = count;
+  uniform.shape = [count](int n, double) { return static_cast<double>(n) / (count - 1); };
+  return take_again(scan_, uniform, photometry(gamma, ambient));
+}
+
 FrameSet BoardExperiment::once(int steps, double gamma, double ambient) const {
   return take_again(scan_, patterns(steps), photometry(gamma, ambient));
 }
@@ -79,21 +85,11 @@ Image<double> BoardExperiment::error(const Image<double>& phase) const {
 }
 
 Cloud BoardExperiment::surface(const Image<double>& phase) const {
-  const Triangulator triangulate(scanner_, Axis::x, PointMethod::form3);
-  const Image<double> errors = error(phase);
-  Cloud cloud(phase.size());
-  for (int row = 0; row < phase.height(); ++row) {
-    for (int column = 0; column < phase.width(); ++column) {
-      const double y = scan_.coordinate(column, row) + errors(column, row) / two_pi;
-      const Eigen::Vector3d point = triangulate(column, row, y);
-      const bool valid = point.allFinite();
-      cloud.x(column, row) = static_cast<float>(point.x());
-      cloud.y(column, row) = static_cast<float>(point.y());
-      cloud.z(column, row) = static_cast<float>(point.z());
-      cloud.validity(column, row) = valid ? Validity::valid : Validity::too_dark;
-    }
+  Image<double> coordinate = error(phase);
+  for (std::size_t i = 0; i < coordinate.pixel_count(); ++i) {
+    coordinate.begin()[i] = scan_.coordinate.begin()[i] + coordinate.begin()[i] / two_pi;
   }
-  return cloud;
+  return cloud_of(scanner_, coordinate, Image<double>(phase.size()));
 }
 
 double BoardExperiment::rms_error(const Image<double>& phase,

@@ -13,11 +13,12 @@
 
 namespace slipstream {
 
-/// Experiment of Liu 2010, Section 4.5, on the virtual scanner: a board, white or textured, under
-/// PMP of 8 periods, 8-bit frames with sigma_w^2 = 1.55, averaged over repetitions.
+/// Experiment of Liu 2010, Section 4.5, on the virtual scanner: a board, white or veined, or a
+/// painted fish under PMP of 8 periods, 8-bit frames with sigma_w^2 = 1.55, averaged over
+/// repetitions.
 class BoardExperiment {
  public:
-  enum class Surface { white, textured };
+  enum class Surface { white, textured, fish };
   static constexpr double frequency = 8;
   static constexpr int repetitions = 48;
 
@@ -29,6 +30,8 @@ class BoardExperiment {
   /// The same with 8-bit patterns that are precompensated for `response`.
   [[nodiscard]] FrameSet precompensated(int steps, double gamma, double ambient,
                                         const Response& response) const;
+  /// Frames of uniform patterns from black to white, for a curve fit.
+  [[nodiscard]] FrameSet grey_levels(int count, double gamma, double ambient) const;
   [[nodiscard]] FrameSet once(int steps, double gamma, double ambient) const;
 
   /// RMS error of the unwrapped phase divided by f, rad, as in the paper, over the pixels `lit`.
@@ -38,7 +41,7 @@ class BoardExperiment {
   [[nodiscard]] double rms_error(const Image<double>& phase, const Image<std::uint8_t>& lit) const;
   /// Error of the unwrapped phase divided by f, rad, per pixel; NaN where the board is not lit.
   [[nodiscard]] Image<double> error(const Image<double>& phase) const;
-  /// Surface of the board from a wrapped phase and the true fringe orders, mm. No intensity.
+  /// Surface from a wrapped phase and the true fringe orders, mm. No intensity.
   [[nodiscard]] Cloud surface(const Image<double>& phase) const;
   /// Wrapped phase, rad.
   [[nodiscard]] static Image<double> phase(const FrameSet& frames,

@@ -69,15 +69,90 @@ double mean_of_pairs(const std::vector<Image<double>>& images, const Measure& me
   return sum / pairs;
 }
 
+/// The channel of each of ten scans from which the noise is measured: A^c of 3 steps or B_cos^c of
+/// 4 steps.
+std::vector<Image<double>> ten_channels(FoamBoard& board, int steps) {
+  const std::vector<double> weights = steps == 3 ? mean_weights(3) : half_phase_weights();
+  std::vector<Image<double>> channels;
+  for (int scan = 0; scan < 10; ++scan) {
+    channels.push_back(weighted_sum(board.frames(PhaseMeasuring{steps, 1}, board_gamma), weights));
+  }
+  return channels;
+}
+
+/// Figures 3.13 and 3.15: the difference of one pair of scans, and sigma_w^2 by all 45 pairs.
+Reproduction noise_of_pairs(const std::string& figure, int steps, double published,
+                            std::uint64_t seed) {
+  FoamBoard board(seed);
+  const std::vector<Image<double>> channels = ten_channels(board, steps);
+
+  PlotLine variances;
+  const auto measure = [&](const Image<double>& a, const Image<double>& b) {
+    const double variance = steps == 3 ? noise_from_means(a, 3, b, 3, board.lit).variance
+                                       : noise_from_half_phases(a, b, board.lit).variance;
+    variances.add(static_cast<double>(variances.x.size() + 1), variance);
+    return variance;
+  };
+  const double mean = mean_of_pairs(channels, measure);
+
+  Image<double> difference(channels[0].size());
+  for (std::size_t i = 0; i < difference.pixel_count(); ++i) {
+    const bool lit = board.lit.begin()[i] != 0;
+    difference.begin()[i] = lit ? channels[1].begin()[i] - channels[0].begin()[i] : std::nan("");
+  }
+  const Histogram counted = histogram(difference, -4, 4, 80);
+
+  Reproduction result;
+  result.add("sigma_w^2, mean of 45 pairs", {{"N", steps}}, published, mean);
+  result.draw(figure + "-histogram",
+              BarPlot{steps == 3 ? "Difference of A^c of two scans" : "Difference of B_cos^c",
+                      "grey levels",
+                      "pixels",
+                      counted.low,
+                      counted.high,
+                      {counted.counts.begin(), counted.counts.end()}});
+  result.draw(figure + "-variances",
+              fmt::format("Noise variance by Eq. ({})", steps == 3 ? "3.20" : "3.82"), "pair",
+              "sigma_w^2", PlotScale::linear, {variances});
+  return result;
+}
+
+/// Figure 3.14: gamma passes for noise in Eq. (3.79).
+Reproduction figure_314(std::uint64_t seed) {
+  FoamBoard board(seed);
+  const std::vector<Image<double>> channels = ten_channels(board, 4);
+  PlotLine variances, row;
+  double mean = 0;
+  for (const Image<double>& channel : channels) {
+    const double variance = noise_from_half_phase(channel, board.lit).variance;
+    variances.add(static_cast<double>(variances.x.size() + 1), variance);
+    mean += variance / static_cast<double>(channels.size());
+  }
+  const Image<double>& first = channels[0];
+  for (int column = 0; column < first.width(); ++column) {
+    const bool lit = board.lit(column, first.height() / 2) != 0;
+    row.add(column, lit ? first(column, first.height() / 2) : std::nan(""));
+  }
+
+  Reproduction result;
+  result.add("sigma_w^2 by (3.79), mean of 10 scans", {{"N", 4}}, 3.2, mean);
+  result.draw("figure-3.14-variances", "Noise variance by Eq. (3.79)", "scan", "sigma_w^2",
+              PlotScale::linear, {variances});
+  result.draw("figure-3.14-row", "B_cos^c of the middle row", "column", "grey levels",
+              PlotScale::linear, {row});
+  result.notes.push_back(
+      fmt::format("The second harmonic of gamma {} shows in B_cos^c; gamma is fitted to the print.",
+                  board_gamma));
+  return result;
+}
+
 /// sigma_w^2 by Eqs. (3.20), (3.79), (3.82) and (3.99).
 void add_noise(FoamBoard& board, Reproduction& result) {
-  std::vector<Image<double>> means, half_phases;
+  const std::vector<Image<double>> means = ten_channels(board, 3);
+  const std::vector<Image<double>> half_phases = ten_channels(board, 4);
   double one_scan = 0;
-  for (int scan = 0; scan < 10; ++scan) {
-    means.push_back(weighted_sum(board.frames(PhaseMeasuring{3, 1}, board_gamma), mean_weights(3)));
-    half_phases.push_back(
-        weighted_sum(board.frames(PhaseMeasuring{4, 1}, board_gamma), half_phase_weights()));
-    one_scan += noise_from_half_phase(half_phases.back(), board.lit).variance / 10;
+  for (const Image<double>& channel : half_phases) {
+    one_scan += noise_from_half_phase(channel, board.lit).variance / 10;
   }
   result.add("sigma_w^2 by (3.20), 45 pairs of 3 steps", {}, 1.55,
              mean_of_pairs(means, [&](const auto& a, const auto& b) {
@@ -199,6 +274,11 @@ Reproduction figure_312(std::uint64_t seed) {
 std::vector<Reproducible> foam_board_reproducibles() {
   return {{"section", "3.3", "noise by each equation, and 3-pattern PCMP, on a board", section_33},
           {"figure", "3.12", "ambient light of a board", figure_312},
+          {"figure", "3.13", "noise of a board from the means of two scans",
+           [](std::uint64_t seed) { return noise_of_pairs("figure-3.13", 3, 1.55, seed); }},
+          {"figure", "3.14", "noise of a board from the half phase channel", figure_314},
+          {"figure", "3.15", "noise of a board from two half phase channels",
+           [](std::uint64_t seed) { return noise_of_pairs("figure-3.15", 4, 1.56, seed); }},
           {"table", "3.4", "pixels of a board unwrapped correctly by 4-pattern PCMP", table_34},
           {"table", "3.6", "pixels of a board unwrapped correctly by 5-pattern PCMP", table_36}};
 }

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "paper/board_experiment.h"
+#include "paper/cloud_views.h"
+#include "paper/curve_fit.h"
 #include "paper/formulas.h"
 #include "paper/reproduction.h"
 #include "slipstream/codes/phase_shifting.h"
@@ -122,6 +125,99 @@ void add_correction_cells(const BoardExperiment& board, const Published& paper, 
   }
 }
 
+constexpr const char* conditions =
+    "The virtual scanner, 8-bit frames, sigma_w^2 = 1.55, averaged over 48 scans, f = 8; all lit "
+    "pixels, while the paper has one row of a real board.";
+
+BoardExperiment experiment(bool fish, std::uint64_t seed) {
+  return BoardExperiment(
+      camera, fish ? BoardExperiment::Surface::fish : BoardExperiment::Surface::white, seed);
+}
+
+/// Figures 4.16 and 4.17, with calibration.
+Reproduction with_calibration(bool fish, std::uint64_t seed) {
+  Reproduction result;
+  add_correction_cells(experiment(fish, seed), published_board[0], fish, result);
+  result.notes.emplace_back(conditions);
+  return result;
+}
+
+/// Figure 4.12: the mean of one scan of each object.
+Reproduction figure_412(std::uint64_t seed) {
+  std::vector<Image<std::uint8_t>> photographs;
+  for (const bool fish : {false, true}) {
+    const FrameSet frames = experiment(fish, seed).once(3, 1, 5);
+    photographs.push_back(as_picture(weighted_sum(frames, mean_weights(3))));
+  }
+  Reproduction result;
+  result.draw_picture("figure-4.12", side_by_side(photographs, 2));
+  result.notes.emplace_back("The virtual board and fish.");
+  return result;
+}
+
+/// Figure 4.13: surfaces from 48 steps, from the front and from above.
+Reproduction figure_413(std::uint64_t seed) {
+  constexpr int steps = 48;
+  Reproduction result;
+  for (const bool fish : {false, true}) {
+    const BoardExperiment board = experiment(fish, seed);
+    const FrameSet frames = board.averaged(steps, 2.21, 5, 1);
+    const Image<double> phase = BoardExperiment::phase(frames, {});
+    const Cloud surface = board.surface(phase);
+    result.add("RMS phase error, rad / f", {{"N", steps}, {"fish", double(fish)}}, {},
+               board.rms_error(phase, well_lit(pixel_harmonics(frames, 0, steps), frames)));
+    const std::string name = fish ? "figure-4.13-fish" : "figure-4.13-board";
+    result.draw(name + "-above", "Middle row of the surface from above", "X, mm", "Z, mm",
+                PlotScale::linear, {middle_row_from_above("48 steps", surface)});
+    result.plots.push_back({name, [surface](const std::filesystem::path& file) {
+                              write_depth_preview(file, surface);
+                            }});
+  }
+  result.notes.emplace_back("f = 8, where the print has 16.");
+  return result;
+}
+
+/// The traditional calibration of gamma at the middle of the board: a curve through 160 grey
+/// levels. Also the error of the phase corrected by it, and by the gamma of the print's curve.
+void add_curve_fit(const BoardExperiment& board, Reproduction& result) {
+  constexpr int levels = 160;
+  constexpr double ambient = 5, printed_fit = 2.153;
+  const auto& [steps, gamma, no_ambient, before, calibrated, blind] = published_board[0];
+
+  // Mean of the 5 x 5 pixels in the middle of the picture.
+  const FrameSet shown = board.grey_levels(levels, gamma, ambient);
+  std::vector<double> grey(levels), share(levels);
+  for (int n = 0; n < levels; ++n) {
+    std::vector<double> weights(levels);
+    weights[n] = 1;
+    const Image<double> frame = weighted_sum(shown, weights);
+    for (int row = -2; row <= 2; ++row) {
+      for (int column = -2; column <= 2; ++column) {
+        grey[n] += frame(camera.width / 2 + column, camera.height / 2 + row) / 25;
+      }
+    }
+    share[n] = static_cast<double>(n) / (levels - 1);
+  }
+  const FittedGamma fit = fit_gamma(share, grey);
+
+  const FrameSet frames = board.averaged(steps, gamma, no_ambient);
+  const Image<std::uint8_t> lit = well_lit(pixel_harmonics(frames, 0, steps), frames);
+  const Parameters parameters{{"N", double(steps)}, {"gamma", gamma}};
+  result.add("gamma by a curve fit at one place", parameters, printed_fit, fit.gamma);
+  result.add("RMS error after, gamma of the printed fit, rad / f", parameters, 1.1e-3,
+             board.rms_error(frames, correction_for(steps, printed_fit), lit));
+  result.add("RMS error after, gamma of our fit, rad / f", parameters, {},
+             board.rms_error(frames, correction_for(steps, fit.gamma), lit));
+
+  PlotLine measured{"measured"}, curve{fmt::format("gamma {:.3f}", fit.gamma)};
+  for (int n = 0; n < levels; ++n) {
+    measured.add(255 * share[n], grey[n]);
+    curve.add(255 * share[n], fit.at(share[n]));
+  }
+  result.draw("figure-4.14-fit", "Best-fit curve at the middle of the board",
+              "projected grey level", "grey level", PlotScale::linear, {measured, curve});
+}
+
 /// Figures 4.18 to 4.26, without calibration: errors in the middle row, or the surface.
 struct BlindFigure {
   const char* id;
@@ -143,7 +239,7 @@ Reproduction without_calibration(const BlindFigure& figure, std::uint64_t seed) 
       published_board.at(figure.paper);
   const bool fish = figure.shows == BlindFigure::fish;
   const BoardExperiment board(
-      camera, fish ? BoardExperiment::Surface::textured : BoardExperiment::Surface::white, seed);
+      camera, fish ? BoardExperiment::Surface::fish : BoardExperiment::Surface::white, seed);
   const FrameSet frames = board.averaged(steps, gamma, ambient);
   const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, 0, steps);
   const Image<std::uint8_t> lit = well_lit(pixels, frames);
@@ -160,7 +256,7 @@ Reproduction without_calibration(const BlindFigure& figure, std::uint64_t seed) 
   const std::string name = fmt::format("figure-{}", figure.id);
   if (figure.shows != BlindFigure::errors) {
     add_surface_plots(board, measured, blind, "without calibration", name, result);
-    if (fish) result.notes.emplace_back("A painted board stands for the fish.");
+    if (fish) result.notes.emplace_back("A virtual fish in relief; the print gives no numbers.");
     return result;
   }
   const Image<double> known = BoardExperiment::phase(frames, correction_for(steps, gamma));
@@ -192,9 +288,42 @@ GammaEstimate calibrated_gamma(const BoardExperiment& board, double gamma, Repro
   return estimate;
 }
 
+Reproduction figure_414(std::uint64_t seed) {
+  const BoardExperiment board = experiment(false, seed);
+  Reproduction result;
+  add_curve_fit(board, result);
+  const GammaEstimate estimate = calibrated_gamma(board, 2.21, &result);
+  result.add("gamma calibrated on the white board", {{"gamma", 2.21}}, 2.2123, estimate.gamma);
+  result.add("variance of gamma over the pixels", {{"gamma", 2.21}}, 2.67e-4,
+             estimate.spread * estimate.spread);
+  result.notes.emplace_back(
+      "Every virtual pixel has the same gamma, so a fit at one place finds it; the printed fit "
+      "misses the mean of the picture by 0.06.");
+  return result;
+}
+
+Reproduction figure_415(std::uint64_t seed) {
+  const BoardExperiment board = experiment(false, seed);
+  const auto& [steps, gamma, ambient, before, calibrated, blind] = published_board[0];
+  const FrameSet frames = board.averaged(steps, gamma, ambient);
+  const Image<std::uint8_t> lit = well_lit(pixel_harmonics(frames, 0, steps), frames);
+  const Image<double> measured = BoardExperiment::phase(frames, {});
+  const Image<double> known = BoardExperiment::phase(frames, correction_for(steps, gamma));
+  const Parameters parameters{{"N", double(steps)}, {"gamma", gamma}};
+  Reproduction result;
+  result.add("RMS error before, rad / f", parameters, before, board.rms_error(measured, lit));
+  result.add("RMS error after, gamma known, rad / f", parameters, calibrated,
+             board.rms_error(known, lit));
+  result.draw("figure-4.15", "Error of the middle row, N = 3, gamma = 2.21", "column", "rad / f",
+              PlotScale::linear,
+              {middle_row("measured", board.error(measured)),
+               middle_row("gamma known", board.error(known))});
+  result.notes.emplace_back(conditions);
+  return result;
+}
+
 Reproduction section_45(std::uint64_t seed) {
-  const BoardExperiment white(camera, BoardExperiment::Surface::white, seed);
-  const BoardExperiment textured(camera, BoardExperiment::Surface::textured, seed);
+  const BoardExperiment white = experiment(false, seed), textured = experiment(true, seed);
   Reproduction result;
   for (const Published& paper : published_board) add_correction_cells(white, paper, false, result);
   for (const Published& paper : published_board) {
@@ -212,6 +341,7 @@ Reproduction section_45(std::uint64_t seed) {
     result.add("gamma calibrated on the textured object", {{"gamma", gamma}}, published(2.2079),
                on_texture);
   }
+  add_curve_fit(white, result);
   // Common alternatives to phase correction, on the white board.
   const Parameters parameters{{"gamma", 2.21}};
   const FrameSet six = white.averaged(6, 2.21, 5);
@@ -223,10 +353,16 @@ Reproduction section_45(std::uint64_t seed) {
   const FrameSet inverse = white.precompensated(3, 2.21, 5, PowerLaw{2.21});
   result.add("RMS error, 3 precompensated 8-bit patterns, rad / f", parameters, {},
              white.rms_error(inverse, {}, lit));
-  result.notes.emplace_back(
-      "The virtual scanner, 8-bit frames, sigma_w^2 = 1.55, averaged over 48 scans, f = 8; all lit "
-      "pixels of the board, while the paper has one row of a real board.");
+  result.notes.emplace_back(conditions);
   return result;
+}
+
+template <class Real>
+Image<double> depth_errors(const BasicCloud<Real>& cloud, const Image<double>& depth) {
+  Image<double> errors(depth.size());
+  std::transform(cloud.z.begin(), cloud.z.end(), depth.begin(), errors.begin(),
+                 [](double z, double truth) { return z - truth; });
+  return errors;
 }
 
 template <class Real>
@@ -253,6 +389,7 @@ Reproduction section_44(std::uint64_t seed) {
   const PhaseMatcher match(first, second, sequence);
   const ReferenceEngine one_camera({.scanner = first, .sequence = sequence}, {});
   Reproduction result;
+  std::vector<PlotLine> lines;
   std::array<double, 2> matched{};
   std::size_t i = 0;
   for (const double gamma : {1.0, 2.2}) {
@@ -261,14 +398,21 @@ Reproduction section_44(std::uint64_t seed) {
     Photometry other = light;
     other.seed = ~seed;
     const FrameSet frames = take_again(first_scan, patterns, light);
-    matched.at(i) = rms_depth_error(match(frames, take_again(second_scan, patterns, other)).cloud,
-                                    first_scan.depth);
+    const auto both = match(frames, take_again(second_scan, patterns, other)).cloud;
+    matched.at(i) = rms_depth_error(both, first_scan.depth);
     const Parameters parameters{{"N", 3}, {"gamma", gamma}};
+    const BasicCloud<double> alone = one_camera(frames).cloud;
     result.add("RMS depth error, two cameras, mm", parameters, {}, matched.at(i));
     result.add("RMS depth error, one camera, mm", parameters, {},
-               rms_depth_error(one_camera(frames).cloud, first_scan.depth));
+               rms_depth_error(alone, first_scan.depth));
+    lines.push_back(middle_row(fmt::format("one camera, gamma {}", gamma),
+                               depth_errors(alone, first_scan.depth)));
+    lines.push_back(middle_row(fmt::format("two cameras, gamma {}", gamma),
+                               depth_errors(both, first_scan.depth)));
     ++i;
   }
+  result.draw("figure-4.11", "Depth error of the middle row", "column", "mm", PlotScale::linear,
+              std::move(lines));
   result.add("two cameras, gamma 2.2 over gamma 1", {{"N", 3}}, {}, matched[1] / matched[0]);
   result.notes.emplace_back(
       "The virtual board, 640x480, dual-frequency with f = 32 (3 steps) and 1 (6 steps), one scan; "
@@ -281,7 +425,16 @@ Reproduction section_44(std::uint64_t seed) {
 std::vector<Reproducible> gamma_experiment_reproducibles() {
   std::vector<Reproducible> all{
       {"section", "4.4", "phase matching between two cameras", section_44},
-      {"section", "4.5", "experiments with and without calibration", section_45}};
+      {"figure", "4.11", "phase matching between two cameras", section_44},
+      {"section", "4.5", "experiments with and without calibration", section_45},
+      {"figure", "4.12", "the board and the fish", figure_412},
+      {"figure", "4.13", "surfaces from 48 steps", figure_413},
+      {"figure", "4.14", "gamma by a curve fit, and of every pixel", figure_414},
+      {"figure", "4.15", "phase error with calibration", figure_415},
+      {"figure", "4.16", "the board with calibration",
+       [](std::uint64_t seed) { return with_calibration(false, seed); }},
+      {"figure", "4.17", "the fish with calibration",
+       [](std::uint64_t seed) { return with_calibration(true, seed); }}};
   for (const BlindFigure& figure : blind_figures) {
     const char* const title = figure.shows == BlindFigure::errors
                                   ? "phase error without calibration"

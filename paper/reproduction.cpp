@@ -27,8 +27,9 @@ std::string text_of(const std::vector<std::pair<std::string, double>>& parameter
 std::vector<Reproducible> reproducibles() {
   std::vector<Reproducible> all;
   for (const auto& some :
-       {harmonic_reproducibles(), lookup_table_reproducibles(), multiplexing_table_reproducibles(),
-        noise_figure_reproducibles(), foam_board_reproducibles(), gamma_model_reproducibles(),
+       {phase_reproducibles(), harmonic_reproducibles(), lookup_table_reproducibles(),
+        hand_reproducibles(), multiplexing_table_reproducibles(), noise_figure_reproducibles(),
+        foam_board_reproducibles(), pcmp_figure_reproducibles(), gamma_model_reproducibles(),
         gamma_experiment_reproducibles(), motion_reproducibles(), model_reproducibles()}) {
     all.insert(all.end(), some.begin(), some.end());
   }

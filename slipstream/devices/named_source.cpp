@@ -12,10 +12,10 @@
 namespace slipstream {
 namespace {
 
-/// Cycles of a loop: enough to see motion, or one full turn if that is not too many.
+/// Cycles of a loop: enough to see motion, or one full turn or sway if that is not too many.
 int cycles_to_see(const Scene& scene, int patterns) {
   constexpr int fewest_frames = 32, fewest_cycles = 4, most_frames = 1440;
-  const double turn = frames_of_a_turn(scene).value_or(0);
+  const double turn = frames_of_a_turn(scene).value_or(frames_of_a_sway(scene));
   if (turn > fewest_frames && turn <= most_frames) {
     return static_cast<int>(std::lround(turn / patterns));
   }

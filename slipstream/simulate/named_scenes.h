@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "slipstream/simulate/sculptures.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {
@@ -22,7 +23,7 @@ Eigen::Matrix3d looking_along(const Eigen::Vector3d& direction);
 /// point 600 mm away.
 Scanner example_scanner(Size camera = {640, 480});
 
-/// "board", "sphere", "boxes", "statue", "contrast".
+/// "board", "sphere", "boxes", "statue", "contrast", "hand", "angel", "fish".
 std::vector<std::string_view> scene_names();
 
 /// A named scene, as large as the scanner's working volume:
@@ -30,17 +31,16 @@ std::vector<std::string_view> scene_names();
 ///   sphere  one sphere;
 ///   boxes   two separate boxes side by side, one nearer than the other;
 ///   statue  a veined bust, partly in its own shadow, in front of a wall;
-///   contrast  a sheet of reflectivity 0.02 to 1 from left to right, and a dark, glossy sphere.
+///   contrast  a sheet of reflectivity 0.02 to 1 from left to right, and a dark, glossy sphere;
+///   hand    a hand that moves before a white box, see hand();
+///   angel   a veined figure with thin wings, with nothing behind it;
+///   fish    a painted fish in relief on a grey board.
 /// Throws Error for an unknown name.
 Scene scene_named(std::string_view name, const Scanner& scanner);
 
 /// A mesh (Y up, facing +Z) in front of the scanner, scaled to its working volume, or to a largest
 /// side of `size` mm if positive. Throws Error for a mesh without triangles or extent.
 Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size = 0);
-
-/// A bust with a ring in front of its chest: rounded, grooved, undercut, partly in its own shadow.
-/// About 1 high, centred on the origin, Y up, facing +Z.
-Mesh statue();
 
 /// Typical poses of a calibration board, from its frame (X right, Y down, Z away, origin at its
 /// centre) to the camera's: tilted by 15 to 35 degrees, at several distances, moved towards the

@@ -207,9 +207,33 @@ Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel,
 Eigen::Affine3d Motion::at(double time) const {
   time *= pace;
   const double angle = turn.norm() * time;
-  return Eigen::Translation3d(centre + time * step + vibration.at(time)) *
-         Eigen::AngleAxisd(angle, turn.normalized()) * Eigen::Scaling(1 + breathing.at(time)) *
-         Eigen::Translation3d(-centre);
+  const Eigen::Vector3d swayed = sway.at(time);
+  const Eigen::Affine3d own = Eigen::Translation3d(centre + time * step + vibration.at(time)) *
+                              Eigen::AngleAxisd(angle, turn.normalized()) *
+                              Eigen::AngleAxisd(swayed.norm(), swayed.normalized()) *
+                              Eigen::Scaling(1 + breathing.at(time)) *
+                              Eigen::Translation3d(-centre);
+  return carrier ? carrier->at(time) * own : own;
+}
+
+Motion moved_by(const Eigen::Isometry3d& change, Motion motion) {
+  motion.centre = change * motion.centre;
+  for (Eigen::Vector3d* direction :
+       {&motion.step, &motion.turn, &motion.vibration.amplitude, &motion.sway.amplitude}) {
+    *direction = change.linear() * *direction;
+  }
+  if (motion.carrier) {
+    motion.carrier = std::make_shared<const Motion>(moved_by(change, *motion.carrier));
+  }
+  return motion;
+}
+
+Motion carried_by(const Motion& carrier, Motion motion) {
+  if (carrier.is_none()) return motion;
+  if (motion.is_none()) return carrier;
+  motion.carrier = std::make_shared<const Motion>(
+      motion.carrier ? carried_by(carrier, *motion.carrier) : carrier);
+  return motion;
 }
 
 bool is_moving(const Scene& scene) {
@@ -226,6 +250,15 @@ std::optional<double> frames_of_a_turn(const Scene& scene) {
     frames = turn;
   }
   return frames;
+}
+
+double frames_of_a_sway(const Scene& scene) {
+  double longest = 0;
+  for (const Body& body : scene) {
+    const Swing<Eigen::Vector3d>& sway = body.motion.sway;
+    if (!sway.amplitude.isZero(0)) longest = std::max(longest, sway.period / body.motion.pace);
+  }
+  return longest;
 }
 
 std::vector<PlacedBody> placed_at(const Scene& scene, double time) {

@@ -112,14 +112,26 @@ struct Motion {
   Swing<double> breathing{0};                                 ///< relative growth
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of turns and breathing at time 0, mm
   double pace = 1;                                   ///< factor for all of these
+  /// Rotation about `centre` that swings to and fro: axis times angle, rad.
+  Swing<Eigen::Vector3d> sway{Eigen::Vector3d::Zero()};
+  /// Motion of the part that carries this one, as a finger carries its tip. May be null.
+  std::shared_ptr<const Motion> carrier{};
 
   /// Maps a point of the body at time 0 to its position at `time`, frames.
   [[nodiscard]] Eigen::Affine3d at(double time) const;
   [[nodiscard]] bool only_turns() const {
-    return step.isZero(0) && vibration.amplitude.isZero(0) && breathing.amplitude == 0;
+    return step.isZero(0) && vibration.amplitude.isZero(0) && breathing.amplitude == 0 &&
+           sway.amplitude.isZero(0) && !carrier;
   }
   [[nodiscard]] bool is_none() const { return only_turns() && turn.isZero(0); }
 };
+
+/// The same motion after the body and all that carries it are moved by `change`, in which
+/// directions turn and points also shift.
+Motion moved_by(const Eigen::Isometry3d& change, Motion motion);
+
+/// The motion of a part whose outermost carrier is itself carried by `carrier`.
+Motion carried_by(const Motion& carrier, Motion motion);
 
 /// An object in the scene.
 struct Body {
@@ -150,6 +162,9 @@ bool is_moving(const Scene& scene);
 
 /// Frames per full turn if the scene only rotates; nullopt otherwise.
 std::optional<double> frames_of_a_turn(const Scene& scene);
+
+/// Longest period of the bodies' swaying, frames; 0 if none sways.
+double frames_of_a_sway(const Scene& scene);
 
 /// A body where it is at one moment. Borrows the body.
 struct PlacedBody {

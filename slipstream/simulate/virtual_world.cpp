@@ -168,17 +168,13 @@ Scanner second_scanner(const Scanner& first) {
 }
 
 Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& second) {
-  const Eigen::Matrix3d turn = second.rotation.transpose() * first.rotation;
   Eigen::Isometry3d to_second = Eigen::Isometry3d::Identity();
-  to_second.linear() = turn;
+  to_second.linear() = second.rotation.transpose() * first.rotation;
   to_second.translation() = second.rotation.transpose() * (first.translation - second.translation);
   Scene seen = scene;
   for (Body& body : seen) {
     body.pose = to_second * body.pose;
-    body.motion.step = turn * body.motion.step;
-    body.motion.turn = turn * body.motion.turn;
-    body.motion.vibration.amplitude = turn * body.motion.vibration.amplitude;
-    body.motion.centre = to_second * body.motion.centre;
+    body.motion = moved_by(to_second, body.motion);
   }
   return seen;
 }
@@ -219,7 +215,8 @@ VirtualWorld virtual_world(const WorldSettings& settings) {
   for (Body& body : world.scene) {
     if (settings.reflectivity) body.texture = uniform_texture(*settings.reflectivity);
     body.pose.pretranslate(settings.shift);
-    if (!body.fixed) body.motion = motion;
+    const Eigen::Isometry3d shift(Eigen::Translation3d(settings.shift));
+    if (!body.fixed) body.motion = carried_by(motion, moved_by(shift, body.motion));
   }
   return world;
 }

@@ -94,6 +94,77 @@ TEST(Figure312, HasThePrintedSpread) {
   EXPECT_EQ(result.plots.size(), 1U);
 }
 
+TEST(FiguresOfNoiseOnABoard, AgreeWithThePrint) {
+  for (const char* const name : {"figure-3.13", "figure-3.14", "figure-3.15"}) {
+    const Reproduction result = run(name);
+    EXPECT_EQ(result.plots.size(), 2U) << name;
+    ASSERT_EQ(result.cells.size(), 1U) << name;
+    EXPECT_NEAR(*result.cells[0].recomputed / *result.cells[0].published, 1, 0.04) << name;
+  }
+}
+
+TEST(FiguresOfABoardUnderPcmp, AreAsGoodAsThePrintOrBetter) {
+  for (const char* const name : {"figure-3.16", "figure-3.19", "figure-3.22"}) {
+    const Reproduction result = run(name);
+    EXPECT_EQ(result.plots.size(), 2U) << name;
+    EXPECT_GT(*result.cells.at(0).recomputed, *result.cells[0].published - 0.5) << name;
+  }
+  for (const char* const name : {"figure-3.17", "figure-3.20", "figure-3.23"}) {
+    const Reproduction result = run(name);
+    ASSERT_EQ(result.cells.size(), 2U) << name;
+    EXPECT_NEAR(*result.cells[0].recomputed / *result.cells[0].published, 1, 0.1) << name;
+    EXPECT_LT(*result.cells[1].recomputed, 1.1 * *result.cells[1].published) << name;
+  }
+}
+
+TEST(FiguresOfTheAngel, HaveLessErrorByPcmp) {
+  const std::array<std::pair<const char*, std::size_t>, 3> scans{
+      {{"figure-3.18", 2}, {"figure-3.21", 10}, {"figure-3.24", 10}}};
+  for (const auto& [name, count] : scans) {
+    const Reproduction result = run(name);
+    EXPECT_EQ(result.plots.size(), 1U) << name;
+    ASSERT_EQ(result.cells.size(), count) << name;
+    for (std::size_t i = 1; i < count; ++i) {
+      EXPECT_LT(*result.cells[i].recomputed, 0.8 * *result.cells[0].recomputed) << name << i;
+    }
+  }
+}
+
+TEST(FiguresOfTheHand, ShowManyPointsCloseToIt) {
+  for (const char* const name : {"figure-2.3", "figure-2.4"}) {
+    const Reproduction result = run(name);
+    ASSERT_EQ(result.cells.size(), 6U) << name;
+    for (std::size_t i = 0; i < 6; i += 2) {
+      EXPECT_GT(*result.cells[i].recomputed, 10000) << name << i;
+      EXPECT_LT(*result.cells[i + 1].recomputed, 5) << name << i;
+    }
+  }
+}
+
+TEST(FiguresOfGamma, HaveNumbersOfTheirOwn) {
+  const Reproduction fit = run("figure-4.14");
+  EXPECT_EQ(fit.plots.size(), 2U);
+  EXPECT_NEAR(*fit.cells.at(0).recomputed, 2.21, 0.02);
+  EXPECT_NEAR(*fit.cells.at(1).recomputed, 1.1e-3, 3e-4);
+  EXPECT_EQ(run("figure-4.12").plots.size(), 1U);
+  for (const char* const name : {"figure-4.16", "figure-4.17"}) {
+    const Reproduction result = run(name);
+    EXPECT_EQ(result.plots.size(), 3U) << name;
+    EXPECT_GT(*result.cells.at(2).recomputed, 30) << name;
+  }
+}
+
+TEST(FiguresOfTheIntroduction, AgreeWithTheirEquation) {
+  const Reproduction noise = run("figure-1.27");
+  ASSERT_EQ(noise.cells.size(), 20U);
+  for (const ReproducedCell& cell : noise.cells) {
+    EXPECT_NEAR(*cell.recomputed / *cell.published, 1, 0.05) << cell.quantity;
+  }
+  const Reproduction unwrapping = run("figure-1.28");
+  EXPECT_EQ(unwrapping.plots.size(), 3U);
+  EXPECT_GT(*unwrapping.cells.at(0).recomputed, 99.9);
+}
+
 TEST(FiguresOfHarmonics, AgreeWithTheModel) {
   EXPECT_EQ(run("figure-1.43").plots.size(), 2U);
   EXPECT_EQ(run("figure-1.45").plots.size(), 3U);

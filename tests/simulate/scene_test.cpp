@@ -115,6 +115,52 @@ TEST(Scene, BodiesTurnSwingAndBreatheAboutTheirCentre) {
   }
 }
 
+TEST(Scene, ACarriedPartFollowsItsCarrier) {
+  // A forearm that sways by a right angle about the origin carries a hand, which sways by as much
+  // about its wrist.
+  const double right_angle = std::numbers::pi / 2;
+  const Motion arm{.sway = {Vector(0, 0, right_angle), 4}};
+  const Motion wrist{.centre = {10, 0, 0},
+                     .sway = {Vector(0, 0, right_angle), 4},
+                     .carrier = std::make_shared<const Motion>(arm)};
+  EXPECT_TRUE((wrist.at(0) * Vector(15, 0, 0)).isApprox(Vector(15, 0, 0), 1e-12));
+  EXPECT_TRUE((wrist.at(1) * Vector(10, 0, 0)).isApprox(Vector(0, 10, 0), 1e-12));
+  EXPECT_TRUE((wrist.at(1) * Vector(15, 0, 0)).isApprox(Vector(-5, 10, 0), 1e-12));
+
+  // At half the pace, its carrier is slower too.
+  Motion slow = wrist;
+  slow.pace = 0.5;
+  EXPECT_TRUE((slow.at(2) * Vector(15, 0, 0)).isApprox(Vector(-5, 10, 0), 1e-12));
+}
+
+TEST(Scene, AMotionMovedWithItsBodyIsTheSameMotion) {
+  const Motion arm{.turn = {0.01, 0, 0.02}, .centre = {1, 2, 3}};
+  const Motion wrist{.step = {0.1, 0.2, -0.1},
+                     .vibration = {Vector(0, 2, 1), 7},
+                     .centre = {10, 0, 5},
+                     .sway = {Vector(0.3, 0, 0.1), 9},
+                     .carrier = std::make_shared<const Motion>(arm)};
+  const Eigen::Isometry3d change =
+      Eigen::Translation3d(20, -5, 60) * Eigen::AngleAxisd(0.7, Vector(1, 2, -1).normalized());
+  const Motion moved = moved_by(change, wrist);
+  const Vector point(4, -3, 8);
+  for (const double time : {0.0, 1.5, 6.0}) {
+    EXPECT_TRUE(
+        (moved.at(time) * (change * point)).isApprox(change * (wrist.at(time) * point), 1e-9))
+        << time;
+  }
+}
+
+TEST(Scene, AMotionIsAddedOutsideTheScenesOwn) {
+  const Motion arm{.sway = {Vector(0, 0, 0.5), 4}};
+  const Motion hand{.carrier = std::make_shared<const Motion>(arm)};
+  const Motion step{.step = {0, 0, 2}};
+  const Motion both = carried_by(step, hand);
+  EXPECT_TRUE((both.at(1) * Vector(5, 0, 0)).isApprox(step.at(1) * (hand.at(1) * Vector(5, 0, 0))));
+  EXPECT_TRUE(carried_by(Motion{}, hand).carrier == hand.carrier);
+  EXPECT_TRUE(carried_by(step, Motion{}).only_turns() == step.only_turns());
+}
+
 TEST(Scene, TellsWhatATurnTakes) {
   Scene scene{Body{.shape = Sphere{5}}, Body{.shape = Board{10, 10}, .fixed = true}};
   EXPECT_FALSE(frames_of_a_turn(scene));

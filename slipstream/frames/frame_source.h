@@ -48,7 +48,7 @@ struct Frame {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> pixels;
   int bits = 8;
   FrameStamp stamp;
-  /// What a second camera saw of the same pattern, with the same bits; no pixels without one: see
+  /// Picture of the same pattern by a second camera, with the same bits; no pixels without one: see
   /// PairedSource.
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> second;
 };

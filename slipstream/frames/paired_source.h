@@ -7,8 +7,8 @@ namespace slipstream {
 /// Two cameras that see the same patterns, as one source: each frame has the picture of the second
 /// in Frame::second. Frames belong together if their sequence numbers are equal, so both cameras
 /// are triggered by the projector and started before it. A frame that one camera has lost is lost
-/// in both, and two frames that are of different patterns by what the cameras know count as
-/// damaged: pictures of different patterns are never combined.
+/// in both. Two frames with equal numbers and different pattern indices count as damaged: pictures
+/// of different patterns are never combined.
 class PairedSource : public SourceOver {
  public:
   /// Throws Error if the two have different bit depths.

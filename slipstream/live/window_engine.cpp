@@ -88,7 +88,7 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
 
 namespace {
 
-/// What one camera of a pair shows alone: phases along one axis.
+/// Setup for the frames of one camera of a pair: phases along one axis, no points.
 EngineSetup of_one_camera(EngineSetup setup) {
   setup.sequence = along(setup.sequence, setup.sequence.axis);
   setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,

@@ -109,7 +109,7 @@ class Agreement {
   const CameraPhases &first_, &second_;
 };
 
-/// Depths of the surfaces that fit, with a margin for what is beside them.
+/// Depths of the surfaces that fit, with a margin for others beside them.
 DepthRange depths_of(const Agreement& agreement, const std::vector<SurfaceSample>& surfaces,
                      const std::vector<Fit>& fits, double phase_shift, const DepthRange& set) {
   std::vector<float> inverse;

@@ -4,6 +4,7 @@
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/reconstruct/fused/pair_rows.h"
+#include "slipstream/reconstruct/fused/rows.h"
 #include "slipstream/reconstruct/pipeline.h"
 
 namespace slipstream {
@@ -64,7 +65,8 @@ void PhaseReader::read_bands(const FrameViews& frames, CameraPhases& to) const {
     if (band.size() != frames.size()) band = Image<Phasor>(frames.size());
   }
 
-  if (frames.quantised() && are_sums(layout)) {
+  const bool fits_vectors = frames.size().width >= least_row_width;
+  if (frames.quantised() && fits_vectors && are_sums(layout)) {
     for_each_row(frames.size().height, [&](int row) {
       for (std::size_t i = 0; i < order_.size(); ++i) {
         phasor_row(layout.bands[order_[i]], frames, row, to.bands[i].row(row));

@@ -23,7 +23,7 @@ struct CameraPhases {
   Image<std::uint8_t> surrounded{};
 };
 
-/// Decodes the frames of one camera after another; reuses its memory and that of its result.
+/// Decodes the frames of one camera after another; reuses its memory and its result's.
 class PhaseReader {
  public:
   /// `setup`: its scanner gives only sizes and photometry, without the response. Throws Error for

@@ -44,11 +44,13 @@ EpipolarMatch EpipolarSearch::by_newton(std::size_t i, float start, int farthest
 
 EpipolarMatch EpipolarSearch::by_places(std::size_t i, float start, int farthest,
                                         int stride) const {
-  const Eigen::Vector2f direction = pixels_per_w(start, place(start));
+  const Eigen::Vector2f begin = place(start), direction = pixels_per_w(start, begin);
   const float step = static_cast<float>(stride) / direction.norm();
   if (!(step > 0) || !std::isfinite(step)) return {};
   const auto difference_at = [&](float w) {
-    return stride == 1 ? difference(i, place(w)) : near_difference(i, place(w));
+    if (stride == 1) return difference(i, place(w));
+    // A coarse phase hardly changes over the pixel or two by which the line is not straight.
+    return near_difference(i, begin + (w - start) * direction);
   };
 
   /// The agreement between two neighbouring places with these differences, if any.

@@ -77,7 +77,7 @@ class EpipolarSearch {
   int column_, row_;
 };
 
-/// What the search needs to know about the bands, from few periods to many.
+/// Search ranges of the bands, from few periods to many.
 struct BandSearch {
   std::vector<float> fringes;  ///< a period of each, in rad of the band before
   int reach = 12;              ///< of the first, pixels

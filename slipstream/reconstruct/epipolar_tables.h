@@ -17,7 +17,7 @@ class EpipolarTables {
   EpipolarTables(const Scanner& camera, const Scanner& other, Axis axis);
 
   [[nodiscard]] Size size() const { return rays_.size(); }
-  /// Whether the pixel has a ray: where the lens model is not invertible, nothing is known of it.
+  /// Whether the pixel has a ray: not if the lens model is not invertible there.
   [[nodiscard]] bool has_ray(int column, int row) const { return turned(column, row).allFinite(); }
   /// X / Z and Y / Z of the pixel's points.
   [[nodiscard]] Eigen::Vector2f direction(int column, int row) const {

@@ -43,7 +43,7 @@ EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence,
 
 }  // namespace
 
-/// What one pair of scanners and one sequence need.
+/// Tables and settings of one pair of scanners and one sequence.
 struct PhaseMatcher::Tables {
   Tables(const Scanner& one, const Scanner& other, const Sequence& sequence,
          const ReconstructSettings& settings, const PhaseMatchSettings& match_settings)
@@ -268,7 +268,7 @@ void PhaseMatcher::match_row(int row) {
     }
     if (memory.has_others && !agrees_across(column, match.at)) continue;
 
-    // Phase noise is proportional to 1 / B, and that of w is the phase noise divided by its slope.
+    // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
     depths[column] = match.w;
     weights[column] = slope * slope * std::norm(first.bands.back()(column, row));
     steps[column] = 1 / match.direction.norm();
@@ -370,8 +370,7 @@ void PhaseMatcher::match(Result& result) {
   });
   result.cleaned = memory.clean(cloud);
 
-  // 3. The maps, and what the cameras agree on, which the next scan needs not find again unless the
-  //    scene has changed.
+  // 3. The maps, and the agreement of the cameras, which is kept unless the scene has changed.
   result.maps = first.maps;
   if (tables.searches) result.maps.coordinate = memory.coordinates[0];
   result.agreement = memory.agreement;

@@ -159,9 +159,11 @@ TEST_P(EveryPair, IsTheTruth) {
   const double lit = static_cast<double>(cloud.z.pixel_count() - dark);
   EXPECT_GT(error.points, least_share * lit) << scene << ", " << name;
   EXPECT_LT(error.rms, 2) << scene << ", " << name;
+  // A point of another fringe is off by more.
+  const double half_fringe = std::max(10.0, 300 / highest_frequency(strategy));  // mm
   int far = 0;
   for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
-    far += std::abs(cloud.z.begin()[i] - pair.first_scan.depth.begin()[i]) > 10 ? 1 : 0;
+    far += std::abs(cloud.z.begin()[i] - pair.first_scan.depth.begin()[i]) > half_fringe ? 1 : 0;
   }
   EXPECT_LE(far, error.points / 1000) << scene << ", " << name;
 }
@@ -178,7 +180,6 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryPair,
                          });
 
 TEST(PhaseMatcher, LeavesOutPlacesThatTheOtherAxisContradicts) {
-  // One band of few periods along x alone may match wrong places of the boxes.
   const Scanner first = example_scanner(camera), second = second_scanner(first);
   const Scene scene = scene_named("boxes", first);
   const Photometry light{.ambient = 5, .noise_variance = 1.55, .bits = 8};
@@ -209,12 +210,12 @@ TEST(PhaseMatcher, FindsDepthsAndOriginByItself) {
   const Photometry light{.ambient = 5, .noise_variance = 1.55, .bits = 8};
   Photometry other_light = light;
   other_light.seed += 1000;
-  const PatternSet patterns = pattern_set(PhaseMeasuring{4, 16, {.origin = -1.2}}, Axis::x);
+  const PatternSet patterns = pattern_set(PhaseMeasuring{4, 8, {.origin = -1.2}}, Axis::x);
   const FrameSet first = take_again(statue.first_scan, patterns, light);
   const FrameSet second = take_again(statue.second_scan, patterns, other_light);
   const auto matched = [&](double origin) {
     return PhaseMatcher(statue.first, statue.second,
-                        {.strategy = PhaseMeasuring{4, 16, {.origin = origin}}}, {},
+                        {.strategy = PhaseMeasuring{4, 8, {.origin = origin}}}, {},
                         {.window = 0})(first, second);
   };
   const PhaseMatcher::Result known = matched(-1.2), wrong = matched(0);

@@ -35,8 +35,9 @@ void sum_row_of(const Band& band, const FrameViews& frames, int row, std::comple
   });
 }
 
-/// Sums over a window of the matches on the centre's surface: of the weights, of their products
-/// with the places (x, y) beside the centre, and of those with the inverse depth less the centre's.
+/// Sums over a window of the matches on the centre's surface: of the weights w and of their
+/// products with the place (x, y) beside the centre and with r, the inverse depth less the
+/// centre's.
 struct PlaneSums {
   Floats w, wx, wy, wxx, wxy, wyy;
   Floats r, rx, ry;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/process.h"
+#include "slipstream/frames/paired_source.h"
 
 namespace slipstream::app {
 namespace {
@@ -174,6 +175,11 @@ void require_good(const LiveFlags& flags) {
   if (flags.monitor) require_sees_monitor(source, *flags.monitor);
   throw_if(flags.monitor && source.sequence.exposures,
            "--exposures: live with --monitor uses a single exposure; use --exposure");
+  throw_if(!flags.second_camera.empty() && (flags.monitor || !flags.record.empty()),
+           "--second-camera excludes --monitor, as the projector must trigger both cameras, and "
+           "--record: record each camera with slipstream record");
+  throw_if(flags.second_scanner && flags.second_camera.empty(),
+           "--second-scanner needs --second-camera");
   throw_if(scheme_of(source.source) == "v4l2" && !flags.monitor &&
                flags.live.indexing != PatternIndexing::marker,
            "{} runs freely, so nothing keeps it in step with the projector; add --monitor N, or "
@@ -283,6 +289,11 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
                     "number modulo patterns) or marker (a dark or bright frame ends each cycle)");
   command.add_file("--scanner", source.scanner,
                    "scanner file; default: the recording's or the virtual scanner's");
+  command.add("--second-camera", flags.second_camera,
+              "source of a second camera that sees the same patterns: clouds come from matches "
+              "between both");
+  command.add_file("--second-scanner", flags.second_scanner,
+                   "scanner file of the second camera with the same projector; default: its own");
   command.add("--gamma", flags.gamma,
               "response correction: scanner (from its file, if present), none, or a gamma");
   add_backend_flag(command, flags.settings);
@@ -296,6 +307,36 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_camera_flags(command.app, source.camera);
 }
 
+namespace {
+
+/// Adds the second camera's pictures to the frames of the first; returns its scanner.
+Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSource& opened,
+                          Output& output) {
+  const std::string& name = flags.second_camera;
+  request.source = name;
+  request.scanner = flags.second_scanner;
+  if (scheme_of(name) == "virtual") {
+    request.world =
+        seen_from_second(request.world ? *request.world : world_from(flags.source.virtual_scanner));
+  }
+  NamedSource second = open(request, output);
+  throw_if(second.sequence.strategy != opened.sequence.strategy ||
+               axes_of(second.sequence) != axes_of(opened.sequence),
+           "{}: its sequence differs from the first camera's; both must see one projector", name);
+  throw_if(opened.in_colour || second.in_colour, "--second-camera: both cameras must be grey");
+  throw_if(!opened.scanner, "{}: its scanner is unknown; name its file with --scanner",
+           flags.source.source);
+  throw_if(!second.scanner, "{}: its scanner is unknown; name its file with --second-scanner",
+           name);
+  Scanner scanner = completed(*second.scanner, second.scanner_name, second.frames->format().size,
+                              second.sequence.projector);
+  opened.frames =
+      std::make_unique<PairedSource>(std::move(opened.frames), std::move(second.frames));
+  return scanner;
+}
+
+}  // namespace
+
 LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
   require_good(flags);
   LiveSettings settings = flags.live;
@@ -303,14 +344,18 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
   if (!flags.headless) request.before_rendering = require_desktop;
-  // A first cloud at once. As fast as possible and for so many frames, each run gives the same.
-  const bool repeats = request.rate.value_or(0) > 0 || !settings.most_frames;
+  // A first cloud at once. Two cameras move in step. As fast as possible and for a number of frames,
+  // each run gives the same.
+  const bool repeats = flags.second_camera.empty() &&
+                       (request.rate.value_or(0) > 0 || !settings.most_frames);
   request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;
   projector = open_projector(flags.monitor);
   if (projector.sink != nullptr && !request.sequence.projector) {
     request.sequence.projector = projector.sink->size();
   }
   NamedSource opened = open(request, output);
+  if (!flags.second_camera.empty())
+    settings.second_camera = add_second_camera(flags, request, opened, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   setup = setup_from(opened, flags, output);
   // A replay may end after its first cycle; the channels of a colour picture move together; the
@@ -318,8 +363,9 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   const bool is_published = setup.settings.engine == EngineKind::reference &&
                             setup.settings.phase_method == PhaseMethod::tables;
   settings.motion_when_seen = scheme_of(request.source) != "replay" && !opened.in_colour &&
-                              !request.sequence.motion && setup.sequence.motion == 0 &&
-                              takes_motion(setup.sequence) && !is_published;
+                              !settings.second_camera && !request.sequence.motion &&
+                              setup.sequence.motion == 0 && takes_motion(setup.sequence) &&
+                              !is_published;
   if (settings.motion_when_seen) setup.sequence.motion = 2;
   if (flags.monitor) {
     stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);

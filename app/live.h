@@ -29,7 +29,9 @@ struct LiveFlags {
   std::string gamma = "scanner";
   ReconstructSettings settings;
   std::string output, model, record;  ///< files; empty: not written
-  FileLimit limit;                    ///< of recordings and MCAP files
+  std::string second_camera;          ///< a source; empty: one camera
+  std::optional<fs::path> second_scanner;
+  FileLimit limit;  ///< of recordings and MCAP files
   std::vector<std::string> publish;
   ViewFlags view;
   // Of serve:
@@ -105,6 +107,9 @@ std::vector<RunSetting> settings_of(LiveSession& session);
 /// Throws Error like require_settable, the camera and LivePipeline::change, and WorldError like
 /// RecordedSource.
 void change_setting(LiveSession& session, const std::string& name, const std::string& value);
+
+/// Throws Error if the session's clouds cannot be saved.
+void require_saveable(const LiveSession& session);
 
 /// Opens the --publish sinks before the session starts. `document` returns the current --json
 /// document; called from any thread.

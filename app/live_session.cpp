@@ -114,6 +114,10 @@ class CloudMaps {
     if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
       EngineSetup setup = setup_of(session_);
       motion_ = std::exchange(setup.sequence.motion, 0);
+      if (!session_.flags.second_camera.empty()) {  // the points are not of one camera's phases
+        setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,
+                                         setup.scanner.photometry);
+      }
       engine_.emplace(setup);
       changes_ = changes;
     }
@@ -145,6 +149,7 @@ std::string trouble_of(const LiveSession& session) {
 }
 
 std::string save_newest(LiveSession& session) {
+  require_saveable(session);
   const std::lock_guard lock(session.saving);
   throw_if(std::chrono::steady_clock::now() - session.saved < std::chrono::seconds(1),
            "saved a moment ago");
@@ -158,6 +163,11 @@ std::string save_newest(LiveSession& session) {
 }
 
 }  // namespace
+
+void require_saveable(const LiveSession& session) {
+  throw_if(!session.flags.second_camera.empty(),
+           "with --second-camera nothing is saved while it runs; the last cloud is written by -o");
+}
 
 std::vector<std::string> strategy_labels(const Strategy& given) {
   std::vector<std::string> labels;
@@ -242,7 +252,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
                              const std::string& value) { change_setting(session, setting, value); },
         .limit = session.flags.limit,
     };
-    if (scanner.photometry.noise_variance) {
+    if (scanner.photometry.noise_variance && session.flags.second_camera.empty()) {
       run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
     }
     session.publisher.add(name, open_sink(name, std::move(run)));

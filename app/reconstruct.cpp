@@ -38,6 +38,11 @@ void require_uncertainty_possible(const EngineSetup& setup, bool two_cameras, Ou
   }
 }
 
+void add_finding(Finding finding, ReconstructedScan& result) {
+  result.words.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
+  result.sound.checked.findings.push_back(std::move(finding));
+}
+
 void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
                    ReconstructedScan& result) {
   const Scan& second = scan.further_cameras.front();
@@ -50,9 +55,21 @@ void match_cameras(const ReconstructFlags& flags, const Scan& scan, const Engine
     result.backend = "coordinates";
     return;
   }
-  const PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
-                           flags.match);
-  PhaseMatcher::Result matched = match(scan.frames, second.frames);
+  throw_if(!second.scanner,
+           "the second camera's scanner is unknown; name its file with --second-scanner");
+  PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
+                     flags.match);
+  PhaseMatcher::Result matched = match(scan, second);
+  const bool limited = setup.settings.nearest && setup.settings.farthest;
+  if (matched.agreement && matched.agreement->phase_shift != 0) {
+    add_finding(wrong_origin(setup.sequence.strategy, matched.agreement->phase_shift), result);
+  } else if (!matched.agreement && !has_coordinate(setup.sequence.strategy) && !limited) {
+    add_finding({.what = "the cameras do not agree on the fringe order of most surfaces",
+                 .likely = "several orders fit at the depths tried, or the calibration does not",
+                 .advice = "name the depths, mm, between which everything lit lies: --nearest "
+                           "NUMBER --farthest NUMBER"},
+                result);
+  }
   result.cloud = std::move(matched.cloud);
   result.maps = std::move(matched.maps);
   result.backend = match.method_for(scan.frames);
@@ -75,11 +92,6 @@ void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
     engine.cloud(scan.frames, result.cloud);
   }
   result.backend = engine.backend_for(scan.frames);
-}
-
-void add_finding(Finding finding, ReconstructedScan& result) {
-  result.words.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
-  result.sound.checked.findings.push_back(std::move(finding));
 }
 
 /// Checks the calibration by patterns along both axes.

@@ -60,6 +60,10 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   command.add_named(
       "--cue-rule", settings.cue_rule, cue_rule_named, name_of(settings.cue_rule),
       "how a cue in the same frames gives the fringe order: consensus, likelihood or published");
+  command.add_file("--second-camera", flags.cloud.second_camera,
+                   "scan folder or recording of a second camera; default: the scan's own");
+  command.add_file("--second-scanner", flags.cloud.second_scanner,
+                   "scanner file of the second camera with the same projector; default: its own");
   command.add("--one-camera", flags.one_camera, "use only the first camera of a scan with two");
   command.add("--match-window", flags.match.window,
               "two cameras: half-width of the matching window, pixels");

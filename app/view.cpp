@@ -25,6 +25,7 @@ view::ViewSource view_source_of(LiveSession& session) {
     return same ? std::nullopt : std::optional(setup_of(session));
   };
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
+    require_saveable(session);
     return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
                               doubts(session.pipeline->statistics().findings));
   };

@@ -16,6 +16,7 @@
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/reconstruct/gpu/gpu_engine.h"
+#include "slipstream/reconstruct/phase_matcher.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
@@ -289,6 +290,26 @@ BenchRow live_check_row(const SharedScan& scan, int steps) {
                  [scan, check, frames] { static_cast<void>(check->look(frames)); });
 }
 
+/// Matching the frames of two cameras.
+BenchRow pair_row(std::string name, int steps, const Strategy& strategy) {
+  struct Work {
+    explicit Work(const Strategy& strategy)
+        : scan(bench_pair(strategy)),
+          match(*scan.scanner, *scan.further_cameras.front().scanner, scan.sequence,
+                {.nearest = 400, .farthest = 1000}) {}
+
+    Scan scan;
+    PhaseMatcher match;
+    PhaseMatcher::Result result{};
+  };
+  const auto work = std::make_shared<Work>(strategy);
+  BenchRow row = row_for(work->scan, std::move(name), steps, 0, [work] {
+    work->match.run(work->scan.frames, work->scan.further_cameras.front().frames, work->result);
+  });
+  row.is_coding = true;
+  return row;
+}
+
 /// Adds views of a statue, turned back and forth, to its model.
 BenchRow model_view_row() {
   struct Work {
@@ -411,6 +432,8 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
     const std::string name = fmt::format("pcmp-{}", steps);
     add_coding(name.c_str(), steps, make_strategy("pcmp", {{"steps", steps}}));
   }
+  rows.push_back(pair_row("two-cameras", 3, DualFrequency{}));
+  rows.push_back(pair_row("two-cameras-one-band", 4, PhaseMeasuring{4, 16}));
   for (const std::string& target : vector_targets()) {
     if (target == vector_targets().front()) continue;
     BenchRow row = fused_row(three_steps, "fused-" + target, 3);

@@ -9,6 +9,9 @@ namespace slipstream {
 /// Simulated scan of a statue in front of a wall: 8 bits, noise, known ambient light, axis x.
 Scan bench_scan(const Strategy& strategy, Size camera = {640, 480});
 
+/// The same seen by a second camera, too: in `further_cameras`.
+Scan bench_pair(const Strategy& strategy);
+
 /// Replaces each pixel by k x k pixels of a camera with k times the width and height: the same
 /// scene and geometry without hours of rendering.
 Scan enlarged(const Scan& scan, int k);

@@ -6,6 +6,7 @@
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {
 namespace {
@@ -32,6 +33,19 @@ Scan bench_scan(const Strategy& strategy, Size camera) {
                           {.ambient = ambient, .noise_variance = 1.55, .bits = 8})
                     .frames;
   return scan;
+}
+
+Scan bench_pair(const Strategy& strategy) {
+  Scan pair = bench_scan(strategy);
+  const Scanner& first = *pair.scanner;
+  Scan second{.sequence = pair.sequence, .scanner = second_scanner(first)};
+  second.frames = take_scan(*second.scanner,
+                            seen_from_second(scene_named("statue", first), first, *second.scanner),
+                            pattern_set(second.sequence),
+                            {.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = 2})
+                      .frames;
+  pair.further_cameras.push_back(std::move(second));
+  return pair;
 }
 
 Scan enlarged(const Scan& scan, int k) {

@@ -386,7 +386,7 @@ Reproduction section_44(std::uint64_t seed) {
   const VirtualScan first_scan = take_scan(first, board, patterns);
   const VirtualScan second_scan =
       take_scan(second, seen_from_second(board, first, second), patterns);
-  const PhaseMatcher match(first, second, sequence);
+  PhaseMatcher match(first, second, sequence);
   const ReferenceEngine one_camera({.scanner = first, .sequence = sequence}, {});
   Reproduction result;
   std::vector<PlotLine> lines;

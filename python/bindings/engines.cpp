@@ -64,9 +64,8 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
 void reconstruct(const Scan& scan, const EngineSetup& setup, Cloud& cloud) {
   if (!scan.further_cameras.empty()) {
     const Scan& second = scan.further_cameras.front();
-    const PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence,
-                             setup.settings);
-    cloud = match(scan.frames, second.frames).cloud;
+    PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings);
+    cloud = match(scan, second).cloud;
   } else if (!scan.other_axis.empty()) {
     Maps maps;
     Engine(setup).cloud_and_maps(scan.frames, cloud, maps);

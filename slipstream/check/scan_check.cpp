@@ -97,6 +97,18 @@ std::string text_of(const Finding& finding) {
   return text;
 }
 
+Finding wrong_origin(const Strategy& strategy, double phase_shift) {
+  const auto run = bent_run(measuring_band(strategy.layout()));
+  const double given = run ? run->shifts.origin : 0;
+  const double fits = std::remainder(given - phase_shift, 2 * std::numbers::pi);
+  return {.what = "the two cameras agree nowhere with the origin of the phase as given",
+          .evidence = {{"origin that fits, rad", fits}},
+          .likely = fmt::format("the first pattern does not begin with phase {:.4g} at the edge of "
+                                "the field; the points are of the origin that fits",
+                                given),
+          .advice = fmt::format("set --origin {:.3f}", fits)};
+}
+
 bool any_wrong(std::span<const Finding> findings) {
   return std::ranges::count(findings, Gravity::wrong, &Finding::gravity) > 0;
 }

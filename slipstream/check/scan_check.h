@@ -67,4 +67,8 @@ void require_right(const CheckedScan& checked, const std::string& scan);
 /// Header lines for a cloud file that was made although its scan was refused.
 std::vector<std::string> doubts(const std::vector<Finding>& findings);
 
+/// Two cameras agree nowhere with the phase's origin as the strategy has it, and they do if this is
+/// added to the measured phase, rad.
+Finding wrong_origin(const Strategy& strategy, double phase_shift);
+
 }  // namespace slipstream

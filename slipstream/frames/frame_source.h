@@ -48,6 +48,9 @@ struct Frame {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> pixels;
   int bits = 8;
   FrameStamp stamp;
+  /// Picture of the same pattern by a second camera, with the same bits; no pixels without one: see
+  /// PairedSource.
+  std::variant<Image<std::uint8_t>, Image<std::uint16_t>> second;
 };
 
 /// Camera settings that can change while streaming.

@@ -20,18 +20,33 @@ PatternIndexing pattern_indexing_named(std::string_view name) {
   return *indexing;
 }
 
-void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views) {
+namespace {
+
+/// `pictures`: Frame::pixels or Frame::second.
+void view(const std::vector<Pooled<Frame>>& window,
+          std::variant<Image<std::uint8_t>, Image<std::uint16_t>> Frame::*pictures,
+          FrameViews& views) {
   if (window.empty()) {
     views = {};
     return;
   }
   std::visit(
       [&]<class Pixel>(const Image<Pixel>&) {
-        views.assign<Pixel>(window, window.front()->bits, [](const Pooled<Frame>& frame) {
-          return ImageView<const Pixel>(std::get<Image<Pixel>>(frame->pixels));
+        views.assign<Pixel>(window, window.front()->bits, [&](const Pooled<Frame>& frame) {
+          return ImageView<const Pixel>(std::get<Image<Pixel>>((*frame).*pictures));
         });
       },
-      window.front()->pixels);
+      (*window.front()).*pictures);
+}
+
+}  // namespace
+
+void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views) {
+  view(window, &Frame::pixels, views);
+}
+
+void view_second(const std::vector<Pooled<Frame>>& window, FrameViews& views) {
+  view(window, &Frame::second, views);
 }
 
 FrameViews views_of(const std::vector<Pooled<Frame>>& window) {

@@ -128,6 +128,8 @@ PatternIndexing pattern_indexing_named(std::string_view name);
 
 /// Views of the frames of a window, of one format, into `views`; reuses its memory.
 void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views);
+/// The same for the pictures of a second camera: no views without one.
+void view_second(const std::vector<Pooled<Frame>>& window, FrameViews& views);
 
 /// Returns the views; valid as long as the window's shares.
 FrameViews views_of(const std::vector<Pooled<Frame>>& window);

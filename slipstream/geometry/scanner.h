@@ -87,9 +87,10 @@ Eigen::Matrix<Number, 2, 1> distort_untilted(const Coefficient* k,
   const Number r2 = x * x + y * y;
   const Number r4 = r2 * r2;
   const Number r6 = r4 * r2;
-  const Number radial = (1.0 + k1 * r2 + k2 * r4 + k3 * r6) / (1.0 + k4 * r2 + k5 * r4 + k6 * r6);
-  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + s1 * r2 + s2 * r4,
-          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + s3 * r2 + s4 * r4};
+  const Number one(1), two(2);
+  const Number radial = (one + k1 * r2 + k2 * r4 + k3 * r6) / (one + k4 * r2 + k5 * r4 + k6 * r6);
+  return {x * radial + two * p1 * x * y + p2 * (r2 + two * x * x) + s1 * r2 + s2 * r4,
+          y * radial + p1 * (r2 + two * y * y) + two * p2 * x * y + s3 * r2 + s4 * r4};
 }
 
 /// Photometric calibration of light and sensor; grey levels of an 8-bit camera.

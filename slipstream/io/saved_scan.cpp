@@ -212,9 +212,10 @@ Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
 Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files = scan_files_in(path, changes);
   if (!files.second_camera) return load_scan(files);
-  ScanFiles second = scan_files_in(
-      *files.second_camera,
-      {.sequence = changes.sequence, .order = changes.order, .window = changes.window});
+  ScanFiles second = scan_files_in(*files.second_camera, {.sequence = changes.sequence,
+                                                          .order = changes.order,
+                                                          .window = changes.window,
+                                                          .scanner = changes.second_scanner});
   if (files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
     files.scanner.reset();
     second.scanner.reset();

@@ -362,6 +362,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
            "--camera-bits {} is out of range; expected 8 to 16", files.bits);
   if (changes.scanner) files.scanner = changes.scanner;
+  if (changes.second_camera) files.second_camera = changes.second_camera;
 }
 
 ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {

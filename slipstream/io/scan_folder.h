@@ -57,6 +57,8 @@ struct ScanChanges {
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<std::filesystem::path> scanner{};
+  /// Scan folder or recording of a second camera, and its scanner's file.
+  std::optional<std::filesystem::path> second_camera{}, second_scanner{};
 };
 
 /// Number of windows: of the recording, or of the pictures, each cycle with its motion frames.

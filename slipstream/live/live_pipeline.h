@@ -19,6 +19,9 @@ struct LiveSettings {
   bool motion_when_seen = false;
   /// Capture ends after this many frames.
   std::optional<std::uint64_t> most_frames = {};
+  /// The frames carry pictures of a second camera, see PairedSource, and clouds come from matches
+  /// between both, see PhaseMatcher: this camera with the same projector.
+  std::optional<Scanner> second_camera = {};
   /// Called for every cloud, in order, in the thread of the show stage; meanwhile clouds and frames
   /// queue up. An exception ends the pipeline.
   std::function<void(const Pooled<LiveCloud>&)> on_cloud = {};

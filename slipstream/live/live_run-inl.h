@@ -228,7 +228,7 @@ class LiveRun {
       cloud.cleaned = engine.reconstruct(cloud);
       cloud_latency_.add(Clock::now() - cloud.newest.host_time);
       std::string backend = engine.used->backend_for(engine.views);
-      std::string failure = engine.used->fallback_reason();
+      std::string failure = engine.match ? "" : engine.used->fallback_reason();
       {
         const std::lock_guard lock(mutex_);
         backend_ = std::move(backend);

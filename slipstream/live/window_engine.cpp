@@ -86,8 +86,27 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
   return findings_;
 }
 
+namespace {
+
+/// Setup for the frames of one camera of a pair: phases along one axis, no points.
+EngineSetup of_one_camera(EngineSetup setup) {
+  setup.sequence = along(setup.sequence, setup.sequence.axis);
+  setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,
+                                   setup.scanner.photometry);
+  return setup;
+}
+
+}  // namespace
+
 WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
-    : engines{Engine(setup)}, check(settings.check ? settings.check : live_check(setup)) {
+    : whole(setup), check(settings.check) {
+  const bool paired = settings.second_camera.has_value();
+  engines.emplace_back(paired ? of_one_camera(setup) : setup);
+  if (!check) check = live_check(engines.front().setup());
+  if (paired) {
+    match.emplace(setup.scanner, *settings.second_camera, setup.sequence, setup.settings);
+    return;
+  }
   EngineSetup later = setup;
   const int starts = setup.sequence.motion > 0 ? cycle_length(setup.sequence) : 1;
   for (int first = 1; first < starts; ++first) {
@@ -101,6 +120,7 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
 }
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
+  if (match) return match_cameras(window);
   used = &engines[static_cast<std::size_t>(window.first_pattern)];
   if (!has_geometry(setup().scanner)) {
     if (!window.cloud.z.empty()) window.cloud = Cloud();
@@ -117,6 +137,21 @@ ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
   return used->cloud(views, window.cloud);
 }
 
+ValidityCounts WindowEngine::match_cameras(LiveCloud& window) {
+  used = &engines.front();
+  view_window(window.frames, views);
+  view_second(window.frames, second_views);
+  if (second_views.size().width == 0) {  // no picture has come yet
+    window.cloud = Cloud(views.size());
+    return {};
+  }
+  std::swap(window.cloud, matched.cloud);
+  match->run(views, second_views, matched, window.first_pattern);
+  std::swap(window.cloud, matched.cloud);
+  window.motion = whole.sequence.motion;
+  return matched.cleaned;
+}
+
 bool WindowEngine::is_due(const LiveCloud& window) const {
   const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
   if (window.first_pattern != 0) return false;   // the check takes frames in pattern order
@@ -129,7 +164,12 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
 std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
-  return check(engines.front().merged(views));
+  if (!match) return check(engines.front().merged(views));
+  const int count = frame_count(engines.front().setup().sequence);
+  std::vector<Finding> findings = check(engines.front().merged(views.part(0, count)));
+  if (matched.agreement && matched.agreement->phase_shift != 0)
+    findings.push_back(wrong_origin(whole.sequence.strategy, matched.agreement->phase_shift));
+  return findings;
 }
 
 }  // namespace slipstream

@@ -4,6 +4,7 @@
 #include "slipstream/check/scan_check.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/reconstruct/phase_matcher.h"
 
 namespace slipstream {
 
@@ -53,13 +54,18 @@ struct WindowEngine {
   /// Whether to check the window: once per cycle, when its last pattern has arrived.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);
-  [[nodiscard]] const EngineSetup& setup() const { return engines.front().setup(); }
+  /// The same as reconstruct, with a second camera.
+  ValidityCounts match_cameras(LiveCloud& window);
+  [[nodiscard]] const EngineSetup& setup() const { return whole; }
 
+  EngineSetup whole;
   /// One for each first pattern of a window; a single one if windows are in pattern order.
   std::vector<Engine> engines;
   std::optional<Engine> still;  ///< for one cycle, if that is enough while nothing moves
   Engine* used = nullptr;       ///< the engine of the newest cloud
-  FrameViews views;
+  FrameViews views, second_views;
+  std::optional<PhaseMatcher> match;  ///< with a second camera
+  PhaseMatcher::Result matched;       ///< its newest result, without the cloud
   std::function<std::vector<Finding>(const FrameViews&)> check;
   std::optional<std::uint64_t> looked;  ///< sequence number of the newest frame checked
   std::shared_ptr<Pool<Frame>> frames;  ///< pool of the windows' frames

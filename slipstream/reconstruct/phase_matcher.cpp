@@ -1,137 +1,18 @@
 #include "slipstream/reconstruct/phase_matcher.h"
 
-#include <Eigen/Dense>
-
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
-#include "slipstream/reconstruct/epipolar.h"
+#include "slipstream/reconstruct/camera_agreement.h"
+#include "slipstream/reconstruct/camera_orders.h"
+#include "slipstream/reconstruct/epipolar_search.h"
+#include "slipstream/reconstruct/fused/fused_engine.h"
+#include "slipstream/reconstruct/fused/pair_rows.h"
 
 namespace slipstream {
 namespace {
-
-CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
-                       const ReconstructSettings& settings) {
-  LayoutPhases decoded = decode.demodulate(frames);
-  CameraPhases phases{{}, {}, Image<Validity>(frames.size())};
-  // Each band by itself: gamma may put the coordinate in different fringes in the two cameras.
-  for (const std::size_t i : coarse_to_fine(decode.layout())) {
-    const PhaseMaps& band = decoded.bands[i];
-    auto& phasors = phases.bands.emplace_back(band.wrapped_phase.size());
-    std::ranges::transform(band.modulation, band.wrapped_phase, phasors.begin(),
-                           [](double B, double phi) { return std::polar(B, phi); });
-  }
-  if (phases.bands.size() == 1) phases.bands.push_back(phases.bands.front());
-  phases.maps = decode.unwrapped(std::move(decoded), frames.full_scale(), 0);
-  const double least = least_modulation(settings, frames.full_scale());
-  std::ranges::transform(modulation_mask(phases.maps.modulation, least), saturation_mask(frames),
-                         phases.validity.begin(), [&](std::uint8_t lit, std::uint8_t saturated) {
-                           if (lit == 0) return Validity::too_dark;
-                           return settings.drop_saturated && saturated != 0 ? Validity::saturated
-                                                                            : Validity::valid;
-                         });
-  return phases;
-}
-
-/// Where the phases agree.
-struct Match {
-  double depth = nan;  ///< mm
-  double slope = 0;    ///< of the phase over depth, rad / mm
-};
-
-/// The agreement nearest to `start`, within `farthest` pixels of the second camera.
-Match nearest_match(const EpipolarLine& line, const Image<Phasor>& phase, Phasor reference,
-                    double start, int farthest) {
-  const double step = line.depth_of_a_pixel(start);
-  if (!(step > 0) || !std::isfinite(step)) return {};
-  const auto difference = [&](double depth) { return line.difference(phase, reference, depth); };
-  const auto match_between = [&](double near, double far, double d_near, double d_far) -> Match {
-    // At a full turn the sign changes too, but with a jump.
-    if (!(d_near * d_far <= 0) || std::abs(d_far - d_near) > std::numbers::pi / 2) return {};
-    double depth = std::lerp(near, far, d_near / (d_near - d_far));
-    const double d = difference(depth);
-    if (std::isfinite(d)) {
-      // The phase is not linear between two pixels: interpolate again where the sign changes.
-      depth = d * d_near <= 0 ? std::lerp(near, depth, d_near == d ? 0 : d_near / (d_near - d))
-                              : std::lerp(depth, far, d == d_far ? 0 : d / (d - d_far));
-    }
-    const double slope = (difference(depth + step) - difference(depth - step)) / (2 * step);
-    return {depth, slope};
-  };
-  Match nearest;
-  double d_nearer = difference(start), d_farther = d_nearer;
-  for (int i = 1; i <= farthest && !std::isfinite(nearest.depth); ++i) {
-    for (const int side : {-1, 1}) {
-      double& d_before = side < 0 ? d_nearer : d_farther;
-      const double next = start + side * i * step, d_next = difference(next);
-      const Match match = match_between(start + side * (i - 1) * step, next, d_before, d_next);
-      const bool farther = std::abs(match.depth - start) >= std::abs(nearest.depth - start);
-      if (std::isfinite(match.depth) && !farther) nearest = match;
-      d_before = d_next;
-    }
-  }
-  return nearest;
-}
-
-/// Search range in the second camera on either side of the place given by the projector, as a share
-/// of the width; with gamma 3, three steps are off by a tenth of the field.
-constexpr double coarse_reach = 0.15;
-/// Search range around the coarse match, which is good to a few pixels.
-constexpr int fine_reach = 12;
-
-/// Matches band by band, from few periods to many; `fringes`: a period of each, in rad of the last.
-Match match_pixel(const EpipolarLine& line, const CameraPhases& first, const CameraPhases& second,
-                  int column, int row, double guess, const std::vector<double>& fringes) {
-  const int reach = static_cast<int>(coarse_reach * second.bands[0].width());
-  Match match = nearest_match(line, second.bands[0], first.bands[0](column, row), guess, reach);
-  for (std::size_t i = 1; i < first.bands.size() && std::isfinite(match.depth); ++i) {
-    match =
-        nearest_match(line, second.bands[i], first.bands[i](column, row), match.depth, fine_reach);
-    // One fringe further the fine phase agrees again, but the coarse one does not.
-    const double apart =
-        line.difference(second.bands[i - 1], first.bands[i - 1](column, row), match.depth);
-    if (!(std::abs(apart) < fringes[i] / 3)) return {};
-  }
-  return match;
-}
-
-/// Depth and weight of each pixel's match.
-struct Matches {
-  Image<double> depth;  ///< mm
-  /// Inverse variance of the depth, up to a factor. Phase noise is proportional to 1 / B, and depth
-  /// noise is the phase noise divided by the phase's slope.
-  Image<double> weight;
-  Image<double> pixel_step;  ///< mm per pixel of the second camera
-};
-
-/// Depth at the centre of a plane fitted to the window's matches: 1 / Z is linear in the image.
-double plane_depth(const Matches& matches, int column, int row, int half_width) {
-  const double centre = matches.depth(column, row);
-  const double step = matches.pixel_step(column, row);
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  int count = 0;
-  for (int dy = -half_width; dy <= half_width; ++dy) {
-    for (int dx = -half_width; dx <= half_width; ++dx) {
-      const int x = column + dx, y = row + dy;
-      if (x < 0 || y < 0 || x >= matches.depth.width() || y >= matches.depth.height()) continue;
-      const double depth = matches.depth(x, y);
-      // On a surface seen by both cameras, depth changes by less than a pixel per pixel.
-      const bool same_surface =
-          std::abs(depth - centre) <= step * (1 + std::abs(dx) + std::abs(dy));
-      if (!same_surface) continue;
-      const double weight = matches.weight(x, y);
-      const Eigen::Vector3d place(1, dx, dy);
-      A += weight * place * place.transpose();
-      b += weight / depth * place;
-      ++count;
-    }
-  }
-  if (count < 6) return centre;
-  const Eigen::Vector3d plane = A.ldlt().solve(b);
-  return plane.allFinite() && plane.x() > 0 ? 1 / plane.x() : centre;
-}
 
 void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchSettings& match) {
   require_valid(first);
@@ -139,53 +20,12 @@ void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchS
   throw_if(first.projector.size != second.projector.size ||
                !first.projector.intrinsic.isApprox(second.projector.intrinsic),
            "the two cameras' scanners have different projectors; both must have the same");
-  throw_if(Stereo(first, second).translation.norm() < 1e-9,
+  throw_if((projector_centre(first) -
+            first.rotation.transpose() * second.rotation * projector_centre(second))
+                   .norm() < 1e-9,
            "the two cameras are in the same place and measure no depth; check their translations");
   throw_if(match.window < 0 || match.window > 100,
            "match window {} is out of range; 0 to 100 pixels", match.window);
-}
-
-/// One period of each band, from few periods to many, in rad of the band before.
-std::vector<double> fringes_of(const Layout& layout) {
-  std::vector<double> fringes;
-  double before = 0;
-  for (const std::size_t i : coarse_to_fine(layout)) {
-    const double periods = layout.bands[i].periods;
-    fringes.push_back(fringes.empty() ? two_pi : two_pi * before / periods);
-    before = periods;
-  }
-  if (fringes.size() == 1) fringes.push_back(two_pi);
-  return fringes;
-}
-
-/// Coordinates of one band of many periods; each camera resolves the other's orders.
-struct SearchedOrders {
-  double period = 1;  ///< of the field
-  Image<double> first, second;
-
-  /// Whether the second camera finds the same point: where the right place is hidden from it, a
-  /// wrong one may match by chance, but not both ways.
-  [[nodiscard]] bool seen_from_second(const Eigen::Vector2d& place, double y) const {
-    const double other =
-        second(static_cast<int>(std::lround(place.x())), static_cast<int>(std::lround(place.y())));
-    return std::abs(other - y) < period / 2;
-  }
-};
-
-SearchedOrders search_orders(const CameraPhases& first, const CameraPhases& second,
-                             const EngineSetup& setup, const Triangulator& of_first,
-                             const Triangulator& of_second) {
-  const SeeingCamera here{first, of_first}, there{second, of_second};
-  const Stereo back(of_second.scanner(), setup.scanner);
-  const DepthRange depths = depth_range(setup);
-  const auto within = [&](double z) { return z > depths.nearest && z < depths.farthest; };
-  const double periods = highest_frequency(setup.sequence.strategy);
-  return {1 / periods,
-          order_by_other_camera(here, there, periods,
-                                [&](const Eigen::Vector3d& point) { return within(point.z()); }),
-          order_by_other_camera(there, here, periods, [&](const Eigen::Vector3d& point) {
-            return within((back.rotation * point + back.translation).z());
-          })};
 }
 
 void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
@@ -194,92 +34,350 @@ void require_size(const FrameViews& frames, const Scanner& scanner, std::string_
            text_of(frames.size()), text_of(scanner.camera.size));
 }
 
+EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence,
+                     const ReconstructSettings& settings) {
+  Sequence merged = merged_sequence(sequence);
+  merged.both_axes = false;
+  return {scanner, std::move(merged), settings};
+}
+
 }  // namespace
 
+/// Tables and settings of one pair of scanners and one sequence.
+struct PhaseMatcher::Tables {
+  Tables(const Scanner& one, const Scanner& other, const Sequence& sequence,
+         const ReconstructSettings& settings, const PhaseMatchSettings& match_settings)
+      : first(setup_of(one, sequence, settings)),
+        second(setup_of(other, sequence, settings)),
+        match(match_settings),
+        there(one, other, first.sequence.axis),
+        bands(band_search(first.sequence.strategy.layout(), other.camera.size.width)),
+        period(1 / highest_frequency(first.sequence.strategy)),
+        searches(!has_coordinate(first.sequence.strategy)),
+        by_bands(order_source(first.sequence.strategy.layout()) == OrderSource::bands),
+        given(sequence) {
+    if (searches) back.emplace(other, one, first.sequence.axis);
+  }
+
+  EngineSetup first, second;
+  PhaseMatchSettings match;
+  EpipolarTables there;                ///< of the first camera in the second
+  std::optional<EpipolarTables> back;  ///< of the second in the first, to search orders
+  BandSearch bands;
+  double period;   ///< of the finest band, fields
+  bool searches;   ///< the second camera gives the order
+  bool by_bands;   ///< else the first camera's own order must be the second camera's, too
+  Sequence given;  ///< before frames are separated
+};
+
+/// What scans share, and memory that they reuse.
+struct PhaseMatcher::Memory {
+  explicit Memory(const Tables& tables) : clean(tables.first.settings.clean) {}
+
+  using Readers = std::array<PhaseReader, 2>;
+  std::vector<Readers> readers;  ///< one for each first pattern of a window
+  std::optional<Readers> other_readers;
+  std::array<CameraPhases, 2> phases, others;  ///< `others`: of frames along the other axis
+  bool has_others = false;
+  double full_scale = 255;  ///< of the first camera's frames
+  Cleaner clean;
+
+  std::optional<CameraAgreement> agreement;
+  int scans_until_search = 0;  ///< of an agreement, if there is none
+  DepthRange depths;           ///< of the orders
+  std::optional<CameraOrders> orders, back_orders;
+  std::array<Image<float>, 2> wrapped;  ///< phase from the beginning of the field
+  std::array<Image<float>, 2> coordinates;
+
+  Image<float> inverse_depth, weight, pixel_step;  ///< with further columns, see MatchedRows
+};
+
 PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Sequence& sequence,
-                           const ReconstructSettings& settings, const PhaseMatchSettings& match)
-    : first_{first, sequence, settings},
-      second_(second),
-      match_(match),
-      triangulate_(first, sequence.axis, PointMethod::form3),
-      decode_(sequence.strategy.layout(), projector_length(first_), settings.phase_method) {
-  require_valid(first_);
+                           const ReconstructSettings& settings, const PhaseMatchSettings& match) {
   require_pair(first, second, match);
-  throw_if(order_source(decode_.layout()) != OrderSource::bands,
-           "{}: frames cannot be matched between cameras; use a strategy of sinusoids, one band "
-           "or bands that unwrap each other, or --one-camera",
+  require_valid(setup_of(first, sequence, settings));
+  const Unwrapping& unwrapping = sequence.strategy.layout().unwrapping;
+  throw_if(unwrapping->whole_stripes || sequence.strategy.is_spectral(),
+           "{}: frames cannot be matched between cameras; use a strategy of sinusoids, or "
+           "--one-camera",
            sequence.strategy.name());
-  if (!has_coordinate(sequence.strategy)) {
-    second_triangulate_.emplace(second, sequence.axis, PointMethod::form3);
+  tables_ = std::make_unique<Tables>(first, second, sequence, settings, match);
+  memory_ = std::make_unique<Memory>(*tables_);
+  const int starts = sequence.motion > 0 ? cycle_length(sequence) : 1;
+  for (int start = 0; start < starts; ++start) {
+    const auto reader = [&](EngineSetup setup) {
+      setup.sequence = merged_sequence(sequence, start);
+      setup.sequence.both_axes = false;
+      return PhaseReader(setup);
+    };
+    memory_->readers.push_back({reader(tables_->first), reader(tables_->second)});
   }
 }
 
-PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
-                                              const FrameViews& second_frames) const {
-  const ReconstructSettings& settings = first_.settings;
-  require_size(first_frames, first_.scanner, "first");
-  require_size(second_frames, second_, "second");
-  CameraPhases first = phases_of(first_frames, decode_, settings);
-  const CameraPhases second = phases_of(second_frames, decode_, settings);
-  const DepthRange depths = depth_range(first_);
-  const Stereo stereo(first_.scanner, second_);
-  const std::vector<double> fringes = fringes_of(decode_.layout());
-  const Size size = first_frames.size();
+PhaseMatcher::PhaseMatcher(PhaseMatcher&&) noexcept = default;
+PhaseMatcher& PhaseMatcher::operator=(PhaseMatcher&&) noexcept = default;
+PhaseMatcher::~PhaseMatcher() = default;
 
-  std::optional<SearchedOrders> searched;
-  if (second_triangulate_) {
-    searched = search_orders(first, second, first_, triangulate_, *second_triangulate_);
-    first.maps.coordinate = searched->first;
-  }
+std::string PhaseMatcher::method_for(const FrameViews& frames) const {
+  return memory_->readers.front()[0].method_for(frames);
+}
 
-  Matches matches{Image<double>(size, nan), Image<double>(size), Image<double>(size)};
-  Image<PixelPosition> directions(size);
-  for_each_pixel(size, [&](int column, int row) {
-    if (first.validity(column, row) != Validity::valid) return;
-    const Eigen::Vector3d ray = ray_through(first_.scanner.camera, {column, row});
-    directions(column, row) = {ray.x(), ray.y()};
-    const double y = first.maps.coordinate(column, row);
-    const double guess = triangulate_(column, row, y).z();
-    if (!ray.allFinite() || !(guess > 0)) return;
-    const EpipolarLine line{stereo, second_.camera, ray, second};
-    const Match match = match_pixel(line, first, second, column, row, guess, fringes);
-    if (!std::isfinite(match.depth) || !std::isfinite(match.slope) || match.slope == 0) return;
-    if (searched) {
-      const double quarter = searched->period / 4;
-      const double beside = triangulate_(column, row, y + quarter).z();
-      if (!(std::abs(match.depth - guess) < std::abs(beside - guess))) return;
-      if (!searched->seen_from_second(line.pixel(match.depth), y)) return;
-    }
-    matches.depth(column, row) = match.depth;
-    matches.weight(column, row) = std::norm(match.slope * first.bands.back()(column, row));
-    matches.pixel_step(column, row) = line.depth_of_a_pixel(match.depth);
-  });
-
-  Cloud cloud(size);
-  cloud.validity = std::move(first.validity);
-  const double grey_level = first_frames.full_scale() / 255;
-  for_each_pixel(size, [&](int column, int row) {
-    cloud.intensity(column, row) = static_cast<float>(first.maps.mean(column, row) / grey_level);
-    Validity& pixel = cloud.validity(column, row);
-    if (pixel != Validity::valid) return;
-    if (!std::isfinite(matches.depth(column, row))) {
-      pixel = searched && std::isnan(searched->first(column, row)) ? Validity::doubtful_order
-                                                                   : Validity::no_point;
-      return;
-    }
-    const double Z = plane_depth(matches, column, row, match_.window);
-    if (Z < depths.nearest || Z > depths.farthest) {
-      pixel = Validity::out_of_range;
-      return;
-    }
-    cloud.x(column, row) = static_cast<float>(Z * directions(column, row).x);
-    cloud.y(column, row) = static_cast<float>(Z * directions(column, row).y);
-    cloud.z(column, row) = static_cast<float>(Z);
-  });
-  Cleaner(settings.clean)(cloud);
-  Result result{.cloud = std::move(cloud)};
-  convert(first.maps, result.maps);
+PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first, const FrameViews& second) {
+  Result result;
+  run(first, second, result);
   return result;
+}
+
+PhaseMatcher::Result PhaseMatcher::operator()(const Scan& first, const Scan& second) {
+  Result result;
+  read(first.frames, second.frames, 0);
+  if (!first.other_axis.empty() && !second.other_axis.empty())
+    read_across(first.other_axis.front().frames, second.other_axis.front().frames);
+  match(result);
+  return result;
+}
+
+void PhaseMatcher::run(const FrameViews& first, const FrameViews& second, Result& result,
+                       int first_pattern) {
+  if (!tables_->given.both_axes) {
+    read(first, second, first_pattern);
+  } else {
+    const int count = frame_count(tables_->first.sequence);
+    read(first.part(0, count), second.part(0, count), 0);
+    read_across(first.part(count, count), second.part(count, count));
+  }
+  match(result);
+}
+
+void PhaseMatcher::read(const FrameViews& first, const FrameViews& second, int first_pattern) {
+  require_size(first, tables_->first.scanner, "first");
+  require_size(second, tables_->second.scanner, "second");
+  auto& [read_first, read_second] = memory_->readers[first_pattern];
+  read_first(first, memory_->phases[0]);
+  read_second(second, memory_->phases[1]);
+  memory_->has_others = false;
+  memory_->full_scale = first.full_scale();
+}
+
+void PhaseMatcher::read_across(const FrameViews& first, const FrameViews& second) {
+  if (!memory_->other_readers) {
+    const auto turned = [](EngineSetup setup) {
+      setup.sequence = along(setup.sequence, across(setup.sequence.axis));
+      return PhaseReader(setup);
+    };
+    memory_->other_readers.emplace(std::array{turned(tables_->first), turned(tables_->second)});
+  }
+  (*memory_->other_readers)[0](first, memory_->others[0]);
+  (*memory_->other_readers)[1](second, memory_->others[1]);
+  memory_->has_others = true;
+}
+
+/// Coordinates of both cameras from one band of many periods: each camera resolves the other's
+/// orders.
+void PhaseMatcher::search_orders() {
+  Memory& memory = *memory_;
+  const CameraPhases &first = memory.phases[0], &second = memory.phases[1];
+  const double periods = 1 / tables_->period;
+  const auto wrap = [&](double phase_shift) {
+    for (const int i : {0, 1}) {
+      const CameraPhases& camera = memory.phases[i];
+      prepare(memory.wrapped[i], camera.validity.size());
+      std::ranges::transform(camera.maps.wrapped_phase, memory.wrapped[i].begin(),
+                             [shift = static_cast<float>(phase_shift)](float phi) {
+                               constexpr auto turn = static_cast<float>(two_pi);
+                               phi += shift;
+                               return phi < 0 ? phi + turn : phi >= turn ? phi - turn : phi;
+                             });
+    }
+  };
+
+  const bool is_due = memory.scans_until_search == 0;
+  if (!is_due) --memory.scans_until_search;
+  if (!memory.agreement && is_due) {
+    wrap(0);
+    Image<float> lit = memory.wrapped[0];
+    std::ranges::transform(lit, first.validity, lit.begin(), [](float phi, Validity pixel) {
+      return pixel == Validity::valid ? phi : std::numeric_limits<float>::quiet_NaN();
+    });
+    const DepthRange set = depth_range(tables_->first);
+    memory.agreement = camera_agreement(tables_->there, periods, set, lit, first, second);
+    if (memory.agreement && tables_->first.settings.nearest && tables_->first.settings.farthest)
+      memory.agreement->depths = set;
+    const DepthRange& depths = memory.agreement ? memory.agreement->depths : set;
+    constexpr int scans_between_searches = 16;
+    if (!memory.agreement) memory.scans_until_search = scans_between_searches;
+    if (!memory.orders || depths != memory.depths) {
+      const int length = projector_length(tables_->first);
+      memory.orders.emplace(tables_->there, periods, depths, false, length);
+      memory.back_orders.emplace(*tables_->back, periods, depths, true, length);
+      memory.depths = depths;
+    }
+  }
+  wrap(memory.agreement ? memory.agreement->phase_shift : 0);
+  memory.coordinates[0] = (*memory.orders)(first, memory.wrapped[0], second);
+  memory.coordinates[1] = (*memory.back_orders)(second, memory.wrapped[1], first);
+}
+
+/// Matches the pixels of a row of the first camera, leaving out matches that are not certain.
+void PhaseMatcher::match_row(int row) {
+  const Tables& tables = *tables_;
+  Memory& memory = *memory_;
+  const CameraPhases &first = memory.phases[0], &second = memory.phases[1];
+  const Image<float>& coordinate = tables.searches ? memory.coordinates[0] : first.maps.coordinate;
+  const Image<float>& other_coordinate =
+      tables.searches ? memory.coordinates[1] : second.maps.coordinate;
+  const auto period = static_cast<float>(tables.period);
+
+  /// Whether the second camera finds the same point: where the right place is hidden from it, a
+  /// wrong one may match by chance, but not both ways.
+  const auto is_seen_from_second = [&](const Eigen::Vector2f& at, float y) {
+    const float other = other_coordinate(static_cast<int>(std::lround(at.x())),
+                                         static_cast<int>(std::lround(at.y())));
+    return std::abs(other - y) < period / 2;
+  };
+  /// Whether the phases along the other axis agree.
+  const auto agrees_across = [&](int column, const Eigen::Vector2f& at) {
+    constexpr float most = 1;  // rad; a calibration may be off by a pixel
+    const EpipolarSearch across(tables.there, memory.others[0], memory.others[1], column, row);
+    if (memory.others[0].validity(column, row) != Validity::valid) return false;
+    return std::abs(across.near_difference(memory.others[0].bands.size() - 1, at)) < most;
+  };
+
+  const auto side =
+      static_cast<std::ptrdiff_t>(memory.inverse_depth.width() - first.validity.width()) / 2;
+  float* const depths = memory.inverse_depth.row(row) + side;
+  float* const weights = memory.weight.row(row) + side;
+  float* const steps = memory.pixel_step.row(row) + side;
+  for (int column = 0; column < first.validity.width(); ++column) {
+    depths[column] = std::numeric_limits<float>::quiet_NaN();
+    if (first.validity(column, row) != Validity::valid) continue;
+    if (!tables.there.has_ray(column, row)) continue;
+    const float y = coordinate(column, row);
+    const float guess = tables.there.inverse_depth(column, row, y);
+    if (!(guess > 0)) continue;
+
+    const EpipolarSearch line(tables.there, first, second, column, row);
+    const EpipolarMatch match = match_pixel(line, guess, tables.bands);
+    if (!match.is_found()) continue;
+    const float slope = line.slope(tables.bands.fringes.size() - 1, match);
+    if (!std::isfinite(slope) || slope == 0) continue;
+    if (tables.searches || !tables.by_bands) {
+      const float beside = tables.there.inverse_depth(column, row, y + period / 4);
+      if (!(std::abs(match.w - guess) < std::abs(beside - guess))) continue;
+      if (!is_seen_from_second(match.at, y)) continue;
+    }
+    if (memory.has_others && !agrees_across(column, match.at)) continue;
+
+    // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
+    depths[column] = match.w;
+    weights[column] = slope * slope * std::norm(first.bands.back()(column, row));
+    steps[column] = 1 / match.direction.norm();
+  }
+}
+
+/// How far the phases are from those at which the projector lit the matched points: median, rad.
+double PhaseMatcher::remaining_phase_shift() const {
+  const Image<float>& coordinate = memory_->coordinates[0];
+  const int side = (memory_->inverse_depth.width() - coordinate.width()) / 2;
+  std::vector<double> shifts;
+  for (int row = 0; row < coordinate.height(); row += 2) {
+    for (int column = 0; column < coordinate.width(); column += 2) {
+      const float w = memory_->inverse_depth(column + side, row);
+      if (!std::isfinite(w)) continue;
+      const double lit = tables_->there.coordinate_at(column, row, w);
+      shifts.push_back(two_pi / tables_->period * (lit - coordinate(column, row)));
+    }
+  }
+  return shifts.empty() ? 0 : median(std::move(shifts));
+}
+
+/// Shifts the phase as long as the matched points say so, and more pixels match.
+void PhaseMatcher::improve_phase_shift(const std::function<void()>& match_all) {
+  constexpr double of_calibration = 0.3;  // rad
+  constexpr int most_steps = 4;
+  const auto matched = [&] {
+    return std::ranges::count_if(memory_->inverse_depth, [](float w) { return std::isfinite(w); });
+  };
+  double& shift = memory_->agreement->phase_shift;
+  for (int step = 0; step < most_steps; ++step) {
+    const double more = remaining_phase_shift(), before = shift;
+    const bool is_small = shift == 0 ? std::abs(more) < of_calibration : std::abs(more) < 0.01;
+    if (is_small) return;
+    const auto points = matched();
+    shift = std::remainder(shift + more, two_pi);
+    search_orders();
+    match_all();
+    if (before == 0 && matched() < points + points / 50) {  // no better: as given
+      shift = before;
+      search_orders();
+      match_all();
+      return;
+    }
+  }
+}
+
+void PhaseMatcher::match(Result& result) {
+  const Tables& tables = *tables_;
+  Memory& memory = *memory_;
+  const CameraPhases& first = memory.phases[0];
+  const Size size = first.validity.size();
+  const bool had_agreement = memory.agreement.has_value();
+  if (tables.searches) search_orders();
+
+  // 1. Matches of all pixels.
+  const int side = tables.match.window + least_row_width;
+  const Size padded{size.width + 2 * side, size.height};
+  if (memory.inverse_depth.size() != padded) {
+    memory.inverse_depth = Image<float>(padded, std::numeric_limits<float>::quiet_NaN());
+    memory.weight = memory.pixel_step = Image<float>(padded);
+  }
+  const auto match_all = [&] { for_each_row(size.height, [&](int row) { match_row(row); }); };
+  match_all();
+  if (memory.agreement && !had_agreement) improve_phase_shift(match_all);
+
+  // 2. Their depths, smoothed by planes, and points.
+  const DepthRange depths = depth_range(tables.first);
+  const MatchedRows matches{tables.match.window, side, memory.inverse_depth, memory.weight,
+                            memory.pixel_step};
+  Cloud& cloud = result.cloud;
+  if (cloud.size() != size) cloud = Cloud(size);
+  cloud.validity = first.validity;
+  const auto grey_level = static_cast<float>(memory.full_scale / 255);
+  for_each_row(size.height, [&](int row) {
+    std::vector<float> smooth(matches.inverse_depth.row(row) + side,
+                              matches.inverse_depth.row(row) + side + size.width);
+    if (tables.match.window > 0 && size.width >= least_row_width)
+      plane_row(matches, row, smooth.data());
+    for (int column = 0; column < size.width; ++column) {
+      cloud.intensity(column, row) = first.maps.mean(column, row) / grey_level;
+      const float Z = 1 / smooth[column];
+      Validity& pixel = cloud.validity(column, row);
+      if (pixel == Validity::valid && std::isnan(Z)) {
+        const bool doubtful = tables.searches && std::isnan(memory.coordinates[0](column, row));
+        pixel = doubtful ? Validity::doubtful_order : Validity::no_point;
+      } else if (pixel == Validity::valid && (Z < depths.nearest || Z > depths.farthest)) {
+        pixel = Validity::out_of_range;
+      }
+      if (pixel != Validity::valid) {
+        cloud.leave_out(column, row, pixel);
+        continue;
+      }
+      const Eigen::Vector2f direction = tables.there.direction(column, row);
+      cloud.x(column, row) = Z * direction.x();
+      cloud.y(column, row) = Z * direction.y();
+      cloud.z(column, row) = Z;
+    }
+  });
+  result.cleaned = memory.clean(cloud);
+
+  // 3. The maps, and the agreement of the cameras, which is kept unless the scene has changed.
+  result.maps = first.maps;
+  if (tables.searches) result.maps.coordinate = memory.coordinates[0];
+  result.agreement = memory.agreement;
+  const ValidityCounts counts = count_by_validity(cloud);
+  const auto count = [&](Validity kind) { return counts[static_cast<std::size_t>(kind)]; };
+  const std::size_t lit = cloud.z.pixel_count() - count(Validity::too_dark);
+  if (2 * count(Validity::valid) < lit) memory.agreement.reset();
 }
 
 }  // namespace slipstream

@@ -104,8 +104,7 @@ TEST_F(Hand, HasItsFringeOrdersFromTheSecondCamera) {
     constexpr int begin = 8;
     const Sequence sequence =
         merged_sequence({.strategy = cycle_, .projector = {1280, 800}, .motion = extra}, begin % 4);
-    const PhaseMatcher match(first, second, sequence, {.nearest = 400, .farthest = 540},
-                             {.window = 0});
+    PhaseMatcher match(first, second, sequence, {.nearest = 400, .farthest = 540}, {.window = 0});
     const Cloud cloud =
         match(frames("cam1", begin, 4 + extra), frames("cam2", begin, 4 + extra)).cloud;
     const ValidityCounts counts = count_by_validity(cloud);
@@ -120,6 +119,20 @@ TEST_F(Hand, HasItsFringeOrdersFromTheSecondCamera) {
     EXPECT_LT(count(Validity::doubtful_order), 0.055 * lit) << extra;
     EXPECT_GT(count(Validity::valid), 0.9 * lit) << extra;
   }
+}
+
+TEST_F(Hand, IsFoundWithoutDepthsOrOrigin) {
+  const Scanner first = scanner("mCamera1Rectified.txt"), second = scanner("mCamera2Rectified.txt");
+  const Sequence sequence{.strategy = PhaseMeasuring{4, 28.5}, .projector = {1280, 800}};
+  PhaseMatcher match(first, second, sequence);
+  const PhaseMatcher::Result result = match(frames("cam1", 8, 4), frames("cam2", 8, 4));
+  ASSERT_TRUE(result.agreement);
+  const double lit = 640 * 480 - static_cast<double>(count_by_validity(
+                                     result.cloud)[static_cast<std::size_t>(Validity::too_dark)]);
+  RecordProperty("points", static_cast<int>(point_count(result.cloud)));
+  RecordProperty("origin", fmt::format("{:.4f}", -result.agreement->phase_shift));
+  EXPECT_GT(static_cast<double>(point_count(result.cloud)), 0.9 * lit);
+  EXPECT_NEAR(result.agreement->phase_shift, 1.2, 0.1);  // see cycle_
 }
 
 }  // namespace slipstream::motion_test

@@ -1,0 +1,120 @@
+// Runs `slipstream reconstruct` and `live` with a second camera.
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/file.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/shared_data.h"
+
+namespace slipstream::two_cameras_program_test {
+namespace fs = std::filesystem;
+
+class TwoCameras : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+
+  /// Simulates a scan of both cameras; returns its folder.
+  [[nodiscard]] std::string scan(const std::vector<std::string>& patterns) const {
+    std::vector<std::string> arguments{
+        "simulate", path("scan"), "--second-camera", "--camera", "160x120", "--scene", "board"};
+    arguments.insert(arguments.end(), patterns.begin(), patterns.end());
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return path("scan");
+  }
+
+  static nlohmann::json json_of(std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err << fmt::format("{}", fmt::join(arguments, " "));
+    return nlohmann::json::parse(run.out);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TwoCameras, live_gives_the_cloud_of_reconstruct) {
+  for (const std::vector<std::string>& patterns :
+       {std::vector<std::string>{"--strategy", "dual-frequency"},
+        std::vector<std::string>{"--strategy", "dual-frequency", "--axis", "both"},
+        std::vector<std::string>{"--strategy", "pcmp", "--steps", "5"}}) {
+    const std::string folder = scan(patterns), what = fmt::format("{}", fmt::join(patterns, " "));
+    const auto points =
+        json_of({"reconstruct", folder, "-o", path("scan.ply")})["scans"][0]["points"];
+    EXPECT_GT(points, 5000) << what;
+    const auto live =
+        json_of({"live", "--source", "replay:" + folder, "--second-camera",
+                 "replay:" + folder + "/second", "--headless", "-o", path("live.ply")});
+    EXPECT_EQ(live["clouds"], 1) << what;
+    EXPECT_EQ(read_file(path("live.ply")), read_file(path("scan.ply"))) << what;
+  }
+}
+
+TEST_F(TwoCameras, live_takes_two_virtual_cameras) {
+  const auto live = json_of({"live", "--source", "virtual", "--second-camera", "virtual",
+                             "--camera", "160x120", "--strategy", "dual-frequency", "--frames",
+                             "36", "--headless", "-o", path("live.ply")});
+  EXPECT_EQ(live["frames"]["captured"], 36);
+  EXPECT_EQ(live["clouds"], 31);
+  EXPECT_GT(fs::file_size(path("live.ply")), 50000U);
+}
+
+TEST_F(TwoCameras, flags_name_the_second_camera) {
+  const std::string folder = scan({"--strategy", "dual-frequency"});
+  const auto own = json_of({"reconstruct", folder, "-o", path("own.ply")});
+  fs::rename(folder + "/second", path("other"));
+  const auto named =
+      json_of({"reconstruct", folder, "--second-camera", path("other"), "-o", path("named.ply")});
+  EXPECT_EQ(named["scans"][0]["points"], own["scans"][0]["points"]);
+  EXPECT_EQ(read_file(path("named.ply")), read_file(path("own.ply")));
+}
+
+TEST_F(TwoCameras, a_real_hand_needs_neither_depths_nor_origin) {
+  const fs::path hand = shared_data() / "bsc-hand";
+  if (!fs::exists(hand)) GTEST_SKIP() << hand << " is not there";
+  for (const char* camera : {"1", "2"}) {
+    std::string scanner =
+        "%YAML:1.0\n---\nprojector_width: 1280\nprojector_height: 800\ncamera_width: 640\n"
+        "camera_height: 480\n";
+    for (const auto& [entry, file] :
+         {std::pair<std::string, std::string>{"camera_projection",
+                                              fmt::format("mCamera{}Rectified.txt", camera)},
+          std::pair<std::string, std::string>{"projector_projection", "mProjector.txt"}}) {
+      std::ifstream text(hand / file);
+      std::vector<std::string> numbers(12);
+      for (std::string& number : numbers) text >> number;
+      scanner +=
+          fmt::format("{}: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n   data: [ {} ]\n",
+                      entry, fmt::join(numbers, ", "));
+    }
+    write_file(path(fmt::format("camera{}.yaml", camera)), scanner);
+  }
+  const auto told = json_of(
+      {"reconstruct", (hand / "cam1").string(), "--second-camera", (hand / "cam2").string(),
+       "--scanner", path("camera1.yaml"), "--second-scanner", path("camera2.yaml"), "--strategy",
+       "pmp", "--steps", "4", "--frequency", "28.5", "--motion", "2", "--windows", "2:3"});
+  const auto& scan = told["scans"][0];
+  const double points = scan["points"], pixels = scan["pixels"];
+  const double dark = scan["counts"][1];
+  EXPECT_GT(points, 0.9 * (pixels - dark));
+  EXPECT_EQ(scan["findings"].size(), 1U);
+}
+
+TEST_F(TwoCameras, live_does_not_record_two_cameras) {
+  const ProgramRun run =
+      run_program({"live", "--source", "virtual", "--camera", "64x48", "--headless",
+                   "--second-camera", "virtual", "--record", path("x.slip")});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("--second-camera"), std::string::npos) << run.err;
+}
+
+}  // namespace slipstream::two_cameras_program_test

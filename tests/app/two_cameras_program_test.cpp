@@ -60,9 +60,28 @@ TEST_F(TwoCameras, live_gives_the_cloud_of_reconstruct) {
 }
 
 TEST_F(TwoCameras, live_takes_two_virtual_cameras) {
-  const auto live = json_of({"live", "--source", "virtual", "--second-camera", "virtual",
-                             "--camera", "160x120", "--strategy", "dual-frequency", "--frames",
-                             "36", "--headless", "-o", path("live.ply")});
+  const auto live = json_of({"live",
+                             "--source",
+                             "virtual",
+                             "--second-camera",
+                             "virtual",
+                             "--world",
+                             "ideal",
+                             "--scene",
+                             "board",
+                             "--move",
+                             "0",
+                             "0",
+                             "0",
+                             "--camera",
+                             "160x120",
+                             "--strategy",
+                             "dual-frequency",
+                             "--frames",
+                             "36",
+                             "--headless",
+                             "-o",
+                             path("live.ply")});
   EXPECT_EQ(live["frames"]["captured"], 36);
   EXPECT_EQ(live["clouds"], 31);
   EXPECT_GT(fs::file_size(path("live.ply")), 50000U);

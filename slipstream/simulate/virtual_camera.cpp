@@ -19,11 +19,11 @@ Frame first_frame(const FrameSet& exposed) {
 
 namespace {
 
-/// The scene as it is at `time`, without motion; nullopt if a body breathes.
+/// The scene as it is at `time`, without motion; nullopt if a body has another size then.
 std::optional<Scene> at_rest(Scene scene, double time) {
   for (Body& body : scene) {
-    if (body.motion.breathing.amplitude != 0) return std::nullopt;
     const Eigen::Affine3d moved = body.motion.at(time);
+    if (!moved.linear().isUnitary(1e-9)) return std::nullopt;
     body.pose = Eigen::Isometry3d(moved.matrix()) * body.pose;
     body.motion = {};
   }

@@ -18,7 +18,8 @@ enum class FirstRest {
 /// Script of a camera while the patterns are shown `cycles` times, as a seamless loop: bodies move
 /// back and forth through their position at time 0, or rotate continuously if they only turn and
 /// the frames last a full turn to within half a cycle. Each frame has its own noise. Scenes that
-/// begin with a body of another size, as one that breathes, do not rest. Throws Error for less than one cycle.
+/// begin with a body of another size, as one that breathes, do not rest. Throws Error for less than
+/// one cycle.
 ReelScript looped_scene(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                         const Photometry& photometry, int cycles, FirstRest rest = FirstRest::none);
 

@@ -344,10 +344,10 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
   if (!flags.headless) request.before_rendering = require_desktop;
-  // A first cloud at once. Two cameras move in step. As fast as possible and for a number of frames,
-  // each run gives the same.
-  const bool repeats = flags.second_camera.empty() &&
-                       (request.rate.value_or(0) > 0 || !settings.most_frames);
+  // A first cloud at once. Two cameras move in step. As fast as possible and for a number of
+  // frames, each run gives the same.
+  const bool repeats =
+      flags.second_camera.empty() && (request.rate.value_or(0) > 0 || !settings.most_frames);
   request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;
   projector = open_projector(flags.monitor);
   if (projector.sink != nullptr && !request.sequence.projector) {

@@ -143,10 +143,10 @@ void ReelPlayer::advance(std::size_t frames) {
   for (std::size_t i = 0; i < frames; ++i) {
     ++position_;
 
-    // 1. After cycles at rest: go on only if the scene can come to its next rest, or to the end.
+    // 1. After resting cycles: go on only if the scene can reach its next rest, or the end.
     const auto next = std::ranges::lower_bound(holds, position_);
-    const bool was_at_rest = next != holds.begin() && *std::prev(next) + length == position_;
-    if (was_at_rest) {
+    const bool was_resting = next != holds.begin() && *std::prev(next) + length == position_;
+    if (was_resting) {
       const std::size_t until = next == holds.end() ? end : *next + length;
       if (!reel_->has(position_, until)) position_ -= length;
     }

@@ -20,7 +20,7 @@ struct Moment {
   std::vector<std::size_t> frames;  ///< indices into ReelScript::patterns
 };
 
-/// What a virtual camera shows, before it is rendered.
+/// The content of a reel before it is rendered: scenes, patterns and their order.
 struct ReelScript {
   Scanner scanner;
   Photometry photometry;                ///< frame k has noise of the seed plus k
@@ -28,8 +28,8 @@ struct ReelScript {
   std::vector<std::size_t> patterns{};  ///< of each frame: an index into `cycle`
   std::vector<Moment> moments{};        ///< in the order in which they are rendered
   std::vector<std::size_t> order{};     ///< frames in the order in which they are shown
-  /// Positions in `order` where whole cycles at rest begin, which are repeated until what follows
-  /// them, to the end of the next such cycles or of the reel, is rendered.
+  /// Positions in `order` where whole cycles without motion begin. They are repeated until all
+  /// frames up to the end of the next such cycles, or of the reel, are rendered.
   std::vector<std::size_t> holds{};
   std::size_t hold_length = 0;  ///< frames of each of them
   std::size_t loop_from = 0;    ///< position in `order` from which the reel is repeated

@@ -100,7 +100,7 @@ ReelScript moved_board(const VirtualWorld& world, Body sheet,
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const Eigen::Isometry3d &here = poses[p], &next = poses[(p + 1) % poses.size()];
 
-    // 1. At rest: one cycle, shown again and again.
+    // 1. Without motion: one cycle, shown again and again.
     const std::size_t first = script.patterns.size();
     script.enough = script.order.size() + cycle;  // capturing a pose takes one cycle
     script.holds.push_back(script.order.size() + (still_cycles - 1) * cycle);

@@ -39,7 +39,7 @@ ReelScript moved_board(const VirtualWorld& world, Body sheet,
 Frame first_frame(const FrameSet& exposed);
 
 /// Repeats a reel endlessly, and counts its frames as a real camera does. Frames that are not
-/// rendered yet come later: none is lost for that.
+/// rendered yet come later and do not count as lost.
 class VirtualCamera : public FrameSource {
  public:
   /// Frames buffered by a camera with its own pace; beyond these it loses the oldest.

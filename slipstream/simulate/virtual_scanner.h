@@ -83,7 +83,7 @@ struct VirtualScan {
 /// projector's shadow and outside its field. Without Physics::projector_pixels, patterns are exact,
 /// neither sampled by projector pixels nor quantised; binary ones use their pictures. Throws Error
 /// if the scanner or the photometry is invalid. Once `stop` is requested, returns soon, with frames
-/// that show nothing of use.
+/// that are incomplete.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {}, double time = 0,
                       const std::stop_token& stop = {});

@@ -235,7 +235,8 @@ TEST_F(GammaProgram, ReproducesTablesAndFigures) {
   }
   EXPECT_TRUE(std::filesystem::exists(path("plots/figure-4.1.png")));
   const auto report = read_file(path("reports/report.html"));
-  EXPECT_TRUE(says({report.begin(), report.end()}, "<img alt=\"figure-4.1\" src=\"data:image/png;base64,iVBOR"));
+  EXPECT_TRUE(says({report.begin(), report.end()},
+                   "<img alt=\"figure-4.1\" src=\"data:image/png;base64,iVBOR"));
   EXPECT_TRUE(says(out_of({"reproduce", "--list"}), "section-4.5"));
   EXPECT_TRUE(says(refusal_of({"reproduce", "table-9.9"}), "table-9.9"));
 }

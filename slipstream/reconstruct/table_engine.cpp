@@ -98,12 +98,16 @@ struct TableEngine::Tables {
     across_coordinate = projection_matrices(of.scanner, other).projector_coordinate;
   }
 
-  /// Whether the point is valid for certain; others are judged by `validity_of`.
+  /// Whether the point is valid for certain; others are judged by `validity_of`. The place across
+  /// the axis is a ratio, place / depth; multiplied out, it needs no division.
   [[nodiscard]] bool is_surely_valid(const Eigen::Vector3d& point) const {
-    const double depth = matrices.projector_depth.dot(point.homogeneous());
-    const double place = across_coordinate.dot(point.homogeneous()) / depth;
+    const auto along = [&](const Eigen::Matrix<double, 1, 4>& row) {
+      return row[0] * point[0] + row[1] * point[1] + row[2] * point[2] + row[3];
+    };
+    const double depth = along(matrices.projector_depth), place = along(across_coordinate);
     return point.z() > 0 && depth > 0 && point.z() >= depths.nearest &&
-           point.z() <= depths.farthest && place >= -safe_margin && place <= 1 + safe_margin;
+           point.z() <= depths.farthest && place >= -safe_margin * depth &&
+           place <= (1 + safe_margin) * depth;
   }
 
   EngineSetup setup;
@@ -195,6 +199,8 @@ void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs
   for_each_row(size.height, [&](int row) {
     std::array<const std::uint8_t*, N> rows;
     for (int n = 0; n < N; ++n) rows[n] = frames[n].row(row);
+    const PointForm3* const forms = tables.forms.row(row);
+    const LensCubic* const lens = tables.lens.empty() ? nullptr : tables.lens.row(row);
 
     for (int column = 0; column < size.width; ++column) {
       // 1. U and V, integers: (2.4)-(2.9), (2.16)-(2.18).
@@ -226,8 +232,7 @@ void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs
                                                                        : Validity::valid;
       Eigen::Vector3d point = Eigen::Vector3d::Constant(invalid);
       if (validity == Validity::valid) {
-        const double shift = tables.lens.empty() ? 0 : at(tables.lens(column, row), y);
-        point = tables.forms(column, row)(y + shift);
+        point = forms[column](lens == nullptr ? y : y + at(lens[column], y));
         if (!tables.is_surely_valid(point)) {
           point = tables.triangulate(column, row, y);
           validity = validity_of(y, point, tables.setup);

@@ -82,7 +82,7 @@ RenderedReel::RenderedReel(Reel reel)
       enough_(reel.enough),
       frames_(std::move(reel.frames)),
       is_rendered_(frames_.size(), true) {
-  throw_if(frames_.empty(), "a virtual camera without frames; expected at least one");
+  throw_if(frames_.empty(), "a virtual camera needs at least one frame");
   format_ = frames_.front().format();
   for (const Frame& frame : frames_) {
     throw_if(frame.format() != format_,

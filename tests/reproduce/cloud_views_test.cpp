@@ -7,12 +7,14 @@
 namespace slipstream::cloud_views_test {
 
 TEST(CloudViews, TheNearerPointHidesTheOther) {
-  // Two points on one line of sight, and two that span the picture.
-  Cloud cloud({4, 1});
-  const std::array<std::array<float, 4>, 4> points{
-      {{0, 0, 500, 200}, {0, 0, 600, 50}, {-100, 0, 550, 100}, {100, 0, 550, 100}}};
-  for (int i = 0; i < 4; ++i) {
-    const auto& [x, y, z, grey] = points.at(static_cast<std::size_t>(i));
+  // Two points on one line of sight, between many that span the picture.
+  constexpr int count = 1002;
+  Cloud cloud({count, 1});
+  for (int i = 0; i < count; ++i) {
+    std::array<float, 4> point{i % 2 == 0 ? -100.0F : 100.0F, 0, 550, 100};
+    if (i == 500) point = {0, 0, 500, 200};
+    if (i == 501) point = {0, 0, 600, 50};
+    const auto& [x, y, z, grey] = point;
     cloud.x(i, 0) = x;
     cloud.y(i, 0) = y;
     cloud.z(i, 0) = z;

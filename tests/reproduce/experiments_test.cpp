@@ -186,11 +186,12 @@ TEST(Figure21, ShowsEachTable) {
 }
 
 TEST(SurfacesWithoutCalibration, ArePicturesWithLessError) {
-  for (const char* name : {"figure-4.19", "figure-4.26"}) {
+  // The relief of the fish has edges, where pixels see two surfaces.
+  for (const auto& [name, times] : {std::pair("figure-4.19", 30), std::pair("figure-4.26", 20)}) {
     const Reproduction result = run(name);
     EXPECT_EQ(result.plots.size(), 3U) << name;
     ASSERT_EQ(result.cells.size(), 2U) << name;
-    EXPECT_LT(*result.cells[1].recomputed, *result.cells[0].recomputed / 30) << name;
+    EXPECT_LT(*result.cells[1].recomputed, *result.cells[0].recomputed / times) << name;
   }
 }
 

@@ -39,6 +39,12 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
       looped_scene(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count),
                    request.first_rest),
       request.while_rendering);
+  if (request.first_rest == FirstRest::none) {  // the first frame comes when all are there
+    for (std::size_t k = 0; k < reel->order().size(); ++k) {
+      while (!reel->wait_for(k, RenderedReel::Clock::now() + std::chrono::hours(1))) {
+      }
+    }
+  }
   opened.frames = std::make_unique<VirtualCamera>(
       std::move(reel), request.rate == 0.0 ? std::nullopt : request.rate);
   opened.scanner = as_calibrated(*request.world);

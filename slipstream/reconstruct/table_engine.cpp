@@ -17,44 +17,75 @@
 namespace slipstream {
 namespace {
 
-constexpr int nodes = 4;
+constexpr int nodes = 6;
 
-/// c_0 + c_1 y + c_2 y^2 + c_3 y^3: the undistorted projector coordinate minus y.
-using LensCubic = std::array<float, nodes>;
+/// The undistorted projector coordinate minus y, where y is in the depth range of the pixel: a
+/// polynomial c_0 + c_1 u + ... + c_5 u^5 of u = (y - middle) / half, in [-1, 1].
+struct LensPolynomial {
+  float middle = 0.5F, half = 0.5F;
+  std::array<float, nodes> c{};
 
-double at(const LensCubic& c, double y) {
-  return c[0] + y * (c[1] + y * (c[2] + y * c[3]));
-}
+  [[nodiscard]] double operator()(double y) const {
+    const double u = (y - middle) / half;
+    double sum = c[nodes - 1];
+    for (int k = nodes - 2; k >= 0; --k) sum = sum * u + c[k];
+    return sum;
+  }
+};
 
-/// Zeros of the Chebyshev polynomial of degree 4, in [0, 1].
+/// Zeros of the Chebyshev polynomial of that degree, in [-1, 1].
 std::array<double, nodes> node_places() {
   std::array<double, nodes> places;
   for (int j = 0; j < nodes; ++j) {
-    places[j] = 0.5 - 0.5 * std::cos((2 * j + 1) * std::numbers::pi / (2 * nodes));
+    places[j] = -std::cos((2 * j + 1) * std::numbers::pi / (2 * nodes));
   }
   return places;
 }
 
-/// Of each pixel, by the points that the reference finds at four coordinates; NaN if it finds none.
-Image<LensCubic> lens_table(const Triangulator& triangulate, const ProjectionMatrices& matrices) {
+/// Sets `middle` and `half` to the coordinates at the ends of the depth range, in the field.
+void set_interval(LensPolynomial& polynomial, const Eigen::Vector3d& ray, DepthRange depths,
+                  const Scanner& scanner, Axis axis) {
+  constexpr double shortest = 10, longest = 1e5;  // mm, of a range without ends
+  const auto coordinate_at = [&](double depth) {
+    const Eigen::Vector3d point = in_projector_frame(scanner, depth * ray);
+    const double y =
+        coordinate_along(axis, project(scanner.projector, point), scanner.projector.size);
+    return point.z() > 0 && std::isfinite(y) ? std::clamp(y, -0.02, 1.02) : 0.5;
+  };
+  const double first = coordinate_at(std::max(depths.nearest, shortest));
+  const double last = coordinate_at(std::min(depths.farthest, longest));
+  polynomial.middle = static_cast<float>((first + last) / 2);
+  polynomial.half = static_cast<float>(std::max(std::abs(first - last) / 2, 1e-3));
+}
+
+/// Of each pixel, by the points that the reference finds at the nodes; NaN if it finds none.
+Image<LensPolynomial> lens_table(const Triangulator& triangulate,
+                                 const ProjectionMatrices& matrices, DepthRange depths) {
   const std::array<double, nodes> places = node_places();
-  Eigen::Matrix4d powers;
+  using Square = Eigen::Matrix<double, nodes, nodes>;
+  Square powers;
   for (int j = 0; j < nodes; ++j) {
     for (int k = 0; k < nodes; ++k) powers(j, k) = std::pow(places[j], k);
   }
-  const Eigen::Matrix4d solve = powers.inverse();
+  const Square solve = powers.inverse();
 
-  Image<LensCubic> table(triangulate.scanner().camera.size);
+  const Scanner& scanner = triangulate.scanner();
+  Image<LensPolynomial> table(scanner.camera.size);
   for_each_pixel(table.size(), [&](int column, int row) {
-    Eigen::Vector4d shift;
+    LensPolynomial& entry = table(column, row);
+    const Eigen::Vector3d ray = ray_through(scanner.camera, {column, row});
+    set_interval(entry, ray, depths, scanner, triangulate.axis());
+
+    Eigen::Vector<double, nodes> shift;
     for (int j = 0; j < nodes; ++j) {
-      const Eigen::Vector4d point = triangulate(column, row, places[j]).homogeneous();
+      const double y = entry.middle + entry.half * places[j];
+      const Eigen::Vector4d point = triangulate(column, row, y).homogeneous();
       const double undistorted =
           matrices.projector_coordinate.dot(point) / matrices.projector_depth.dot(point);
-      shift[j] = undistorted - places[j];
+      shift[j] = undistorted - y;
     }
-    const Eigen::Vector4d cubic = solve * shift;
-    for (int k = 0; k < nodes; ++k) table(column, row)[k] = static_cast<float>(cubic[k]);
+    const Eigen::Vector<double, nodes> polynomial = solve * shift;
+    for (int k = 0; k < nodes; ++k) entry.c[k] = static_cast<float>(polynomial[k]);
   });
   return table;
 }
@@ -89,13 +120,34 @@ struct TableEngine::Tables {
         depths(depth_range(of)),
         least_coordinate(-0.5 / projector_length(of)) {
     const Lens& projector = of.scanner.projector;
-    if (!projector.distortion.is_zero()) lens = lens_table(triangulate, matrices);
+    if (!projector.distortion.is_zero()) lens = lens_table(triangulate, matrices, depths);
 
     // Inside this margin of the field, a lens that shifts by less cannot put a point outside it.
     const Axis other = across(of.sequence.axis);
     const double length = length_along(other, projector.size);
     safe_margin = of.settings.field_margin - 2 * largest_shift(projector, other) - 1 / length;
     across_coordinate = projection_matrices(of.scanner, other).projector_coordinate;
+  }
+
+  [[nodiscard]] Eigen::Vector3d point(int column, int row, double y) const {
+    return forms(column, row)(lens.empty() ? y : y + lens(column, row)(y));
+  }
+
+  /// Whether the lens table gives the reference's points, compared between the nodes over the
+  /// picture: to a millionth of their depth, wherever they are in the depth range.
+  [[nodiscard]] bool is_exact() const {
+    constexpr int pixels = 16, coordinates = 24;
+    const Size size = forms.size();
+    for (int i = 0; i < pixels * pixels * coordinates; ++i) {
+      const int column = (i % pixels) * (size.width - 1) / (pixels - 1);
+      const int row = (i / pixels % pixels) * (size.height - 1) / (pixels - 1);
+      const double y = (i / (pixels * pixels) + 0.5) / coordinates;
+      const Eigen::Vector3d exact = triangulate(column, row, y);
+      if (!(exact.z() > depths.nearest && exact.z() < depths.farthest)) continue;
+      if (!is_surely_valid(exact)) continue;
+      if (!((point(column, row, y) - exact).norm() < 2e-6 * exact.z())) return false;
+    }
+    return true;
   }
 
   /// Whether the point is valid for certain; others are judged by `validity_of`. The place across
@@ -115,7 +167,7 @@ struct TableEngine::Tables {
   Triangulator triangulate;
   ProjectionMatrices matrices;
   Image<PointForm3> forms;
-  Image<LensCubic> lens;  ///< empty without distortion
+  Image<LensPolynomial> lens;  ///< empty without distortion
   DepthRange depths;
   double least_coordinate;  ///< left edge of the field's first pixel
   double safe_margin = 0;
@@ -144,8 +196,10 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
   }
 
   const auto correction = corrections.find(run->steps);
-  return TableEngine(std::make_shared<Tables>(
-      setup, *run, correction == corrections.end() ? nullptr : &correction->second));
+  auto tables = std::make_shared<Tables>(
+      setup, *run, correction == corrections.end() ? nullptr : &correction->second);
+  if (!tables->is_exact()) return refuse("a projector lens that no short polynomial describes");
+  return TableEngine(std::move(tables));
 }
 
 bool TableEngine::takes(const FrameViews& frames, const Outputs& outputs) {
@@ -200,7 +254,7 @@ void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs
     std::array<const std::uint8_t*, N> rows;
     for (int n = 0; n < N; ++n) rows[n] = frames[n].row(row);
     const PointForm3* const forms = tables.forms.row(row);
-    const LensCubic* const lens = tables.lens.empty() ? nullptr : tables.lens.row(row);
+    const LensPolynomial* const lens = tables.lens.empty() ? nullptr : tables.lens.row(row);
 
     for (int column = 0; column < size.width; ++column) {
       // 1. U and V, integers: (2.4)-(2.9), (2.16)-(2.18).
@@ -232,7 +286,7 @@ void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs
                                                                        : Validity::valid;
       Eigen::Vector3d point = Eigen::Vector3d::Constant(invalid);
       if (validity == Validity::valid) {
-        point = forms[column](lens == nullptr ? y : y + at(lens[column], y));
+        point = forms[column](lens == nullptr ? y : y + lens[column](y));
         if (!tables.is_surely_valid(point)) {
           point = tables.triangulate(column, row, y);
           validity = validity_of(y, point, tables.setup);

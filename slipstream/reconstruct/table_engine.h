@@ -14,14 +14,15 @@ namespace slipstream {
 /// The published system (Liu 2010, Chapter 2), pixel by pixel: sums of 8-bit intensities, Eqs.
 /// (2.4)-(2.9) and (2.16)-(2.18), are looked up in MLUT and PLUT, and the coordinate becomes a
 /// point by the third form, Eqs. (2.29)-(2.31), whose coefficients are in a table. Beyond print, a
-/// table corrects the projector's lens: for each pixel, a cubic in the coordinate.
+/// table corrects the projector's lens: for each pixel, a polynomial in the coordinate.
 ///
-/// Validity, depth range and results are the ReferenceEngine's, points to a thousandth of a
-/// millimetre with lenses of a few per cent of distortion. Thread-safe.
+/// Validity, depth range and results are the ReferenceEngine's, points to two millionths of their
+/// depth. Thread-safe.
 class TableEngine {
  public:
   /// nullopt, with the reason, unless the patterns are N = 3, 4 or 6 steps of one period from
-  /// phase 0, decoded by tables. `corrections` are those of the engine.
+  /// phase 0, decoded by tables, and the lens table is that exact. `corrections` are those of the
+  /// engine.
   static std::optional<TableEngine> make(const EngineSetup& setup,
                                          const PhaseCorrections& corrections, std::string* why_not);
 

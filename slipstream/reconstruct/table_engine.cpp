@@ -17,10 +17,10 @@
 namespace slipstream {
 namespace {
 
-constexpr int nodes = 6;
+constexpr int nodes = 8;
 
 /// The undistorted projector coordinate minus y, where y is in the depth range of the pixel: a
-/// polynomial c_0 + c_1 u + ... + c_5 u^5 of u = (y - middle) / half, in [-1, 1].
+/// polynomial c_0 + c_1 u + ... + c_7 u^7 of u = (y - middle) / half, in [-1, 1].
 struct LensPolynomial {
   float middle = 0.5F, half = 0.5F;
   std::array<float, nodes> c{};
@@ -134,7 +134,7 @@ struct TableEngine::Tables {
   }
 
   /// Whether the lens table gives the reference's points, compared between the nodes over the
-  /// picture: to a millionth of their depth, wherever they are in the depth range.
+  /// picture: to a hundred-thousandth of their depth, wherever they are in the depth range.
   [[nodiscard]] bool is_exact() const {
     constexpr int pixels = 16, coordinates = 24;
     const Size size = forms.size();
@@ -145,7 +145,7 @@ struct TableEngine::Tables {
       const Eigen::Vector3d exact = triangulate(column, row, y);
       if (!(exact.z() > depths.nearest && exact.z() < depths.farthest)) continue;
       if (!is_surely_valid(exact)) continue;
-      if (!((point(column, row, y) - exact).norm() < 2e-6 * exact.z())) return false;
+      if (!((point(column, row, y) - exact).norm() < 1e-5 * exact.z())) return false;
     }
     return true;
   }

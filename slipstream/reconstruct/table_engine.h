@@ -16,8 +16,8 @@ namespace slipstream {
 /// point by the third form, Eqs. (2.29)-(2.31), whose coefficients are in a table. Beyond print, a
 /// table corrects the projector's lens: for each pixel, a polynomial in the coordinate.
 ///
-/// Validity, depth range and results are the ReferenceEngine's, points to two millionths of their
-/// depth. Thread-safe.
+/// Validity, depth range and results are the ReferenceEngine's, points to a hundred-thousandth of
+/// their depth. Thread-safe.
 class TableEngine {
  public:
   /// nullopt, with the reason, unless the patterns are N = 3, 4 or 6 steps of one period from

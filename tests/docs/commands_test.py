@@ -51,7 +51,7 @@ def display(tmp_path_factory):
     log = tmp_path_factory.mktemp("display") / "log"
     with log.open("w") as errors:
         server = subprocess.Popen(
-            ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
+            ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"],
             stdout=subprocess.PIPE, stderr=errors, text=True)
     yield f":{server.stdout.readline().strip()}"
     server.terminate()

@@ -216,7 +216,7 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
   const EngineKind kind = tables_->engine_for(frames);
   memory_->unquantised = tables_->fused && !frames.quantised();
   if (kind == EngineKind::reference) {
-    if (tables_->table_engine && TableEngine::takes(frames, outputs)) {
+    if (tables_->table_engine && TableEngine::takes(frames)) {
       return (*tables_->table_engine)(frames, outputs);
     }
     return tables_->reference().run(frames, outputs);
@@ -301,7 +301,7 @@ std::string Engine::backend_for(const FrameViews& frames) {
   if (setup().settings.own_engine) return setup().settings.own_engine->name;
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) {
-    const bool by_tables = tables_->table_engine && TableEngine::takes(frames, {});
+    const bool by_tables = tables_->table_engine && TableEngine::takes(frames);
     return by_tables ? std::string(name_of(PhaseMethod::tables))
                      : tables_->reference().method_for(frames);
   }

@@ -19,18 +19,30 @@ namespace {
 
 constexpr int nodes = 8;
 
-/// The undistorted projector coordinate minus y, where y is in the depth range of the pixel: a
-/// polynomial c_0 + c_1 u + ... + c_7 u^7 of u = (y - middle) / half, in [-1, 1].
-struct LensPolynomial {
-  float middle = 0.5F, half = 0.5F;
-  std::array<float, nodes> c{};
+/// For some pixels of a row, the undistorted projector coordinate minus y: a polynomial c_0 + c_1 u
+/// +
+/// ... + c_7 u^7 of u = scale (y - middle), in [-1, 1], where nothing is fitted outside. Along the
+/// row, each c_k is a polynomial too: of the column from the first one on.
+struct LensSegment {
+  static constexpr int pixels = 16;
 
-  [[nodiscard]] double operator()(double y) const {
-    const double u = (y - middle) / half;
-    double sum = c[nodes - 1];
-    for (int k = nodes - 2; k >= 0; --k) sum = sum * u + c[k];
-    return sum;
-  }
+  float middle = 0, scale = 1;
+  std::array<std::array<float, 3>, nodes> c{};
+};
+
+/// The coefficients of the third form, (2.29)-(2.31), at each pixel. F_x and F_y are 0, as points
+/// are in the camera's frame.
+struct FormTable {
+  Image<float> M_z, N_z, C, E_x, E_y;
+};
+
+/// A row of a projection matrix.
+using Weights = Eigen::Matrix<float, 1, 4>;
+
+/// Modulation and phase that belong to U and V, side by side: one place in memory for both.
+struct LookedUp {
+  float modulation;  ///< MLUT: (2.4), (2.7), (2.10)
+  float phase;       ///< PLUT: (2.16)-(2.18)
 };
 
 /// Zeros of the Chebyshev polynomial of that degree, in [-1, 1].
@@ -42,52 +54,127 @@ std::array<double, nodes> node_places() {
   return places;
 }
 
-/// Sets `middle` and `half` to the coordinates at the ends of the depth range, in the field.
-void set_interval(LensPolynomial& polynomial, const Eigen::Vector3d& ray, DepthRange depths,
-                  const Scanner& scanner, Axis axis) {
-  constexpr double shortest = 10, longest = 1e5;  // mm, of a range without ends
-  const auto coordinate_at = [&](double depth) {
+/// The coordinates that the ray meets within the depth range and the field: least and largest.
+std::pair<double, double> coordinates_on(const Eigen::Vector3d& ray, DepthRange depths,
+                                         const Scanner& scanner, Axis axis) {
+  constexpr double shortest = 10, longest = 2e4;  // mm, of a range without ends
+  constexpr double past_field = 0.02, narrowest = 2e-3;
+  constexpr int samples = 32;
+  const double nearest = std::max(depths.nearest, shortest);
+  const double farthest = std::min(depths.farthest, longest);
+
+  double least = 1 + past_field, most = -past_field;
+  for (int i = 0; i <= samples; ++i) {
+    const double depth = nearest * std::pow(farthest / nearest, 1.0 * i / samples);
     const Eigen::Vector3d point = in_projector_frame(scanner, depth * ray);
     const double y =
         coordinate_along(axis, project(scanner.projector, point), scanner.projector.size);
-    return point.z() > 0 && std::isfinite(y) ? std::clamp(y, -0.02, 1.02) : 0.5;
-  };
-  const double first = coordinate_at(std::max(depths.nearest, shortest));
-  const double last = coordinate_at(std::min(depths.farthest, longest));
-  polynomial.middle = static_cast<float>((first + last) / 2);
-  polynomial.half = static_cast<float>(std::max(std::abs(first - last) / 2, 1e-3));
+    if (!(point.z() > 0 && std::isfinite(y))) continue;
+    const double held = std::clamp(y, -past_field, 1 + past_field);
+    least = std::min(least, held);
+    most = std::max(most, held);
+  }
+  return {least, std::max(most, least + narrowest)};
 }
 
-/// Of each pixel, by the points that the reference finds at the nodes; NaN if it finds none.
-Image<LensPolynomial> lens_table(const Triangulator& triangulate,
-                                 const ProjectionMatrices& matrices, DepthRange depths) {
-  const std::array<double, nodes> places = node_places();
+/// The polynomial of a pixel in u, c_0 to c_7, from the points that the reference finds at the
+/// nodes; NaN where it finds none.
+Eigen::Vector<double, nodes> lens_polynomial(const Triangulator& triangulate,
+                                             const ProjectionMatrices& matrices, int column,
+                                             int row, const LensSegment& segment) {
   using Square = Eigen::Matrix<double, nodes, nodes>;
-  Square powers;
-  for (int j = 0; j < nodes; ++j) {
-    for (int k = 0; k < nodes; ++k) powers(j, k) = std::pow(places[j], k);
-  }
-  const Square solve = powers.inverse();
-
-  const Scanner& scanner = triangulate.scanner();
-  Image<LensPolynomial> table(scanner.camera.size);
-  for_each_pixel(table.size(), [&](int column, int row) {
-    LensPolynomial& entry = table(column, row);
-    const Eigen::Vector3d ray = ray_through(scanner.camera, {column, row});
-    set_interval(entry, ray, depths, scanner, triangulate.axis());
-
-    Eigen::Vector<double, nodes> shift;
+  static const std::array<double, nodes> places = node_places();
+  static const Square solve = [] {
+    Square powers;
     for (int j = 0; j < nodes; ++j) {
-      const double y = entry.middle + entry.half * places[j];
-      const Eigen::Vector4d point = triangulate(column, row, y).homogeneous();
-      const double undistorted =
-          matrices.projector_coordinate.dot(point) / matrices.projector_depth.dot(point);
-      shift[j] = undistorted - y;
+      for (int k = 0; k < nodes; ++k) powers(j, k) = std::pow(places[j], k);
     }
-    const Eigen::Vector<double, nodes> polynomial = solve * shift;
-    for (int k = 0; k < nodes; ++k) entry.c[k] = static_cast<float>(polynomial[k]);
+    return Square(powers.inverse());
+  }();
+
+  Eigen::Vector<double, nodes> shift;
+  for (int j = 0; j < nodes; ++j) {
+    const double y = segment.middle + places[j] / segment.scale;
+    const Eigen::Vector4d point = triangulate(column, row, y).homogeneous();
+    const double undistorted =
+        matrices.projector_coordinate.dot(point) / matrices.projector_depth.dot(point);
+    shift[j] = undistorted - y;
+  }
+  return solve * shift;
+}
+
+/// From its first, middle and last pixel.
+LensSegment lens_segment(const Triangulator& triangulate, const ProjectionMatrices& matrices,
+                         DepthRange depths, int first, int row) {
+  const Scanner& scanner = triangulate.scanner();
+  const int last = std::min(first + LensSegment::pixels, scanner.camera.size.width) - 1;
+  const std::array columns{first, (first + last) / 2, last};
+
+  // 1. The coordinates of all three.
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const int column : columns) {
+    const Eigen::Vector3d ray = ray_through(scanner.camera, {column, row});
+    const auto [from, to] = coordinates_on(ray, depths, scanner, triangulate.axis());
+    least = std::min(least, from);
+    most = std::max(most, to);
+  }
+  LensSegment segment{.middle = static_cast<float>((least + most) / 2),
+                      .scale = static_cast<float>(2 / (most - least))};
+
+  // 2. A parabola through the coefficients of all three; the last segment may have fewer pixels.
+  Eigen::Matrix3d powers;
+  Eigen::Matrix<double, 3, nodes> values;
+  for (int i = 0; i < 3; ++i) {
+    const double t = columns[i] - first;
+    powers.row(i) << 1, t, t * t;
+    values.row(i) = lens_polynomial(triangulate, matrices, columns[i], row, segment).transpose();
+  }
+  const Eigen::Matrix<double, 3, nodes> parabolas =
+      powers.completeOrthogonalDecomposition().solve(values);
+  for (int k = 0; k < nodes; ++k) {
+    for (int power = 0; power < 3; ++power) {
+      segment.c[k][power] = static_cast<float>(parabolas(power, k));
+    }
+  }
+  return segment;
+}
+
+Image<LensSegment> lens_table(const Triangulator& triangulate, const ProjectionMatrices& matrices,
+                              DepthRange depths) {
+  const auto [width, height] = triangulate.scanner().camera.size;
+  Image<LensSegment> table({(width + LensSegment::pixels - 1) / LensSegment::pixels, height});
+  for_each_pixel(table.size(), [&](int i, int row) {
+    table(i, row) = lens_segment(triangulate, matrices, depths, i * LensSegment::pixels, row);
   });
   return table;
+}
+
+FormTable form_table(const Lens& camera, const ProjectionMatrices& matrices) {
+  const Image<PointForm3> exact = point_table(undistorted_pixels(camera), matrices, point_form3);
+  const auto part = [&](double PointForm3::*coefficient) {
+    Image<float> plane(exact.size());
+    std::ranges::transform(exact, plane.begin(), [&](const PointForm3& form) {
+      return static_cast<float>(form.*coefficient);
+    });
+    return plane;
+  };
+  return {.M_z = part(&PointForm3::M_z),
+          .N_z = part(&PointForm3::N_z),
+          .C = part(&PointForm3::C),
+          .E_x = part(&PointForm3::E_x),
+          .E_y = part(&PointForm3::E_y)};
+}
+
+/// MLUT and PLUT, from the least U of the least V on.
+std::vector<LookedUp> looked_up(const PhaseTables& tables) {
+  std::vector<LookedUp> both;
+  for (int V = -tables.largest_V(); V <= tables.largest_V(); ++V) {
+    for (int U = -tables.largest_U(); U <= tables.largest_U(); ++U) {
+      both.push_back(
+          {static_cast<float>(tables.mlut(U, V)), static_cast<float>(tables.plut(U, V))});
+    }
+  }
+  return both;
 }
 
 /// Largest shift by the projector's lens across the axis, shares of the field.
@@ -110,69 +197,170 @@ double largest_shift(const Lens& lens, Axis across_axis) {
 
 }  // namespace
 
+/// Pixels of a row that go through the stages together.
+struct TableEngine::Block {
+  static constexpr int pixels = 4 * LensSegment::pixels;
+
+  std::array<int, pixels> entry;  ///< in the table of modulation and phase
+  std::array<float, pixels> mean, modulation, phase, y;
+  std::array<int, pixels> greatest;
+  std::array<float, pixels> X, Y, Z;
+  std::array<int, pixels>
+      is_sure;  ///< 1: the point is valid for certain; others need `validity_of`
+  std::array<Validity, pixels> validity;
+};
+
 struct TableEngine::Tables {
   Tables(const EngineSetup& of, const StepRun& run, const PhaseCorrection* correction)
       : setup(of),
         phases(run.steps, correction),
+        entries(looked_up(phases)),
         triangulate(of.scanner, of.sequence.axis, PointMethod::form3),
-        matrices(projection_matrices(of.scanner, of.sequence.axis)),
-        forms(point_table(undistorted_pixels(of.scanner.camera), matrices, point_form3)),
         depths(depth_range(of)),
         least_coordinate(-0.5 / projector_length(of)) {
     const Lens& projector = of.scanner.projector;
+    const ProjectionMatrices matrices = projection_matrices(of.scanner, of.sequence.axis);
+    forms = form_table(of.scanner.camera, matrices);
     if (!projector.distortion.is_zero()) lens = lens_table(triangulate, matrices, depths);
 
     // Inside this margin of the field, a lens that shifts by less cannot put a point outside it.
     const Axis other = across(of.sequence.axis);
     const double length = length_along(other, projector.size);
-    safe_margin = of.settings.field_margin - 2 * largest_shift(projector, other) - 1 / length;
-    across_coordinate = projection_matrices(of.scanner, other).projector_coordinate;
+    safe_margin = static_cast<float>(of.settings.field_margin -
+                                     2 * largest_shift(projector, other) - 1 / length);
+    across_coordinate = projection_matrices(of.scanner, other).projector_coordinate.cast<float>();
+    projector_depth = matrices.projector_depth.cast<float>();
+    constexpr double rounding = 1e-5;
+    nearest = static_cast<float>(depths.nearest * (1 + rounding));
+    farthest = static_cast<float>(depths.farthest * (1 - rounding));
   }
 
-  [[nodiscard]] Eigen::Vector3d point(int column, int row, double y) const {
-    return forms(column, row)(lens.empty() ? y : y + lens(column, row)(y));
-  }
+  [[nodiscard]] Size size() const { return forms.C.size(); }
 
-  /// Whether the lens table gives the reference's points, compared between the nodes over the
-  /// picture: to a hundred-thousandth of their depth, wherever they are in the depth range.
+  template <int N>
+  void find_phases(const std::array<const std::uint8_t*, N>& rows, int count, Block& block) const;
+  void find_points(int column, int row, int count, Block& block) const;
+
+  /// Whether the points of the tables are the reference's, to a hundred-thousandth of their depth:
+  /// compared over the picture and the field, wherever the tables' are used.
   [[nodiscard]] bool is_exact() const {
     constexpr int pixels = 16, coordinates = 24;
-    const Size size = forms.size();
+    Block block{};
     for (int i = 0; i < pixels * pixels * coordinates; ++i) {
-      const int column = (i % pixels) * (size.width - 1) / (pixels - 1);
-      const int row = (i / pixels % pixels) * (size.height - 1) / (pixels - 1);
+      const int column = (i % pixels) * (size().width - 1) / (pixels - 1);
+      const int row = (i / pixels % pixels) * (size().height - 1) / (pixels - 1);
       const double y = (i / (pixels * pixels) + 0.5) / coordinates;
+      const int first = column / LensSegment::pixels * LensSegment::pixels, at = column - first;
+      block.y.fill(static_cast<float>(y));
+      find_points(first, row, at + 1, block);
+      if (block.is_sure[at] == 0) continue;
       const Eigen::Vector3d exact = triangulate(column, row, y);
-      if (!(exact.z() > depths.nearest && exact.z() < depths.farthest)) continue;
-      if (!is_surely_valid(exact)) continue;
-      if (!((point(column, row, y) - exact).norm() < 1e-5 * exact.z())) return false;
+      const Eigen::Vector3d by_tables(block.X[at], block.Y[at], block.Z[at]);
+      if (!((by_tables - exact).norm() < 1e-5 * exact.z())) return false;
     }
     return true;
   }
 
-  /// Whether the point is valid for certain; others are judged by `validity_of`. The place across
-  /// the axis is a ratio, place / depth; multiplied out, it needs no division.
-  [[nodiscard]] bool is_surely_valid(const Eigen::Vector3d& point) const {
-    const auto along = [&](const Eigen::Matrix<double, 1, 4>& row) {
-      return row[0] * point[0] + row[1] * point[1] + row[2] * point[2] + row[3];
-    };
-    const double depth = along(matrices.projector_depth), place = along(across_coordinate);
-    return point.z() > 0 && depth > 0 && point.z() >= depths.nearest &&
-           point.z() <= depths.farthest && place >= -safe_margin * depth &&
-           place <= (1 + safe_margin) * depth;
-  }
-
   EngineSetup setup;
   PhaseTables phases;
+  std::vector<LookedUp> entries;
   Triangulator triangulate;
-  ProjectionMatrices matrices;
-  Image<PointForm3> forms;
-  Image<LensPolynomial> lens;  ///< empty without distortion
+  FormTable forms;
+  Image<LensSegment> lens;  ///< empty without distortion
   DepthRange depths;
   double least_coordinate;  ///< left edge of the field's first pixel
-  double safe_margin = 0;
-  Eigen::Matrix<double, 1, 4> across_coordinate;
+  float safe_margin = 0, nearest = 0, farthest = 0;
+  Weights across_coordinate, projector_depth;
 };
+
+/// The first two stages: intensities to modulation and phase.
+template <int N>
+void TableEngine::Tables::find_phases(const std::array<const std::uint8_t*, N>& rows, int count,
+                                      Block& block) const {
+  const ClosedForm form = phases.form();
+  const int stride = 2 * phases.largest_U() + 1;
+  const LookedUp* const at_zero = &entries[entries.size() / 2];
+  const auto end = static_cast<float>(1 + least_coordinate);
+  constexpr auto turn = static_cast<float>(1 / two_pi);
+
+  for (int i = 0; i < count; ++i) {
+    std::array<int, N> I;
+    for (int n = 0; n < N; ++n) I[n] = rows[n][i];
+    const auto [U, V] = table_index<int>(form, std::span<const int>(I));
+    block.entry[i] = V * stride + U;
+    block.mean[i] = static_cast<float>(std::accumulate(I.begin(), I.end(), 0)) / float{N};
+    block.greatest[i] = *std::ranges::max_element(I);
+  }
+
+  // Look-ups apart from the sums, so that several wait for memory at once.
+  for (int i = 0; i < count; ++i) {
+    const LookedUp entry = at_zero[block.entry[i]];
+    block.modulation[i] = entry.modulation;
+    block.phase[i] = entry.phase;
+  }
+
+  // The coordinate of one period across the field.
+  for (int i = 0; i < count; ++i) {
+    const float y = block.phase[i] * turn;
+    block.y[i] = y - static_cast<float>(y >= end);
+  }
+}
+
+/// The third stage: coordinates to points by the third form, after the projector's lens. `column`
+/// is the first of a segment.
+void TableEngine::Tables::find_points(int column, int row, int count, Block& block) const {
+  // Results go into arrays of their own, which the compiler knows to be apart from the tables: it
+  // vectorises.
+  std::array<float, Block::pixels> X, Y, Z, y = block.y;
+  std::array<int, Block::pixels> is_sure;
+  is_sure.fill(1);
+
+  // 1. Undistorted coordinates.
+  for (int first = 0; first < count && !lens.empty(); first += LensSegment::pixels) {
+    const auto& [middle, scale, c] = lens((column + first) / LensSegment::pixels, row);
+    for (int i = 0; i < LensSegment::pixels; ++i) {
+      const auto t = static_cast<float>(i);
+      const float u = (y[first + i] - middle) * scale;
+      float shift = c[nodes - 1][0] + t * (c[nodes - 1][1] + t * c[nodes - 1][2]);
+      for (int k = nodes - 2; k >= 0; --k) {
+        shift = shift * u + c[k][0] + t * (c[k][1] + t * c[k][2]);
+      }
+      y[first + i] += shift;
+      is_sure[first + i] = std::abs(u) <= 1;
+    }
+  }
+
+  // 2. Points.
+  const auto from = [&](const Image<float>& plane) { return plane.row(row) + column; };
+  const float *const M_z = from(forms.M_z), *const N_z = from(forms.N_z), *const C = from(forms.C);
+  const float *const E_x = from(forms.E_x), *const E_y = from(forms.E_y);
+  constexpr float least_divisor = 0.03F;  // of a smaller one, floats hold too few digits
+  for (int i = 0; i < count; ++i) {
+    const float divisor = C[i] * y[i] + 1;  // 0 at infinity
+    Z[i] = M_z[i] + N_z[i] / divisor;       // (2.29)
+    X[i] = E_x[i] * Z[i];                   // (2.30)
+    Y[i] = E_y[i] * Z[i];                   // (2.31)
+    is_sure[i] &= (std::abs(divisor) > least_divisor) & (Z[i] > 0);
+  }
+
+  // 3. Whether they are in range. The place across the axis is a ratio, place / depth; multiplied
+  // out, it needs no division.
+  const Weights depth_of = projector_depth, place_of = across_coordinate;
+  const float margin = safe_margin, least_z = nearest, most_z = farthest;
+  const auto along = [&](const Weights& weights, int i) {
+    return weights[0] * X[i] + weights[1] * Y[i] + weights[2] * Z[i] + weights[3];
+  };
+  for (int i = 0; i < count; ++i) {
+    const float depth = along(depth_of, i), place = along(place_of, i);
+    is_sure[i] &= (Z[i] >= least_z) & (Z[i] <= most_z) & (depth > 0) & (place >= -margin * depth) &
+                  (place <= (1 + margin) * depth);
+  }
+
+  block.X = X;
+  block.Y = Y;
+  block.Z = Z;
+  block.is_sure = is_sure;
+}
 
 std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
                                              const PhaseCorrections& corrections,
@@ -202,11 +390,10 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
   return TableEngine(std::move(tables));
 }
 
-bool TableEngine::takes(const FrameViews& frames, const Outputs& outputs) {
+bool TableEngine::takes(const FrameViews& frames) {
   const bool has_bytes = frames.visit(
       []<class Pixel>(const Frames<Pixel>&) { return std::is_same_v<Pixel, std::uint8_t>; });
-  return has_bytes && !frames.merged() && outputs.depth == nullptr && outputs.depth16 == nullptr &&
-         outputs.points == nullptr;
+  return has_bytes && !frames.merged();
 }
 
 void TableEngine::operator()(const FrameViews& frames, const Outputs& outputs) const {
@@ -225,79 +412,103 @@ void TableEngine::operator()(const FrameViews& frames, const Outputs& outputs) c
   });
 }
 
+/// Gives the outputs the picture's size.
+void TableEngine::prepare(const Outputs& outputs, Size size) {
+  const auto give_size = [&](auto&... images) {
+    ((images.size() == size ? void() : void(images = std::decay_t<decltype(images)>(size))), ...);
+  };
+  if (Cloud* const cloud = outputs.cloud) {
+    give_size(cloud->x, cloud->y, cloud->z, cloud->intensity, cloud->validity);
+  }
+  if (Depth* const depth = outputs.depth) give_size(depth->z, depth->validity);
+  if (outputs.depth16 != nullptr) give_size(*outputs.depth16);
+  if (Maps* const maps = outputs.maps) {
+    give_size(maps->mean, maps->modulation, maps->wrapped_phase, maps->coordinate);
+    maps->fringe_order_doubt = {};
+  }
+  if (outputs.modulation != nullptr) give_size(*outputs.modulation);
+}
+
+void TableEngine::write_phases(const Block& block, int column, int row, int count,
+                               const Outputs& outputs) {
+  const auto write = [&](const std::array<float, Block::pixels>& from, Image<float>& to) {
+    std::copy_n(from.begin(), count, to.row(row) + column);
+  };
+  if (outputs.modulation != nullptr) write(block.modulation, *outputs.modulation);
+  if (Maps* const maps = outputs.maps) {
+    write(block.mean, maps->mean);
+    write(block.modulation, maps->modulation);
+    write(block.phase, maps->wrapped_phase);
+    write(block.y, maps->coordinate);
+  }
+}
+
+void TableEngine::write_points(const Block& block, int column, int row, int count,
+                               const Outputs& outputs) {
+  const auto write = [&](const auto& from, auto& to) {
+    std::copy_n(from.begin(), count, to.row(row) + column);
+  };
+  if (Cloud* const cloud = outputs.cloud) {
+    write(block.X, cloud->x);
+    write(block.Y, cloud->y);
+    write(block.Z, cloud->z);
+    write(block.mean, cloud->intensity);
+    write(block.validity, cloud->validity);
+  }
+  if (Depth* const depth = outputs.depth) {
+    write(block.Z, depth->z);
+    write(block.validity, depth->validity);
+  }
+  if (outputs.depth16 != nullptr) {
+    std::transform(block.Z.begin(), block.Z.begin() + count, outputs.depth16->row(row) + column,
+                   outputs.scale);
+  }
+}
+
+/// Points that the tables do not give for certain are found as by the reference.
+void TableEngine::judge(int column, int row, int count, Block& block) const {
+  const EngineSetup& setup = tables_->setup;
+  const auto least = static_cast<float>(least_modulation(setup.settings, 255));
+  const int saturation = setup.settings.drop_saturated ? 255 : 256;
+
+  for (int i = 0; i < count; ++i) {
+    Validity& validity = block.validity[i];
+    validity = block.modulation[i] < least       ? Validity::too_dark
+               : block.greatest[i] >= saturation ? Validity::saturated
+                                                 : Validity::valid;
+    if (validity == Validity::valid && block.is_sure[i] == 0) {
+      const Eigen::Vector3d point = tables_->triangulate(column + i, row, block.y[i]);
+      validity = validity_of(block.y[i], point, setup);
+      block.X[i] = static_cast<float>(point.x());
+      block.Y[i] = static_cast<float>(point.y());
+      block.Z[i] = static_cast<float>(point.z());
+    }
+    if (validity != Validity::valid) {
+      block.X[i] = block.Y[i] = block.Z[i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+}
+
 template <int N>
 void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs) const {
   const Tables& tables = *tables_;
-  const Size size = tables.forms.size();
-  const ClosedForm& form = tables.phases.form();
-  const double least = least_modulation(tables.setup.settings, 255);
-  const int saturation = tables.setup.settings.drop_saturated ? 255 : 256;
-  constexpr float invalid = std::numeric_limits<float>::quiet_NaN();
-
-  const auto prepare = [&](auto& image) {
-    if (image.size() != size) image = std::decay_t<decltype(image)>(size);
-  };
-  Cloud* const cloud = outputs.cloud;
-  Maps* const maps = outputs.maps;
-  if (cloud != nullptr) {
-    prepare(cloud->x), prepare(cloud->y), prepare(cloud->z);
-    prepare(cloud->intensity), prepare(cloud->validity);
-  }
-  if (maps != nullptr) {
-    prepare(maps->mean), prepare(maps->modulation);
-    prepare(maps->wrapped_phase), prepare(maps->coordinate);
-    maps->fringe_order_doubt = {};
-  }
-  if (outputs.modulation != nullptr) prepare(*outputs.modulation);
+  const Size size = tables.size();
+  prepare(outputs, size);
 
   for_each_row(size.height, [&](int row) {
-    std::array<const std::uint8_t*, N> rows;
-    for (int n = 0; n < N; ++n) rows[n] = frames[n].row(row);
-    const PointForm3* const forms = tables.forms.row(row);
-    const LensPolynomial* const lens = tables.lens.empty() ? nullptr : tables.lens.row(row);
+    Block block{};
+    for (int column = 0; column < size.width; column += Block::pixels) {
+      const int count = std::min(Block::pixels, size.width - column);
+      std::array<const std::uint8_t*, N> rows;
+      for (int n = 0; n < N; ++n) rows[n] = frames[n].row(row) + column;
 
-    for (int column = 0; column < size.width; ++column) {
-      // 1. U and V, integers: (2.4)-(2.9), (2.16)-(2.18).
-      std::array<int, N> I;
-      for (int n = 0; n < N; ++n) I[n] = rows[n][column];
-      const auto [U, V] = table_index<int>(form, std::span<const int>(I));
-      const double mean = std::accumulate(I.begin(), I.end(), 0) / double{N};
+      tables.find_phases<N>(rows, count, block);
+      write_phases(block, column, row, count, outputs);
+      if (!outputs.makes_points()) continue;
 
-      // 2. Modulation and phase, looked up; the coordinate of one period across the field.
-      const double B = tables.phases.mlut(U, V);
-      const double phi = tables.phases.plut(U, V);
-      double y = phi / two_pi;
-      if (y >= 1 + tables.least_coordinate) y -= 1;
-
-      if (outputs.modulation != nullptr) {
-        (*outputs.modulation)(column, row) = static_cast<float>(B);
-      }
-      if (maps != nullptr) {
-        maps->mean(column, row) = static_cast<float>(mean);
-        maps->modulation(column, row) = static_cast<float>(B);
-        maps->wrapped_phase(column, row) = static_cast<float>(phi);
-        maps->coordinate(column, row) = static_cast<float>(y);
-      }
-      if (cloud == nullptr) continue;
-
-      // 3. The point by the third form, (2.29)-(2.31), after the projector's lens.
-      Validity validity = B < least                                    ? Validity::too_dark
-                          : *std::ranges::max_element(I) >= saturation ? Validity::saturated
-                                                                       : Validity::valid;
-      Eigen::Vector3d point = Eigen::Vector3d::Constant(invalid);
-      if (validity == Validity::valid) {
-        point = forms[column](lens == nullptr ? y : y + lens[column](y));
-        if (!tables.is_surely_valid(point)) {
-          point = tables.triangulate(column, row, y);
-          validity = validity_of(y, point, tables.setup);
-        }
-      }
-      const bool is_point = validity == Validity::valid;
-      cloud->x(column, row) = is_point ? static_cast<float>(point.x()) : invalid;
-      cloud->y(column, row) = is_point ? static_cast<float>(point.y()) : invalid;
-      cloud->z(column, row) = is_point ? static_cast<float>(point.z()) : invalid;
-      cloud->intensity(column, row) = static_cast<float>(mean);
-      cloud->validity(column, row) = validity;
+      tables.find_points(column, row, count, block);
+      judge(column, row, count, block);
+      write_points(block, column, row, count, outputs);
     }
   });
 }

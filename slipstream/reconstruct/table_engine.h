@@ -26,19 +26,27 @@ class TableEngine {
   static std::optional<TableEngine> make(const EngineSetup& setup,
                                          const PhaseCorrections& corrections, std::string* why_not);
 
-  /// Whether it computes these outputs from such frames: 8 bits; cloud, maps and modulation.
-  [[nodiscard]] static bool takes(const FrameViews& frames, const Outputs& outputs);
+  /// Whether the tables have entries for all values of such frames, 8 bits.
+  [[nodiscard]] static bool takes(const FrameViews& frames);
 
-  /// Throws Error if the frames have not the camera's size or number.
+  /// Computes all outputs but packed points. Throws Error if the frames have not the camera's size
+  /// or number.
   void operator()(const FrameViews& frames, const Outputs& outputs) const;
 
  private:
+  struct Block;
   struct Tables;
 
   explicit TableEngine(std::shared_ptr<const Tables> tables) : tables_(std::move(tables)) {}
 
   template <int N>
   void run(const Frames<std::uint8_t>& frames, const Outputs& outputs) const;
+  static void prepare(const Outputs& outputs, Size size);
+  void judge(int column, int row, int count, Block& block) const;
+  static void write_phases(const Block& block, int column, int row, int count,
+                           const Outputs& outputs);
+  static void write_points(const Block& block, int column, int row, int count,
+                           const Outputs& outputs);
 
   std::shared_ptr<const Tables> tables_;
 };

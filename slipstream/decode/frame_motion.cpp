@@ -6,53 +6,54 @@
 #include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
+namespace {
 
-MotionMeasurement::MotionMeasurement(const Band& window)
-    : N_(static_cast<std::size_t>(window.cycle->steps)),
-      K_(window.mean.size() - N_),
-      cosine_(window.cosine.begin(), window.cosine.end()),
-      sine_(window.sine.begin(), window.sine.end()) {
-  const auto& [first, steps, shifts] = *window.cycle;
-  for (std::size_t n = 0; n < K_; ++n) {
-    const double turn = two_pi * static_cast<double>(n) / steps;
-    const double delta = (shifts.backwards ? -turn : turn) - shifts.origin;
-    cos_delta_.push_back(static_cast<float>(std::cos(delta)));
-    sin_delta_.push_back(static_cast<float>(std::sin(delta)));
-    from_middle_.push_back(static_cast<float>(n) - 0.5F * static_cast<float>(K_ - 1));
+/// Sets the levels of up to a block of pixels of a row, `step` columns apart from `column` on.
+template <class Pixel>
+void take_levels(const Frames<Pixel>& frames, int column, int row, int step, std::size_t count,
+                 MotionLevels& levels) {
+  levels.resize(frames.size() * motion_block_pixels);
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const Pixel* const from = frames[n].row(row) + column;
+    float* const to = &levels[n * motion_block_pixels];
+    for (std::size_t i = 0; i < count; ++i) {
+      to[i] = static_cast<float>(from[i * static_cast<std::size_t>(step)]);
+    }
   }
 }
 
-/// `I(n)`: frame n.
-template <class Intensity>
-MotionMeasurement::PixelMotion MotionMeasurement::motion_at(const Intensity& I) const {
-  float C = 0, S = 0;
-  for (std::size_t n = 0; n < cosine_.size(); ++n) {
-    C += cosine_[n] * I(n);
-    S += sine_[n] * I(n);
+/// Measures every `step`-th pixel of the row, from `first` on, and calls `use(column, pixels,
+/// count)` for each block of them.
+template <class Pixel, class Use>
+void measure_row(const MotionWeights& weights, const Frames<Pixel>& frames, int first, int row,
+                 int step, const Use& use) {
+  thread_local MotionLevels levels;
+  MotionBlock block;
+  const int width = frames.front().width(), reach = step * static_cast<int>(motion_block_pixels);
+  for (int column = first; column < width; column += reach) {
+    const int left = (width - column + step - 1) / step;
+    const std::size_t count = std::min(static_cast<std::size_t>(left), motion_block_pixels);
+    take_levels(frames, column, row, step, count, levels);
+    measure_motion(weights, levels, block);
+    use(column, block, count);
   }
-  const auto N = static_cast<float>(N_);
-  float speed = 0, left = 0, explained = 0;
-  // The phase at which the slope is taken also moves: a second pass uses the speed of the first.
-  for (int pass = 0; pass < 2; ++pass) {
-    float along = 0, length = 0, square = 0;
-    for (std::size_t n = 0; n < K_; ++n) {
-      const float turned = speed * from_middle_[n];
-      const float slope = (C - turned * S) * sin_delta_[n] - (S + turned * C) * cos_delta_[n];
-      const float change = I(n + N_) - I(n);
-      along += change * slope;
-      length += slope * slope;
-      square += change * change;
-    }
-    const float ratio = length > 0 ? along / length : 0;  // 2 sin(N v / 2)
-    speed = 2 / N * std::asin(std::clamp(ratio / 2, -1.0F, 1.0F));
-    explained = ratio * along;
-    left = square - explained;
+}
+
+}  // namespace
+
+MotionMeasurement::MotionMeasurement(const Band& window)
+    : weights_{.cycle = static_cast<std::size_t>(window.cycle->steps),
+               .cosine = {window.cosine.begin(), window.cosine.end()},
+               .sine = {window.sine.begin(), window.sine.end()}} {
+  const auto& [first, steps, shifts] = *window.cycle;
+  const std::size_t K = window.mean.size() - weights_.cycle;
+  for (std::size_t n = 0; n < K; ++n) {
+    const double turn = two_pi * static_cast<double>(n) / steps;
+    const double delta = (shifts.backwards ? -turn : turn) - shifts.origin;
+    weights_.cos_delta.push_back(static_cast<float>(std::cos(delta)));
+    weights_.sin_delta.push_back(static_cast<float>(std::sin(delta)));
+    weights_.from_middle.push_back(static_cast<float>(n) - 0.5F * static_cast<float>(K - 1));
   }
-  const float differences = 2 * static_cast<float>(K_ - 1);  // each is of two frames
-  return {.speed = speed,
-          .unexplained = K_ > 1 ? std::sqrt(std::max(left, 0.0F) / differences) : 0,
-          .modulation = std::hypot(C, S),
-          .evidence = explained};
 }
 
 void MotionMeasurement::operator()(const FrameViews& frames, FrameMotion& motion) const {
@@ -61,11 +62,12 @@ void MotionMeasurement::operator()(const FrameViews& frames, FrameMotion& motion
     if (image->size() != size) *image = Image<float>(size);
   }
   frames.visit([&](const auto& views) {
-    for_each_pixel(size, [&](int column, int row) {
-      const PixelMotion pixel =
-          motion_at([&](std::size_t n) { return static_cast<float>(views[n](column, row)); });
-      motion.speed(column, row) = pixel.speed;
-      motion.unexplained(column, row) = pixel.unexplained;
+    for_each_row(size.height, [&](int row) {
+      measure_row(
+          weights_, views, 0, row, 1, [&](int column, const MotionBlock& block, std::size_t count) {
+            std::copy_n(block.speed.begin(), count, motion.speed.row(row) + column);
+            std::copy_n(block.unexplained.begin(), count, motion.unexplained.row(row) + column);
+          });
     });
   });
 }
@@ -78,13 +80,15 @@ double MotionMeasurement::moving_share(const FrameViews& frames, double least_mo
   double lit = 0, moving = 0;
   frames.visit([&](const auto& views) {
     for (int row = step / 2; row < frames.size().height; row += step) {
-      for (int column = step / 2; column < frames.size().width; column += step) {
-        const PixelMotion pixel =
-            motion_at([&](std::size_t n) { return static_cast<float>(views[n](column, row)); });
-        if (pixel.modulation < least_modulation) continue;
-        ++lit;
-        moving += std::abs(pixel.speed) > least_speed && pixel.evidence > by_noise ? 1 : 0;
-      }
+      measure_row(weights_, views, step / 2, row, step,
+                  [&](int, const MotionBlock& block, std::size_t count) {
+                    for (std::size_t i = 0; i < count; ++i) {
+                      if (block.modulation[i] < least_modulation) continue;
+                      ++lit;
+                      const bool fast = std::abs(block.speed[i]) > least_speed;
+                      moving += fast && block.evidence[i] > by_noise ? 1 : 0;
+                    }
+                  });
     }
   });
   return lit > 0 ? moving / lit : 0;

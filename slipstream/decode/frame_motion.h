@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slipstream/codes/layout.h"
+#include "slipstream/decode/motion_block.h"
 #include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
@@ -36,18 +37,7 @@ class MotionMeasurement {
                                     double noise_variance) const;
 
  private:
-  struct PixelMotion {
-    float speed = 0, unexplained = 0;
-    float modulation = 0;
-    float evidence = 0;  ///< square of the change explained by the speed, grey levels^2
-  };
-  template <class Intensity>
-  PixelMotion motion_at(const Intensity& I) const;
-
-  std::size_t N_, K_;
-  std::vector<float> cosine_, sine_;
-  std::vector<float> cos_delta_, sin_delta_;  ///< of the patterns shown twice
-  std::vector<float> from_middle_;            ///< frames from the window's middle to theirs
+  MotionWeights weights_;
 };
 
 }  // namespace slipstream

@@ -92,8 +92,8 @@ struct LiveSession {
 /// Labels of this strategy, and of common ones that a projector may show instead.
 std::vector<std::string> strategy_labels(const Strategy& given);
 
-/// Whether motion compensation is possible: the patterns are one sinusoid shown repeatedly, and the
-/// fused pass decodes them.
+/// Whether motion compensation is possible: the patterns are one sinusoid, or PCMP's two in the same
+/// frames, shown repeatedly.
 bool takes_motion(const Sequence& sequence);
 
 /// The setup in use. Callable from any thread, like the next three.

@@ -178,7 +178,9 @@ std::vector<std::string> strategy_labels(const Strategy& given) {
 bool takes_motion(const Sequence& sequence) {
   const Layout& layout = sequence.strategy.layout();
   const auto run = step_run(measuring_band(layout));
-  return layout.bands.size() == 1 && !layout.cue && run && run->steps == layout.frames &&
+  const bool is_alone = layout.bands.size() == 1 && !layout.cue;
+  const bool is_multiplexed = sequence.strategy.name() == PhaseChannelMultiplexing::name;
+  return (is_alone || is_multiplexed) && run && run->steps == layout.frames &&
          sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
 }
 

@@ -40,8 +40,8 @@ inline std::vector<Strategy> every_strategy_on_cpu() {
               .steps = 4, .carrier_steps = 3, .periods = {1, 5, 20}, .shifts = elsewhere}};
 }
 
-/// Those of them that also the fused pass leaves to the reference engine.
-inline std::vector<Strategy> every_strategy_by_reference() {
+/// Those of them with a cue in the same frames, whose fringe orders the neighbours confirm.
+inline std::vector<Strategy> every_strategy_with_cue() {
   const Shifts elsewhere{.origin = 2.1, .backwards = true};
   return {PhaseChannelMultiplexing{.steps = 5, .shifts = {0.7, true}}, PeriodCoded{},
           PeriodCoded{.steps = 6, .high = 16, .shifts = elsewhere}};

@@ -83,7 +83,7 @@ std::vector<Strategy> all_strategies() {
                             DualFrequency{.steps = 3, .high = 8},
                             GrayPhase{.steps = 12, .shifts = {std::numbers::pi, true}}};
   for (const auto& more : {every_phase_strategy(), every_strategy_on_cpu(),
-                           every_strategy_by_reference(), every_code()}) {
+                           every_strategy_with_cue(), every_code()}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;
@@ -412,8 +412,9 @@ class BrokenScans : public testing::TestWithParam<Part> {
     print(all);
     const int tellable = all.all.made - all.all.harmless - all.all.listed;
     EXPECT_GE(100 * all.all.caused, 97 * tellable);
-    EXPECT_LE(all.all.wrong, std::max(1, 3 * all.all.made / 1000));  // a tenth may have one
-    EXPECT_LE(1000 * all.bad_hints.size(), 3 * static_cast<std::size_t>(all.hints));
+    // A tenth, or a part of the night, may have one of either.
+    EXPECT_LE(all.all.wrong, std::max(1, 3 * all.all.made / 1000));
+    EXPECT_LE(static_cast<int>(all.bad_hints.size()), std::max(1, 3 * all.hints / 1000));
     all = {};
   }
 };

@@ -47,7 +47,7 @@ TEST(LargePictures, AreLeftInPeace) {
 
 TEST(EveryStrategy, IsLeftInPeace) {
   std::vector<Strategy> all = every_phase_strategy();
-  for (const auto& more : {every_strategy_on_cpu(), every_strategy_by_reference(), every_code()}) {
+  for (const auto& more : {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   for (const char* const scene : {"boxes", "statue"}) {

@@ -127,7 +127,7 @@ class RightTable : public RandomScans {
   static std::vector<Strategy> every_strategy() {
     std::vector<Strategy> all = every_phase_strategy();
     for (const auto& more :
-         {every_strategy_on_cpu(), every_strategy_by_reference(), every_code()}) {
+         {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
       all.insert(all.end(), more.begin(), more.end());
     }
     for (const std::string_view name : strategy_names()) {

@@ -85,7 +85,7 @@ const bool photometry_known =
 
 std::vector<Bytes> scan_yamls() {
   std::vector<Strategy> strategies = every_phase_strategy();
-  for (const auto& more : {every_strategy_on_cpu(), every_strategy_by_reference(), every_code()}) {
+  for (const auto& more : {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
     strategies.insert(strategies.end(), more.begin(), more.end());
   }
   std::vector<Bytes> seeds;

@@ -22,7 +22,9 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 /// A picture in as many rows as VoteBlock would keep, with its margins.
 struct Picture {
   static constexpr Size size{width + 2 * side, 128};
-  Image<float> coordinate{size, nan}, below{size}, above{size};
+  Image<float> coordinate{size, nan};
+  std::array<Image<float>, order_shifts.size()> costs{Image<float>(size), Image<float>(size),
+                                                      Image<float>(size), Image<float>(size)};
   Image<std::int16_t> shift{size};
 
   static PixelPlace in_image(int column, int row) { return {row & 127, column + side}; }
@@ -48,11 +50,13 @@ Picture random_picture(unsigned seed, double certainty) {
       if (column % 17 == 3 && row > 20) periods += 0.4;
       picture.coordinate(c, r) = part(random) < 0.02 ? nan : static_cast<float>(periods / f_h);
       const double towards = certainty * (part(random) - 0.15);
-      picture.below(c, r) = static_cast<float>(certainty * part(random));
-      picture.above(c, r) = static_cast<float>(towards);
-      if (part(random) < 0.02) picture.above(c, r) = std::numeric_limits<float>::infinity();
+      auto& [two_below, below, above, two_above] = picture.costs;
+      below(c, r) = static_cast<float>(certainty * part(random));
+      above(c, r) = static_cast<float>(towards);
+      if (part(random) < 0.02) above(c, r) = std::numeric_limits<float>::infinity();
       // Alike neighbours: totals that are equal, but for rounding.
-      if (row % 16 < 4) picture.below(c, r) = picture.above(c, r) = 1;
+      if (row % 16 < 4) below(c, r) = above(c, r) = 1;
+      two_below(c, r) = two_above(c, r) = 6 + below(c, r);
     }
   }
   return picture;
@@ -81,9 +85,9 @@ struct Field {
   static void foresee(const std::vector<PixelPlace>&) {}
   [[nodiscard]] double against(PixelPlace at, int shift) const {
     const auto [r, c] = Picture::in_image(at.column, at.row);
-    if (shift == 1) return picture.above(c, r);
-    if (shift == -1) return picture.below(c, r);
-    return shift == 0 ? 0 : 3 * std::abs(shift) + picture.below(c, r);
+    if (shift == 0) return 0;
+    if (std::abs(shift) <= 2) return picture.costs[index_of_shift(shift)](c, r);
+    return 3 * std::abs(shift) + picture.costs[index_of_shift(-1)](c, r);
   }
   [[nodiscard]] static bool own_order_costs_least() { return false; }
   [[nodiscard]] int shift(PixelPlace at) const {
@@ -96,13 +100,14 @@ struct Field {
   }
 
   [[nodiscard]] BallotRows rows() const {
-    return {.coordinate = picture.coordinate.row(0) + side,
-            .shift = picture.shift.row(0) + side,
-            .below = picture.below.row(0) + side,
-            .above = picture.above.row(0) + side,
-            .stride = Picture::size.width,
-            .kept_rows = Picture::size.height,
-            .periods = static_cast<float>(f_h)};
+    BallotRows rows{.coordinate = picture.coordinate.row(0) + side,
+                    .shift = picture.shift.row(0) + side,
+                    .stride = Picture::size.width,
+                    .kept_rows = Picture::size.height,
+                    .periods = static_cast<float>(f_h)};
+    for (std::size_t k = 0; k < rows.costs.size(); ++k)
+      rows.costs[k] = picture.costs[k].row(0) + side;
+    return rows;
   }
   void hold_ballots(std::span<ShiftedPixel> pixels, bool restores) {
     if (quick) slipstream::hold_ballots(rows(), pixels, restores);

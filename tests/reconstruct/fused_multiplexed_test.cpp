@@ -1,4 +1,5 @@
-// PCMP through the fused pass: the points, reasons and images of the reference engine.
+// Cues in the frames through the fused pass: the points, reasons and images of the reference
+// engine.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -22,11 +23,32 @@ PhaseChannelMultiplexing pcmp(int steps) {
   return {.steps = steps, .high = {}, .share = {}, .reference = {}};
 }
 
-EngineSetup setup_for_pcmp(const Scanner& scanner, int steps, Axis axis = Axis::x,
-                           const ReconstructSettings& settings = {}) {
-  EngineSetup setup = setup_of(scanner, pcmp(steps), axis, settings);
+EngineSetup setup_of_cue(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                         const ReconstructSettings& settings = {}) {
+  EngineSetup setup = setup_of(scanner, strategy, axis, settings);
   setup.scanner.photometry.ambient = ambient;
   return setup;
+}
+
+EngineSetup setup_for_pcmp(const Scanner& scanner, int steps, Axis axis = Axis::x,
+                           const ReconstructSettings& settings = {}) {
+  return setup_of_cue(scanner, pcmp(steps), axis, settings);
+}
+
+/// With PCMP's sums in integers, by weights that mirror, and by any weights; and pcps, whose cue is
+/// linear in other channels.
+std::vector<Strategy> strategies_with_cue() {
+  std::vector<Strategy> strategies;
+  for (const int steps : {3, 4, 5, 8}) strategies.emplace_back(pcmp(steps));
+  for (const int steps : {3, 4, 5}) {
+    strategies.push_back(Strategy(pcmp(steps)).in_motion(2));
+    strategies.push_back(Strategy(pcmp(steps)).in_motion(3, 1));
+  }
+  for (const int steps : {4, 6, 8}) strategies.emplace_back(PeriodCoded{.steps = steps});
+  const Shifts elsewhere{.origin = 2.1, .backwards = true};
+  strategies.emplace_back(PeriodCoded{.steps = 6, .high = 16, .shifts = elsewhere});
+  strategies.emplace_back(PhaseChannelMultiplexing{.steps = 4, .shifts = elsewhere});
+  return strategies;
 }
 
 /// Photometry at which many pixels are of a wrong order before the neighbours are asked.
@@ -38,14 +60,15 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquations) {
   const OnlyVectorTarget only(GetParam());
   for (const int width : {160, 171}) {
     const Scanner scanner = example_scanner({width, 90});
-    for (const int steps : {3, 4, 5, 8}) {
+    for (const Strategy& strategy : strategies_with_cue()) {
       for (const Photometry& photometry : {Photometry{.ambient = ambient}, noisy}) {
-        SCOPED_TRACE(testing::Message() << steps << " steps, width " << width << ", noise "
-                                        << photometry.noise_variance);
+        SCOPED_TRACE(testing::Message()
+                     << strategy.name() << ", " << strategy.layout().frames << " frames, width "
+                     << width << ", noise " << photometry.noise_variance);
         const Axis axis = width == 160 ? Axis::x : Axis::y;
         const Agreement agreement =
-            agreement_on(setup_for_pcmp(scanner, steps, axis),
-                         statue_frames(scanner, pcmp(steps), axis, photometry));
+            agreement_on(setup_of_cue(scanner, strategy, axis),
+                         statue_frames(scanner, strategy, axis, photometry));
         EXPECT_GT(agreement.points, 2000U);
         EXPECT_LE(agreement.other_validity, 1U);
         EXPECT_LE(agreement.other_intensity, 1U);

@@ -86,7 +86,7 @@ std::vector<Strategy> decoded_strategies() {
 
 std::vector<Strategy> phase_strategies() {
   std::vector<Strategy> strategies = fused_strategies();
-  for (const Strategy& strategy : every_strategy_by_reference()) strategies.push_back(strategy);
+  for (const Strategy& strategy : every_strategy_with_cue()) strategies.push_back(strategy);
   return strategies;
 }
 

@@ -84,8 +84,10 @@ class Ballot {
     if (surface.winding) return undecided;
     const Window implied = implied_shifts();
     const std::ptrdiff_t at = places_[4] + 2;
-    std::array<Choice, 3> choices{Choice{-1, rows_.below[at]}, Choice{},
-                                  Choice{1, rows_.above[at]}};
+    std::array<Choice, choice_count> choices{};
+    for (std::size_t k = 0; k < order_shifts.size(); ++k) {
+      choices[k + 1] = {.shift = order_shifts[k], .against = rows_.costs[k][at]};
+    }
     Cells others = surface.pixels;
     for (Choice& choice : choices) {
       choice.voters = surface.pixels & cells_where([&](std::size_t k) SLIPSTREAM_STEP {
@@ -116,6 +118,7 @@ class Ballot {
     float against = 0;
     Cells voters = 0;
   };
+  static constexpr std::size_t choice_count = order_shifts.size() + 1;  ///< the own order first
 
   [[nodiscard]] HWY_INLINE std::ptrdiff_t place(std::size_t k, int dx, int dy) const {
     return places_[k / per_line + 2 + static_cast<std::size_t>(dy)] +
@@ -212,14 +215,18 @@ class Ballot {
     return hn::Set(LineTag(), static_cast<float>(choice.shift));
   }
 
-  /// Cost of a choice for a vector of pixels; orders must differ by at most one.
+  /// Cost of a choice for a vector of pixels; their orders must be among order_shifts, or their
+  /// own.
   [[nodiscard]] HWY_INLINE LineFloats costs(const Choice& choice, std::size_t k) const {
     const LineTag d;
-    const LineFloats order = hn::Sub(shift(choice), whole_[k]), zero = hn::Zero(d);
-    const LineFloats below = hn::LoadU(d, rows_.below + place(k, 0, 0));
-    const LineFloats above = hn::LoadU(d, rows_.above + place(k, 0, 0));
-    return hn::IfThenElseZero(hn::Ne(order, zero),
-                              hn::IfThenElse(hn::Lt(order, zero), below, above));
+    const LineFloats order = hn::Sub(shift(choice), whole_[k]);
+    LineFloats found = hn::Zero(d);
+    for (std::size_t i = 0; i < order_shifts.size(); ++i) {
+      const LineFloats cost = hn::LoadU(d, rows_.costs[i] + place(k, 0, 0));
+      const auto is_it = hn::Eq(order, hn::Set(d, static_cast<float>(order_shifts[i])));
+      found = hn::IfThenElse(is_it, cost, found);
+    }
+    return found;
   }
   template <class Cost>
   static HWY_INLINE float sum_over(Cells cells, const Cost& cost) {
@@ -231,7 +238,7 @@ class Ballot {
   }
 
   [[nodiscard]] HWY_INLINE int least_cost_shift(Cells surface,
-                                                std::array<Choice, 3>& choices) const {
+                                                std::array<Choice, choice_count>& choices) const {
     const LineTag d;
     const Choice* best = nullptr;
     float least = std::numeric_limits<float>::infinity(), next = least;
@@ -241,7 +248,8 @@ class Ballot {
         continue;
       }
       const Cells far = cells_where([&](std::size_t k) SLIPSTREAM_STEP {
-        return hn::Gt(hn::Abs(hn::Sub(shift(choice), whole_[k])), hn::Set(d, 1.0F));
+        constexpr auto farthest = static_cast<float>(order_shifts.back());
+        return hn::Gt(hn::Abs(hn::Sub(shift(choice), whole_[k])), hn::Set(d, farthest));
       });
       if ((far & surface) != 0) return undecided;
       const float shares = sum_over(surface & ~middle, [&](std::size_t k) SLIPSTREAM_STEP {

@@ -12,18 +12,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-/// For N >= 5 the cue is a sinusoid.
-template <int steps>
-constexpr bool is_circle = steps != 3 && steps != 4;
+/// In place of N, for sums with weights: see CueStage::Sums.
+constexpr int mirrored_weights = 0, any_weights = -1;
 
-/// Sums of a vector of pixels: of the measuring band, and of the cue's channel times N, or the
-/// cue's cosine and sine up to a factor.
+/// Sums of a vector of pixels: of the measuring band, and of the cue's channel, or the cue's cosine
+/// and sine, up to a factor.
 struct CueSums {
   FrameSums high;
   Floats cue, cue_sine;
 };
 
-/// N above 6. Sum and difference of frames n and N - n, of opposite sines, serve both channels.
+/// Sum and difference of frames n and N - n, of opposite sines, serve both channels.
 template <class Pixel>
 HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& cue,
                                     const Pixel* const* frames, std::size_t i) {
@@ -53,7 +52,21 @@ HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& 
   return {{hn::ConvertTo(FloatTag(), sum), greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
 }
 
-/// `steps`: N if its sums are compiled, else 0.
+template <class Pixel>
+HWY_INLINE CueSums any_sums(const SinusoidStage& stage, const CueStage& cue,
+                            const Pixel* const* frames, std::size_t i) {
+  DoubleSums C, S;
+  for (std::size_t n = 0; n < cue.cosines.size(); ++n) {
+    const Ints I = load_pixels(frames[n] + i);
+    C.add(I, cue.cosines[n]);
+    S.add(I, cue.sines[n]);
+  }
+  return {stage.whole.empty() ? general_sums(stage, frames, i)
+                              : whole_sums<Pixel>(stage.whole, frames, i),
+          C.sum(), S.sum()};
+}
+
+/// `steps`: N if its sums are compiled, else one of the constants above.
 template <int steps, class Pixel>
 HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
                             const Pixel* const* frames, std::size_t i) {
@@ -73,8 +86,10 @@ HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
     const Ints U = hn::Sub(hn::ShiftLeft<1>(hn::Add(I(0), I(3))), hn::Add(rising, falling));
     return {closed_form_sums<6>(frames, i), hn::ConvertTo(d, U),
             hn::ConvertTo(d, hn::Sub(rising, falling))};
-  } else {
+  } else if constexpr (steps == mirrored_weights) {
     return two_channel_sums(stage, cue, frames, i);
+  } else {
+    return any_sums(stage, cue, frames, i);
   }
 }
 
@@ -88,15 +103,15 @@ HWY_INLINE Several<count> angles_times(float factor, const Several<count>& S,
   return angles;
 }
 
-/// CueEvidence::coordinate, in periods of the high frequency, from the cue's channel, its sine for
-/// N >= 5, and B_1^c; without light 0 for N = 3 and 4.
-template <int steps, std::size_t count>
+/// CueEvidence::coordinate, in periods of the high frequency, from the cue's channel, its sine on
+/// the circle, and B_1^c; without light 0 unless on the circle.
+template <CueForm form, std::size_t count>
 HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
                                       const Several<count>& channel, Several<count> sine,
                                       const Several<count>& modulation) {
   const FloatTag d;
   Several<count> R, periods;
-  if constexpr (is_circle<steps>) {
+  if constexpr (form == CueForm::circle) {
     const Floats weight = hn::Set(d, cue.sine_weight);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, sine[k]); });
     return angles_times(cue.periods, sine, channel);  // (3.88)
@@ -104,12 +119,12 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
   const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
-        hn::MulSub(channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
+        hn::MulSub(channel[k], hn::Set(d, cue.channel_scale), hn::Set(d, limits.ambient));
     const Floats ratio = quotient(value, hn::Max(modulation[k], least));
     R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
                      one);
   });
-  if constexpr (steps == 3) {
+  if constexpr (form == CueForm::linear) {
     const Floats half = hn::Set(d, 0.5F * cue.periods);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
   } else {
@@ -130,16 +145,16 @@ HWY_INLINE Floats within_a_turn(Floats turn) {
 }
 
 /// CueEvidence::nearest_order.
-template <int steps>
+template <CueForm form>
 HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
   const FloatTag d;
   const Floats k = hn::Round(periods);
-  if constexpr (is_circle<steps>) return k;
+  if constexpr (form == CueForm::circle) return k;
   return hn::Clamp(k, hn::Zero(d), hn::Set(d, cue.periods - 1));
 }
 
 /// Decodes one row. Members are copies, so that no store can alias them.
-template <int steps, class Pixel>
+template <int steps, CueForm form, class Pixel>
 class CueVectors {
  public:
   HWY_INLINE CueVectors(const SinusoidStage& stage, const CueStage& cue, const Pixel* const* frames,
@@ -148,10 +163,10 @@ class CueVectors {
         cue_(cue),
         row_(row),
         all_frames_(frames),
-        saturation_(steps == 0 ? frames : frames_.data(), steps == 0 ? stage.cosines.size() : steps,
-                    row.limits.full_scale),
+        saturation_(has_weights ? frames : frames_.data(),
+                    has_weights ? stage.cosines.size() : steps, row.limits.full_scale),
         in_field_(cue.coordinate) {
-    std::copy_n(frames, steps, frames_.begin());
+    if constexpr (!has_weights) std::copy_n(frames, steps, frames_.begin());
   }
   CueVectors(const CueVectors&) = delete;  // it points into itself
   CueVectors& operator=(const CueVectors&) = delete;
@@ -173,33 +188,33 @@ class CueVectors {
       sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
       modulation[k] = square[k];  // not used unless computed below
-      if (!is_circle<steps> || wants_modulation) {
+      if (!is_circle || wants_modulation) {
         modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
       }
       if (wants_modulation) hn::StoreU(modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
       all_hidden = hn::And(all_hidden, hn::And(cannot_vote(square[k]), is_dark_at(square[k])));
     });
-    if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
+    if (!casts_shade() && !decoding && hn::AllTrue(d, all_hidden)) {
       return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
         store_hidden(i + k * hn::Lanes(d), sum[k], square[k]);
       });
     }
 
     // On the circle, whole turns make no difference.
-    Several<count> turn = corrected_turns<count>(stage_, V, U);
-    if constexpr (!is_circle<steps>) {
+    Several<count> turn = without_shifts<count>(stage_, corrected_turns<count>(stage_, V, U));
+    if constexpr (!is_circle) {
       each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });
     }
     const Several<count> cue_place =
-        cue_periods<steps, count>(cue_, row_.cue_limits, channel, sine, modulation);
+        cue_periods<form, count>(cue_, row_.cue_limits, channel, sine, modulation);
     const bool saturated = saturation_.template among<count>(i);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const std::size_t pixel = i + k * hn::Lanes(d);
       const Floats periods = hn::Sub(cue_place[k], turn[k]);
-      const Floats order = nearest_order<steps>(cue_, periods);
+      const Floats order = nearest_order<form>(cue_, periods);
       const Floats y = coordinate(hn::Add(turn[k], order));
       Floats doubt = hn::Abs(hn::Sub(periods, order));
-      if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
+      if constexpr (!is_circle) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
       store_flags(pixel, square[k], doubt, saturated);
       fetch_ahead(row_.mean + pixel, row_.past_cache);
       store(shown_mean(sum[k], modulation[k], y), row_.mean + pixel, row_.past_cache);
@@ -213,11 +228,16 @@ class CueVectors {
   }
 
  private:
+  static constexpr bool is_circle = form == CueForm::circle;
+  static constexpr bool has_weights = steps == mirrored_weights || steps == any_weights;
+
   /// Whether the cue changes the mean, which is reported without it.
-  static constexpr bool casts_shade = steps == 3;
+  HWY_INLINE bool casts_shade() const {
+    return steps == 3 || (steps == any_weights && cue_.shade != 0);
+  }
 
   HWY_INLINE CueSums at(std::size_t i) const {
-    return cue_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
+    return cue_sums<steps>(stage_, cue_, has_weights ? all_frames_ : frames_.data(), i);
   }
   HWY_INLINE FloatMask cannot_vote(Floats square) const {
     return hn::Lt(square, hn::Set(FloatTag(), row_.cue_limits.voting_square));
@@ -247,17 +267,18 @@ class CueVectors {
   }
 
   HWY_INLINE Floats coordinate(Floats turns) const {
-    if constexpr (is_circle<steps>) return in_field_(turns);
+    if constexpr (is_circle) return in_field_(turns);
     return hn::Mul(turns, hn::Set(FloatTag(), cue_.coordinate.scale));
   }
 
-  /// Mean without the contribution of the 3-step cue.
+  /// Mean without the contribution of a cue in it.
   HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
     const FloatTag d;
-    if constexpr (casts_shade) {
+    if (casts_shade()) {
       const Floats one = hn::Set(d, 1.0F);
+      const float shade = static_cast<float>(stage_.steps) * cue_.shade;
       const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
-      sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, 3 * cue_.shade)), R, sum);
+      sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, shade)), R, sum);
     }
     return hn::Mul(sum, hn::Set(d, row_.limits.mean_scale));
   }
@@ -266,16 +287,16 @@ class CueVectors {
   const CueStage& cue_;
   CueRow row_;
   const Pixel* const* all_frames_;
-  std::array<const Pixel*, std::max(steps, 1)> frames_{};
+  std::array<const Pixel*, std::max(steps, 1)> frames_{};  ///< copies, unless it has weights
   Saturation<Pixel> saturation_;
   FieldPlacer in_field_;
 };
 
-template <int steps, class Pixel>
+template <int steps, CueForm form, class Pixel>
 HWY_INLINE void decode_steps(const SinusoidStage& stage, const CueStage& cue,
                              const Pixel* const* frames, const CueRow& row) {
-  const CueVectors<steps, Pixel> vectors(stage, cue, frames, row);
-  constexpr std::size_t most = is_circle<steps> ? few_at_once : at_once;
+  const CueVectors<steps, form, Pixel> vectors(stage, cue, frames, row);
+  constexpr std::size_t most = form == CueForm::circle ? few_at_once : at_once;
   for_each_group<most>(static_cast<std::size_t>(row.width),
                        [&]<std::size_t count>(Together<count>, std::size_t i)
                            SLIPSTREAM_STEP { vectors.template decode<count>(i); });
@@ -284,11 +305,24 @@ HWY_INLINE void decode_steps(const SinusoidStage& stage, const CueStage& cue,
 template <class Pixel>
 HWY_NOINLINE void decode_cue(const SinusoidStage& stage, const CueStage& cue,
                              const Pixel* const* frames, const CueRow& row) {
-  if (stage.steps == 3) return decode_steps<3>(stage, cue, frames, row);
-  if (stage.steps == 4) return decode_steps<4>(stage, cue, frames, row);
-  if (stage.steps == 5) return decode_steps<5>(stage, cue, frames, row);
-  if (stage.steps == 6) return decode_steps<6>(stage, cue, frames, row);
-  decode_steps<0>(stage, cue, frames, row);
+  using enum CueForm;
+  const auto decode = [&]<int steps, CueForm form>() {
+    decode_steps<steps, form>(stage, cue, frames, row);
+  };
+  if (cue.sums == CueStage::Sums::any) {
+    if (cue.form == circle) return decode.template operator()<any_weights, circle>();
+    if (cue.form == cosine) return decode.template operator()<any_weights, cosine>();
+    return decode.template operator()<any_weights, linear>();
+  }
+  if (cue.sums == CueStage::Sums::mirrored) {
+    return decode.template operator()<mirrored_weights, circle>();
+  }
+  if (cue.form == cosine) return decode.template operator()<4, cosine>();
+  if (cue.form == circle && stage.steps == 5) return decode.template operator()<5, circle>();
+  if (cue.form == circle) return decode.template operator()<6, circle>();
+  if (stage.steps == 3) return decode.template operator()<3, linear>();
+  if (stage.steps == 4) return decode.template operator()<4, linear>();
+  decode.template operator()<6, linear>();
 }
 
 void DecodeCueRow(const SinusoidStage& stage, const CueStage& cue, const FrameRows& frames,

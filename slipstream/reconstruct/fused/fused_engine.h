@@ -44,7 +44,9 @@ class VoteBlock : public KeptRows {
   void prepare(int width);
 
   [[nodiscard]] OrderCosts costs(int row) {
-    return {below_.row(place(row)) + side, above_.row(place(row)) + side};
+    OrderCosts rows;
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = costs_[k].row(place(row)) + side;
+    return rows;
   }
   /// Whether the costs of a pixel, and of the others of its `costed_together`, are up to date.
   [[nodiscard]] std::uint8_t& costs_known(int column, int row) {
@@ -71,7 +73,7 @@ class VoteBlock : public KeptRows {
 
  private:
   Image<std::int16_t> shift_;
-  Image<float> below_, above_;       ///< OrderCosts
+  std::array<Image<float>, order_shifts.size()> costs_;
   Image<std::uint8_t> costs_known_;  ///< one per `costed_together` pixels
 };
 

@@ -161,31 +161,52 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
   if (unwraps_by_depth(setup)) stages.consensus.fewest_neighbours = 0;
 }
 
-/// N if the kernels can find a cue in the frames' channels, else nullopt.
-std::optional<int> cue_steps(const Layout& layout) {
-  const auto run = step_run(layout.bands.front());
-  if (!run || run->first != 0 || run->steps != layout.frames || run->shifts != Shifts{}) {
-    return std::nullopt;
-  }
-  const int N = run->steps;
-  if (!layout.cue) {
-    const bool second = N >= 5 && is_channel(layout.bands[1], {0, N}, 2);
-    return second ? std::optional(N) : std::nullopt;
-  }
-  const auto is_published = [&](int steps, const std::vector<double>& weights,
-                                CueReference::Form form) {
-    return N == steps && layout.cue->weights == weights && layout.cue->reference.form() == form;
+/// How the kernels find a cue in the frames.
+struct CueKind {
+  CueForm form = CueForm::circle;
+  CueStage::Sums sums = CueStage::Sums::any;
+};
+
+/// Whether the kernels have sums of their own for these weights of a cue in N frames.
+bool is_closed(int steps, CueForm form, const std::vector<double>& weights) {
+  const auto are = [&](const std::vector<double>& others) {
+    constexpr double rounding = 1e-9;
+    return std::ranges::equal(weights, others,
+                              [](double a, double b) { return std::abs(a - b) < rounding; });
   };
-  const bool known = is_published(3, mean_weights(3), CueReference::Form::linear) ||
-                     is_published(4, half_phase_weights(), CueReference::Form::cosine);
-  return known ? std::optional(N) : std::nullopt;
+  if (steps == 3) return form == CueForm::linear && are(mean_weights(3));
+  if (steps == 4) return are(half_phase_weights());
+  return steps == 6 && form == CueForm::linear && are(phase_shifted_band(6, 0, 6, 1, 2).cosine);
+}
+
+/// nullopt if they cannot.
+std::optional<CueKind> cue_kind(const Layout& layout) {
+  using enum CueStage::Sums;
+  const Band& high = layout.bands.front();
+  CueKind kind;
+  if (layout.cue) {
+    const CueReference::Form form = layout.cue->reference.form();
+    if (form == CueReference::Form::other) return std::nullopt;
+    kind.form = form == CueReference::Form::cosine ? CueForm::cosine : CueForm::linear;
+  }
+  if (high.cycle) return kind;  // a window has weights
+
+  const std::optional<StepRun> run = step_run(high);
+  if (!run || run->first != 0 || run->steps != layout.frames) return std::nullopt;
+  const int N = run->steps;
+  if (layout.cue && is_closed(N, kind.form, layout.cue->weights)) kind.sums = closed;
+  if (!layout.cue) {
+    if (run->shifts != Shifts{}) return std::nullopt;  // they would also turn the second channel
+    if (N >= 5 && is_channel(layout.bands[1], *run, 2)) kind.sums = N > 6 ? mirrored : closed;
+  }
+  return N > 6 || kind.sums == closed ? std::optional(kind) : std::nullopt;
 }
 
 bool has_fused_cue(const EngineSetup& setup) {
   constexpr double most_periods = 16384;  // shifts in periods are stored in 16 bits
   const Layout& layout = setup.sequence.strategy.layout();
   return setup.settings.cue_rule == CueRule::consensus &&
-         layout.bands.front().periods <= most_periods && cue_steps(layout);
+         layout.bands.front().periods <= most_periods && cue_kind(layout);
 }
 
 /// Why the row kernels cannot be used; an empty string if they can.
@@ -215,25 +236,27 @@ std::string why_not_in_rows(const EngineSetup& setup) {
 }
 
 CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
-  const int N = layout.frames;
+  const CueKind kind = *cue_kind(layout);
   const CueSettings settings = cue_settings(setup);
   const auto& [alpha_p, beta_p] = settings.light;
   const double f_h = layout.bands[0].periods, c1 = layout.bands[0].share;
   const double c2 = layout.cue ? layout.cue->share : layout.bands[1].share;
-  const double dc = needs_ambient_light(layout) ? 1 + 2 * (beta_p + settings.ambient) / alpha_p : 0;
+  const bool is_in_mean = needs_ambient_light(layout);
+  const double dc = is_in_mean ? 1 + 2 * (beta_p + settings.ambient) / alpha_p : 0;
   CueStage stage{CueNumbers{.gain = narrow(c1 / c2),
                             .offset = narrow(dc / c2),
-                            .shade = narrow(c2 / c1),
+                            .shade = is_in_mean ? narrow(c2 / c1) : 0,
                             .periods = narrow(f_h),
-                            .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)}};
+                            .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)},
+                 kind.form, kind.sums};
   stage.coordinate = coordinate_stage(f_h, 1, projector_length(setup));
-  if (N == 5) {
-    stage.sine_weight = narrow(2 * std::sin(two_pi / 5));
-  } else if (N == 6) {
-    stage.sine_weight = narrow(std::sqrt(3));
-  } else if (N > 6) {
-    stage.cosines = layout.bands[1].cosine;
-    stage.sines = layout.bands[1].sine;
+  if (kind.sums != CueStage::Sums::closed) {
+    stage.cosines = layout.cue ? layout.cue->weights : layout.bands[1].cosine;
+    stage.sines = layout.cue ? std::vector<double>(stage.cosines.size()) : layout.bands[1].sine;
+  } else if (kind.form != CueForm::circle) {
+    stage.channel_scale = 1.0F / static_cast<float>(layout.frames);
+  } else {
+    stage.sine_weight = narrow(layout.frames == 5 ? 2 * std::sin(two_pi / 5) : std::sqrt(3));
   }
   return stage;
 }

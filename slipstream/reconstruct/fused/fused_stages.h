@@ -76,11 +76,11 @@ struct FusedStages {
 };
 
 /// Returns nullopt, and sets `why_not` unless it is null, if the fused pass cannot replace the
-/// reference engine: a cue with other weights or another reference than in Eqs. (3.53), (3.68),
-/// (3.83), a rule other than CueRule::consensus, a method of one's own, carriers whose order comes
-/// from elsewhere than the bands, too many sinusoids to compare, no coordinate, a lens whose model
-/// is not invertible over its picture, an image narrower than `least_row_width`, a frequency above
-/// 16384 with a cue, or a field margin above a quarter.
+/// reference engine: a cue with a reference of one's own, with other weights in less than 7 frames
+/// or in a second channel of shifted steps, a rule other than CueRule::consensus, a method of one's
+/// own, carriers whose order comes from elsewhere than the bands, too many sinusoids to compare, no
+/// coordinate, a lens whose model is not invertible over its picture, an image narrower than
+/// `least_row_width`, a frequency above 16384 with a cue, or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections,
                                         std::string* why_not = nullptr);

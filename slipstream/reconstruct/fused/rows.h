@@ -161,12 +161,22 @@ struct CodeStage : CodeNumbers {
 void code_row(const CodeStage& stage, float grey_level, const FrameRows& frames,
               const float* reference, float* contrast, const UnwrappedRow& row);
 
-/// From the cue of PCMP to a coordinate, Liu 2010, Section 3.2: R = 2 y - 1 in the mean for N = 3
-/// (3.53), R = cos(pi y) in the half phase channel for N = 4 (3.68), one period in the second full
-/// phase channel for N >= 5 (3.83).
+/// From a cue to a coordinate, Liu 2010, Section 3.2: R = 2 y - 1 in the mean for N = 3 (3.53), R =
+/// cos(pi y) in the half phase channel for N = 4 (3.68), one period in the second full phase
+/// channel for N >= 5 (3.83); the linear cue of other strategies, and all of these in windows
+/// longer than a cycle.
 struct CueStage : CueNumbers {
-  /// Weights of the second channel, (3.86), (3.85); for N above 6.
+  enum class Sums {
+    closed,    ///< those of N = 3 to 6, in integers
+    mirrored,  ///< by the weights below, of which frames n and N - n have the same up to a sign
+    any,       ///< by any weights
+  };
+
+  CueForm form = CueForm::circle;
+  Sums sums = Sums::closed;
+  /// Weights of the cue's channel, (3.86), (3.85), unless its sums are closed.
   std::vector<double> cosines{}, sines{};
+  float channel_scale = 1;       ///< grey levels per unit of the channel's sum
   float sine_weight = 1;         ///< of the second channel's sine sum relative to its cosine sum
   CoordinateStage coordinate{};  ///< of f_h, within one field
 };
@@ -210,10 +220,14 @@ struct OrderCostStage : OrderCostNumbers {
   std::vector<double> cosines{}, sines{}, cue{}, cue_sine{};
 };
 
-/// Costs of the fringe orders beside a pixel's own, minus its own cost; infinite outside the field.
-struct OrderCosts {
-  float *below = nullptr, *above = nullptr;
-};
+/// Shifts of a pixel's fringe order whose costs votes need often.
+inline constexpr std::array order_shifts{-2, -1, 1, 2};
+constexpr std::size_t index_of_shift(int shift) {
+  return static_cast<std::size_t>(shift < 0 ? shift + 2 : shift + 1);
+}
+
+/// Costs of the shifted orders, minus the cost of the pixel's own; infinite outside the field.
+using OrderCosts = std::array<float*, order_shifts.size()>;
 
 inline constexpr int costed_together = 16;
 
@@ -225,16 +239,16 @@ void order_costs(const OrderCostStage& stage, float to_8_bits, const FrameRows& 
 /// Input of NeighbourhoodVote, in images of one width that keep the last rows, a power of two of
 /// them, with 16 more columns on both sides. Each pointer is to the pixel at row 0, column 0.
 struct BallotRows {
-  const float* coordinate = nullptr;               ///< NaN if invalid or outside the image
-  const std::int16_t* shift = nullptr;             ///< null if all are 0
-  const float *below = nullptr, *above = nullptr;  ///< OrderCosts of the voters
+  const float* coordinate = nullptr;                      ///< NaN if invalid or outside the image
+  const std::int16_t* shift = nullptr;                    ///< null if all are 0
+  std::array<const float*, order_shifts.size()> costs{};  ///< OrderCosts of the voters
   std::ptrdiff_t stride = 0;
   int kept_rows = 1;
   float periods = 12;  ///< f_h
 };
 
-/// NeighbourhoodVote::chosen_shift of each pixel. It stays `undecided` if orders beyond the next
-/// would matter, or rounding or a line of pixels could decide. With `restores`: 0 if
+/// NeighbourhoodVote::chosen_shift of each pixel. It stays `undecided` if orders beyond those of
+/// order_shifts would matter, or rounding or a line of pixels could decide. With `restores`: 0 if
 /// NeighbourhoodVote::has_support, else 1.
 void hold_ballots(const BallotRows& rows, std::span<ShiftedPixel> pixels, bool restores);
 

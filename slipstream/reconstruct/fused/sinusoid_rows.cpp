@@ -94,14 +94,7 @@ HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>
   } else {
     turn = corrected_turns<count>(stage, V, U);
   }
-  if (stage.direction == 1 && stage.offset == 0) return turn;
-  const FloatTag d;
-  const Floats direction = hn::Set(d, stage.direction), offset = hn::Set(d, stage.offset);
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    turn[k] = hn::MulAdd(direction, turn[k], offset);
-    turn[k] = hn::Sub(turn[k], hn::Floor(turn[k]));
-  });
-  return turn;
+  return without_shifts<count>(stage, turn);
 }
 
 /// Decodes vectors from pixel `i` on; `N` as in `turns`.

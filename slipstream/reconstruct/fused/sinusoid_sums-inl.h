@@ -303,6 +303,19 @@ HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<co
   return turn;
 }
 
+/// Turns of steps that begin elsewhere or go backwards to those of the band's phase.
+template <std::size_t count>
+HWY_INLINE Several<count> without_shifts(const SinusoidStage& stage, Several<count> turn) {
+  if (stage.direction == 1 && stage.offset == 0) return turn;
+  const FloatTag d;
+  const Floats direction = hn::Set(d, stage.direction), offset = hn::Set(d, stage.offset);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    turn[k] = hn::MulAdd(direction, turn[k], offset);
+    turn[k] = hn::Sub(turn[k], hn::Floor(turn[k]));
+  });
+  return turn;
+}
+
 /// U^2 + sine_square V^2; V^2 of an integer is exact, the square of its rounded multiple is not.
 HWY_INLINE Floats modulation_square(const SinusoidStage& stage, const FrameSums& sums) {
   const Floats weight = hn::Set(FloatTag(), stage.sine_square);

@@ -67,7 +67,7 @@ struct CodeNumbers {
 struct CueNumbers {
   /// R = gain (channel - ambient) / B_1 - offset, (3.58), (3.74).
   float gain, offset;
-  float shade;    ///< c_2 / c_1: what R adds to the mean, relative to B_1
+  float shade;  ///< what R adds to the mean, relative to B_1: c_2 / c_1 of a cue in the mean, or 0
   float periods;  ///< f_h
   float largest_doubt;
 };

@@ -135,8 +135,11 @@ HWY_INLINE void costs_of(const OrderCostStage& stage, float to_8_bits, const Pix
       return hn::IfThenElse(near_field, cost(place, shift),
                             hn::Set(d, std::numeric_limits<float>::infinity()));
     };
-    hn::StoreU(held(hn::Sub(y, period), -1), d, costs.below + i);
-    hn::StoreU(held(hn::Add(y, period), 1), d, costs.above + i);
+    for (std::size_t k = 0; k < order_shifts.size(); ++k) {
+      const int shift = order_shifts[k];
+      const Floats place = hn::MulAdd(hn::Set(d, static_cast<float>(shift)), period, y);
+      hn::StoreU(held(place, shift), d, costs[k] + i);
+    }
   }
 }
 

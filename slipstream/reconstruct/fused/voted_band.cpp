@@ -60,8 +60,9 @@ class VoteField {
   }
   [[nodiscard]] double against(PixelPlace at, int shift) const {
     if (shift == 0) return 0;
-    if (shift == 1) return block_.costs(at.row).above[at.column];
-    if (shift == -1) return block_.costs(at.row).below[at.column];
+    if (std::abs(shift) <= order_shifts.back()) {
+      return block_.costs(at.row)[index_of_shift(shift)][at.column];
+    }
     const double own = block_.coordinates(at.row)[at.column], y = own + shift / cue_.f_h;
     if (!cue_.exact.near_field(y, cue_.projector_length)) {
       return std::numeric_limits<double>::infinity();
@@ -98,9 +99,10 @@ class VoteField {
   /// The last group of a row overlaps the one before it.
   void find_costs(int column, int row) {
     const int first = std::min(column, block_.width() - costed_together);
+    OrderCosts costs = block_.costs(row);
+    for (float*& of_shift : costs) of_shift += first;
     order_costs(cue_.costs, static_cast<float>(to_8_bits_), band_.frame_rows(row, first),
-                block_.coordinates(row) + first,
-                {block_.costs(row).below + first, block_.costs(row).above + first});
+                block_.coordinates(row) + first, costs);
     block_.costs_known(column, row) = 1;
   }
 
@@ -216,8 +218,7 @@ void VoteBlock::prepare(int width) {
   if (this->width() != width) {
     KeptRows::prepare(width, count);
     shift_ = Image<std::int16_t>(coordinate_.size());
-    below_ = Image<float>(coordinate_.size());
-    above_ = Image<float>(coordinate_.size());
+    for (Image<float>& of_shift : costs_) of_shift = Image<float>(coordinate_.size());
     costs_known_ = Image<std::uint8_t>({width / costed_together + 1, count});
   }
   moved.clear();
@@ -226,10 +227,10 @@ void VoteBlock::prepare(int width) {
 }
 
 BallotRows VoteBlock::ballots(float periods) {
+  const OrderCosts of_shifts = costs(0);
   return {.coordinate = coordinates(0),
           .shift = shifts(0),
-          .below = costs(0).below,
-          .above = costs(0).above,
+          .costs = {of_shifts[0], of_shifts[1], of_shifts[2], of_shifts[3]},
           .stride = coordinate_.width(),
           .kept_rows = coordinate_.height(),
           .periods = periods};

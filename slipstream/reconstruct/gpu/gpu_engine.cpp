@@ -157,7 +157,7 @@ Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
     const auto mean_of = static_cast<float>(output.maps != nullptr ? 1 : 255 / full_scale);
     stages.cue_limits = cue_limits(*engine.fused.stages, engine.fused.settings, full_scale);
     stages.vote.to_8_bits = 1 / level;
-    stages.vote.shade = mean_of * level * stages.cost.cue_share / stages.cost.share;
+    stages.vote.shade = mean_of * level * stages.cue.shade;
   }
   const GpuBand& first = stages.bands.front();
   stages.code.mean_to_frames =

@@ -271,7 +271,7 @@ void finish(int at) {
     if (plane_at.coordinate >= 0) planes[4 * (plane_at.coordinate + fours) + at % 4] = y;
     if (plane_at.doubt >= 0) planes[4 * (plane_at.doubt + fours) + at % 4] = doubt;
   }
-  if (cost.form == linear && plane_at.mean >= 0) {
+  if (vote.shade != 0.0 && plane_at.mean >= 0) {
     planes[4 * (plane_at.mean + fours) + at % 4] -= vote.shade * kept_at(2, at) * reference(y);
   }
   between[place(0, at)] =

@@ -103,7 +103,32 @@ std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
   return triangles;
 }
 
+/// Unit normals summed over 5x5 pixels.
+struct NormalSums {
+  Normals normals;
+  Image<float> count;  ///< how many were summed
+};
+
+NormalSums sums_of_normals(const Cloud& cloud) {
+  NormalSums sums{.normals = surface_normals(cloud), .count = Image<float>(cloud.size())};
+  auto& [normals, count] = sums;
+  std::ranges::transform(normals.z, count.begin(),
+                         [](float z) { return std::isnan(z) ? 0.0F : 1.0F; });
+  for (Image<float>* const part : {&normals.x, &normals.y, &normals.z, &count}) {
+    *part = summed(summed(*part, 1, 0), 0, 1);
+  }
+  return sums;
+}
+
 constexpr float slope_unknown = 0.82F;
+
+/// How far a slope is known, 0 to 1, from the length of the mean of unit normals: almost 1 where
+/// they agree, 0.7 at an edge of a cube, and under a half if noise of depth exceeds the distance
+/// between pixels.
+float certainty_of_slope(float mean_length) {
+  constexpr float unknown = 0.5F, certain = 0.9F;
+  return std::clamp((mean_length - unknown) / (certain - unknown), 0.0F, 1.0F);
+}
 
 /// Shading of a list of points in the camera's frame: that of their picture by a camera that sees
 /// about one point in each pixel.
@@ -160,10 +185,7 @@ Normals surface_normals(const Cloud& cloud) {
 }
 
 Normals smoothed_normals(const Cloud& cloud) {
-  Normals normals = surface_normals(cloud);
-  for (Image<float>* const part : {&normals.x, &normals.y, &normals.z}) {
-    *part = summed(summed(*part, 1, 0), 0, 1);
-  }
+  Normals normals = sums_of_normals(cloud).normals;
   for_each_pixel(cloud.size(), [&](int column, int row) {
     float &x = normals.x(column, row), &y = normals.y(column, row), &z = normals.z(column, row);
     const bool known = cloud.z(column, row) > 0 && z != 0;
@@ -178,12 +200,17 @@ Normals smoothed_normals(const Cloud& cloud) {
 Image<float> shading(const Cloud& cloud) {
   if (cloud.size().height == 1) return shading_of_list(cloud);
   const Eigen::Vector3f light = Eigen::Vector3f(-0.4F, -0.5F, -1.0F).normalized();
-  const auto [x, y, z] = smoothed_normals(cloud);
+  const auto [normals, count] = sums_of_normals(cloud);
   Image<float> brightness(cloud.size(), slope_unknown);
   for_each_pixel(cloud.size(), [&](int column, int row) {
-    const Eigen::Vector3f normal(x(column, row), y(column, row), z(column, row));
-    if (normal.hasNaN()) return;
-    brightness(column, row) = 0.3F + 0.7F * std::max(normal.dot(light), 0.0F);
+    if (!(cloud.z(column, row) > 0) || count(column, row) == 0) return;
+    const Eigen::Vector3f sum(normals.x(column, row), normals.y(column, row),
+                              normals.z(column, row));
+    const float length = std::max(sum.norm(), 1e-6F);
+    const float lit = 0.3F + 0.7F * std::max(sum.dot(light) / length, 0.0F);
+
+    const float certainty = certainty_of_slope(length / count(column, row));
+    brightness(column, row) = slope_unknown + certainty * (lit - slope_unknown);
   });
   return brightness;
 }

@@ -20,8 +20,9 @@ Normals surface_normals(const Cloud& cloud);
 Normals smoothed_normals(const Cloud& cloud);
 
 /// Brightness of each point under a light over the viewer's left shoulder: 0.3 if turned away, 1 if
-/// facing it, in between if the slope is unknown. Uses smoothed_normals, to show the form without
-/// the noise of depth. A cloud of one row is a list of points in the camera's frame.
+/// facing it, in between if the slope is unknown. Uses normals averaged over 5x5 pixels, to show
+/// the form without the noise of depth; where noise turns them every way, the slope counts as
+/// unknown. A cloud of one row is a list of points in the camera's frame.
 Image<float> shading(const Cloud& cloud);
 
 /// A triangle mesh of a cloud's points, in the camera's frame, textured with the camera's picture.

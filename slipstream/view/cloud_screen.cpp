@@ -263,11 +263,13 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
   if (key >= GLFW_KEY_4 && key <= GLFW_KEY_6) {
     requests.viewpoint = static_cast<Viewpoint>(key - GLFW_KEY_4);
   }
+  if (key == GLFW_KEY_7) state_.view.three_views = !state_.view.three_views;
 }
 
 void CloudScreen::answer(const PanelRequests& requests) {
   if (requests.viewpoint) {
     state_.view.camera = looking_from(state_.view.camera, *requests.viewpoint);
+    state_.view.three_views = false;
   }
   if (requests.fit || requests.viewpoint) fit_wanted_ = true;
   if (const auto& asked = requests.set_control) {

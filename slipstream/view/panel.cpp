@@ -187,6 +187,7 @@ void draw_view_settings(PanelState& state, PanelRequests& requests) {
     ImGui::SameLine();
   }
   requests.fit |= ImGui::Button("Fit (F)");
+  ImGui::Checkbox("front, side and top (7)", &view.three_views);
 }
 
 void draw_measuring(PanelState& state) {

@@ -68,6 +68,19 @@ TEST(LiveProgram, records_replays_and_writes_the_last_cloud) {
   EXPECT_EQ(contents(first), contents(second));
 }
 
+TEST(LiveProgram, counts_the_points_of_the_newest_cloud) {
+  const TemporaryFolder folder;
+  const fs::path cloud = folder.path() / "cloud.ply";
+  const ProgramRun run = run_program(with(small, {"--frames", "30", "-o", cloud.string()}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+
+  const std::string header = contents(cloud).substr(0, 500);
+  std::smatch vertices;
+  ASSERT_TRUE(std::regex_search(header, vertices, std::regex("element vertex ([0-9]+)")));
+  EXPECT_GT(number_of(run.out, "valid"), 1000) << run.out;
+  EXPECT_EQ(number_of(run.out, "valid"), std::stod(vertices[1])) << "points in the file";
+}
+
 TEST(LiveProgram, recordings_stop_at_their_limit) {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return (folder.path() / name).string(); };

@@ -155,6 +155,18 @@ TEST(Shading, HidesTheNoiseOfDepth) {
   EXPECT_LT(std::sqrt(sum / (40 * 56)), 0.04);
 }
 
+TEST(Shading, FadesWhereNoiseLeavesNoSlope) {
+  // A pixel is 2.5 mm wide: with 20 mm of noise, normals point every way.
+  const Image<float> brightness = shading(sloping(0, 20));
+  double sum = 0;
+  for (int row = 4; row < 44; ++row) {
+    for (int column = 4; column < 60; ++column) {
+      sum += std::pow(brightness(column, row) - 0.82, 2);
+    }
+  }
+  EXPECT_LT(std::sqrt(sum / (40 * 56)), 0.02);
+}
+
 TEST(Shading, IsInBetweenWhereTheSlopeIsNotKnown) {
   Cloud cloud = sloping(0);
   std::fill(cloud.z.begin(), cloud.z.end(), std::numeric_limits<float>::quiet_NaN());

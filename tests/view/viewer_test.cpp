@@ -150,6 +150,22 @@ TEST_F(CloudScreenTest, LosesNoKeyBetweenTwoPictures) {
   EXPECT_TRUE(state.paused) << "twice is not once";
 }
 
+TEST_F(CloudScreenTest, ShowsThreeViewsUntilOneIsChosen) {
+  CloudScreen clouds(source_, {.three_views = true}, nullptr);
+  clouds.take_newest();
+  drawn(clouds, screen({640, 480}));
+  EXPECT_TRUE(clouds.state().view.three_views) << "as requested";
+
+  const auto after = [&](int key) {
+    clouds.press(key);
+    drawn(clouds, screen({640, 480}));
+    return clouds.state().view.three_views;
+  };
+  EXPECT_FALSE(after(GLFW_KEY_5)) << "the side alone";
+  EXPECT_TRUE(after(GLFW_KEY_7)) << "all again";
+  EXPECT_FALSE(after(GLFW_KEY_7)) << "and back";
+}
+
 TEST_F(CloudScreenTest, SaysWhyThereAreNoPoints) {
   Cloud dark({64, 48});
   std::fill(dark.validity.begin(), dark.validity.end(), Validity::too_dark);

@@ -8,7 +8,7 @@ namespace slipstream {
 namespace {
 
 /// Rows reported by how many times as fast the fused pass is; other ratios are of times.
-constexpr std::array peers{"lut", "traditional", "simd", "opencv-psp", "opencv-hand"};
+constexpr std::array peers{"lut", "traditional", "equations", "simd", "opencv-psp", "opencv-hand"};
 constexpr std::array<std::pair<const char*, const char*>, 6> relatives{
     {{"engine", "time of the public call, times that of the fused pass alone:"},
      {"clean", "time of cleaning a cloud by default, times that of the fused pass alone:"},

@@ -63,12 +63,14 @@ void add_published(std::vector<BenchRow>& rows, const SharedScan& scan, int step
   add("mlut", N + number, &PublishedLoops::mlut);
   add("plut", N + number, &PublishedLoops::plut);
   add("mlut+plut", N + 2 * number, &PublishedLoops::mlut_plut);
+  if (steps == 3) add("2+1", N + 2 * number, &PublishedLoops::two_plus_one);
   add("inverse", sizeof(PixelPosition) + 4 * number, &PublishedLoops::inverse);
   add("form1", sizeof(PointForm1) + 4 * number, &PublishedLoops::form1);
   add("form2", sizeof(PointForm2) + 4 * number, &PublishedLoops::form2);
   add("form3", sizeof(PointForm3) + 4 * number, &PublishedLoops::form3);
-  add("traditional", N + sizeof(PixelPosition) + published_cloud_bytes,
-      &PublishedLoops::traditional);
+  const double inverse_bytes = N + sizeof(PixelPosition) + published_cloud_bytes;
+  add("equations", inverse_bytes, &PublishedLoops::equations);
+  add("traditional", inverse_bytes, &PublishedLoops::traditional);
   add("lut", N + sizeof(PointForm3) + published_cloud_bytes, &PublishedLoops::lut);
 }
 
@@ -427,11 +429,21 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
   };
   add_coding("multi-frequency", 3, MultiFrequency{});
   add_coding("gray-phase", 4, GrayPhase{});
-  add_coding("motion-2", 4, Strategy(PhaseMeasuring{4, 1}).in_motion(2));
   for (const int steps : {3, 4, 5}) {
     const std::string name = fmt::format("pcmp-{}", steps);
     add_coding(name.c_str(), steps, make_strategy("pcmp", {{"steps", steps}}));
   }
+  add_coding("pcps-4", 4, PeriodCoded{});
+
+  // Motion is measured outside the pass.
+  const auto add_motion = [&](const char* name, const Strategy& strategy) {
+    const int steps = strategy.layout().frames;
+    rows.push_back(
+        engine_row(scan_of(strategy.in_motion(2)), name, steps, {.clean = CleanSettings::none()}));
+    rows.back().is_coding = true;
+  };
+  add_motion("motion-2", PhaseMeasuring{4, 1});
+  add_motion("pcmp-5-motion-2", PhaseChannelMultiplexing{.steps = 5});
   rows.push_back(pair_row("two-cameras", 3, DualFrequency{}));
   rows.push_back(pair_row("two-cameras-one-band", 4, PhaseMeasuring{4, 16}));
   for (const std::string& target : vector_targets()) {

@@ -201,16 +201,29 @@ void PublishedLoops::form3() {
   points_by(forms3_);
 }
 
-void PublishedLoops::traditional() {
+template <std::size_t N>
+void PublishedLoops::set_inverse(int column, int row, const std::array<double, N>& I, double B,
+                                 double phi) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const PixelPosition& pixel = pixels_(column, row);
+  texture(column, row) = mean_of(I);
+  set_point(column, row,
+            B < least_modulation ? Eigen::Vector3d::Constant(nan)
+                                 : triangulate(matrices_, pixel.x, pixel.y, phi / two_pi));
+}
+
+void PublishedLoops::equations() {
   each_pixel<double>([&](const auto& I, int column, int row) {
     const PhaseSample sample = equations_(I);
-    texture(column, row) = sample.mean;
-    const PixelPosition& pixel = pixels_(column, row);
-    set_point(column, row,
-              sample.modulation < least_modulation
-                  ? Eigen::Vector3d::Constant(nan)
-                  : triangulate(matrices_, pixel.x, pixel.y, sample.wrapped_phase / two_pi));
+    set_inverse(column, row, I, sample.modulation, sample.wrapped_phase);
+  });
+}
+
+void PublishedLoops::traditional() {
+  const ClosedForm& form = tables_.form();
+  each_pixel<double>([&](const auto& I, int column, int row) {
+    const auto [U, V] = index_of(form, I);
+    set_inverse(column, row, I, form.modulation(U, V), form.wrapped_phase(U, V));
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "slipstream/decode/equations.h"
@@ -44,8 +45,10 @@ class PublishedLoops {
   void form1();
   void form2();
   void form3();
-  void traditional();  ///< frames to points and texture: general, then inverse
-  void lut();          ///< frames to points and texture: MLUT and PLUT, then the third form
+  // Frames to points and texture, all stages of a pixel in one loop:
+  void equations();    ///< general, then inverse
+  void traditional();  ///< closed_form, then inverse: "traditional PMP" of Table 2.2, *2, *3, *1
+  void lut();          ///< MLUT and PLUT, then the third form
 
   Image<double> modulation, phase, x, y, z, texture;
 
@@ -58,6 +61,9 @@ class PublishedLoops {
   void set_point(int column, int row, const Eigen::Vector3d& point);
   template <class Table>
   void points_by(const Image<Table>& table);
+  /// Texture of the pixel, and its point by Eq. (1.15) unless it is darker than least_modulation.
+  template <std::size_t N>
+  void set_inverse(int column, int row, const std::array<double, N>& I, double B, double phi);
 
   static constexpr double least_modulation = 15;
 

@@ -163,9 +163,10 @@ using BenchProgram = Program;  // not in sanitized builds: other tests cover the
 TEST_F(BenchProgram, TimesEveryRow) {
   const ProgramRun run = run_program({"bench", "--quick", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const std::string name : {"general", "closed-form", "mlut", "plut", "mlut+plut", "inverse",
-                                 "form1", "form2", "form3", "traditional", "lut", "simd", "fused",
-                                 "engine", "fused-corrected", "fused-dual", "opencv-hand"}) {
+  for (const std::string name :
+       {"general", "closed-form", "mlut", "plut", "mlut+plut", "2+1", "inverse", "form1", "form2",
+        "form3", "equations", "traditional", "lut", "simd", "fused", "engine", "fused-corrected",
+        "fused-dual", "opencv-hand"}) {
     EXPECT_NE(run.out.find("\"name\": \"" + name + "\""), std::string::npos) << name;
   }
   for (const char* key : {"steps", "width", "height", "threads", "ms", "fps"}) {

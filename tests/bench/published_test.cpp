@@ -40,6 +40,8 @@ TEST_P(Published, LoopsGiveThePointsOfTheReferenceEngine) {
         }
         EXPECT_GT(points, 500);
       };
+      loops.equations();
+      expect_points("equations");
       loops.traditional();
       expect_points("traditional");
       loops.lut();

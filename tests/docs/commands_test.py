@@ -131,6 +131,7 @@ class Page:
             return None
 
         self.ran.append(line)
+        line = line.replace("--monitor 1", "--monitor 0")  # the display has one
         if re.search(ENDLESS, line):
             self.begin(line)
             return None

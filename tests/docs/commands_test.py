@@ -22,6 +22,7 @@ DATA = SOURCES.parent / "shared" / "data"
 NEEDS = {
     "a camera": r"aravis:(?!127)|v4l2:|slipstream (assist --source|capture --poses`?$)",
     "a DLP projector": r"--dlp",
+    "a second monitor": r"--monitor [1-9]",
     "a GPU": r"bench --gpu",
     "photographs": r"calibrate gamma --uniform|verify artefacts",
     "downloads, or builds": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
@@ -40,6 +41,9 @@ ENDLESS = (r"slipstream ((camera )?serve(?!.*(--frames|--duration))|studio|proje
 
 # These complete what they have begun on Ctrl-C and exit with 0; others just end.
 COMPLETED = r"slipstream (camera serve|serve|project|live)"
+
+# Later commands of a page need these.
+SERVING = r"slipstream (camera )?serve|--publish"
 
 # Seconds that an endless command runs at least: enough for a first cloud under load.
 ENDLESS_SECONDS = 15
@@ -76,7 +80,8 @@ class Page:
         return done.stdout
 
     def begin(self, line):
-        """Starts an endless command; a camera goes on while other endless commands come and go."""
+        """Starts an endless command. A camera goes on until the next one, what publishes until the
+        next endless command; others end once they have run for a while."""
         if "camera serve" in line:
             self.end_all()
         else:
@@ -95,6 +100,8 @@ class Page:
             if "camera serve" in line and "127.0.0.1" in self.text_of(running):
                 break
         assert running.poll() is None, f"ended by itself: {line}\n{self.text_of(running)}"
+        if not re.search(SERVING, line):
+            self.end_all(lambda other: other is running)
 
     @staticmethod
     def text_of(running):
@@ -131,7 +138,6 @@ class Page:
             return None
 
         self.ran.append(line)
-        line = line.replace("--monitor 1", "--monitor 0")  # the display has one
         if re.search(ENDLESS, line):
             self.begin(line)
             return None

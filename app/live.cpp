@@ -324,6 +324,8 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
                axes_of(second.sequence) != axes_of(opened.sequence),
            "{}: its sequence differs from the first camera's; both must see one projector", name);
   throw_if(opened.in_colour || second.in_colour, "--second-camera: both cameras must be grey");
+  throw_if(opened.sequence.exposures.size() > 1,
+           "--second-camera: live matches frames of one exposure; use --exposure");
   throw_if(!opened.scanner, "{}: its scanner is unknown; name its file with --scanner",
            flags.source.source);
   throw_if(!second.scanner, "{}: its scanner is unknown; name its file with --second-scanner",

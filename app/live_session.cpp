@@ -179,7 +179,9 @@ bool takes_motion(const Sequence& sequence) {
   const Layout& layout = sequence.strategy.layout();
   const auto run = step_run(measuring_band(layout));
   const bool is_alone = layout.bands.size() == 1 && !layout.cue;
-  const bool is_multiplexed = sequence.strategy.name() == PhaseChannelMultiplexing::name;
+  // Two sinusoids that share the modulation of the same frames.
+  const bool is_multiplexed =
+      layout.unwrapping == Unwrapping::vote && measuring_band(layout).share < 1;
   return (is_alone || is_multiplexed) && run && run->steps == layout.frames &&
          sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
 }

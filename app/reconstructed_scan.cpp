@@ -73,6 +73,10 @@ std::optional<fs::path> read_scan(const ScanFlags& input, const ReconstructFlags
   const bool cameras = !flags.one_camera, only_maps = flags.files.only_maps() && !flags.uncertainty;
   loaded.scan = load_checkable(path, input, cameras, loaded.result.words);
   const Scan& scan = loaded.scan;
+  throw_if(input.second_scanner && scan.further_cameras.empty(),
+           "{}: --second-scanner needs pictures of a second camera; name them with "
+           "--second-camera",
+           path);
   std::optional<fs::path> pair;
   if (!only_maps && !scan.scanner && !scan.further_cameras.empty()) {
     pair = scan_files_in(path, input).scanner;

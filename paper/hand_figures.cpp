@@ -72,9 +72,8 @@ Reproduction figure_24(std::uint64_t seed) {
   }
   result.draw_picture("figure-2.4", side_by_side(views, 2));
   result.notes.emplace_back(
-      "The virtual hand, 4 steps of one period: from the camera and from 25 degrees to the side, "
-      "at "
-      "three moments. `slipstream live --scene hand` shows it in motion.");
+      "The virtual hand, 4 steps of one period, at three moments: from the camera and from 25 "
+      "degrees to the side. `slipstream live --scene hand` shows it in motion.");
   return result;
 }
 

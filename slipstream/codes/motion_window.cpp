@@ -29,7 +29,8 @@ Weights phasors(const std::vector<double>& real, const std::vector<double>& imag
 
 void refuse_motion_if(bool wrong) {
   throw_if(wrong,
-           "motion compensation requires patterns that differ by equal shifts; use pmp or pcmp");
+           "motion compensation requires patterns and cues that differ by equal shifts; use pmp or "
+           "pcmp");
 }
 
 /// Weights of a sum over a cycle, and the factor by which they rotate from frame to frame.

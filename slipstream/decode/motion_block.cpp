@@ -13,7 +13,7 @@ namespace slipstream::HWY_NAMESPACE {
 /// Least squares for the change of a vector of pixels along the slope of their sinusoid.
 struct Fit {
   Floats ratio;              ///< 2 sin(N v / 2)
-  Floats square, explained;  ///< of all changes, and of what the ratio explains
+  Floats square, explained;  ///< of all changes, and of the part explained
 };
 
 /// `speed`: by which the phase has moved since the window's middle.

@@ -25,7 +25,7 @@ struct MotionBlock {
   using Row = std::array<float, motion_block_pixels>;
 
   Row speed{};        ///< v, rad a frame
-  Row unexplained{};  ///< standard deviation of what v leaves, grey levels; 0 for K = 1
+  Row unexplained{};  ///< standard deviation of the rest, grey levels; 0 for K = 1
   Row modulation{};   ///< grey levels
   Row evidence{};     ///< square of the change that v explains, grey levels^2
 };

@@ -17,7 +17,7 @@ int cycles_to_see(const Scene& scene, int patterns) {
   constexpr int fewest_frames = 32, fewest_cycles = 4, most_frames = 1440;
   const double turn = frames_of_a_turn(scene).value_or(frames_of_a_sway(scene));
   if (turn > fewest_frames && turn <= most_frames) {
-    return static_cast<int>(std::lround(turn / patterns));
+    return std::max(1, static_cast<int>(std::lround(turn / patterns)));
   }
   return std::max(fewest_cycles, (fewest_frames - 1) / patterns + 1);
 }

@@ -153,9 +153,13 @@ const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t k, std::size_t
     player_ = ReelPlayer(reels_[reel_]);
     player_shows_ = 0;
   }
+  if (shown < player_shows_) {  // the client or the wiring has changed what triggers what
+    player_.restart();
+    player_shows_ = 0;
+  }
   player_.advance(shown - player_shows_);
   player_shows_ = shown;
-  seen_whole_ |= player_.is_last_needed();
+  seen_whole_ |= player_.has_shown_enough();
 
   if (!has_picture()) return nullptr;
   return &std::get<Image<std::uint8_t>>(player_.frame()->pixels);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+
 #include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
@@ -27,7 +29,7 @@ class PairedSource : public SourceOver {
   std::unique_ptr<FrameSource> second_;
   Frame held_first_, held_second_;
   bool has_first_ = false, has_second_ = false;
-  std::uint64_t paired_ = 0;
+  std::atomic<std::uint64_t> paired_ = 0;  ///< read by other threads
 };
 
 }  // namespace slipstream

@@ -39,9 +39,8 @@ std::vector<SurfaceSample> large_surfaces(const Image<float>& phase) {
 /// How well a surface fits with one number added to its orders.
 struct Fit {
   int shift = 0;
-  double misfit = 2;     ///< mean of 1 - cos of the phases' difference
-  double next = 2;       ///< of the best other shift
-  double deviation = 0;  ///< mean difference of the phases, rad
+  double misfit = 2;  ///< mean of 1 - cos of the phases' difference
+  double next = 2;    ///< of the best other shift
 
   [[nodiscard]] bool is_clear() const {
     constexpr double fits = 0.1, clearly = 0.15;  // as for a window, see CameraOrders
@@ -85,15 +84,16 @@ class Agreement {
         if (!w) continue;
         const Phasor other =
             near_phasor(second_, second_.bands[0], tables_.place(pixel.column, pixel.row, *w));
-        if (other == Phasor(0)) continue;
-        const Phasor apart = other * std::conj(first_.bands[0](pixel.column, pixel.row));
+        const Phasor own = first_.bands[0](pixel.column, pixel.row);
+        if (other == Phasor(0) || own == Phasor(0)) continue;
+        const Phasor apart = other * std::conj(own);
         sum += apart / std::sqrt(std::norm(apart));
         ++seen;
       }
       if (2 * seen < static_cast<int>(surface.pixels.size())) continue;
       const double misfit = 1 - sum.real() / seen;
       if (misfit < best.misfit) {
-        best = {.shift = shift, .misfit = misfit, .next = best.misfit, .deviation = std::arg(sum)};
+        best = {.shift = shift, .misfit = misfit, .next = best.misfit};
       } else {
         best.next = std::min(best.next, misfit);
       }

@@ -154,7 +154,7 @@ void CameraOrders::vote(const CameraPhases& camera, const Image<float>& phase,
       const float depth = of_other_ ? tables_.other_depth(column, row, w) : 1 / w;
       if (!(depth > depths_.nearest && depth < depths_.farthest)) continue;
       const Phasor seen = near_phasor(other, other.bands[0], tables_.place(column, row, w));
-      if (seen == Phasor(0)) continue;
+      if (seen == Phasor(0) || reference == Phasor(0)) continue;
       const Phasor turned = seen * reference;
       const float apart = 1 - turned.real() / std::sqrt(std::norm(turned));
       votes_[at(column, row) + static_cast<std::size_t>(k)] =

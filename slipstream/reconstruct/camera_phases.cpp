@@ -75,6 +75,16 @@ void PhaseReader::read_bands(const FrameViews& frames, CameraPhases& to) const {
     return;
   }
 
+  if (are_sums(layout)) {
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const Band& band = layout.bands[order_[i]];
+      std::ranges::transform(
+          weighted_sum(frames, band.cosine), weighted_sum(frames, band.sine), to.bands[i].begin(),
+          [](double C, double S) { return Phasor(static_cast<float>(C), static_cast<float>(S)); });
+    }
+    return;
+  }
+
   const LayoutPhases decoded = decode_.demodulate(frames);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const PhaseMaps& band = decoded.bands[order_[i]];

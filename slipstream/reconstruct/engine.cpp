@@ -93,6 +93,9 @@ struct Engine::Tables {
     if (asked.engine == EngineKind::reference && !asked.own_engine && has_geometry(of.scanner)) {
       std::string why_not;
       table_engine = TableEngine::make(complete, corrections, &why_not);
+      if (!table_engine && asked.phase_method == PhaseMethod::tables) {
+        fall_back(fmt::format("no table engine: {}; using the reference engine", why_not));
+      }
     }
     if (!asked.own_engine && !table_engine && (!fused || fused->wants_coarse()))
       static_cast<void>(reference());

@@ -19,10 +19,10 @@ namespace {
 
 constexpr int nodes = 8;
 
-/// For some pixels of a row, the undistorted projector coordinate minus y: a polynomial c_0 + c_1 u
-/// +
-/// ... + c_7 u^7 of u = scale (y - middle), in [-1, 1], where nothing is fitted outside. Along the
-/// row, each c_k is a polynomial too: of the column from the first one on.
+/// The undistorted projector coordinate minus y, for some pixels of a row: a polynomial
+///   c_0 + c_1 u + ... + c_7 u^7 of u = scale (y - middle), in [-1, 1],
+/// where it is fitted. Along the row, each c_k is a polynomial too, of the column counted
+/// from the first one.
 struct LensSegment {
   static constexpr int pixels = 16;
 

@@ -140,7 +140,11 @@ void ReelPlayer::advance(std::size_t frames) {
   const std::vector<std::size_t>& holds = reel_->holds();
   const std::size_t length = reel_->hold_length(), end = reel_->order().size();
 
+  // Whole loops lead back to the same frame.
+  if (frames > end) frames = end + (frames - end) % (end - reel_->loop_from());
+
   for (std::size_t i = 0; i < frames; ++i) {
+    has_passed_enough_ |= is_last_needed();
     ++position_;
 
     // 1. After resting cycles: go on only if the scene can reach its next rest, or the end.

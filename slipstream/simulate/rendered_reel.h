@@ -94,19 +94,25 @@ class ReelPlayer {
   explicit ReelPlayer(std::shared_ptr<const RenderedReel> reel) : reel_(std::move(reel)) {}
 
   [[nodiscard]] const RenderedReel& reel() const { return *reel_; }
-  void restart() { position_ = 0; }
+  void restart() {
+    position_ = 0;
+    has_passed_enough_ = false;
+  }
   /// The frame to show; nullptr until it is rendered.
   [[nodiscard]] const Frame* frame() const { return reel_->at(position_); }
   bool wait_for_frame(RenderedReel::Clock::time_point until) const {
     return reel_->wait_for(position_, until);
   }
   void advance(std::size_t frames = 1);
-  /// Whether the frame to show is the last that a client needs, see Reel::enough.
-  [[nodiscard]] bool is_last_needed() const;
+  /// Whether the last frame that a client needs has been shown or passed, see Reel::enough.
+  [[nodiscard]] bool has_shown_enough() const { return has_passed_enough_ || is_last_needed(); }
 
  private:
+  [[nodiscard]] bool is_last_needed() const;
+
   std::shared_ptr<const RenderedReel> reel_;
   std::size_t position_ = 0;
+  bool has_passed_enough_ = false;
 };
 
 }  // namespace slipstream

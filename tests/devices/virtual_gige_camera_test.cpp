@@ -300,6 +300,20 @@ TEST(VirtualGigeCamera, TakesAFrameForEachSoftwareTrigger) {
   }
 }
 
+TEST(VirtualGigeCamera, GoesOnWhenTheProjectorFallsBack) {
+  const auto camera = serve(some_frames(4, {160, 120}));
+  REQUIRE_CAMERA(camera);
+  camera->set_wiring(Wiring::trigger);
+  camera->set_frame_rate(1000);
+  const auto opened = open_genicam_camera(served_address, settings_at(100, 4));
+  opened->start();
+  Frame frame(opened->format());
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(wait_for_frame(*opened, frame)) << i;
+    if (i == 10) camera->set_frame_rate(20);  // fewer patterns are shown since the start
+  }
+}
+
 TEST(VirtualGigeCamera, StalledConsumerLosesFramesAndGoesOn) {
   const std::vector<Frame> rendered = some_frames(4, {160, 120});
   const auto camera = serve(rendered);

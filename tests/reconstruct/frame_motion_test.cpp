@@ -24,23 +24,38 @@ EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence) {
   return {scanner, sequence, {.clean = CleanSettings::none()}};
 }
 
-/// Frames of a phase that moves alike everywhere.
-FrameSet drifting(const Sequence& sequence, double speed, double noise_variance) {
+/// Frames of a phase that moves alike everywhere. A narrow picture is the left part of a wide one.
+FrameSet drifting(const Sequence& sequence, double speed, double noise_variance, int width = 512) {
   const PatternSet patterns = pattern_set(sequence);
   std::mt19937_64 random(3);
   std::normal_distribution<double> w(0, std::sqrt(noise_variance));
   FrameSet::ImagesUnquantised images;
   for (int n = 0; n < patterns.count; ++n) {
-    Image<double>& image = images.emplace_back(Size{512, 64});
+    Image<double>& image = images.emplace_back(Size{width, 64});
     const double periods = highest_frequency(sequence.strategy);
     const double moved = speed * n / (2 * std::numbers::pi) / periods;
     for (int row = 0; row < 64; ++row) {
-      for (int column = 0; column < 512; ++column) {
+      for (int column = 0; column < width; ++column) {
         image(column, row) = 0.5 * patterns.intensity(n, column / 512.0 + moved) + w(random);
       }
     }
   }
   return FrameSet(std::move(images));
+}
+
+TEST(MotionMeasurement, IsTheSameAtEveryWidth) {
+  const Sequence window = merged_sequence(window_of(4, 2));
+  const MotionMeasurement measure(window.strategy.layout().bands.front());
+  FrameMotion wide, narrow;
+  measure(drifting(window, 0.1, 0), wide);
+  for (const int width : {1, 63, 64, 65, 200}) {
+    measure(drifting(window, 0.1, 0, width), narrow);
+    ASSERT_EQ(narrow.speed.width(), width);
+    for_each_pixel_in_order(narrow.speed.size(), [&](int column, int row) {
+      ASSERT_EQ(narrow.speed(column, row), wide.speed(column, row)) << width;
+      ASSERT_EQ(narrow.unexplained(column, row), wide.unexplained(column, row)) << width;
+    });
+  }
 }
 
 TEST(MotionMeasurement, FindsHowFarThePhaseMovesFromFrameToFrame) {

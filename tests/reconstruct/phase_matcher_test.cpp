@@ -179,6 +179,21 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryPair,
                            return name;
                          });
 
+TEST(PhaseMatcher, TakesPicturesNarrowerThanAVectorAndWithoutBits) {
+  for (const auto& [size, bits] :
+       {std::pair(Size{12, 30}, std::optional(8)), std::pair(Size{80, 60}, std::optional<int>())}) {
+    const Pair pair("board", size);
+    for (const int steps : {3, 4, 5}) {
+      const Cloud cloud = pair.matched(PhaseChannelMultiplexing{.steps = steps},
+                                       {.ambient = 5, .noise_variance = 1.55, .bits = bits});
+      EXPECT_EQ(cloud.size(), size);
+      if (size.width > 12) {
+        EXPECT_GT(point_count(cloud), 500U) << steps;
+      }
+    }
+  }
+}
+
 TEST(PhaseMatcher, LeavesOutPlacesThatTheOtherAxisContradicts) {
   const Scanner first = example_scanner(camera), second = second_scanner(first);
   const Scene scene = scene_named("boxes", first);

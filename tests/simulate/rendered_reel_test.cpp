@@ -170,6 +170,19 @@ TEST(RenderedReel, ABoardRestsUntilItsNextPoseIsRendered) {
   EXPECT_EQ(player.frame()->stamp.sequence, 2 * cycle) << "the second pose";
 }
 
+TEST(RenderedReel, ManyStepsAtOnceLeadToTheSameFrame) {
+  const auto reel = std::make_shared<RenderedReel>(script_of(FirstRest::until_rendered));
+  while (!reel->has(0, reel->order().size())) std::this_thread::yield();
+  ReelPlayer one_by_one(reel);
+  for (std::size_t steps = 0; steps < 3 * reel->order().size(); ++steps) {
+    ReelPlayer at_once(reel);
+    at_once.advance(steps);
+    ASSERT_EQ(at_once.frame(), one_by_one.frame()) << steps;
+    ASSERT_EQ(at_once.has_shown_enough(), one_by_one.has_shown_enough()) << steps;
+    one_by_one.advance();
+  }
+}
+
 TEST(RenderedReel, EndsAtOnceAndReportsFailures) {
   const auto failing = [](double) { throw WorldError("out of paint"); };
   const RenderedReel reel(script_of(FirstRest::none), failing);

@@ -168,7 +168,7 @@ void code_row(const CodeStage& stage, float grey_level, const FrameRows& frames,
 struct CueStage : CueNumbers {
   enum class Sums {
     closed,    ///< those of N = 3 to 6, in integers
-    mirrored,  ///< by the weights below, of which frames n and N - n have the same up to a sign
+    mirrored,  ///< by the weights below, the same of frames n and N - n up to a sign
     any,       ///< by any weights
   };
 

@@ -303,7 +303,7 @@ HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<co
   return turn;
 }
 
-/// Turns of steps that begin elsewhere or go backwards to those of the band's phase.
+/// From steps that begin elsewhere or go backwards to the turns of the band's phase.
 template <std::size_t count>
 HWY_INLINE Several<count> without_shifts(const SinusoidStage& stage, Several<count> turn) {
   if (stage.direction == 1 && stage.offset == 0) return turn;

@@ -24,6 +24,8 @@ NEEDS = {
     "a DLP projector": r"--dlp",
     "a second monitor": r"--monitor [1-9]",
     "a GPU": r"bench --gpu",
+    "a projector of that size": r"--projector 1824x1140",
+    "several machines": r"slipstream batch",
     "photographs": r"calibrate gamma --uniform|verify artefacts",
     "downloads, or builds": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
 }
@@ -255,6 +257,8 @@ STARTS = {
                     " rm frames/scan.yaml",
     "measure cloud": "slipstream simulate s --scene sphere; slipstream reconstruct s -o cloud.ply;"
                      " slipstream reconstruct s -o cloud.pcd",
+    "unwrap wrapped": "slipstream simulate scan --strategy pmp --frequency 8 --steps 4;"
+                      " for f in tiff npy; do slipstream reconstruct scan --phase wrapped.$f; done",
     "view cloud": "slipstream simulate s; slipstream reconstruct s -o cloud.ply",
     "convert scan.slip": "slipstream record --source virtual --world ideal --camera 160x120"
                          " --strategy pmp --frames 6 --rate 0 -o scan.slip",
@@ -271,6 +275,7 @@ def examples_of_help():
     of_program = command_pages()
     for words, _, _ in of_program.commands_of(PROGRAM):
         text = of_program.output_of(PROGRAM, *words, "--help-all")
+        text = re.sub(r" \\\n\s+", " ", text)  # continued lines
         section = re.search(r"^Examples?:\n((?:  slipstream .*\n?)+)", text, re.M)
         yield from section[1].splitlines() if section else []
 

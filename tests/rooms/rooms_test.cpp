@@ -239,7 +239,7 @@ TEST(Rooms, UseOpenCvForBoardsAndFigures) {
 TEST(Rooms, KernelsTakePlainArrays) {
   static const std::regex plain(
       "slipstream/(base|reconstruct/fused|cloud/(cloud|depth_rows)\\.h|decode/"
-      "(neighbourhood_vote|surface_window)"
+      "(motion_block|neighbourhood_vote|surface_window)"
       "\\.h|geometry/ray_table\\.h).*");
   int kernels = 0;
   for (const fs::path& file : files_of_rooms()) {

@@ -3,32 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/throw_if-inl.h"
+#include "slipstream/reconstruct/lens_table.h"
 #include "slipstream/reconstruct/pipeline.h"
 
 namespace slipstream {
 namespace {
-
-constexpr int nodes = 8;
-
-/// The undistorted projector coordinate minus y, for some pixels of a row: a polynomial
-///   c_0 + c_1 u + ... + c_7 u^7 of u = scale (y - middle), in [-1, 1],
-/// where it is fitted. Along the row, each c_k is a polynomial too, of the column counted
-/// from the first one.
-struct LensSegment {
-  static constexpr int pixels = 16;
-
-  float middle = 0, scale = 1;
-  std::array<std::array<float, 3>, nodes> c{};
-};
 
 /// The coefficients of the third form, (2.29)-(2.31), at each pixel. F_x and F_y are 0, as points
 /// are in the camera's frame.
@@ -44,110 +28,6 @@ struct LookedUp {
   float modulation;  ///< MLUT: (2.4), (2.7), (2.10)
   float phase;       ///< PLUT: (2.16)-(2.18)
 };
-
-/// Zeros of the Chebyshev polynomial of that degree, in [-1, 1].
-std::array<double, nodes> node_places() {
-  std::array<double, nodes> places;
-  for (int j = 0; j < nodes; ++j) {
-    places[j] = -std::cos((2 * j + 1) * std::numbers::pi / (2 * nodes));
-  }
-  return places;
-}
-
-/// The coordinates that the ray meets within the depth range and the field: least and largest.
-std::pair<double, double> coordinates_on(const Eigen::Vector3d& ray, DepthRange depths,
-                                         const Scanner& scanner, Axis axis) {
-  constexpr double shortest = 10, longest = 2e4;  // mm, of a range without ends
-  constexpr double past_field = 0.02, narrowest = 2e-3;
-  constexpr int samples = 32;
-  const double nearest = std::max(depths.nearest, shortest);
-  const double farthest = std::min(depths.farthest, longest);
-
-  double least = 1 + past_field, most = -past_field;
-  for (int i = 0; i <= samples; ++i) {
-    const double depth = nearest * std::pow(farthest / nearest, 1.0 * i / samples);
-    const Eigen::Vector3d point = in_projector_frame(scanner, depth * ray);
-    const double y =
-        coordinate_along(axis, project(scanner.projector, point), scanner.projector.size);
-    if (!(point.z() > 0 && std::isfinite(y))) continue;
-    const double held = std::clamp(y, -past_field, 1 + past_field);
-    least = std::min(least, held);
-    most = std::max(most, held);
-  }
-  return {least, std::max(most, least + narrowest)};
-}
-
-/// The polynomial of a pixel in u, c_0 to c_7, from the points that the reference finds at the
-/// nodes; NaN where it finds none.
-Eigen::Vector<double, nodes> lens_polynomial(const Triangulator& triangulate,
-                                             const ProjectionMatrices& matrices, int column,
-                                             int row, const LensSegment& segment) {
-  using Square = Eigen::Matrix<double, nodes, nodes>;
-  static const std::array<double, nodes> places = node_places();
-  static const Square solve = [] {
-    Square powers;
-    for (int j = 0; j < nodes; ++j) {
-      for (int k = 0; k < nodes; ++k) powers(j, k) = std::pow(places[j], k);
-    }
-    return Square(powers.inverse());
-  }();
-
-  Eigen::Vector<double, nodes> shift;
-  for (int j = 0; j < nodes; ++j) {
-    const double y = segment.middle + places[j] / segment.scale;
-    const Eigen::Vector4d point = triangulate(column, row, y).homogeneous();
-    const double undistorted =
-        matrices.projector_coordinate.dot(point) / matrices.projector_depth.dot(point);
-    shift[j] = undistorted - y;
-  }
-  return solve * shift;
-}
-
-/// From its first, middle and last pixel.
-LensSegment lens_segment(const Triangulator& triangulate, const ProjectionMatrices& matrices,
-                         DepthRange depths, int first, int row) {
-  const Scanner& scanner = triangulate.scanner();
-  const int last = std::min(first + LensSegment::pixels, scanner.camera.size.width) - 1;
-  const std::array columns{first, (first + last) / 2, last};
-
-  // 1. The coordinates of all three.
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (const int column : columns) {
-    const Eigen::Vector3d ray = ray_through(scanner.camera, {column, row});
-    const auto [from, to] = coordinates_on(ray, depths, scanner, triangulate.axis());
-    least = std::min(least, from);
-    most = std::max(most, to);
-  }
-  LensSegment segment{.middle = static_cast<float>((least + most) / 2),
-                      .scale = static_cast<float>(2 / (most - least))};
-
-  // 2. A parabola through the coefficients of all three; the last segment may have fewer pixels.
-  Eigen::Matrix3d powers;
-  Eigen::Matrix<double, 3, nodes> values;
-  for (int i = 0; i < 3; ++i) {
-    const double t = columns[i] - first;
-    powers.row(i) << 1, t, t * t;
-    values.row(i) = lens_polynomial(triangulate, matrices, columns[i], row, segment).transpose();
-  }
-  const Eigen::Matrix<double, 3, nodes> parabolas =
-      powers.completeOrthogonalDecomposition().solve(values);
-  for (int k = 0; k < nodes; ++k) {
-    for (int power = 0; power < 3; ++power) {
-      segment.c[k][power] = static_cast<float>(parabolas(power, k));
-    }
-  }
-  return segment;
-}
-
-Image<LensSegment> lens_table(const Triangulator& triangulate, const ProjectionMatrices& matrices,
-                              DepthRange depths) {
-  const auto [width, height] = triangulate.scanner().camera.size;
-  Image<LensSegment> table({(width + LensSegment::pixels - 1) / LensSegment::pixels, height});
-  for_each_pixel(table.size(), [&](int i, int row) {
-    table(i, row) = lens_segment(triangulate, matrices, depths, i * LensSegment::pixels, row);
-  });
-  return table;
-}
 
 FormTable form_table(const Lens& camera, const ProjectionMatrices& matrices) {
   const Image<PointForm3> exact = point_table(undistorted_pixels(camera), matrices, point_form3);
@@ -175,24 +55,6 @@ std::vector<LookedUp> looked_up(const PhaseTables& tables) {
     }
   }
   return both;
-}
-
-/// Largest shift by the projector's lens across the axis, shares of the field.
-double largest_shift(const Lens& lens, Axis across_axis) {
-  constexpr int steps = 32;
-  double largest = 0;
-  for (int i = 0; i <= steps; ++i) {
-    for (int j = 0; j <= steps; ++j) {
-      const Eigen::Vector2d pixel(1.0 * lens.size.width * i / steps,
-                                  1.0 * lens.size.height * j / steps);
-      const Eigen::Vector3d straight = lens.intrinsic * ray_through(lens, pixel);
-      const Eigen::Vector2d shift = straight.head<2>() - pixel;
-      const double share = coordinate_along(across_axis, shift, lens.size);
-      largest = std::max(largest, std::isfinite(share) ? std::abs(share)
-                                                       : std::numeric_limits<double>::infinity());
-    }
-  }
-  return largest;
 }
 
 }  // namespace
@@ -321,8 +183,8 @@ void TableEngine::Tables::find_points(int column, int row, int count, Block& blo
     for (int i = 0; i < LensSegment::pixels; ++i) {
       const auto t = static_cast<float>(i);
       const float u = (y[first + i] - middle) * scale;
-      float shift = c[nodes - 1][0] + t * (c[nodes - 1][1] + t * c[nodes - 1][2]);
-      for (int k = nodes - 2; k >= 0; --k) {
+      float shift = c[lens_terms - 1][0] + t * (c[lens_terms - 1][1] + t * c[lens_terms - 1][2]);
+      for (int k = lens_terms - 2; k >= 0; --k) {
         shift = shift * u + c[k][0] + t * (c[k][1] + t * c[k][2]);
       }
       y[first + i] += shift;

@@ -1,10 +1,7 @@
 // Pictures of noisy clouds beside pictures of the true surface. Tier: every change; seconds.
 // scene_renderer_test.cpp draws made-up clouds without noise.
-#include <optional>
-
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/reconstruct/engine.h"
@@ -14,6 +11,7 @@
 #include "slipstream/view/opengl.h"
 #include "slipstream/view/scene_renderer.h"
 #include "tests/view/made_up_cloud.h"
+#include "tests/view/off_screen.h"
 
 namespace slipstream::view::noisy_clouds_test {
 
@@ -113,19 +111,7 @@ CloudAndTruth reconstructed(const Strategy& strategy) {
   return made;
 }
 
-class NoisyCloudTest : public testing::TestWithParam<Mode> {
- protected:
-  void SetUp() override {
-    try {
-      context_.emplace();
-    } catch (const WorldError& error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-
- private:
-  std::optional<opengl::OffScreenContext> context_;
-};
+class NoisyCloudTest : public OffScreen, public testing::WithParamInterface<Mode> {};
 
 TEST_P(NoisyCloudTest, LooksLikeTheTrueSurface) {
   const auto [cloud, truth] = reconstructed(GetParam().strategy);

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
-#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +10,7 @@
 #include "slipstream/cloud/surface.h"
 #include "slipstream/view/opengl.h"
 #include "tests/view/made_up_cloud.h"
+#include "tests/view/off_screen.h"
 
 namespace slipstream::view::scene_renderer_test {
 
@@ -27,16 +26,8 @@ ViewSettings bare() {
           .camera = {.target = in_display_frame({0, 0, 600}), .distance = 600}};
 }
 
-class SceneRendererTest : public testing::Test {
+class SceneRendererTest : public OffScreen {
  protected:
-  void SetUp() override {
-    try {
-      context_ = std::make_unique<opengl::OffScreenContext>();
-    } catch (const WorldError& error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-
   static Image<Colour> drawn(const MadeUpCloud& cloud, const ViewSettings& settings,
                              const CloudExtent& extent, Size size = picture,
                              const Image<float>* light = nullptr) {
@@ -54,9 +45,6 @@ class SceneRendererTest : public testing::Test {
   static Colour background(const ViewSettings& settings) {
     return drawn(MadeUpCloud({4, 4}), settings, {})(0, 0);
   }
-
- private:
-  std::unique_ptr<opengl::OffScreenContext> context_;
 };
 
 int brightness(const Colour& colour) {

@@ -16,6 +16,7 @@
 #include "slipstream/view/opengl.h"
 #include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
+#include "tests/view/off_screen.h"
 
 namespace slipstream::view::viewer_test {
 
@@ -70,16 +71,8 @@ TEST(RenderScreen, HasTheCloudWithAndWithoutPanel) {
   EXPECT_EQ(shown, 0) << "nothing was on a screen";
 }
 
-class CloudScreenTest : public testing::Test {
+class CloudScreenTest : public OffScreen {
  protected:
-  void SetUp() override {
-    try {
-      context_.emplace();
-    } catch (const WorldError& error) {
-      GTEST_SKIP() << error.what();
-    }
-    source_ = source_of(plate_, shown_);
-  }
   Image<Colour> drawn(CloudScreen& clouds, const Screen& screen) {
     const opengl::RenderTarget target(screen.framebuffer);
     target.bind();
@@ -88,10 +81,9 @@ class CloudScreenTest : public testing::Test {
   }
   static Screen screen(Size size) { return {.window = size, .framebuffer = size}; }
 
-  std::optional<opengl::OffScreenContext> context_;
   MovingPlate plate_;
   int shown_ = 0;
-  ViewSource source_;
+  ViewSource source_ = source_of(plate_, shown_);
 };
 
 TEST_F(CloudScreenTest, IsDrawnInWindowsOfAnySize) {

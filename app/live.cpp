@@ -461,7 +461,7 @@ void add_live(const Commands& program) {
                   "--output", "--publish", "--record", "--headless", "--exposure"});
   command.examples({"live --source virtual --rate 120 --strategy pmp --steps 4",
                     "live --source replay:scan.slip --headless --json",
-                    "live --source virtual --frames 100 --headless -o cloud.ply"});
+                    "live --source virtual --world ideal --frames 100 --headless -o cloud.ply"});
 }
 
 void add_serve(const Commands& program) {

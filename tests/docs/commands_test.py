@@ -255,6 +255,7 @@ STARTS = {
                               " --coordinate phase.tiff",
     "check frames": "slipstream simulate frames --strategy pmp --steps 4 --camera 320x240;"
                     " rm frames/scan.yaml",
+    "measure scan": "slipstream simulate scan",
     "measure cloud": "slipstream simulate s --scene sphere; slipstream reconstruct s -o cloud.ply;"
                      " slipstream reconstruct s -o cloud.pcd",
     "unwrap wrapped": "slipstream simulate scan --strategy pmp --frequency 8 --steps 4;"
@@ -266,7 +267,7 @@ STARTS = {
                            " --strategy pmp --frames 6 --rate 0 -o first.slip; mkdir clouds;"
                            " slipstream live --source replay:first.slip --headless"
                            " --publish mcap:clouds.mcap",
-    "": "slipstream simulate scan",
+    "": "slipstream simulate scan --camera 320x240",
 }
 
 

@@ -248,7 +248,7 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
   const auto correction = corrections.find(run->steps);
   auto tables = std::make_shared<Tables>(
       setup, *run, correction == corrections.end() ? nullptr : &correction->second);
-  if (!tables->is_exact()) return refuse("a projector lens that no short polynomial describes");
+  if (!tables->is_exact()) return refuse("its polynomials do not describe this projector lens exactly enough");
   return TableEngine(std::move(tables));
 }
 

@@ -1,11 +1,11 @@
-#include "slipstream/simulate/accuracy.h"
+#include "simulate/accuracy.h"
 
 #include "app/source_flags.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/plot.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/simulate/comparison.h"
+#include "io/image_file.h"
+#include "io/plot.h"
+#include "io/result_files.h"
+#include "simulate/comparison.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,6 +1,6 @@
 #include "app/source_flags.h"
-#include "slipstream/live/cyclic_scans.h"
-#include "slipstream/response/exposure_advice.h"
+#include "live/cyclic_scans.h"
+#include "response/exposure_advice.h"
 
 namespace slipstream::app {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"
-#include "slipstream/base/parallel_rows.h"
-#include "slipstream/io/image_file.h"
+#include "base/parallel_rows.h"
+#include "io/image_file.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "app/commands.h"
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/virtual_camera.h"
 
 namespace slipstream::app {
 

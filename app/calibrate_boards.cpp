@@ -5,8 +5,8 @@
 
 #include "app/board_flags.h"
 #include "app/scan_flags.h"
-#include "slipstream/calibrate/report.h"
-#include "slipstream/io/image_file.h"
+#include "calibrate/report.h"
+#include "io/image_file.h"
 
 namespace slipstream::app {
 namespace {

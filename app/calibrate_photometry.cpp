@@ -1,12 +1,12 @@
 // calibrate ambient, colour, gamma and noise: photometric calibration into the scanner file.
 #include "app/scan_flags.h"
-#include "slipstream/decode/equations.h"
-#include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/pattern_pictures.h"
-#include "slipstream/io/plot.h"
-#include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/noise_calibration.h"
+#include "io/image_file.h"
+#include "io/pattern_pictures.h"
+#include "io/plot.h"
+#include "slipstream/ambient_calibration.h"
+#include "slipstream/colour_channels.h"
+#include "slipstream/equations.h"
+#include "slipstream/noise_calibration.h"
 
 namespace slipstream::app {
 namespace {

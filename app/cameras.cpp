@@ -4,8 +4,8 @@
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"
-#include "slipstream/devices/virtual_gige_camera.h"
-#include "slipstream/reconstruct/gpu.h"
+#include "devices/virtual_gige_camera.h"
+#include "reconstruct/gpu.h"
 
 namespace slipstream::app {
 namespace {

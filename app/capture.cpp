@@ -1,11 +1,11 @@
 #include "app/capture.h"
 
 #include "app/process.h"
-#include "slipstream/calibrate/pose_guide.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/live/cyclic_scans.h"
+#include "calibrate/pose_guide.h"
+#include "io/image_file.h"
+#include "live/cyclic_scans.h"
+#include "slipstream/colour_channels.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::app {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "app/board_flags.h"
 #include "app/live.h"
-#include "slipstream/frames/scan_camera.h"
+#include "frames/scan_camera.h"
 
 namespace slipstream::app {
 

@@ -1,6 +1,6 @@
 #include "app/scan_flags.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/cloud/measure.h"
+#include "slipstream/measure.h"
+#include "slipstream/numbers.h"
 
 namespace slipstream::app {
 namespace {

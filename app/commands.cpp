@@ -5,9 +5,9 @@
 #include <set>
 #include <tuple>
 
-#include "slipstream/base/numbers.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/result_files.h"
+#include "slipstream/numbers.h"
+#include "slipstream/scanner_file.h"
 
 namespace slipstream::app {
 namespace {

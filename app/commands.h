@@ -9,11 +9,11 @@
 #include <CLI/App.hpp>
 
 #include "app/output.h"
-#include "slipstream/base/setting.h"
-#include "slipstream/base/size.h"
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/rig_file.h"
+#include "base/throw_if-inl.h"
+#include "io/rig_file.h"
+#include "slipstream/file.h"
+#include "slipstream/setting.h"
+#include "slipstream/size.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

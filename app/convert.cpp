@@ -1,11 +1,11 @@
 #include <set>
 
 #include "app/scan_flags.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/io/replay_source.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/publish/mcap.h"
-#include "slipstream/publish/ros_messages.h"
+#include "io/replay_source.h"
+#include "io/result_files.h"
+#include "publish/mcap.h"
+#include "slipstream/numbers.h"
+#include "slipstream/ros_messages.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,10 +1,10 @@
 #include "app/commands.h"
-#include "slipstream/codes/sequence.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/comparison.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_files.h"
+#include "io/result_files.h"
+#include "simulate/comparison.h"
+#include "simulate/virtual_files.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/sequence.h"
 
 namespace slipstream::app {
 namespace {

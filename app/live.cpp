@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "app/process.h"
-#include "slipstream/frames/paired_source.h"
+#include "frames/paired_source.h"
 
 namespace slipstream::app {
 namespace {

@@ -3,11 +3,11 @@
 #include <atomic>
 
 #include "app/source_flags.h"
-#include "slipstream/frames/stepped_source.h"
-#include "slipstream/live/live_pipeline.h"
-#include "slipstream/publish/cloud_sink.h"
-#include "slipstream/view/scene_renderer.h"
-#include "slipstream/view/viewer.h"
+#include "frames/stepped_source.h"
+#include "slipstream/cloud_sink.h"
+#include "slipstream/live_pipeline.h"
+#include "slipstream/scene_renderer.h"
+#include "slipstream/viewer.h"
 
 namespace slipstream::app {
 
@@ -92,8 +92,8 @@ struct LiveSession {
 /// Labels of this strategy, and of common ones that a projector may show instead.
 std::vector<std::string> strategy_labels(const Strategy& given);
 
-/// Whether motion compensation is possible: the patterns are one sinusoid, or PCMP's two in the same
-/// frames, shown repeatedly.
+/// Whether motion compensation is possible: the patterns are one sinusoid, or PCMP's two in the
+/// same frames, shown repeatedly.
 bool takes_motion(const Sequence& sequence);
 
 /// The setup in use. Callable from any thread, like the next three.

@@ -1,10 +1,10 @@
 #include <numbers>
 
 #include "app/live.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/pattern_windows.h"
-#include "slipstream/io/result_files.h"
+#include "io/result_files.h"
+#include "slipstream/numbers.h"
+#include "slipstream/pattern_windows.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,7 +1,7 @@
 #include "app/manifest.h"
 
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/io/file.h"
+#include "base/throw_if-inl.h"
+#include "slipstream/file.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

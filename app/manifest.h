@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "slipstream/io/result_files.h"
+#include "io/result_files.h"
 
 namespace slipstream::app {
 

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "app/process.h"
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream {
 

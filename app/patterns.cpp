@@ -1,13 +1,13 @@
 #include <cmath>
 
 #include "app/scan_flags.h"
-#include "slipstream/codes/design.h"
-#include "slipstream/codes/layout.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/pattern_pictures.h"
-#include "slipstream/io/plot.h"
-#include "slipstream/response/correction.h"
+#include "codes/design.h"
+#include "codes/predicted_variance.h"
+#include "io/pattern_pictures.h"
+#include "io/plot.h"
+#include "slipstream/correction.h"
+#include "slipstream/layout.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::app {
 namespace {

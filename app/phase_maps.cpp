@@ -2,11 +2,11 @@
 
 #include "app/process.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/plot.h"
-#include "slipstream/spatial/spatial_unwrapping.h"
+#include "io/image_file.h"
+#include "io/plot.h"
+#include "slipstream/numbers.h"
+#include "slipstream/spatial_unwrapping.h"
+#include "slipstream/statistics.h"
 
 namespace slipstream::app {
 namespace {

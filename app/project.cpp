@@ -2,8 +2,8 @@
 
 #include "app/process.h"
 #include "app/scan_flags.h"
-#include "slipstream/devices/dlp.h"
-#include "slipstream/devices/monitor.h"
+#include "devices/dlp.h"
+#include "devices/monitor.h"
 
 namespace slipstream::app {
 namespace {

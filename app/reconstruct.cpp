@@ -4,12 +4,12 @@
 
 #include "app/process.h"
 #include "app/reconstructed_scan.h"
-#include "slipstream/base/parallel_rows.h"
-#include "slipstream/cloud/surface.h"
-#include "slipstream/decode/frame_motion.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/reconstruct/coordinate_map.h"
-#include "slipstream/reconstruct/coordinate_matcher.h"
+#include "base/parallel_rows.h"
+#include "decode/frame_motion.h"
+#include "io/image_file.h"
+#include "reconstruct/coordinate_map.h"
+#include "reconstruct/coordinate_matcher.h"
+#include "slipstream/surface.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/scan_flags.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/reconstruct/phase_matcher.h"
+#include "io/result_files.h"
+#include "reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
 

@@ -1,8 +1,8 @@
 #include "app/reconstructed_scan.h"
 
 #include "app/process.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/reconstruct/coordinate_map.h"
+#include "io/image_file.h"
+#include "reconstruct/coordinate_map.h"
 
 namespace slipstream::app {
 namespace {

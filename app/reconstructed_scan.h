@@ -2,7 +2,7 @@
 
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"
-#include "slipstream/reconstruct/epipolar.h"
+#include "reconstruct/epipolar.h"
 
 namespace slipstream::app {
 

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "app/process.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/codes/registry.h"
+#include "slipstream/numbers.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::app {
 namespace {

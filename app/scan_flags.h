@@ -4,12 +4,12 @@
 #include <mutex>
 
 #include "app/commands.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/response/gamma.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/gamma.h"
+#include "slipstream/recording.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/scanner_file.h"
 
 namespace slipstream::app {
 

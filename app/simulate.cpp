@@ -1,9 +1,9 @@
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_files.h"
+#include "io/image_file.h"
+#include "simulate/virtual_files.h"
+#include "slipstream/named_scenes.h"
 
 namespace slipstream::app {
 namespace {

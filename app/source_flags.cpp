@@ -1,7 +1,7 @@
 #include "app/source_flags.h"
 
-#include "slipstream/base/numbers.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/numbers.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/scan_flags.h"
-#include "slipstream/devices/named_source.h"
-#include "slipstream/io/recorder.h"
+#include "slipstream/named_source.h"
+#include "slipstream/recorder.h"
 
 namespace slipstream::app {
 

@@ -3,10 +3,10 @@
 
 #include "app/capture.h"
 #include "app/process.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/devices/camera.h"
-#include "slipstream/io/result_files.h"
+#include "io/result_files.h"
+#include "slipstream/camera.h"
+#include "slipstream/numbers.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::app {
 namespace {

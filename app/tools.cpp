@@ -3,9 +3,9 @@
 #include "app/commands.h"
 #include "bench/bench_report.h"
 #include "bench/bench_rows.h"
+#include "io/image_file.h"
 #include "paper/reproduction.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/reconstruct/gpu.h"
+#include "reconstruct/gpu.h"
 
 namespace slipstream::app {
 namespace {

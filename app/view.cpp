@@ -2,9 +2,9 @@
 #include <system_error>
 
 #include "app/live.h"
-#include "slipstream/devices/monitor.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/response/exposure_advice.h"
+#include "devices/monitor.h"
+#include "io/image_file.h"
+#include "response/exposure_advice.h"
 
 namespace slipstream::app {
 

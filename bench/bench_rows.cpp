@@ -9,16 +9,16 @@
 
 #include "bench/opencv_peers.h"
 #include "bench/vector_target.h"
+#include "live/window_engine.h"
 #include "paper/published_loops.h"
-#include "slipstream/cloud/object_model.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/live/window_engine.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/fused/fused_engine.h"
-#include "slipstream/reconstruct/gpu/gpu_engine.h"
-#include "slipstream/reconstruct/phase_matcher.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "reconstruct/fused/fused_engine.h"
+#include "reconstruct/gpu/gpu_engine.h"
+#include "reconstruct/phase_matcher.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/object_model.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

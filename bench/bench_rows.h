@@ -1,8 +1,8 @@
 #pragma once
 
 #include "bench/timing.h"
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/geometry/scan.h"
+#include "slipstream/cloud.h"
+#include "slipstream/scan.h"
 
 namespace slipstream {
 

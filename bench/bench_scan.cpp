@@ -2,11 +2,11 @@
 #include <utility>
 
 #include "bench/bench_rows.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {

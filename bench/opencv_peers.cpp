@@ -10,7 +10,7 @@
 #include <opencv2/structured_light/sinusoidalpattern.hpp>
 #endif
 
-#include "slipstream/geometry/triangulator.h"
+#include "geometry/triangulator.h"
 
 namespace slipstream {
 namespace {

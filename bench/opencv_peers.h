@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/scanner.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 

@@ -15,10 +15,10 @@
 #include <opencv2/phase_unwrapping/histogramphaseunwrapping.hpp>
 #endif
 
-#include "slipstream/base/image.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/spatial/spatial_unwrapping.h"
+#include "io/image_file.h"
+#include "slipstream/file.h"
+#include "slipstream/image.h"
+#include "slipstream/spatial_unwrapping.h"
 #include "tests/spatial/known_phase.h"
 
 namespace slipstream {

@@ -9,14 +9,14 @@
 
 #include "bench/bench_rows.h"
 #include "bench/vector_target.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/fused/fused_stages.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "geometry/stripe_geometry.h"
+#include "io/image_file.h"
+#include "reconstruct/fused/fused_stages.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {

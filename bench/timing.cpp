@@ -8,7 +8,7 @@
 #include <time.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/base/statistics.h"
+#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

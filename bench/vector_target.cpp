@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 #include <hwy/targets.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream {
 namespace {

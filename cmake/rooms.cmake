@@ -1,15 +1,16 @@
-# A room is a folder of slipstream/ and the target slipstream::<room>. It may include only headers
-# of the rooms it USES; tests/rooms/rooms_test.cpp reads the list written here and fails if a source
-# includes any other.
+# A room is a folder of src/ and the target slipstream::<room>. Its public HEADERS are in
+# include/slipstream/ and are all that is installed. It may include only headers of the rooms it
+# USES; tests/rooms/rooms_test.cpp reads the lists written here and fails if a source includes any
+# other.
 #
 #   slipstream_room(decode
+#     HEADERS maps phase_decoder        include/slipstream/maps.h and so on
 #     USES base codes frames            rooms declared before it
 #     LINKS Eigen3::Eigen               libraries that its headers include
 #     HIDES TBB::tbb                    libraries that only its sources include
 #     LEAVES_OUT some.cpp)              sources not to compile
 #
 # cmake/libraries.cmake says where to find each library. A room with sources also hides fmt::fmt.
-# Headers in subfolders and headers named *-inl.h are private: they are not installed.
 #
 # Each room is installed as a component of the CMake package and as slipstream-<room>.pc.
 include(${CMAKE_CURRENT_LIST_DIR}/libraries.cmake)
@@ -41,9 +42,9 @@ function(slipstream_unity target batch)
 endfunction()
 
 function(slipstream_room room)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "USES;LINKS;HIDES;LEAVES_OUT")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;USES;LINKS;HIDES;LEAVES_OUT")
   set(target slipstream_${room})
-  set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room})
+  set(folder ${PROJECT_SOURCE_DIR}/src/${room})
   file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp ${folder}/*/*.cpp)
   list(TRANSFORM arg_LEAVES_OUT PREPEND ${folder}/)
   list(REMOVE_ITEM sources ${arg_LEAVES_OUT})
@@ -75,8 +76,11 @@ function(slipstream_room room)
   add_library(slipstream::${room} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${room})
   target_compile_features(${target} ${scope} cxx_std_20)
-  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(sources)
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  endif()
   if(hwy::hwy IN_LIST arg_HIDES)
     # Vector targets not compiled: SSSE3 machines are too old to matter, AVX3_DL adds no instruction
     # used here, and vectors of unknown length (SVE, RVV) cannot be class members. Sanitized builds
@@ -97,7 +101,8 @@ function(slipstream_room room)
 
   list(JOIN arg_USES " " uses)
   set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOMS ${room})
-  set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOM_LINES "${room}: ${uses}")
+  list(JOIN arg_HEADERS " " headers)
+  set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOM_LINES "${room}: ${uses}" "${room} has ${headers}")
   if(SLIPSTREAM_INSTALL)
     slipstream_install_room(${room} "${sources}")
   endif()
@@ -105,9 +110,9 @@ endfunction()
 
 # Part of slipstream_room(); reads its variables.
 function(slipstream_install_room room sources)
-  file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.h)
-  list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
-  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipstream/${room})
+  list(TRANSFORM arg_HEADERS REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/include/slipstream/\\1.h"
+       OUTPUT_VARIABLE headers)
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipstream)
   install(TARGETS ${target} EXPORT slipstream-${room})
   install(EXPORT slipstream-${room} NAMESPACE slipstream:: FILE slipstream-${room}-targets.cmake
           DESTINATION ${slipstream_package_folder})
@@ -159,7 +164,7 @@ endfunction()
 # slipstream_shaders(reconstruct points): compiles the room's gpu/points.comp to points.spirv.inc,
 # an initialiser list that a source includes.
 function(slipstream_shaders room)
-  set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room}/gpu)
+  set(folder ${PROJECT_SOURCE_DIR}/src/${room}/gpu)
   set(all "")
   foreach(shader IN LISTS ARGN)
     set(words ${PROJECT_BINARY_DIR}/shaders/${shader}.spirv.inc)
@@ -194,7 +199,7 @@ function(slipstream_install_package)
           RENAME slipstream-libraries.cmake)
 endfunction()
 
-# One line per room, "decode: base codes frames", for tests/rooms.
+# Two lines per room, "decode: base codes frames" and "decode has maps phase_decoder", for tests/rooms.
 function(slipstream_write_rooms file)
   get_property(lines GLOBAL PROPERTY SLIPSTREAM_ROOM_LINES)
   list(JOIN lines "\n" text)

@@ -1,10 +1,10 @@
 // Reconstructs a scan folder in one call: folder_to_cloud SCAN CLOUD.ply
 #include <cstdio>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/reconstruct/engine.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/saved_scan.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

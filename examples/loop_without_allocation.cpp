@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
 
 using namespace slipstream;
 

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/live/live_pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/live_pipeline.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_camera.h"
 
 using namespace slipstream;
 

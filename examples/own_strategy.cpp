@@ -5,10 +5,10 @@
 #include <numbers>
 #include <string_view>
 
-#include "slipstream/base/error.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/virtual_scanner.h"
 
 using namespace slipstream;
 

@@ -1,12 +1,12 @@
 // Simulates a scan, without hardware, and compares the cloud with the true depth.
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/virtual_scanner.h"
 
 #include <cmath>
 #include <cstdio>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
 
 using namespace slipstream;
 

@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "paper/cloud_views.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/correction.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
 
 namespace slipstream {
 namespace {

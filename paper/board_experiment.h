@@ -2,14 +2,14 @@
 
 #include <cstdint>
 
-#include "slipstream/base/image.h"
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/codes/response.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/cloud.h"
+#include "slipstream/correction.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/image.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/response.h"
+#include "slipstream/scanner.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

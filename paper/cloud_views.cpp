@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "slipstream/base/statistics.h"
-#include "slipstream/geometry/triangulator.h"
+#include "geometry/triangulator.h"
+#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

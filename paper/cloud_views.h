@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/geometry/scanner.h"
+#include "slipstream/cloud.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 

@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
+#include "codes/predicted_variance.h"
 #include "paper/multiplexing_tables.h"
 #include "paper/reproduction.h"
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/noise_calibration.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/ambient_calibration.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/noise_calibration.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
 
 namespace slipstream {
 namespace {

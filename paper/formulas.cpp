@@ -5,9 +5,9 @@
 #include <complex>
 #include <numbers>
 
-#include "slipstream/base/parallel_rows.h"
-#include "slipstream/decode/equations.h"
-#include "slipstream/response/correction.h"
+#include "base/parallel_rows.h"
+#include "slipstream/correction.h"
+#include "slipstream/equations.h"
 
 namespace slipstream {
 

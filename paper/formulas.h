@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "slipstream/base/image.h"
-#include "slipstream/codes/response.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/image.h"
+#include "slipstream/response.h"
 
 // Formulas of the dissertation, on noise and gamma, that slipstream does not need.
 namespace slipstream {

@@ -9,13 +9,13 @@
 #include "paper/curve_fit.h"
 #include "paper/formulas.h"
 #include "paper/reproduction.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/reconstruct/phase_matcher.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/response/gamma.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "reconstruct/phase_matcher.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/correction.h"
+#include "slipstream/gamma.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {

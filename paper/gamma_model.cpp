@@ -5,8 +5,8 @@
 
 #include "paper/formulas.h"
 #include "paper/reproduction.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/response/gamma.h"
+#include "slipstream/correction.h"
+#include "slipstream/gamma.h"
 
 namespace slipstream {
 namespace {

@@ -4,12 +4,12 @@
 
 #include "paper/cloud_views.h"
 #include "paper/reproduction.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/equations.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/hand.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "simulate/hand.h"
+#include "slipstream/engine.h"
+#include "slipstream/equations.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
 
 namespace slipstream {
 namespace {

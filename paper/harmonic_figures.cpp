@@ -6,11 +6,11 @@
 
 #include "paper/formulas.h"
 #include "paper/reproduction.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/correction.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

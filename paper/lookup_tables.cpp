@@ -7,12 +7,12 @@
 
 #include "paper/published_loops.h"
 #include "paper/reproduction.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/fused/fused_engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "reconstruct/fused/fused_engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
+#include "decode/decoder.h"
 #include "paper/reproduction.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "slipstream/base/image.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/image.h"
+#include "slipstream/pattern_set.h"
 
 namespace slipstream {
 

@@ -5,17 +5,17 @@
 
 #include <fmt/format.h>
 
+#include "codes/predicted_variance.h"
+#include "decode/decoder.h"
 #include "paper/cloud_views.h"
 #include "paper/reproduction.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/decode/equations.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/equations.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

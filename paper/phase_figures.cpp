@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "decode/decoder.h"
 #include "paper/multiplexing_tables.h"
 #include "paper/reproduction.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

@@ -3,11 +3,11 @@
 #include <array>
 #include <vector>
 
-#include "slipstream/decode/equations.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/geometry/triangulator.h"
+#include "geometry/triangulator.h"
+#include "slipstream/equations.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/ranges.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

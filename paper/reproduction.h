@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/base/page.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/plot.h"
+#include "base/page.h"
+#include "io/image_file.h"
+#include "io/plot.h"
 
 namespace slipstream {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
+#include "slipstream/registry.h"
 
 namespace slipstream {
 

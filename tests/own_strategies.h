@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
+#include "slipstream/registry.h"
 
 namespace slipstream {
 

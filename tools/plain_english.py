@@ -14,7 +14,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).parents[1]
-FOLDERS = ("slipstream", "app", "python", "ros", "paper", "bench", "examples", "docs")
+FOLDERS = ("include", "src", "app", "python", "ros", "paper", "bench", "examples", "docs")
 CODE = (".h", ".cpp", ".comp", ".glsl", ".js", ".html")
 
 # Habit: pattern, occurrences allowed.

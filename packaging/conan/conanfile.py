@@ -19,7 +19,7 @@ class Slipstream(ConanFile):
 
     def export_sources(self):
         root = os.path.join(self.recipe_folder, "..", "..")
-        for pattern in ["CMakeLists.txt", "LICENSE", "cmake/*", "slipstream/*"]:
+        for pattern in ["CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*"]:
             copy(self, pattern, root, self.export_sources_folder)
 
     def layout(self):

@@ -2,10 +2,10 @@
 
 #include <tbb/global_control.h>
 
+#include "base/throw_if-inl.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/decode/cue_evidence.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/cue_evidence.h"
+#include "slipstream/frame_set.h"
 
 namespace slipstream::python {
 namespace {

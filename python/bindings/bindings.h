@@ -14,10 +14,10 @@
 #include <pybind11/stl/filesystem.h>
 #include <tbb/concurrent_queue.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/check/scan_check.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/scan_check.h"
+#include "slipstream/virtual_world.h"
 
 namespace pybind11::detail {
 

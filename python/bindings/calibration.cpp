@@ -1,17 +1,17 @@
 #include <cmath>
 #include <limits>
 
+#include "base/throw_if-inl.h"
+#include "calibrate/report.h"
+#include "codes/predicted_variance.h"
+#include "io/image_file.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/calibrate/report.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/decode/band_unwrapper.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/gamma.h"
-#include "slipstream/response/noise_calibration.h"
+#include "slipstream/ambient_calibration.h"
+#include "slipstream/band_unwrapper.h"
+#include "slipstream/gamma.h"
+#include "slipstream/noise_calibration.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/saved_scan.h"
 
 namespace slipstream::python {
 namespace {

@@ -1,13 +1,13 @@
 #include <cmath>
 
+#include "base/parallel_rows.h"
+#include "base/throw_if-inl.h"
+#include "io/image_file.h"
+#include "io/plot.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/base/parallel_rows.h"
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/cloud/surface.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/plot.h"
-#include "slipstream/spatial/spatial_unwrapping.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/spatial_unwrapping.h"
+#include "slipstream/surface.h"
 
 namespace slipstream::python {
 namespace {

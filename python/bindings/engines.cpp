@@ -2,11 +2,11 @@
 #include <condition_variable>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/devices/named_source.h"
-#include "slipstream/live/live_pipeline.h"
-#include "slipstream/reconstruct/epipolar.h"
-#include "slipstream/reconstruct/phase_matcher.h"
-#include "slipstream/response/gamma.h"
+#include "reconstruct/epipolar.h"
+#include "reconstruct/phase_matcher.h"
+#include "slipstream/gamma.h"
+#include "slipstream/live_pipeline.h"
+#include "slipstream/named_source.h"
 
 namespace slipstream::python {
 namespace {

@@ -3,13 +3,13 @@
 #include <pybind11/eigen.h>
 #include <pybind11/operators.h>
 
+#include "codes/design.h"
+#include "io/pattern_pictures.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/codes/design.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/pattern_pictures.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/correction.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/scanner_file.h"
 
 namespace slipstream::python {
 namespace {

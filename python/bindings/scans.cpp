@@ -1,13 +1,13 @@
 #include <chrono>
 #include <numbers>
 
+#include "base/throw_if-inl.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/response/gamma.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_files.h"
+#include "simulate/virtual_files.h"
+#include "slipstream/gamma.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/recording.h"
+#include "slipstream/saved_scan.h"
 
 namespace slipstream::python {
 namespace {

@@ -8,14 +8,14 @@
 #include <rclcpp/rclcpp.hpp>
 #include <rclcpp_components/register_node_macro.hpp>
 #include <rclcpp_lifecycle/lifecycle_node.hpp>
-#include <slipstream/base/error.h>
-#include <slipstream/codes/registry.h>
-#include <slipstream/devices/named_source.h>
-#include <slipstream/io/cloud_file.h>
-#include <slipstream/io/saved_scan.h>
-#include <slipstream/live/live_pipeline.h>
-#include <slipstream/publish/cloud_sink.h>
-#include <slipstream/publish/ros_messages.h>
+#include <slipstream/cloud_file.h>
+#include <slipstream/cloud_sink.h>
+#include <slipstream/error.h>
+#include <slipstream/live_pipeline.h>
+#include <slipstream/named_source.h>
+#include <slipstream/registry.h>
+#include <slipstream/ros_messages.h>
+#include <slipstream/saved_scan.h>
 #include <std_srvs/srv/trigger.hpp>
 
 namespace slipstream_ros {

@@ -9,9 +9,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/image_file.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"

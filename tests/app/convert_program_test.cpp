@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/image_file.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/file.h"
+#include "slipstream/recording.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/shared_data.h"
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/recording.h"
+#include "slipstream/file.h"
+#include "slipstream/recording.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

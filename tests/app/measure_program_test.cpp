@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/cloud/surface.h"
-#include "slipstream/io/cloud_file.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/surface.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

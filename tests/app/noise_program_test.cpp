@@ -1,8 +1,8 @@
 // Runs calibrate ambient, calibrate noise, reconstruct --uncertainty, design and reproduce.
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/error.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

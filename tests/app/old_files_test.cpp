@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/io/cloud_file.h"
+#include "slipstream/cloud_file.h"
 #include "tests/app/program.h"
 
 namespace slipstream::old_files_test {

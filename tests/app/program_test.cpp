@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/mount.h>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/image_file.h"
+#include "slipstream/file.h"
+#include "slipstream/scanner_file.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"

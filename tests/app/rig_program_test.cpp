@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/file.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

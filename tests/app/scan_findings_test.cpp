@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "app/output.h"
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream::app::scan_findings_test {
 

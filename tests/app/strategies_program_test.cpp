@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
+#include "io/image_file.h"
+#include "slipstream/registry.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"

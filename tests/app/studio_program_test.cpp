@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/view/desktop.h"

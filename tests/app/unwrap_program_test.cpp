@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/io/image_file.h"
+#include "io/image_file.h"
 #include "tests/app/program.h"
 #include "tests/spatial/known_phase.h"
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/io/file.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "slipstream/base/image.h"
+#include "slipstream/image.h"
 
 #include <atomic>
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/parallel_rows.h"
-#include "slipstream/base/statistics.h"
+#include "base/parallel_rows.h"
+#include "slipstream/statistics.h"
 
 namespace slipstream::image_test {
 

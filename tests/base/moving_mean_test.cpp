@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/statistics.h"
+#include "slipstream/statistics.h"
 
 namespace slipstream::moving_mean_test {
 

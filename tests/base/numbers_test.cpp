@@ -1,4 +1,4 @@
-#include "slipstream/base/numbers.h"
+#include "slipstream/numbers.h"
 
 #include <bit>
 #include <clocale>

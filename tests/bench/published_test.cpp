@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "paper/published_loops.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::published_test {
 

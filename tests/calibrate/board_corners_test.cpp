@@ -1,4 +1,4 @@
-#include "slipstream/calibrate/board_corners.h"
+#include "slipstream/board_corners.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_set.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::board_corners_test {

@@ -1,12 +1,12 @@
-#include "slipstream/calibrate/bundle_adjustment.h"
+#include "slipstream/bundle_adjustment.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/calibrate/diagnosis.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "calibrate/diagnosis.h"
+#include "slipstream/calibration_board.h"
+#include "slipstream/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"
 
 namespace slipstream::bundle_adjustment_test {

@@ -1,4 +1,4 @@
-#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibration_board.h"
 
 #include <string>
 #include <vector>

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibration_board.h"
 #include "tests/calibrate/told_calibration.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/own_strategies.h"

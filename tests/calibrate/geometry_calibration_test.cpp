@@ -1,4 +1,4 @@
-#include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/geometry_calibration.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,10 +8,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
 

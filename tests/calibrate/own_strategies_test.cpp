@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::own_strategies_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/calibrate/pixel_derivatives.h"
+#include "calibrate/pixel_derivatives.h"
 
 #include <algorithm>
 #include <array>

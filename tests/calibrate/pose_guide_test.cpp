@@ -1,17 +1,17 @@
 // Pose guidance on virtual pictures, and a whole guided calibration without devices.
-#include "slipstream/calibrate/pose_guide.h"
+#include "calibrate/pose_guide.h"
 
 #include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "frames/scan_camera.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

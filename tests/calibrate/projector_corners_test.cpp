@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_corners.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/board_corners.h"
+#include "slipstream/frame_set.h"
 
 namespace slipstream::projector_corners_test {
 

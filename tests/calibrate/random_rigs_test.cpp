@@ -10,11 +10,11 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/geometry_calibration.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::random_rigs_test {
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibration_board.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::ruler_test {

@@ -7,14 +7,14 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/calibrate/report.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/pipeline.h"
+#include "calibrate/report.h"
+#include "io/image_file.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/geometry_calibration.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::skull_boards_test {

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/base/error.h"
-#include "slipstream/calibrate/board_capture.h"
-#include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/error.h"
+#include "slipstream/geometry_calibration.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

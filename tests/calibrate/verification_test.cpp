@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/geometry_calibration.h"
+#include "slipstream/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
 

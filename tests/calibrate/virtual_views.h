@@ -7,10 +7,10 @@
 
 #include <Eigen/Geometry>
 
-#include "slipstream/calibrate/board_view.h"
-#include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/board_view.h"
+#include "slipstream/calibration_board.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 

@@ -7,11 +7,11 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/check/scan_check.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/scan_check.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/followed_hints.h"
 #include "tests/check/mistake_lists.h"
 #include "tests/check/real_sets.h"

@@ -1,4 +1,4 @@
-#include "slipstream/check/finding.h"
+#include "slipstream/finding.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/geometry/scan.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan.h"
 #include "tests/check/mistakes.h"
 
 namespace slipstream {

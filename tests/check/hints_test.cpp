@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/check/scan_check.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/scan_check.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/real_sets.h"
 

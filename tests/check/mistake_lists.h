@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/unwrapping.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/statistics.h"
+#include "slipstream/unwrapping.h"
 #include "tests/check/mistakes.h"
 #include "tests/geometry/random_scanner.h"
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/geometry/scan.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan.h"
 
 namespace slipstream {
 

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/statistics.h"
-#include "slipstream/check/scan_check.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/engine.h"
+#include "slipstream/scan_check.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/real_sets.h"
 

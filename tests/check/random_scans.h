@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/codes/unwrapping.h"
-#include "slipstream/geometry/scan.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan.h"
+#include "slipstream/unwrapping.h"
+#include "slipstream/virtual_world.h"
 #include "tests/geometry/random_scanner.h"
 
 namespace slipstream {

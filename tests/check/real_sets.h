@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/geometry/scan.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/image_file.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan.h"
+#include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/check/scan_check.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/image_file.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/scan_check.h"
+#include "slipstream/scanner_file.h"
 #include "tests/check/mistakes.h"
 #include "tests/every_strategy.h"
 #include "tests/shared_data.h"

@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/check/scan_check.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/seen_scene.h"
+#include "simulate/seen_scene.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/scan_check.h"
+#include "slipstream/statistics.h"
 #include "tests/check/random_scans.h"
 #include "tests/every_strategy.h"
 
@@ -126,8 +126,7 @@ class RightTable : public RandomScans {
  private:
   static std::vector<Strategy> every_strategy() {
     std::vector<Strategy> all = every_phase_strategy();
-    for (const auto& more :
-         {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
+    for (const auto& more : {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
       all.insert(all.end(), more.begin(), more.end());
     }
     for (const std::string_view name : strategy_names()) {

@@ -1,5 +1,5 @@
 // What the default filters do to scans whose truth is known, and to a real one.
-#include "slipstream/cloud/cleaner.h"
+#include "slipstream/cleaner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,16 +19,16 @@
 #include <tbb/global_control.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/base/error.h"
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "io/image_file.h"
+#include "slipstream/cloud.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
+#include "slipstream/virtual_scanner.h"
+#include "slipstream/virtual_world.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::cleaner_test {

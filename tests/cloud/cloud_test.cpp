@@ -1,5 +1,5 @@
 // How bright surfaces of a known slope look.
-#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/cloud/surface.h"
+#include "slipstream/surface.h"
 
 namespace slipstream::cloud_test {
 

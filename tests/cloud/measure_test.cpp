@@ -1,4 +1,4 @@
-#include "slipstream/cloud/measure.h"
+#include "slipstream/measure.h"
 
 #include <array>
 #include <cmath>
@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/simulate/cast_cloud.h"
 

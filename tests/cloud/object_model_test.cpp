@@ -1,5 +1,5 @@
 // Clouds of an object that turns before the virtual camera, as depth and noise alone make them.
-#include "slipstream/cloud/object_model.h"
+#include "slipstream/object_model.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/seen_scene.h"
+#include "simulate/seen_scene.h"
+#include "slipstream/cloud.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream::object_model_test {
 

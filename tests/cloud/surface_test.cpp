@@ -1,4 +1,4 @@
-#include "slipstream/cloud/surface.h"
+#include "slipstream/surface.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/one_frame.h"
+#include "slipstream/error.h"
+#include "slipstream/one_frame.h"
 
 namespace slipstream::symbol_grid_test {
 

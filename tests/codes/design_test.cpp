@@ -1,14 +1,14 @@
-#include "slipstream/codes/design.h"
+#include "codes/design.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
+#include "slipstream/error.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::multiplexing_design_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/codes/layout.h"
+#include "slipstream/layout.h"
 
 #include <cmath>
 #include <functional>
@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/unwrapping.h"
+#include "slipstream/error.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream::layout_test {
 

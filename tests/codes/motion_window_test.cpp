@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/layout.h"
-#include "slipstream/codes/registry.h"
+#include "slipstream/error.h"
+#include "slipstream/layout.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::motion_window_test {
 

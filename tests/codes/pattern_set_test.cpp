@@ -1,4 +1,4 @@
-#include "slipstream/codes/pattern_set.h"
+#include "slipstream/pattern_set.h"
 
 #include <cmath>
 #include <cstdint>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/sequence.h"
+#include "slipstream/error.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/sequence.h"
 
 namespace slipstream::axis_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/codes/phase_channel_multiplexing.h"
+#include "slipstream/phase_channel_multiplexing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/frames/frame_set.h"
+#include "codes/predicted_variance.h"
+#include "decode/decoder.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::phase_channel_multiplexing_test {
 

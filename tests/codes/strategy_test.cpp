@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/codes/sequence.h"
+#include "slipstream/error.h"
+#include "slipstream/registry.h"
+#include "slipstream/sequence.h"
 #include "tests/own_strategies.h"
 
 namespace slipstream::strategy_test {

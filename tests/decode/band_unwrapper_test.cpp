@@ -1,12 +1,12 @@
-#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/band_unwrapper.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/image.h"
-#include "slipstream/decode/maps.h"
+#include "slipstream/image.h"
+#include "slipstream/maps.h"
 
 namespace slipstream::temporal_unwrapping_test {
 

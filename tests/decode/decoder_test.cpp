@@ -1,4 +1,4 @@
-#include "slipstream/decode/decoder.h"
+#include "decode/decoder.h"
 
 #include <cmath>
 #include <random>
@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/frame_set.h"
+#include "codes/predicted_variance.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::decoder_test {
 

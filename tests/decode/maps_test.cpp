@@ -1,4 +1,4 @@
-#include "slipstream/decode/maps.h"
+#include "slipstream/maps.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "slipstream/decode/neighbourhood_vote.h"
+#include "decode/neighbourhood_vote.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/frames/frame_set.h"
+#include "decode/decoder.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::neighbourhood_fringe_order_test {
 

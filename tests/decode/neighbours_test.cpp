@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/decode/frame_adapter.h"
+#include "slipstream/frame_adapter.h"
 
 namespace slipstream::neighbours_test {
 

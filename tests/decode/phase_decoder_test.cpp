@@ -1,4 +1,4 @@
-#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/phase_decoder.h"
 
 #include <algorithm>
 #include <array>
@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/decode/equations.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/equations.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/phase_shifting.h"
 
 namespace slipstream::equations_test {
 

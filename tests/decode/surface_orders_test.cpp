@@ -1,4 +1,4 @@
-#include "slipstream/decode/surface_orders.h"
+#include "decode/surface_orders.h"
 
 #include <cmath>
 #include <cstdint>

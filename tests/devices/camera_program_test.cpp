@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/io/recording.h"
+#include "slipstream/recording.h"
 #include "tests/app/program.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/recorded_frames.h"

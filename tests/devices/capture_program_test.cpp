@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/io/recording.h"
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/recording.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/recorded_frames.h"

@@ -16,8 +16,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/dlp.h"
+#include "devices/dlp.h"
+#include "slipstream/error.h"
 
 namespace slipstream::dlp {
 

@@ -1,5 +1,5 @@
 // DLP controllers, on a stand-in for both.
-#include "slipstream/devices/dlp.h"
+#include "devices/dlp.h"
 
 #include <random>
 #include <string>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/registry.h"
+#include "slipstream/pattern_set.h"
+#include "slipstream/registry.h"
 #include "tests/app/program.h"
 #include "tests/devices/dlp_double.h"
 #include "tests/view/desktop.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "slipstream/devices/camera_source.h"
+#include "devices/camera_source.h"
 
 namespace slipstream::frame_count_test {
 

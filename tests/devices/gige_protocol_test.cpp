@@ -1,5 +1,5 @@
 // Sends packets of every kind to the served camera's registers, without a network.
-#include "slipstream/devices/gige_protocol.h"
+#include "devices/gige_protocol.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/devices/camera.h"
-#include "slipstream/live/live_pipeline.h"
+#include "slipstream/camera.h"
+#include "slipstream/live_pipeline.h"
 #include "tests/devices/offline.h"
 #include "tests/devices/served_camera.h"
 

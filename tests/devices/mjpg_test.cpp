@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
 
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "io/image_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/registry.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::mjpg_test {
 

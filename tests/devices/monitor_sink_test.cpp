@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/devices/monitor.h"
-#include "slipstream/view/opengl.h"
+#include "devices/monitor.h"
+#include "slipstream/error.h"
+#include "slipstream/opengl.h"
+#include "slipstream/pattern_set.h"
+#include "slipstream/registry.h"
 #include "tests/view/desktop.h"
 
 namespace slipstream::monitor {

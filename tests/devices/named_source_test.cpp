@@ -1,6 +1,6 @@
 // Names of cameras and sources. virtual_gige_camera_test.cpp tests that names of connected cameras
 // open them.
-#include "slipstream/devices/named_source.h"
+#include "slipstream/named_source.h"
 
 #include <chrono>
 #include <string>
@@ -8,15 +8,15 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_files.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "simulate/virtual_files.h"
+#include "slipstream/colour_channels.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/recording.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/scanner_file.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

@@ -4,11 +4,11 @@
 #include <cstring>
 #include <vector>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/devices/camera.h"
-#include "slipstream/live/live_cloud.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/camera.h"
+#include "slipstream/engine.h"
+#include "slipstream/live_cloud.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
 #include "tests/live/virtual_loop.h"
 
 namespace slipstream {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/devices/camera.h"
+#include "slipstream/camera.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::pixel_format_test {

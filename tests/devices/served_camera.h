@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/virtual_gige_camera.h"
+#include "devices/virtual_gige_camera.h"
+#include "slipstream/error.h"
 
 namespace slipstream {
 

@@ -10,11 +10,11 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/registry.h"
+#include "slipstream/scanner_file.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_world.h"
 #include "tests/app/program.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/temporary_folder.h"

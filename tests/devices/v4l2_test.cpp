@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/camera.h"
+#include "slipstream/camera.h"
+#include "slipstream/error.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::v4l2_test {

@@ -10,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/devices/camera.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/camera.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"

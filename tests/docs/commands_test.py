@@ -10,6 +10,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 import time
 
 import pytest
@@ -198,9 +199,11 @@ def has_commands(page):
 
 @pytest.mark.parametrize("page", [*filter(has_commands, PAGES)], ids=name_of)
 def test_commands_run(page, tmp_path, display):
-    # 1. A folder as a reader has it: the built program, and the folders that pages name.
+    # 1. A folder as a reader has it: the built program, the interpreter that has Debian's modules,
+    # and the folders that pages name.
     (tmp_path / "build").mkdir()
     (tmp_path / "build" / "slipstream").symlink_to(PROGRAM)
+    (tmp_path / "build" / "python3").symlink_to(sys.executable)
     for folder in ("tests", "tools"):
         (tmp_path / folder).symlink_to(SOURCES / folder)
 

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "app/commands.h"
-#include "slipstream/base/error.h"
-#include "slipstream/base/setting.h"
+#include "slipstream/error.h"
+#include "slipstream/setting.h"
 #include "tests/extensions/seen.h"
 
 namespace slipstream::own_cleaning_test {

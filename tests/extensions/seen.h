@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

@@ -1,6 +1,6 @@
 // An unwrapping method defined outside the library: picks the pair of fringe orders for which the
 // coordinates of two sinusoids agree best.
-#include "slipstream/codes/unwrapping.h"
+#include "slipstream/unwrapping.h"
 
 #include <cmath>
 #include <functional>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/numbers.h"
-#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/band_unwrapper.h"
+#include "slipstream/numbers.h"
 #include "tests/extensions/seen.h"
 
 namespace slipstream::own_unwrapping_test {

@@ -22,10 +22,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/publish/mcap.h"
+#include "publish/mcap.h"
+#include "slipstream/error.h"
+#include "slipstream/recording.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/faults/commands.h"
 #include "tests/faults/faulted_program.h"

@@ -10,7 +10,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 
-#include "slipstream/io/recording.h"
+#include "slipstream/recording.h"
 #include "tests/app/program.h"
 
 namespace slipstream::hostile_input_test {

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/recording.h"
+#include "slipstream/file.h"
+#include "slipstream/recording.h"
 #include "tests/faults/faulted_program.h"
 #include "tests/io/recorded_frames.h"
 

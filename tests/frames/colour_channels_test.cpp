@@ -1,4 +1,4 @@
-#include "slipstream/frames/colour_channels.h"
+#include "slipstream/colour_channels.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream::colour_source_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/frame_set.h"
 
 #include <array>
 #include <utility>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream::frame_set_test {
 

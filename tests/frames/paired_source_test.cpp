@@ -1,8 +1,8 @@
-#include "slipstream/frames/paired_source.h"
+#include "frames/paired_source.h"
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream::paired_source_test {
 

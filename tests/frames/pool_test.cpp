@@ -1,11 +1,11 @@
-#include "slipstream/frames/pool.h"
+#include "slipstream/pool.h"
 
 #include <thread>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/frames/frame_source.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_source.h"
 
 namespace slipstream::pool_test {
 

@@ -1,11 +1,11 @@
-#include "slipstream/frames/scan_camera.h"
+#include "frames/scan_camera.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/frames/frame_source.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_source.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::pattern_sink_test {

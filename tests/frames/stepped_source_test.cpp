@@ -1,12 +1,12 @@
 // A camera in step with a projector, by doubles of both that share a clock.
-#include "slipstream/frames/stepped_source.h"
+#include "frames/stepped_source.h"
 
 #include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream::stepped_source_test {
 

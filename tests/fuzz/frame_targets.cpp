@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slipstream/decode/frame_adapter.h"
-#include "slipstream/frames/pattern_windows.h"
-#include "slipstream/frames/pool.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/engine.h"
+#include "slipstream/frame_adapter.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/pattern_windows.h"
+#include "slipstream/pool.h"
 #include "tests/every_strategy.h"
 #include "tests/fuzz/target.h"
 

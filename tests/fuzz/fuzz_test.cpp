@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/io/file.h"
+#include "slipstream/file.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream::fuzz_test {

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "slipstream/io/file.h"
+#include "slipstream/file.h"
 #include "tests/fuzz/target.h"
 
 namespace {

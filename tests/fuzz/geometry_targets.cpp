@@ -1,6 +1,6 @@
 // Clouds and meshes.
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/simulate/virtual_files.h"
+#include "simulate/virtual_files.h"
+#include "slipstream/cloud_file.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/sheet_cloud.h"
 

@@ -5,9 +5,9 @@
 
 #include <linux/videodev2.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/camera.h"
-#include "slipstream/devices/gige_protocol.h"
+#include "devices/gige_protocol.h"
+#include "slipstream/camera.h"
+#include "slipstream/error.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 

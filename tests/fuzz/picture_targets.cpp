@@ -2,12 +2,12 @@
 #include <bit>
 #include <cstring>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/devices/camera.h"
-#include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/recording.h"
+#include "frames/scan_camera.h"
+#include "io/image_file.h"
+#include "slipstream/camera.h"
+#include "slipstream/file.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/recording.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/recorded_frames.h"
 

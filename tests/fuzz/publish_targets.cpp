@@ -1,8 +1,8 @@
 // What others may have written of clouds: MCAP files, messages of ROS 2.
 #include <cstring>
 
-#include "slipstream/publish/mcap.h"
-#include "slipstream/publish/ros_messages.h"
+#include "publish/mcap.h"
+#include "slipstream/ros_messages.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream {

@@ -4,8 +4,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "slipstream/devices/gige_protocol.h"
-#include "slipstream/devices/gige_sockets.h"
+#include "devices/gige_protocol.h"
+#include "devices/gige_sockets.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/file.h"
+#include "slipstream/error.h"
+#include "slipstream/file.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {

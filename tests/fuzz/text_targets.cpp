@@ -1,11 +1,11 @@
 // Settings and calibrations: YAML and XML. Lists and manifests.
 #include "app/manifest.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/io/rig_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
+#include "io/result_files.h"
+#include "io/rig_file.h"
+#include "slipstream/file.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner.h"
+#include "slipstream/scanner_file.h"
 #include "tests/every_strategy.h"
 #include "tests/fuzz/target.h"
 

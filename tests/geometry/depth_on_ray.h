@@ -1,7 +1,7 @@
 // The depth that StripeGeometry describes, in double.
 #pragma once
 
-#include "slipstream/geometry/stripe_geometry.h"
+#include "geometry/stripe_geometry.h"
 
 namespace slipstream {
 

@@ -1,4 +1,4 @@
-#include "slipstream/geometry/height_calibration.h"
+#include "geometry/height_calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 #include "tests/geometry/random_scanner.h"
 
 namespace slipstream::height_calibration_test {

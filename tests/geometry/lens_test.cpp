@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "slipstream/base/error.h"
-#include "slipstream/geometry/scanner.h"
+#include "slipstream/error.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream::lens_test {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "slipstream/geometry/scanner.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 

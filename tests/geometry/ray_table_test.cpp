@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "geometry/stripe_geometry.h"
+#include "slipstream/named_scenes.h"
 #include "tests/geometry/depth_on_ray.h"
 #include "tests/geometry/random_scanner.h"
 

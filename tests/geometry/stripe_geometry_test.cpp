@@ -1,11 +1,11 @@
-#include "slipstream/geometry/stripe_geometry.h"
+#include "geometry/stripe_geometry.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/geometry/triangulator.h"
+#include "geometry/triangulator.h"
+#include "slipstream/error.h"
 #include "tests/geometry/depth_on_ray.h"
 #include "tests/geometry/random_scanner.h"
 

@@ -1,4 +1,4 @@
-#include "slipstream/geometry/triangulator.h"
+#include "geometry/triangulator.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 #include "tests/geometry/random_scanner.h"
 
 namespace slipstream::triangulator_test {

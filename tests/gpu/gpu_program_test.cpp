@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <vulkan/vulkan_raii.hpp>
 
-#include "slipstream/reconstruct/gpu.h"
+#include "reconstruct/gpu.h"
 #include "tests/app/program.h"
 
 namespace slipstream::gpu_program_test {

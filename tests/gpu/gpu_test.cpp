@@ -1,6 +1,6 @@
 // The GPU gives the points of the equations and leaves out the same pixels, as the fused pass does;
 // on whatever device there is, which is Mesa's software where there is no other.
-#include "slipstream/reconstruct/gpu.h"
+#include "reconstruct/gpu.h"
 
 #include <algorithm>
 #include <array>
@@ -20,9 +20,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/gpu/gpu_engine.h"
-#include "slipstream/response/correction.h"
+#include "reconstruct/gpu/gpu_engine.h"
+#include "slipstream/correction.h"
+#include "slipstream/engine.h"
 #include "tests/every_strategy.h"
 #include "tests/geometry/random_scanner.h"
 #include "tests/own_strategies.h"

@@ -1,8 +1,8 @@
 // A program outside the project: a scan by the virtual scanner to a cloud.
-#include <slipstream/codes/phase_shifting.h>
-#include <slipstream/reconstruct/engine.h>
-#include <slipstream/simulate/named_scenes.h>
-#include <slipstream/simulate/virtual_scanner.h>
+#include <slipstream/engine.h>
+#include <slipstream/named_scenes.h>
+#include <slipstream/phase_shifting.h>
+#include <slipstream/virtual_scanner.h>
 
 int main() {
   using namespace slipstream;

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/recording.h"
+#include "slipstream/file.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/recording.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "slipstream/io/cloud_file.h"
+#include "slipstream/cloud_file.h"
 
 #include <cmath>
 #include <cstring>
@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/plot.h"
+#include "io/image_file.h"
+#include "io/plot.h"
+#include "slipstream/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -7,15 +7,15 @@
 #include <opencv2/imgcodecs.hpp>
 #include <tiffio.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/replay_source.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "io/image_file.h"
+#include "io/replay_source.h"
+#include "io/result_files.h"
+#include "slipstream/engine.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

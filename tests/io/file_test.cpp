@@ -1,4 +1,4 @@
-#include "slipstream/io/file.h"
+#include "slipstream/file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"

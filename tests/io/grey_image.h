@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "slipstream/base/image.h"
-#include "slipstream/io/image_file.h"
+#include "io/image_file.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 

@@ -1,4 +1,4 @@
-#include "slipstream/io/image_file.h"
+#include "io/image_file.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tiffio.h>
 
-#include "slipstream/io/file.h"
+#include "slipstream/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

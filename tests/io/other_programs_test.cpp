@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/io/cloud_file.h"
+#include "slipstream/cloud_file.h"
 #include "tests/io/sheet_cloud.h"
 #include "tests/io/temporary_folder.h"
 

@@ -1,11 +1,11 @@
-#include "slipstream/io/pattern_pictures.h"
+#include "io/pattern_pictures.h"
 
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/error.h"
+#include "slipstream/phase_shifting.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/error.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/scanner_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/plot.h"
+#include "io/plot.h"
+#include "slipstream/error.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::plot_file_test {

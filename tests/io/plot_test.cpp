@@ -1,4 +1,4 @@
-#include "slipstream/io/plot.h"
+#include "io/plot.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "slipstream/frames/frame_source.h"
+#include "slipstream/frame_source.h"
 
 namespace slipstream {
 

@@ -1,4 +1,4 @@
-#include "slipstream/io/recorder.h"
+#include "slipstream/recorder.h"
 
 #include <filesystem>
 #include <fstream>
@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/io/replay_source.h"
+#include "io/replay_source.h"
+#include "slipstream/error.h"
+#include "slipstream/phase_shifting.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "slipstream/io/recording.h"
+#include "slipstream/recording.h"
 
 #include <chrono>
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/file.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "frames/scan_camera.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"

@@ -1,4 +1,4 @@
-#include "slipstream/io/replay_source.h"
+#include "io/replay_source.h"
 
 #include <cstring>
 #include <filesystem>
@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "io/image_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/recording.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

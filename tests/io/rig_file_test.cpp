@@ -1,4 +1,4 @@
-#include "slipstream/io/rig_file.h"
+#include "io/rig_file.h"
 
 #include <string>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "slipstream/io/saved_scan.h"
+#include "slipstream/saved_scan.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,13 +7,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "io/image_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/recording.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

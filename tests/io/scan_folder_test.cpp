@@ -1,11 +1,11 @@
-#include "slipstream/io/scan_folder.h"
+#include "slipstream/scan_folder.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/io/file.h"
+#include "slipstream/file.h"
+#include "slipstream/phase_shifting.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

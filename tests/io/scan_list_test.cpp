@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/result_files.h"
+#include "io/result_files.h"
+#include "slipstream/error.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::scan_list_test {

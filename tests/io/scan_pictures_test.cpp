@@ -6,13 +6,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "io/image_file.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

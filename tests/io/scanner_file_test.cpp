@@ -1,4 +1,4 @@
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/scanner_file.h"
 
 #include <algorithm>
 #include <fstream>
@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "slipstream/io/file.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"

@@ -3,11 +3,11 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/io/file.h"
-#include "slipstream/io/result_files.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "io/result_files.h"
+#include "slipstream/file.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/saved_scan.h"
+#include "slipstream/scanner_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud.h"
 
 namespace slipstream {
 

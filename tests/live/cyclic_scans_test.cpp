@@ -1,4 +1,4 @@
-#include "slipstream/live/cyclic_scans.h"
+#include "live/cyclic_scans.h"
 
 #include <utility>
 #include <variant>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 #include "tests/live/virtual_loop.h"
 
 namespace slipstream::cyclic_scans_test {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/live/live_pipeline.h"
-#include "slipstream/live/window_engine.h"
+#include "live/window_engine.h"
+#include "slipstream/live_pipeline.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 

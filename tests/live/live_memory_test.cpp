@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "slipstream/live/live_pipeline.h"
+#include "slipstream/live_pipeline.h"
 #include "tests/counted_allocations.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"

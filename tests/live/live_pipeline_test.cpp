@@ -1,4 +1,4 @@
-#include "slipstream/live/live_pipeline.h"
+#include "slipstream/live_pipeline.h"
 
 #include <algorithm>
 #include <cstring>
@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/pipeline.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/live/live_statistics.h"
+#include "slipstream/live_statistics.h"
 
 namespace slipstream::meters_test {
 using namespace std::chrono_literals;

@@ -1,5 +1,5 @@
 // Tracks a sphere and a plane from cloud to cloud, and merges clouds into a model.
-#include "slipstream/live/object_track.h"
+#include "slipstream/object_track.h"
 
 #include <cmath>
 #include <memory>
@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/live/live_pipeline.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/live_pipeline.h"
+#include "slipstream/virtual_camera.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/frames/frame_source.h"
-#include "slipstream/live/live_pipeline.h"
+#include "slipstream/frame_source.h"
+#include "slipstream/live_pipeline.h"
 
 namespace slipstream {
 

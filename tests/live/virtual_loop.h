@@ -3,11 +3,11 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/pool.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/pool.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_camera.h"
 
 namespace slipstream {
 

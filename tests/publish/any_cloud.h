@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/live/live_cloud.h"
+#include "slipstream/live_cloud.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 

@@ -11,12 +11,12 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/file.h"
-#include "slipstream/publish/cloud_sink.h"
-#include "slipstream/publish/ros_messages.h"
-#include "slipstream/publish/web_content.h"
+#include "publish/web_content.h"
+#include "slipstream/cloud_sink.h"
+#include "slipstream/error.h"
+#include "slipstream/file.h"
+#include "slipstream/registry.h"
+#include "slipstream/ros_messages.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"

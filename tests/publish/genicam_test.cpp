@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/numbers.h"
-#include "slipstream/devices/gige_protocol.h"
-#include "slipstream/publish/cloud_sink.h"
-#include "slipstream/publish/scan3d.h"
+#include "devices/gige_protocol.h"
+#include "publish/scan3d.h"
+#include "slipstream/cloud_sink.h"
+#include "slipstream/error.h"
+#include "slipstream/numbers.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/publish/any_cloud.h"
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/publish/cloud_sink.h"
+#include "slipstream/cloud_sink.h"
+#include "slipstream/error.h"
 
 namespace slipstream::publisher_test {
 

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "ros2_messages.h"
-#include "slipstream/publish/cloud_sink.h"
+#include "slipstream/cloud_sink.h"
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 

@@ -21,10 +21,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "publish/dds_messages.h"
 #include "ros2_messages.h"
-#include "slipstream/base/error.h"
-#include "slipstream/publish/cloud_sink.h"
-#include "slipstream/publish/dds_messages.h"
+#include "slipstream/cloud_sink.h"
+#include "slipstream/error.h"
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 

@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/geometry/triangulator.h"
-#include "slipstream/reconstruct/fused/fused_engine.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "geometry/triangulator.h"
+#include "reconstruct/fused/fused_engine.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
 #include "tests/counted_allocations.h"
 #include "tests/own_strategies.h"
 

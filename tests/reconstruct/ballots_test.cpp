@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/base/image.h"
-#include "slipstream/reconstruct/fused/rows.h"
+#include "reconstruct/fused/rows.h"
+#include "slipstream/image.h"
 
 namespace slipstream::ballots_test {
 

@@ -9,13 +9,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
+#include "decode/decoder.h"
+#include "io/image_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner.h"
+#include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::captures_test {

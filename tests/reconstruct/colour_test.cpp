@@ -9,13 +9,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/colour_channels.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/colour_channels.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/pattern_set.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::colour_test {
 

@@ -8,15 +8,15 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "io/image_file.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
 

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "codes/predicted_variance.h"
 #include "paper/formulas.h"
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/decode/cue_evidence.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/cue_evidence.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/virtual_scanner.h"
 
 // Where noise hides the cue from a pixel and from its neighbours, there is no point.
 

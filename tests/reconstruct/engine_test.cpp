@@ -1,5 +1,5 @@
 // One engine, several outputs, threads and kinds of memory.
-#include "slipstream/reconstruct/engine.h"
+#include "slipstream/engine.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -15,10 +15,10 @@
 #include <tbb/global_control.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/own_strategies.h"
 
 namespace slipstream::engine_test {

@@ -8,13 +8,13 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/epipolar.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "reconstruct/epipolar.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::epipolar_check_test {
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/reconstruct/fused/fused_stages.h"
-#include "slipstream/response/correction.h"
+#include "reconstruct/fused/fused_stages.h"
+#include "slipstream/correction.h"
 
 namespace slipstream::folded_phase_test {
 

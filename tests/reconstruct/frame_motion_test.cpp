@@ -1,5 +1,5 @@
 // What windows of more than a cycle say of motion itself.
-#include "slipstream/decode/frame_motion.h"
+#include "decode/frame_motion.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::frame_motion_test {
 

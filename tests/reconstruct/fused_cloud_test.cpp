@@ -8,10 +8,10 @@
 #include <tbb/global_control.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/base/error.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/geometry/random_scanner.h"
 #include "tests/reconstruct/agreement.h"
 

@@ -11,8 +11,8 @@
 #include <tbb/global_control.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/reconstruct/engine.h"
+#include "decode/decoder.h"
+#include "slipstream/engine.h"
 #include "tests/reconstruct/agreement.h"
 
 namespace slipstream::fused_multiplexed_test {

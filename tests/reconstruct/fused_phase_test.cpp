@@ -11,14 +11,14 @@
 #include <gtest/gtest.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/band_unwrapper.h"
-#include "slipstream/decode/equations.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/reconstruct/fused/fused_engine.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "reconstruct/fused/fused_engine.h"
+#include "slipstream/band_unwrapper.h"
+#include "slipstream/correction.h"
+#include "slipstream/equations.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::fused_phase_test {
 

@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/geometry/height_calibration.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "geometry/height_calibration.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_scanner.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::heights_test {
 

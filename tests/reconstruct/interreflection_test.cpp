@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
 #include "tests/reconstruct/agreement.h"
 
 namespace slipstream::interreflection_test {

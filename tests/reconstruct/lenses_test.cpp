@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/reconstruct/engine.h"
+#include "slipstream/engine.h"
 #include "tests/geometry/random_scanner.h"
 #include "tests/reconstruct/agreement.h"
 

@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/geometry/triangulator.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/phase_matcher.h"
+#include "geometry/triangulator.h"
+#include "io/image_file.h"
+#include "reconstruct/phase_matcher.h"
+#include "slipstream/engine.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/scan_folder.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::motion_test {

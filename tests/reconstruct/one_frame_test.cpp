@@ -12,17 +12,17 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/image.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/frame_adapter.h"
-#include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/spatial/spatial_unwrapping.h"
+#include "io/image_file.h"
+#include "slipstream/colour_channels.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_adapter.h"
+#include "slipstream/image.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_decoder.h"
+#include "slipstream/registry.h"
+#include "slipstream/spatial_unwrapping.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::one_frame_test {

@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 
 #include "bench/vector_target.h"
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/unwrapping.h"
-#include "slipstream/reconstruct/engine.h"
+#include "codes/predicted_variance.h"
+#include "slipstream/engine.h"
+#include "slipstream/unwrapping.h"
 #include "tests/every_strategy.h"
 #include "tests/reconstruct/agreement.h"
 

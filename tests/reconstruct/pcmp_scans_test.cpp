@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::pcmp_scans_test {
 

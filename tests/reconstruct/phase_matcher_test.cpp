@@ -1,16 +1,16 @@
-#include "slipstream/reconstruct/phase_matcher.h"
+#include "reconstruct/phase_matcher.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::phase_matcher_test {
 

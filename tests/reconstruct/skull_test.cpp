@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/engine.h"
+#include "io/image_file.h"
+#include "slipstream/engine.h"
+#include "slipstream/registry.h"
+#include "slipstream/scan_folder.h"
+#include "slipstream/scanner_file.h"
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
 

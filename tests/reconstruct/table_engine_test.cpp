@@ -1,16 +1,16 @@
 // The published system in one pass. Tier: every change; about a second. every_strategy.h compares
 // all engines with truth; here the tables are compared with the stages and the published loops, to
 // rounding, and by reason of rejection.
-#include "slipstream/reconstruct/table_engine.h"
+#include "reconstruct/table_engine.h"
 
 #include <gtest/gtest.h>
 
 #include "paper/published_loops.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/pipeline.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "reconstruct/pipeline.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

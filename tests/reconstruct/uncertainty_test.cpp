@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "codes/predicted_variance.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::uncertainty_test {
 

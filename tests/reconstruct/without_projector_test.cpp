@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/statistics.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/reconstruct/coordinate_matcher.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "reconstruct/coordinate_matcher.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/statistics.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::without_projector_test {
 

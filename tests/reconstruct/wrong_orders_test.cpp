@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/design.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/codes/unwrapping.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/frames/frame_set.h"
+#include "codes/design.h"
+#include "decode/decoder.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/registry.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream::wrong_orders_test {
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/design.h"
+#include "codes/design.h"
+#include "slipstream/error.h"
 
 namespace slipstream::multiplexing_tables_test {
 

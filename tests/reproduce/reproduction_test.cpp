@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/error.h"
 
 namespace slipstream::reproduction_test {
 

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/decoder.h"
 #include "paper/multiplexing_tables.h"
-#include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
+#include "slipstream/phase_channel_multiplexing.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::rounded_frames_test {
 

@@ -12,14 +12,14 @@
 #include <gtest/gtest.h>
 
 #include "paper/formulas.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/response/gamma.h"
-#include "slipstream/response/response_fit.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/correction.h"
+#include "slipstream/engine.h"
+#include "slipstream/error.h"
+#include "slipstream/gamma.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/response_fit.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream::any_response_test {
 

@@ -12,11 +12,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/decoder.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/response/gamma.h"
+#include "decode/decoder.h"
+#include "io/image_file.h"
+#include "slipstream/correction.h"
+#include "slipstream/gamma.h"
+#include "slipstream/registry.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::captures_gamma_test {

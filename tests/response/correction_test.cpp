@@ -1,4 +1,4 @@
-#include "slipstream/response/correction.h"
+#include "slipstream/correction.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,9 +8,9 @@
 #include <rapidcheck.h>
 
 #include "paper/formulas.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/error.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::correction_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/response/gamma.h"
+#include "slipstream/gamma.h"
 
 #include <cmath>
 #include <limits>
@@ -11,8 +11,8 @@
 #include <rapidcheck.h>
 
 #include "paper/board_experiment.h"
-#include "slipstream/base/error.h"
-#include "slipstream/response/correction.h"
+#include "slipstream/correction.h"
+#include "slipstream/error.h"
 
 namespace slipstream {
 

@@ -9,8 +9,8 @@
 #include <rapidcheck.h>
 
 #include "paper/formulas.h"
-#include "slipstream/response/correction.h"
-#include "slipstream/response/gamma.h"
+#include "slipstream/correction.h"
+#include "slipstream/gamma.h"
 
 namespace slipstream::harmonics_test {
 

@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/gamma.h"
-#include "slipstream/response/noise_calibration.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/ambient_calibration.h"
+#include "slipstream/error.h"
+#include "slipstream/gamma.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/noise_calibration.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::photometry_test {

@@ -1,5 +1,5 @@
 // Predictions of Liu 2010, Chapter 3, as printed and against a great many noisy pixels.
-#include "slipstream/codes/predicted_variance.h"
+#include "codes/predicted_variance.h"
 
 #include <cmath>
 #include <numbers>
@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "paper/formulas.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/decode/equations.h"
+#include "slipstream/equations.h"
+#include "slipstream/registry.h"
 
 namespace slipstream::predicted_variance_test {
 

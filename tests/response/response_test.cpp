@@ -1,4 +1,4 @@
-#include "slipstream/codes/response.h"
+#include "slipstream/response.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/response/response_fit.h"
+#include "slipstream/error.h"
+#include "slipstream/response_fit.h"
 
 namespace slipstream::response_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/simulate/accuracy.h"
+#include "simulate/accuracy.h"
 
 #include <cmath>
 #include <fstream>
@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/error.h"
+#include "slipstream/phase_shifting.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/simulate/cast_cloud.h"

@@ -2,10 +2,10 @@
 
 #include <functional>
 
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/scene.h"
+#include "slipstream/cloud.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/scanner.h"
+#include "slipstream/scene.h"
 
 namespace slipstream {
 

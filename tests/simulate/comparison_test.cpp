@@ -1,14 +1,14 @@
 // Clouds of the bench world err as their sigma says, whatever the scene and the strategy.
-#include "slipstream/simulate/comparison.h"
+#include "simulate/comparison.h"
 
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::comparison_test {
 

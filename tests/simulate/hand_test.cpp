@@ -1,10 +1,10 @@
-#include "slipstream/simulate/hand.h"
+#include "simulate/hand.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/named_scenes.h"
 
 namespace slipstream::hand_test {
 

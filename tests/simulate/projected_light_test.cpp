@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/phase_shifting.h"
-#include "slipstream/simulate/seen_scene.h"
+#include "simulate/seen_scene.h"
+#include "slipstream/pattern_set.h"
+#include "slipstream/phase_shifting.h"
 
 namespace slipstream::projected_light_test {
 

@@ -1,13 +1,13 @@
 // Reels rendered while they are shown. Tier: every change; seconds, as the pictures are small.
 // virtual_scanner_test.cpp tests what frames show; here it is when they are there.
-#include "slipstream/simulate/rendered_reel.h"
+#include "slipstream/rendered_reel.h"
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/virtual_camera.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,4 @@
-#include "slipstream/simulate/scene.h"
+#include "slipstream/scene.h"
 
 #include <cmath>
 #include <memory>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
 
 namespace slipstream::scene_test {
 

@@ -1,4 +1,4 @@
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/virtual_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/image.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/error.h"
+#include "slipstream/image.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/pattern_set.h"
+#include "slipstream/registry.h"
 #include "tests/simulate/virtual_rig.h"
 
 namespace slipstream::virtual_camera_test {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "slipstream/base/throw_if-inl.h"
-#include "slipstream/simulate/seen_scene.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "base/throw_if-inl.h"
+#include "simulate/seen_scene.h"
+#include "slipstream/virtual_camera.h"
 
 namespace slipstream {
 

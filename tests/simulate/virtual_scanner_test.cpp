@@ -1,4 +1,4 @@
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/virtual_scanner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/codes/sequence.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/registry.h"
+#include "slipstream/sequence.h"
+#include "slipstream/virtual_camera.h"
 
 namespace slipstream::virtual_scanner_test {
 

@@ -14,11 +14,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "slipstream/devices/camera.h"
-#include "slipstream/devices/virtual_gige_camera.h"
-#include "slipstream/io/recorder.h"
-#include "slipstream/io/recording.h"
-#include "slipstream/live/live_pipeline.h"
+#include "devices/virtual_gige_camera.h"
+#include "slipstream/camera.h"
+#include "slipstream/live_pipeline.h"
+#include "slipstream/recorder.h"
+#include "slipstream/recording.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/devices/offline.h"
 #include "tests/io/recorded_frames.h"

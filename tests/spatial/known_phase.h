@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/base/image.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/io/image_file.h"
-#include "slipstream/spatial/spatial_unwrapping.h"
+#include "io/image_file.h"
+#include "slipstream/spatial_unwrapping.h"
 #include "tests/shared_data.h"
 #include "tests/spatial/known_phase.h"
 

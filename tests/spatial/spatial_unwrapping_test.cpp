@@ -1,4 +1,4 @@
-#include "slipstream/spatial/spatial_unwrapping.h"
+#include "slipstream/spatial_unwrapping.h"
 
 #include <cmath>
 #include <vector>
@@ -8,8 +8,8 @@
 #include <lemon/smart_graph.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/spatial/detail/methods.h"
+#include "slipstream/error.h"
+#include "spatial/methods.h"
 #include "tests/spatial/known_phase.h"
 
 namespace slipstream::spatial_unwrapping_test {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/view/scene_renderer.h"
+#include "slipstream/cloud.h"
+#include "slipstream/scene_renderer.h"
 
 namespace slipstream::view {
 

@@ -2,14 +2,14 @@
 // scene_renderer_test.cpp draws made-up clouds without noise.
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/seen_scene.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/view/opengl.h"
-#include "slipstream/view/scene_renderer.h"
+#include "io/image_file.h"
+#include "simulate/seen_scene.h"
+#include "slipstream/engine.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/opengl.h"
+#include "slipstream/registry.h"
+#include "slipstream/scene_renderer.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
 

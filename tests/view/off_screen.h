@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/view/opengl.h"
+#include "slipstream/error.h"
+#include "slipstream/opengl.h"
 
 namespace slipstream::view {
 

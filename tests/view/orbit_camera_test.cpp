@@ -1,4 +1,4 @@
-#include "slipstream/view/orbit_camera.h"
+#include "slipstream/orbit_camera.h"
 
 #include <cmath>
 

@@ -1,14 +1,14 @@
 // Renders off-screen and checks pixels. Skipped without OpenGL.
-#include "slipstream/view/scene_renderer.h"
+#include "slipstream/scene_renderer.h"
 
 #include <algorithm>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/cloud/surface.h"
-#include "slipstream/view/opengl.h"
+#include "slipstream/error.h"
+#include "slipstream/opengl.h"
+#include "slipstream/surface.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
 

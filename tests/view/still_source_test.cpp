@@ -6,16 +6,16 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/codes/registry.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/view/cloud_screen.h"
-#include "slipstream/view/opengl.h"
-#include "slipstream/view/viewer.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/error.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/opengl.h"
+#include "slipstream/registry.h"
+#include "slipstream/viewer.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/view/made_up_cloud.h"
+#include "view/cloud_screen.h"
 
 namespace slipstream::view::still_source_test {
 

@@ -1,6 +1,6 @@
 // The viewer on synthetic clouds, off-screen and in a window. Skipped without OpenGL, or without a
 // desktop and Xvfb.
-#include "slipstream/view/viewer.h"
+#include "slipstream/viewer.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,13 +10,13 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/colour.h"
-#include "slipstream/base/error.h"
-#include "slipstream/view/cloud_screen.h"
-#include "slipstream/view/opengl.h"
+#include "slipstream/colour.h"
+#include "slipstream/error.h"
+#include "slipstream/opengl.h"
 #include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
+#include "view/cloud_screen.h"
 
 namespace slipstream::view::viewer_test {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
-#include <slipstream/codes/phase_shifting.h>
-#include <slipstream/reconstruct/engine.h>
+#include <slipstream/engine.h>
+#include <slipstream/phase_shifting.h>
 
 int main() {
   using namespace slipstream;

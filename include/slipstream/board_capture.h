@@ -1,0 +1,61 @@
+#pragma once
+
+#include <functional>
+
+#include "slipstream/board_corners.h"
+#include "slipstream/board_view.h"
+#include "slipstream/response.h"
+
+namespace slipstream {
+
+struct BoardCaptureSettings {
+  /// Grey levels of 8 bits, 0 to 255; darker pixels are ignored.
+  double minimum_modulation = 5;
+  double neighbourhood = 0.7;  ///< `share` of projector_corners, above 0, at most 10
+  std::optional<MeasuredResponse> response{};  ///< corrects the phases
+  Size projector{};                            ///< of scans that do not give it
+};
+
+/// Result of one pose.
+struct BoardCapture {
+  std::optional<BoardView> view;    ///< nullopt if the pose cannot be used
+  std::string told;                 ///< which detector found the board, or why none did
+  std::vector<Finding> findings{};  ///< of the frames; `wrong` rejects the pose
+};
+
+/// Finds the board in a pose's frames and, from a scan along each axis, the projector pixel of each
+/// corner. Puts slipped frames in order first. Throws Error if the scans do not match their
+/// strategy, differ in picture or projector size, give no coordinate or only with the ambient
+/// light, if the board is larger than `board`, or if a setting is out of range.
+BoardCapture board_capture(const std::string& name, const CalibrationBoard& board, Scan along_x,
+                           Scan along_y, const BoardCaptureSettings& settings = {});
+
+/// A pose that was not used.
+struct UnusedPose {
+  std::string name;
+  std::string why;
+};
+
+/// Result of all poses of a board.
+struct PoseCaptures {
+  BoardViews views{};
+  std::vector<UnusedPose> unused{};
+  Size camera{};
+  Size projector{};
+  std::vector<std::string> warnings{};  ///< from reading the frames
+  std::vector<Finding> findings{};      ///< of the poses' frames
+};
+
+/// Finds the board in all poses except `excluded` (by name). Calls `told` after each pose with a
+/// description (empty when excluded). Throws Error with the pose's name if its frames cannot be
+/// read or used, or come from another camera or projector than earlier poses, and for an excluded
+/// name that is not in the folder.
+PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardScans>& poses,
+                           const std::vector<std::string>& excluded, const CalibrationBoard& board,
+                           const BoardCaptureSettings& settings,
+                           const std::function<void(const std::string& words)>& told);
+
+/// Throws Error with the folder's name if too few poses are usable.
+void require_enough_poses(const PoseCaptures& captures, const std::string& folder);
+
+}  // namespace slipstream

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <string>
+
+#include "slipstream/calibration_board.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/maps.h"
+
+namespace slipstream {
+
+/// The scene without fringes, over all frames of a pose, grey levels of 8 bits.
+struct FringeFreePictures {
+  Image<float> mean;
+  Image<float> brightest;
+};
+
+/// Throws Error if the frames of the two scans differ in size.
+FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameViews& along_y);
+
+/// Corners of a board in a picture.
+struct BoardCorners {
+  std::vector<int> places;  ///< index of each in printed_places
+  PixelPlaces pixels;
+  std::string detector;  ///< name of the detector, as reported
+};
+
+/// Finds the board with subpixel accuracy: in the mean and then the brightest picture, by OpenCV's
+/// sector-based detector and then by the classic one. Numbers the corners so that the board's X
+/// points right in the picture and its Z away from the camera; a board that looks the same upside
+/// down must be held within 90 degrees of upright. Returns nullopt if no board is visible. Throws
+/// Error if the board has more corners than `board`.
+std::optional<BoardCorners> find_board(const CalibrationBoard& board,
+                                       const FringeFreePictures& pictures);
+
+/// Corners across and down of any visible chessboard, larger number first, for error messages.
+/// Returns nullopt if no chessboard is visible.
+std::optional<Size> chessboard_size(const FringeFreePictures& pictures);
+
+/// The projector pixel that lights each camera pixel.
+struct ProjectorMap {
+  Image<double> x;
+  Image<double> y;
+  Image<double> weight;  ///< inverse variance: B^2; 0 if unreliable
+};
+
+/// Combines a scan along each axis. A pixel is reliable if it is unsaturated and its modulation is
+/// at least `minimum_modulation` (grey levels of an 8-bit camera) in both scans.
+ProjectorMap projector_map(const FrameViews& frames_x, const BasicMaps<double>& along_x,
+                           const FrameViews& frames_y, const BasicMaps<double>& along_y,
+                           Size projector, double minimum_modulation);
+
+/// A corner in the projector's picture.
+struct ProjectorCorner {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d slope;  ///< d pixel / d camera pixel
+};
+
+/// Projector pixels of the camera's `corners` (pixels): a homography from camera to projector is
+/// fitted robustly to the reliable pixels within a radius of each corner (Moreno and Taubin 2012,
+/// "Simple, accurate, and robust projector-camera calibration"). The radius is `share` of the
+/// distance to the next corner. NaN if too few pixels are reliable.
+std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map, const PixelPlaces& corners,
+                                               double share);
+
+/// Distance from corner i to the nearest other corner, pixels.
+double distance_to_next(const PixelPlaces& corners, std::size_t i);
+
+}  // namespace slipstream

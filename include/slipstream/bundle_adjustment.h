@@ -1,0 +1,140 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <Eigen/Geometry>
+
+#include "slipstream/board_view.h"
+#include "slipstream/scanner.h"
+
+namespace slipstream {
+
+/// All parameters that determine the corners' pixels.
+struct BundleState {
+  Scanner scanner;
+  std::vector<Eigen::Isometry3d> poses;  ///< board to camera frame, one for each view
+  BoardPlaces places;                    ///< the board's corners in its own frame, mm
+};
+
+/// Standard deviations of the residuals' components, pixels; the projector's without the part that
+/// the camera's errors cause (BoardView::slopes).
+struct PixelDeviations {
+  double camera = 1;
+  double projector = 1;
+};
+
+/// The parameters that a bundle adjustment may change.
+struct BundleSettings {
+  /// Number of free distortion coefficients, in OpenCV's order: 0, 1, 2, 4, 5, 8 or 12. The others
+  /// are fixed.
+  int camera_coefficients = 5;
+  int projector_coefficients = 5;
+  bool hold_camera = false;     ///< fixes its lens
+  bool hold_projector = false;  ///< fixes its lens
+  /// Standard deviation of a corner's printing error, mm; nullopt fixes the places.
+  std::optional<double> print_deviation = std::nullopt;
+  bool hold_rig = false;  ///< fixes rotation and translation
+  /// nullopt: estimated robustly, in three rounds of adjustment.
+  std::optional<PixelDeviations> pixel_deviations = std::nullopt;
+};
+
+/// Sets the fixed distortion coefficients to zero, so that none remain from a larger lens model.
+void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
+
+/// Standard deviations of a lens.
+struct LensDeviation {
+  Eigen::Vector2d focal = Eigen::Vector2d::Zero();            ///< pixels
+  Eigen::Vector2d principal_point = Eigen::Vector2d::Zero();  ///< pixels
+  std::array<double, 12> coefficients{};                      ///< 0 if fixed
+};
+
+/// Standard deviations of the result.
+struct BundleDeviation {
+  LensDeviation camera;
+  LensDeviation projector;
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< rad, about x, y, z
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
+};
+
+/// Minimises the reprojection errors of both devices over all free parameters, with Huber's loss
+/// and each device's errors in units of their robustly estimated standard deviation. Starts from
+/// `start`, whose poses and places must match `views`; `printed`: nominal corners of the board. If
+/// not null, `deviation` receives the standard deviations for independent corner errors. Throws
+/// Error if it does not converge, or if the poses do not determine the requested `deviation`.
+BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
+                            const BundleSettings& settings, BundleDeviation* deviation = nullptr);
+
+/// The larger of `deviation`, which assumes independent corner errors, and the jackknife's: m
+/// calibrations, each without one of the m poses, deviate from their mean by
+/// sigma^2 = (m - 1) / m * (sum of squares). The jackknife includes errors common to a pose's
+/// corners, but not errors common to all poses, such as the print's scale.
+BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one);
+
+PixelDeviations pixel_deviations(const BoardViews& views, const BundleState& state);
+
+/// Mean squared residual per corner, over all views and both devices, in units of the variances of
+/// bundle_adjusted: 4 if `deviations` are right.
+double mean_squared_error(const BoardViews& views, const BundleState& state,
+                          const PixelDeviations& deviations);
+
+/// A subset of the poses and their state.
+struct SomePoses {
+  BoardViews views;
+  BundleState state;
+};
+/// The poses whose index `takes` accepts.
+SomePoses some_poses(const BoardViews& views, const BundleState& state,
+                     const std::function<bool(std::size_t pose)>& takes);
+
+/// Observed minus predicted pixel of each corner of a view, which is pose `v` of the state; NaN if
+/// the device does not see the corner.
+PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size_t v,
+                      Device device);
+
+/// Sum of squares, and their number.
+struct Squares {
+  double sum = 0;
+  int count = 0;
+
+  void add(double square) {
+    sum += square;
+    ++count;
+  }
+  void add(const Squares& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+  /// 0 if empty.
+  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
+/// RMS distances between observed and predicted corners, pixels of the device; `stereo`: over the
+/// corners of both devices.
+struct ReprojectionRms {
+  double camera = 0, projector = 0, stereo = 0;
+};
+
+/// The same distances, squared.
+struct Reprojection {
+  Squares camera, projector;
+
+  [[nodiscard]] ReprojectionRms rms() const;
+};
+
+/// `view` is pose `v` of the state.
+Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v);
+
+/// A board measured with a scanner, compared with the printed one.
+struct BoardQuality {
+  double flatness = 0;        ///< RMS distance of the corners from their best plane, mm
+  double scale_error = 0;     ///< mean over all pairs of corners of distance / printed distance - 1
+  double distance_error = 0;  ///< RMS over all pairs of distance - printed distance, mm
+};
+
+/// Returns nullopt if fewer than four corners are lit.
+std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
+                                          const BoardPlaces& printed);
+
+}  // namespace slipstream

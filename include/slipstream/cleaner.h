@@ -1,0 +1,128 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "slipstream/cloud.h"
+#include "slipstream/depth_rows.h"
+#include "slipstream/setting.h"
+
+namespace slipstream {
+
+/// A box along the axes of the camera's frame, mm.
+struct PointBox {
+  std::array<double, 3> least{}, largest{};
+
+  friend bool operator==(const PointBox&, const PointBox&) = default;
+};
+
+/// A position in the camera's picture, pixels; pixel centres are at integers.
+struct PictureCorner {
+  double column = 0, row = 0;
+
+  friend bool operator==(const PictureCorner&, const PictureCorner&) = default;
+};
+
+/// Which points of a cloud are removed, by their neighbours or noise, and optional further steps.
+/// By default the filters of the first part are on; they only remove points.
+struct CleanSettings {
+  /// Maximum standard deviation of depth predicted from the noise, mm; above it a point is
+  /// `low_trust`. Default: 3 % of the depth; infinity: no limit.
+  std::optional<double> largest_sigma{};
+  bool drop_mixed = true;     ///< points off the end of a surface
+  bool drop_outliers = true;  ///< points off the surface of their neighbours
+  /// Minimum pixels of a component; points in smaller ones are `small_component`. Neighbours in
+  /// rows and columns are connected, but not across a depth edge. 0 keeps all.
+  int smallest_component = 200;
+
+  std::optional<PointBox> box{};  ///< points outside are `outside_region`
+  /// Pixels outside are `outside_region` too: a rectangle by two opposite corners (inclusive), or
+  /// an even-odd polygon by three or more. Empty: the whole picture.
+  std::vector<PictureCorner> outline{};
+  /// Widest gap, pixels, in a row or column between points of one surface that is filled. 0: off.
+  int widest_gap = 0;
+  /// Half the smoothing window, pixels: points move along their rays to the mean of their surface;
+  /// edges and creases are preserved. 0: off.
+  int smoothing = 0;
+
+  /// Every filter off.
+  static CleanSettings none() {
+    return {.largest_sigma = std::numeric_limits<double>::infinity(),
+            .drop_mixed = false,
+            .drop_outliers = false,
+            .smallest_component = 0};
+  }
+
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit({.name = "largest_sigma",
+           .flag = "--max-sigma",
+           .help = "maximum standard deviation of depth predicted from the noise, mm; default: 3 % "
+                   "of the depth",
+           .unit = "mm",
+           .least = 0,
+           .above_least = true},
+          self.largest_sigma);
+    visit({.name = "drop_mixed"}, self.drop_mixed);
+    visit({.name = "drop_outliers"}, self.drop_outliers);
+    visit({.name = "smallest_component",
+           .flag = "--min-component",
+           .help = "minimum pixels of a connected piece; default 200",
+           .unit = "pixels",
+           .least = 0,
+           .live = {"minimum pixels of a connected piece", "pixels", 0, 1e6}},
+          self.smallest_component);
+    visit({"box", "--box", "keep only points inside, mm: minimum x,y,z and maximum x,y,z"},
+          self.box);
+    visit({"outline", "--outline",
+           "keep only camera pixels inside x,y,x,y: two corners of a rectangle, or a polygon"},
+          self.outline);
+    visit({"widest_gap", "--fill", "fill gaps in a surface up to this width, pixels", "pixels", 0},
+          self.widest_gap);
+    visit({"smoothing", "--smooth", "half the window of edge-preserving smoothing, pixels",
+           "pixels", 0, 10},
+          self.smoothing);
+  }
+
+  friend bool operator==(const CleanSettings&, const CleanSettings&) = default;
+};
+
+/// Throws Error for a setting out of range.
+void require_valid(const CleanSettings& settings);
+
+/// Removes points of organised clouds, see CleanSettings, with the reason as Validity: first low
+/// trust, then mixed pixels and outliers together, small components, and points outside the region;
+/// then fills gaps and smooths. With the modulation, detects mixed pixels by its dip at edges
+/// between distant surfaces. Limits for depth edges and outliers adapt to the cloud's measured
+/// noise and its distance between pixels.
+///
+/// The result does not depend on the number of threads. Reuses its memory: allocates nothing from
+/// the second cloud of a size on. Not thread-safe.
+class Cleaner {
+ public:
+  /// Throws Error as require_valid.
+  explicit Cleaner(const CleanSettings& settings = {});
+  ~Cleaner();
+
+  /// Returns the number of points removed for each reason, and at `valid` the number of gaps
+  /// filled. The cloud's Z must be NaN without a point, and positive elsewhere. `modulation`: of
+  /// the cloud's pixels, grey levels of the frames; if null, all points are trusted.
+  ValidityCounts operator()(Cloud& cloud, const Image<float>* modulation = nullptr,
+                            const DepthNoise& noise = {});
+
+  [[nodiscard]] const CleanSettings& settings() const { return settings_; }
+  /// Whether largest_sigma is finite, so that the modulation is needed.
+  [[nodiscard]] bool wants_modulation() const {
+    return !settings_.largest_sigma || std::isfinite(*settings_.largest_sigma);
+  }
+
+ private:
+  struct Memory;
+  struct Pass;
+
+  CleanSettings settings_;
+  std::unique_ptr<Memory> memory_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,191 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "slipstream/image.h"
+
+namespace slipstream {
+
+/// Whether a camera pixel has a point, and if not, why.
+enum class Validity : std::uint8_t {
+  valid,
+  too_dark,        ///< modulation below the threshold: shadow, dark surface, no projector light
+  saturated,       ///< a frame is at the largest grey level, which biases the phase
+  doubtful_order,  ///< low and high frequency disagree on the fringe order
+  no_point,        ///< ray and stripe do not meet in front of camera and projector
+  outside_field,   ///< the point is outside the projector's field: its coordinate is wrong
+  out_of_range,    ///< depth outside the requested range
+  // The following are removed from a finished cloud, see CleanSettings.
+  low_trust,        ///< standard deviation of depth, predicted from the noise, above the limit
+  mixed,            ///< off the end of a surface: the pixel sees two surfaces
+  outlier,          ///< off the surface of its neighbours
+  small_component,  ///< connected to too few others
+  outside_region,   ///< outside the requested box or outline
+  moved,            ///< changed during capture, other than by uniform motion of one surface
+};
+
+inline constexpr std::size_t validity_count = 13;
+
+/// Number of pixels for each Validity, in its order.
+using ValidityCounts = std::array<std::size_t, validity_count>;
+
+/// "valid", "too dark", ... as printed.
+std::string_view name_of(Validity validity);
+
+/// An organised point cloud: one point for each camera pixel, in the camera's frame, Z forward.
+/// Reusing it as an output avoids allocation.
+template <class Real>
+struct BasicCloud {
+  explicit BasicCloud(Size size = {})
+      : x(size, nan),
+        y(size, nan),
+        z(size, nan),
+        intensity(size),
+        validity(size, Validity::no_point) {}
+
+  Image<Real> x, y, z;     ///< mm; NaN where not valid
+  Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
+  Image<Validity> validity;
+
+  [[nodiscard]] Size size() const { return z.size(); }
+  /// Marks the pixel as invalid for that reason.
+  void leave_out(int column, int row, Validity reason) {
+    x(column, row) = y(column, row) = z(column, row) = nan;
+    validity(column, row) = reason;
+  }
+
+ private:
+  static constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
+};
+
+/// Precision of clouds that are displayed, filtered and written.
+using Cloud = BasicCloud<float>;
+
+/// Converts between precisions; reuses memory of the same size.
+template <class From, class To>
+void convert(const BasicCloud<From>& from, BasicCloud<To>& to) {
+  convert(from.x, to.x);
+  convert(from.y, to.y);
+  convert(from.z, to.z);
+  to.intensity = from.intensity;
+  to.validity = from.validity;
+}
+
+/// Depth only, which is faster to compute and write than a Cloud.
+struct Depth {
+  Image<float> z;  ///< mm; NaN where not valid
+  Image<Validity> validity;
+};
+
+/// Only the valid points, row by row.
+struct PackedPoints {
+  std::size_t count = 0;
+  /// Allocated at the picture's size, to reuse memory; the first `count` values are valid.
+  Image<float> x, y, z;    ///< mm
+  Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
+};
+
+/// An intensity as an 8-bit pixel: rounded and clipped.
+inline std::uint8_t grey_level(float intensity) {
+  return static_cast<std::uint8_t>(std::clamp(double{intensity}, 0.0, 255.0) + 0.5);
+}
+
+ValidityCounts count_by_validity(const Image<Validity>& validity);
+
+template <class Real>
+ValidityCounts count_by_validity(const BasicCloud<Real>& cloud) {
+  return count_by_validity(cloud.validity);
+}
+
+/// Number of valid points.
+template <class Real>
+std::size_t point_count(const BasicCloud<Real>& cloud) {
+  return count_by_validity(cloud)[static_cast<std::size_t>(Validity::valid)];
+}
+
+/// One standard deviation of each point due to the frames' noise; NaN without a point.
+struct Uncertainty {
+  explicit Uncertainty(Size size = {})
+      : coordinate(size, nan), x(size, nan), y(size, nan), z(size, nan) {}
+
+  Image<float> coordinate;  ///< of the projector coordinate, fields
+  Image<float> x, y, z;     ///< mm
+
+ private:
+  static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+};
+
+/// The median of the standard deviations of depth, mm; 0 without points.
+double median_depth(const Uncertainty& uncertainty);
+
+/// 16-bit encoding of depth: offset + scale * number; 0 means no point.
+struct DepthScale {
+  float scale = 0.05F;  ///< mm, above 0; the default reaches 3.3 m
+  float offset = 0;     ///< mm
+
+  /// The nearest number for a depth; 0 if NaN or out of range.
+  [[nodiscard]] std::uint16_t operator()(float z) const {
+    const float number = (z - offset) * (1 / scale) + 0.5F;
+    return static_cast<std::uint16_t>(
+        static_cast<std::int32_t>(number >= 1 && number < 65536 ? number : 0));
+  }
+};
+
+/// X, Y, Z of a pixel, mm; NaN without a point.
+inline Eigen::Vector3d position_at(const Cloud& cloud, int column, int row) {
+  return {cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)};
+}
+
+/// Whether two points of neighbouring pixels lie on one surface: their depths differ by at most
+/// `largest_step` times the distance between their rays at the depth of the first. False if one is
+/// missing.
+inline bool on_one_surface(const Eigen::Vector3d& first, const Eigen::Vector3d& second,
+                           double largest_step) {
+  // Between rays, not points: off the axis, a jump in depth also moves a point sideways.
+  const double across =
+      first.z() * (second.head<2>() / second.z() - first.head<2>() / first.z()).norm();
+  return std::abs(second.z() - first.z()) <= largest_step * across;
+}
+
+/// Signed error, mm, of z relative to the nearest `depth` of a pixel and its eight neighbours,
+/// which a lens mixes; infinite without any.
+inline double nearest_error(double z, const Image<double>& depth, int column, int row) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, depth.height() - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, depth.width() - 1); ++x) {
+      const double error = z - depth(x, y);
+      if (std::abs(error) < std::abs(nearest)) nearest = error;
+    }
+  }
+  return nearest;
+}
+
+/// Every `step`-th pixel of every `step`-th row, starting with the first; step at least 1.
+template <class Pixel>
+Image<Pixel> subsampled(const Image<Pixel>& image, int step) {
+  Image<Pixel> sparse({(image.width() + step - 1) / step, (image.height() + step - 1) / step});
+  for_each_pixel_in_order(sparse.size(), [&](int column, int row) {
+    sparse(column, row) = image(step * column, step * row);
+  });
+  return sparse;
+}
+
+/// The same for a cloud.
+inline Cloud subsampled(const Cloud& cloud, int step) {
+  Cloud sparse;
+  for (const auto part : {&Cloud::x, &Cloud::y, &Cloud::z, &Cloud::intensity}) {
+    sparse.*part = subsampled(cloud.*part, step);
+  }
+  sparse.validity = subsampled(cloud.validity, step);
+  return sparse;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "slipstream/cloud.h"
+#include "slipstream/surface.h"
+
+namespace slipstream {
+
+/// Optional contents of a cloud file besides position and intensity; null: omitted.
+struct CloudExtras {
+  const Normals* normals = nullptr;
+  const Uncertainty* uncertainty = nullptr;
+  /// Comments in the file's header, one line each.
+  std::vector<std::string> remarks{};
+};
+
+/// Throws Error unless write_cloud supports the file's ending.
+void require_cloud_ending(const std::filesystem::path& path);
+
+/// Writes the cloud in the format of the file's ending, or as PLY to standard_output, coordinates
+/// in mm, 32-bit float:
+///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
+///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the
+///         intensity is 64-bit float, the colours are the intensity in 8 bits;
+///   .pcd  binary PCD 0.7, organised: x y z intensity [normal_x normal_y normal_z]
+///         [sigma_coordinate sigma_x sigma_y sigma_z] of every pixel of the picture, NaN without a
+///         point;
+///   .xyz  text: the columns of .ply without colours, one valid point a line; no remarks, since it
+///         has no header.
+/// Throws Error for another ending, WorldError if it cannot be written; never leaves a partial
+/// file.
+void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
+                 const CloudExtras& extras = {});
+
+/// Throws Error unless write_surface supports the file's ending.
+void require_mesh_ending(const std::filesystem::path& path);
+
+/// The texture and material files that write_surface writes beside an .obj file; empty for others.
+std::vector<std::filesystem::path> files_beside(const std::filesystem::path& surface);
+
+/// Writes a surface in the format of the file's ending; read_cloud can read its vertices:
+///   .ply  binary little-endian PLY: x y z intensity red green blue of the vertices, triangles;
+///   .stl  binary STL: triangles with their normals, no texture;
+///   .obj  text, with NAME.mtl and NAME-texture.png beside it, and the vertices' colours;
+///   .glb  binary glTF 2.0 with embedded texture: metres, y up, z towards the camera; the
+///         intensity is the attribute _INTENSITY.
+/// All except .glb in mm, in the camera's frame. Throws Error for another ending, WorldError if it
+/// cannot be written; never leaves a partial file.
+void write_surface(const std::filesystem::path& path, const Surface& surface);
+
+/// A cloud as stored in a file.
+struct StoredCloud {
+  Cloud cloud{};
+  std::optional<Uncertainty> uncertainty{};  ///< nullopt if the file has no sigma_z
+  /// True if the cloud has the camera's pixel grid; otherwise it is one row of points.
+  bool organised = false;
+};
+
+/// Whether read_cloud and read_points support the file's ending.
+bool is_cloud_file(const std::filesystem::path& path);
+
+/// Reads the points of a file by write_cloud or write_surface, or of another in these formats, by
+/// its ending:
+///   .ply         ASCII, or binary of either byte order; also the vertices of a mesh
+///   .pcd         ASCII or binary, fields of any type; organised if its height is above one
+///   .xyz         text, separated by blanks, commas or semicolons: the columns that its first line
+///                names, or those of write_cloud by their number, or x y z and a colour in whole
+///                numbers
+///   .stl         binary; the corners of its triangles, each once
+///   .obj, .glb   the vertices
+/// Without intensity, uses the colours' luminance, or 0. Ignores other properties and points that
+/// are not finite. Throws Error with the file's name if it is malformed, truncated or has no
+/// points.
+StoredCloud read_cloud(const std::filesystem::path& path);
+
+/// A point as stored; missing values are 0.
+struct StoredPoint {
+  double x = 0, y = 0, z = 0, intensity = 0;
+  double sigma_coordinate = 0, sigma_x = 0, sigma_y = 0, sigma_z = 0;
+};
+
+/// Contents of a file, before conversion to a cloud or mesh.
+struct StoredPoints {
+  std::vector<StoredPoint> points{};
+  /// Faces of .ply and .obj, split into triangles; the vertex indices are not validated.
+  std::vector<std::array<int, 3>> triangles{};
+  bool has_sigma = false;
+  Size organised{};  ///< columns and rows; 0 if not organised
+};
+
+/// Reads the files of read_cloud, with the faces of meshes. Throws Error with the file's name if it
+/// is malformed or truncated.
+StoredPoints read_points(const std::filesystem::path& path);
+
+}  // namespace slipstream

@@ -1,0 +1,137 @@
+#pragma once
+
+#include "slipstream/bundle_adjustment.h"
+
+namespace slipstream {
+
+/// Lens models, as numbers of distortion coefficients in OpenCV's order: no distortion, + k1, + k2,
+/// + tangential, + k3, + rational, + thin prism.
+inline constexpr std::array<int, 7> lens_models{0, 1, 2, 4, 5, 8, 12};
+
+/// "none", "k1", "k1 k2", ... as reported.
+const char* name_of_lens_model(int coefficients);
+
+/// Parses a lens model: one of `lens_models`, or nullopt for "auto". Throws Error otherwise; `name`
+/// is the setting's name in the message.
+std::optional<int> lens_model_named(const std::string& text, const std::string& name);
+
+/// How well a lens model predicts poses that it was not calibrated with.
+struct LensModelScore {
+  int coefficients = 0;
+  double error = 0;  ///< RMS of the held-out poses' corners, in standard deviations
+};
+
+struct LensChoice {
+  int coefficients = 0;
+  std::vector<LensModelScore> scores;  ///< of the models tried; empty when chosen by flag
+};
+
+/// Deviation of a board from a flat print of the right proportions.
+struct PrintShape {
+  double bend = 0;            ///< height of its arch or twist, mm: quadratic in the board's places
+  double bend_deviation = 0;  ///< standard deviation of `bend`, mm, from the places' roughness
+  double size = 0;            ///< diagonal, mm
+  double stretch = 0;         ///< scale of the columns / scale of the rows - 1
+  double stretch_deviation = 0;
+};
+
+/// Offset of a board's corners in the projector's picture from the prediction by the camera's view
+/// alone, projector pixels.
+struct ProjectorOffset {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double spread = 0;  ///< RMS about the mean, both components together
+
+  friend bool operator==(const ProjectorOffset&, const ProjectorOffset&) = default;
+};
+
+/// The point at which camera and projector moved relative to each other.
+struct MovedRig {
+  std::size_t first = 0;  ///< first pose after the move
+  double gain = 1;        ///< ratio of the mean squared errors with one rig and with two
+};
+
+inline constexpr std::size_t fewest_poses = 3;
+
+struct GeometryCalibrationSettings {
+  /// Distortion coefficients, one of `lens_models`; nullopt: as many as the data support.
+  std::optional<int> camera_coefficients;
+  std::optional<int> projector_coefficients;
+  /// Standard deviation of a printed corner, in spacings; nullopt: the print is exact.
+  std::optional<double> print_deviation = 0.01;
+};
+
+/// A pose used in the calibration.
+struct CalibratedPose {
+  std::string name;
+  int corners = 0;  ///< found
+  int lit = 0;      ///< corners with a projector pixel
+  ReprojectionRms rms;
+  /// Measured with a calibration of all other poses; nullopt if too few corners are lit.
+  std::optional<BoardQuality> left_out{};
+  ProjectorOffset offset{};  ///< under the same calibration
+  /// Squared error added by this pose, divided by the others' mean without it: about 1, more if it
+  /// fits badly.
+  double misfit = 1;
+};
+
+struct GeometryCalibration {
+  BundleState state;  ///< scanner, poses and estimated board
+  BundleDeviation deviation;
+  LensChoice camera_lens;
+  LensChoice projector_lens;
+  ReprojectionRms rms;
+  std::vector<CalibratedPose> poses;
+  BoardViews views;               ///< as used: without corners off by whole fringes
+  double covered_camera = 0;      ///< share of the camera's picture covered by boards
+  double covered_projector = 0;   ///< share of the projector's picture
+  double largest_tilt = 0;        ///< largest angle between two boards, rad
+  std::optional<MovedRig> moved;  ///< best split into two rigs
+  PrintShape print;               ///< from the estimated corners of the board
+  std::vector<Finding> findings;  ///< diagnostics
+};
+
+/// Calibrates camera, projector and their relative pose from board corners. The printed board
+/// defines the scale. Ignores corners off by whole fringes. Throws Error for an invalid board,
+/// coefficients not in `lens_models`, fewer than `fewest_poses` views, mirrored or swapped
+/// projector axes, views that do not fit one rigid rig and this board, or poses that do not
+/// determine the calibration.
+GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard& board, Size camera,
+                                       Size projector,
+                                       const GeometryCalibrationSettings& settings = {});
+
+/// Accuracy of a scanner on a board.
+struct BoardMeasure {
+  /// RMS distance of the projector's pixels from the camera's epipolar lines, projector pixels.
+  /// Independent of the board, but blind to movement along the lines.
+  double epipolar = 0;
+  ReprojectionRms rms;   ///< of the corners, with the board at its best pose
+  BoardQuality quality;  ///< of the corners as points; root mean square over several boards
+};
+
+struct VerifiedPose {
+  std::string name;
+  BoardMeasure before;
+  BoardMeasure after;  ///< with the corrected scanner
+};
+
+/// Whether a scanner is still accurate, and its correction by the boards.
+struct Verification {
+  std::vector<VerifiedPose> poses;
+  BoardMeasure before;  ///< of all poses
+  BoardMeasure after;
+  Scanner corrected;       ///< with new rotation and translation, otherwise unchanged
+  double rotation = 0;     ///< of the correction, rad
+  double translation = 0;  ///< of the correction, mm
+  bool holds = false;      ///< accurate without correction
+  /// Accurate only with the correction, and that changes more than the scale: a mere change of
+  /// scale would adopt a wrong board spacing.
+  bool mended = false;
+  std::vector<Finding> findings;
+};
+
+/// Measures boards with a calibrated scanner. Throws Error without views, for mirrored or swapped
+/// axes, too few lit corners or an invalid board.
+Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
+                            const Scanner& scanner);
+
+}  // namespace slipstream

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+
+#include "slipstream/image.h"
+#include "slipstream/setting.h"
+
+namespace slipstream {
+
+/// Decoded values of every camera pixel of one scan, before triangulation. Pass them in again to
+/// reuse their memory.
+template <class Real>
+struct BasicMaps {
+  Image<Real> mean;           ///< A^c, grey levels of the frames
+  Image<Real> modulation;     ///< B^c, grey levels; the least over several sinusoids
+  Image<Real> wrapped_phase;  ///< of the highest frequency, rad, [0, 2 pi)
+  /// Disagreement of the frequencies about the fringe order, in periods of the higher one: 0 to
+  /// 0.5, see fringe_order_residual. Empty with a single frequency.
+  Image<Real> fringe_order_doubt;
+  /// Projector coordinate y, [0, 1) across the field; beyond its ends by up to half a pixel, for
+  /// frequencies below 1 by half the unlit part, for PCMP by a tenth of a period (half by the
+  /// published rule). Set at every pixel, lit or not; NaN where the depth range leaves the order
+  /// ambiguous. May be empty.
+  Image<Real> coordinate;
+  /// With patterns along both axes: distance of the two coordinates from the pixel's epipolar line,
+  /// projector pixels, signed; NaN where either was not measured. Otherwise empty.
+  Image<Real> epipolar_distance{};
+  /// For a window longer than a cycle: phase change per frame, rad; see MotionMeasurement.
+  /// Otherwise empty.
+  Image<Real> motion{};
+};
+
+/// For display and writing.
+using Maps = BasicMaps<float>;
+
+/// Converts the precision; reuses memory if the size matches.
+template <class From, class To>
+void convert(const BasicMaps<From>& from, BasicMaps<To>& to) {
+  convert(from.mean, to.mean);
+  convert(from.modulation, to.modulation);
+  convert(from.wrapped_phase, to.wrapped_phase);
+  convert(from.fringe_order_doubt, to.fringe_order_doubt);
+  convert(from.coordinate, to.coordinate);
+}
+
+/// 1 where B^c (grey levels) is at least `minimum`; elsewhere the phase is meaningless.
+Image<std::uint8_t> modulation_mask(const Image<double>& modulation, double minimum);
+
+/// When a fringe order is accepted.
+struct FringeOrderConsensus {
+  /// Largest disagreement of low and high frequency, in periods of the higher one, for which
+  /// `fewest_neighbours` is enough: see fringe_order_residual.
+  double largest_doubt = 0.25;
+  int fewest_neighbours = 1;   ///< of the 8 that must agree with a pixel up to largest_doubt
+  int fewest_if_doubtful = 3;  ///< of the 8 that must agree with a pixel above it
+
+  static void for_each_setting(auto& self, const auto& visit) {
+    visit({.name = "largest_doubt"}, self.largest_doubt);
+    visit({.name = "fewest_neighbours"}, self.fewest_neighbours);
+    visit({.name = "fewest_if_doubtful"}, self.fewest_if_doubtful);
+  }
+
+  friend bool operator==(const FringeOrderConsensus&, const FringeOrderConsensus&) = default;
+};
+
+/// 1 where the fringe order counts as wrong: at lit pixels with too few lit neighbours within half
+/// a fringe, 1 / (2 frequency), of y; it misses a region that is off by one order. `coordinate`: y;
+/// `doubt`: 0 to 0.5; `lit`: 1 where the modulation suffices.
+Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
+                                              const Image<double>& doubt,
+                                              const Image<std::uint8_t>& lit, double frequency,
+                                              const FringeOrderConsensus& settings = {});
+
+}  // namespace slipstream

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <utility>
+
+#include "slipstream/cloud.h"
+#include "slipstream/finding.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/frame_source.h"
+#include "slipstream/gui.h"
+#include "slipstream/live_statistics.h"
+#include "slipstream/reconstruct_settings.h"
+#include "slipstream/registry.h"
+#include "slipstream/response.h"
+
+namespace slipstream {
+class LivePipeline;
+}
+
+namespace slipstream::view {
+
+/// A cloud to show, with its frames if there are any. Copies share both, which stay unchanged and
+/// in memory until the last copy is gone.
+struct ShownCloud {
+  std::shared_ptr<const Cloud> cloud{};              ///< also keeps the frames' memory
+  std::shared_ptr<const Uncertainty> uncertainty{};  ///< if it came with the cloud
+  FrameViews frames{};                               ///< in pattern order; empty for a cloud file
+  std::chrono::steady_clock::time_point captured{};  ///< the newest frame; 0 without frames
+
+  /// False before the first cloud.
+  explicit operator bool() const { return cloud != nullptr; }
+  /// Whether it is the identical cloud object.
+  [[nodiscard]] bool is(const ShownCloud& other) const { return cloud == other.cloud; }
+};
+
+struct ViewSource;
+
+/// A choice in the panel: one of `options`, or any text if there are none.
+struct ViewChoice {
+  std::string name;
+  std::string help{};
+  std::vector<std::string> options{};
+  std::string value{};
+};
+
+/// A button that ends the source and begins the returned one.
+struct ViewStep {
+  std::string name;
+  int key = 0;  ///< GLFW's
+  std::string help{};
+  std::function<ViewSource()> begin{};
+};
+
+/// How to get to another source. Sources share it, so that choices stay.
+struct ViewSteps {
+  std::vector<ViewChoice> choices{};
+  std::vector<ViewStep> buttons{};  ///< apply the choices
+  std::string message{};            ///< result of the last step, or why it failed
+};
+
+/// Content and functions of a viewer. Only `newest` is required; without another function the
+/// viewer omits its button, key or panel section. The viewer calls `save` from another thread, all
+/// others from its own.
+struct ViewSource {
+  std::string title{};                                   ///< window title
+  std::function<ShownCloud()> newest{};                  ///< called before each picture
+  std::string waits_for = "waiting for the first scan";  ///< shown until the first cloud
+  std::function<void(const ShownCloud&)> shown{};        ///< called when the cloud is on the screen
+  std::function<LiveStatistics()> statistics{};          ///< of the pipeline making the clouds
+
+  /// Initial setup; a scanner without geometry makes empty clouds, and the frames are shown.
+  /// nullopt for clouds without frames: no pictures beside them, and nothing can be changed or
+  /// saved.
+  std::optional<EngineSetup> setup{};
+  std::vector<Finding> findings{};  ///< about frames without pipeline statistics
+  /// Makes clouds with another setup from now on. May throw: the viewer then shows the reason and
+  /// keeps the old setup.
+  std::function<void(const EngineSetup&)> change{};
+  /// The current setup, if it or the camera has changed since the last call.
+  std::function<std::optional<EngineSetup>()> changed{};
+  std::vector<std::pair<std::string, Strategy>> strategies{};  ///< choices, by label
+  /// Choices of response correction, by label; nullopt: not corrected.
+  std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas{};
+
+  CameraControls* camera = nullptr;  ///< camera controls; null if none
+  /// The exposure, ms, that measures most pixels of such a scene, from a cloud taken with
+  /// `exposure`. May throw: the viewer then shows the reason.
+  std::function<double(const ShownCloud&, double exposure)> best_exposure{};
+  std::string camera_region{};  ///< region of its sensor, as text
+
+  /// Opens a file or a folder to show instead; nullopt if it only changes a choice of `steps`.
+  /// Throws if it cannot be opened.
+  std::function<std::optional<ViewSource>(const std::string& path)> open{};
+  std::function<std::vector<std::string>()> openable{};  ///< paths offered to open
+
+  /// Writes the cloud's frames and results; returns the folder, as text.
+  std::function<std::string(const ShownCloud&, const EngineSetup&)> save{};
+  std::function<void(bool on)> record{};  ///< starts or stops a recording
+  /// Status of the recording in a few words; empty if there is none.
+  std::function<std::string()> recording{};
+  bool opens_saved = false;  ///< Save also opens the saved scan; its button is called Capture
+
+  std::shared_ptr<ViewSteps> steps{};  ///< null if there is only this source
+  /// Instructions shown in place of the cloud, if they are new; see Guide.
+  std::function<std::optional<Guide>()> guide{};
+};
+
+/// A static cloud, with its uncertainty if known.
+ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty = std::nullopt);
+
+/// Frames, reconstructed again for each setup; the caller adds `save`. Throws Error like Engine.
+ViewSource still_source(FrameSet frames, const EngineSetup& setup);
+
+/// The clouds of a running pipeline, which must outlive the source; `setup`: the initial one.
+/// Offers other responses and, if patterns can change, strategies; the caller adds files.
+ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change);
+
+struct ViewerSettings {
+  ViewSettings view{};
+  Size size{1280, 800};          ///< initial window size
+  std::function<bool()> ends{};  ///< polled: whether to close; empty: only the user closes it
+  bool keep_last = false;        ///< return the last picture
+};
+
+/// Opens a window and shows the source until it is closed. Main thread only. Returns the last
+/// picture if requested. Throws WorldError without a desktop or OpenGL 3.3.
+std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings);
+
+/// Parts shown beside the cloud.
+enum class Surround { nothing, panel };
+
+/// The viewer's picture of the source's newest cloud, drawn without a window. Throws Error for a
+/// size out of range, WorldError without OpenGL.
+Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settings, Size size,
+                            Surround surround);
+
+}  // namespace slipstream::view

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <stop_token>
+
+#include "slipstream/colour_channels.h"
+#include "slipstream/scanner.h"
+#include "slipstream/scene.h"
+
+namespace slipstream {
+
+/// Sharpness of a device's picture.
+struct Sharpness {
+  double blur = 0;  ///< standard deviation of its Gaussian at the working distance, pixels
+  /// Added in quadrature, pixels, at twice the working distance; proportional to the defocus.
+  double defocus = 0;
+
+  /// Pixels, at `distance` times the working distance.
+  [[nodiscard]] double at(double distance) const {
+    return std::hypot(blur, defocus * (distance - 1));
+  }
+  friend bool operator==(const Sharpness&, const Sharpness&) = default;
+};
+
+/// Effects of a real rig beyond the equations; all off by default.
+struct Physics {
+  bool projector_pixels = false;  ///< light is constant over each pixel, with 256 levels
+  Sharpness projector{}, camera{};
+  double vignetting = 0;  ///< share of the light lost in each lens's corners
+  /// Light falls off with the distance squared; nominal half way to the near end of the working
+  /// volume.
+  bool fall_off = false;
+  double gloss = 0;              ///< added to every body's gloss
+  double translucency = 0;       ///< mm by which half of the light spreads within a surface
+  int bounces = 0;               ///< rays per pixel for light from other surfaces; one bounce
+  double ambient_gradient = 0;   ///< relative rise of ambient light from the centre to the right
+  double flicker = 0;            ///< relative change of all light from frame to frame
+  bool motion_blur = false;      ///< bodies move during the exposure, half of the frame time
+  bool rolling_shutter = false;  ///< the last row is exposed almost a frame after the first
+  double lens_residue = 0;       ///< largest error of any lens model, camera pixels
+  // The sensor, by the model of EMVA 1288.
+  double full_well = 0;           ///< electrons at full scale, for shot noise
+  double read_noise = 0;          ///< standard deviation, electrons; requires full_well
+  double row_noise = 0;           ///< standard deviation of a row's offset in a frame, grey levels
+  double dark_spread = 0;         ///< of the pixels' offsets, constant over frames, grey levels
+  double sensitivity_spread = 0;  ///< of the pixels' sensitivities, relative
+  // Calibration boards.
+  double board_bend = 0;     ///< mm by which the middle of a board bulges out
+  double board_stretch = 0;  ///< relative stretch of the print along its rows
+
+  friend bool operator==(const Physics&, const Physics&) = default;
+};
+
+struct SeenScene;
+
+/// Light and sensor of the virtual scanner. Full scale is grey level 255 for any number of bits.
+struct Photometry {
+  double ambient = 0;   ///< beta of Liu 2010, Eq. (3.2); may be negative, like a camera's offset
+  Response response{};  ///< of the projected intensity / 255, Eq. (4.2); gamma 0.1 to 20
+  double noise_variance = 0;    ///< sigma_w^2, Gaussian, grey levels^2
+  std::optional<int> bits = 8;  ///< of the camera, 8 to 16; nullopt: not rounded or clipped
+  std::uint64_t seed = 1;       ///< of the noise; the same seed gives the same frames
+  /// Rays per pixel, 1 to 256, averaged where surface, light or reflectivity vary: an edge is right
+  /// to 1 / rays of a pixel. Even pixels use one ray through the centre.
+  int rays = 1;
+  Physics physics{};
+};
+
+/// Frames of a virtual camera, and the ground truth half way through the exposures.
+struct VirtualScan {
+  FrameSet frames;
+  Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN without a surface
+  /// Projector coordinate y, [0, 1) within half a pixel; NaN in shadow or outside the field.
+  Image<double> coordinate;
+  Image<double> reflectivity;               ///< alpha with shading and gloss; 0 without a surface
+  std::shared_ptr<const SeenScene> seen{};  ///< at the time of the first frame
+  Size projector{};
+  bool in_colour = false;  ///< three frames are the channels of one picture
+  FrameSet white{};        ///< in colour: the channels of a picture under uniform grey
+};
+
+/// Simulates the frames of `patterns`, the first at `time`, each one frame after the last: I =
+/// alpha (I^p + beta) + beta + w, Eq. (3.2), I^p times the pattern's exposure, and 0 in the
+/// projector's shadow and outside its field. Without Physics::projector_pixels, patterns are exact,
+/// neither sampled by projector pixels nor quantised; binary ones use their pictures. Throws Error
+/// if the scanner or the photometry is invalid. Once `stop` is requested, returns soon, with frames
+/// that are incomplete.
+VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                      const Photometry& photometry = {}, double time = 0,
+                      const std::stop_token& stop = {});
+
+/// Frames of the scene of `scan`, at the same time, with other patterns or light. Reuses the traced
+/// rays, with their number, blur and bounces. Throws Error if the photometry is invalid.
+FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
+                    const Photometry& photometry);
+
+/// Throws Error with the first value out of range.
+void require_valid(const Photometry& photometry);
+
+/// A colour projector and camera, and painted surfaces.
+struct ColourDevices {
+  ColourMixture mixture{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};  ///< its dark levels are 0
+  double paint = 0;  ///< largest share of a channel's light that paint absorbs, 0 to 1; hues repeat
+                     ///< every 40 mm
+};
+
+/// A mixture of 20 %, and channels with different gains.
+inline constexpr ColourMixture usual_mixture{
+    {{1, 0.2, 0.05, 0}, {0.15, 0.9, 0.2, 0}, {0.05, 0.2, 0.75, 0}}};
+
+/// Like take_scan, but shows three patterns at once, takes three frames from each picture, and adds
+/// a white picture. Throws Error unless the patterns are a multiple of three, the scene is static
+/// and the paint is in range.
+VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                             const Photometry& photometry, const ColourDevices& devices);
+
+}  // namespace slipstream

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/colour.h"
+#include "slipstream/image.h"
+
+namespace slipstream {
+
+/// Escapes & < > " as in HTML and XML.
+std::string escaped(std::string_view text);
+
+/// The answer of a report.
+struct Verdict {
+  const char* grade;  ///< "good", "usable" or "bad"
+  std::string words;  ///< one sentence
+};
+
+/// A report as a web page, built part by part; it prints well. All texts are escaped.
+class Page {
+ public:
+  explicit Page(std::string_view title);
+
+  /// In a line, in the colour of its grade.
+  void verdict(const Verdict& verdict);
+  void heading(std::string_view text) { add("h2", text); }
+  template <class... Values>
+  void paragraph(fmt::format_string<Values...> format, Values&&... values) {
+    add("p", fmt::format(format, std::forward<Values>(values)...));
+  }
+  /// Starts a table with those columns; rows follow.
+  void table(const std::vector<std::string>& columns);
+  void row(const std::vector<std::string>& cells) { cells_in("td", cells); }
+  /// `file` is relative to the page's folder.
+  void picture(std::string_view says, const std::string& file);
+  void picture(std::string_view says, const std::string& file, Image<Colour> pixels) {
+    picture(says, file);
+    drawn_.emplace_back(file, std::move(pixels));
+  }
+
+  /// The document so far, with pictures named by their files.
+  [[nodiscard]] std::string text() const {
+    return text_ + (in_table_ ? "</table>\n" : "") + "</html>\n";
+  }
+  /// The files of all pictures.
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+  /// File names and pixels of the pictures added with pixels.
+  [[nodiscard]] const std::vector<std::pair<std::string, Image<Colour>>>& drawn() const {
+    return drawn_;
+  }
+
+ private:
+  void add(std::string_view element, std::string_view text);
+  void cells_in(std::string_view element, const std::vector<std::string>& cells);
+  void end_table() {
+    if (std::exchange(in_table_, false)) text_ += "</table>\n";
+  }
+
+  std::string text_;
+  bool in_table_ = false;
+  std::vector<std::string> files_;
+  std::vector<std::pair<std::string, Image<Colour>>> drawn_;
+};
+
+}  // namespace slipstream

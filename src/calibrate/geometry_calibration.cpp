@@ -1,0 +1,264 @@
+#include "slipstream/geometry_calibration.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include "base/parallel_rows.h"
+#include "base/throw_if-inl.h"
+#include "calibrate/diagnosis.h"
+
+namespace slipstream {
+namespace {
+
+/// Least squares of A x = b: x and its standard deviations from the residuals.
+struct Fitted {
+  Eigen::VectorXd values, deviations;
+};
+
+Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  Fitted fit{A.colPivHouseholderQr().solve(b), {}};
+  const double variance = (A * fit.values - b).squaredNorm() /
+                          static_cast<double>(std::max<Eigen::Index>(1, A.rows() - A.cols()));
+  fit.deviations = ((A.transpose() * A).inverse().diagonal() * variance).cwiseSqrt();
+  return fit;
+}
+
+/// `places`: estimated corners, mm, in the frame of the `printed` ones.
+PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
+  const auto count = static_cast<Eigen::Index>(printed.size());
+  const Eigen::Map<const Eigen::Matrix3Xd> is(places.front().data(), 3, count);
+  const Eigen::Map<const Eigen::Matrix3Xd> ought(printed.front().data(), 3, count);
+  const Eigen::Vector3d least = ought.rowwise().minCoeff(), most = ought.rowwise().maxCoeff();
+  const Eigen::ArrayXd u = (2 * ought.row(0).array() - most.x() - least.x()) / (most - least).x();
+  const Eigen::ArrayXd v = (2 * ought.row(1).array() - most.y() - least.y()) / (most - least).y();
+  Eigen::MatrixXd terms(count, 6);
+  terms << Eigen::VectorXd::Ones(count), u, v, u * u, u * v, v * v;
+
+  PrintShape shape{.size = (most - least).norm()};
+  const Fitted heights = fitted(terms, is.row(2).transpose());
+  for (const Eigen::Index term : {3, 4, 5}) {
+    if (std::abs(heights.values[term]) < shape.bend) continue;
+    shape.bend = std::abs(heights.values[term]);
+    shape.bend_deviation = heights.deviations[term];
+  }
+  const Fitted across = fitted(terms.leftCols<3>(), is.row(0).transpose());
+  const Fitted down = fitted(terms.leftCols<3>(), is.row(1).transpose());
+  const double wide = (most - least).x() / 2, high = (most - least).y() / 2;
+  shape.stretch = down.values[2] / high / (across.values[1] / wide) - 1;
+  shape.stretch_deviation = std::hypot(down.deviations[2] / high, across.deviations[1] / wide);
+  return shape;
+}
+
+/// Evaluates each of `poses` with a calibration of the others; returns the scanners of these
+/// calibrations.
+std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& state,
+                                    const BoardPlaces& printed, BundleSettings settings,
+                                    std::vector<CalibratedPose>& poses) {
+  settings.pixel_deviations = pixel_deviations(views, state);
+  const auto count = static_cast<double>(views.size());
+  const double all = count * mean_squared_error(views, state, *settings.pixel_deviations);
+  std::vector<Scanner> scanners(views.size());
+  for_each_row(static_cast<int>(views.size()), [&](int pose) {
+    SomePoses others =
+        some_poses(views, state, [&](std::size_t i) { return std::cmp_not_equal(i, pose); });
+    const BundleState rest =
+        bundle_adjusted(others.views, std::move(others.state), printed, settings);
+    const double of_others = mean_squared_error(others.views, rest, *settings.pixel_deviations);
+    poses[pose].left_out = board_quality(views[pose], rest.scanner, printed);
+    poses[pose].offset =
+        projector_offset(views[pose], rest.scanner, state.poses[pose], rest.places);
+    poses[pose].misfit = all / of_others - (count - 1);
+    scanners[pose] = rest.scanner;
+  });
+  return scanners;
+}
+
+double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
+  double largest = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double cosine = poses[i].linear().col(2).dot(poses[j].linear().col(2));
+      largest = std::max(largest, std::acos(std::clamp(cosine, -1.0, 1.0)));
+    }
+  }
+  return largest;
+}
+
+/// Depths of the nearest and the farthest corner of all boards.
+DepthRange depths_of(const BoardViews& views, const BundleState& state) {
+  DepthRange range{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (const int place : views[v].places) {
+      const double depth = (state.poses[v] * state.places[place]).z();
+      range = {std::min(range.nearest, depth), std::max(range.farthest, depth)};
+    }
+  }
+  return range;
+}
+
+void require_known_model(const std::optional<int>& coefficients, const char* device) {
+  if (!coefficients || std::ranges::count(lens_models, *coefficients) > 0) return;
+  throw Error(fmt::format("{} distortion coefficients for the {}: expected one of {}",
+                          *coefficients, device, fmt::join(lens_models, ", ")));
+}
+
+/// Mean squared error of a fold's held-out poses.
+double left_out_error(const BoardViews& views, const BundleState& state, BundleSettings settings,
+                      std::size_t fold, std::size_t folds) {
+  const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
+  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
+  forget_held_coefficients(kept.state.scanner, settings);
+  const BundleState calibrated =
+      bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
+
+  SomePoses left_out = some_poses(views, state, is_left_out);
+  left_out.state.scanner = calibrated.scanner;
+  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
+  const BundleState explained =
+      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
+  return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Whether `errors` exceed `best`, fold by fold, by more than the standard error and by more than
+/// 0.5 %, below which further coefficients are not worthwhile.
+bool clearly_worse(const std::vector<double>& errors, const std::vector<double>& best) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
+  const double average = mean(differences);
+  double squares = 0;
+  for (const double difference : differences) squares += std::pow(difference - average, 2);
+  const auto n = static_cast<double>(differences.size());
+  constexpr double least_share = 0.005;
+  return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
+}
+
+/// The model that is `asked` for, else the simplest that the data support: calibrates each model
+/// without some of the poses and evaluates it on these, with only the board's pose free. Returns
+/// the model with the fewest coefficients that is not worse than the best by more than the standard
+/// error of the difference; does not try k1 k2 without tangential coefficients. `state`: start of
+/// the calibrations; the board's corners are fixed.
+LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views,
+                        const BundleState& state, Device device) {
+  if (asked) return {*asked, {}};
+  // Hold out one of few poses at a time, or a quarter of many, to save time.
+  constexpr std::size_t few = 6, parts = 4;
+  const std::size_t folds = views.size() <= few ? views.size() : parts;
+  // Four for the other device: an unsupported fifth could spoil the predictions.
+  BundleSettings settings{.camera_coefficients = 4, .projector_coefficients = 4};
+  settings.pixel_deviations = pixel_deviations(views, state);
+  std::vector<std::vector<double>> errors;
+  std::size_t best = 0;
+  LensChoice choice;
+  for (const int coefficients : lens_models) {
+    // Without tangential coefficients the principal point absorbs their effect, and its standard
+    // deviation does not reveal that.
+    if (coefficients == 2) continue;
+    (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
+        coefficients;
+    std::vector<double> by_fold(folds);
+    for_each_row(static_cast<int>(folds), [&](int fold) {
+      by_fold[fold] = left_out_error(views, state, settings, fold, folds);
+    });
+    errors.push_back(by_fold);
+    choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
+    if (mean(by_fold) < mean(errors[best])) best = errors.size() - 1;
+    const bool gains_nothing_more = errors.size() > best + 2;
+    if (gains_nothing_more) break;
+  }
+  std::size_t chosen = 0;
+  while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
+  choice.coefficients = choice.scores[chosen].coefficients;
+  return choice;
+}
+
+}  // namespace
+
+const char* name_of_lens_model(int coefficients) {
+  static const std::map<int, const char*> names{{0, "none"},
+                                                {1, "k1"},
+                                                {2, "k1 k2"},
+                                                {4, "k1 k2, tangential"},
+                                                {5, "k1 k2 k3, tangential"},
+                                                {8, "rational, tangential"},
+                                                {12, "rational, tangential, thin prism"}};
+  return names.at(coefficients);
+}
+
+std::optional<int> lens_model_named(const std::string& text, const std::string& name) {
+  if (text == "auto") return std::nullopt;
+  for (const int count : lens_models) {
+    if (text == std::to_string(count)) return count;
+  }
+  throw Error(
+      fmt::format("{} '{}': expected auto or one of {}", name, text, fmt::join(lens_models, ", ")));
+}
+
+GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard& board, Size camera,
+                                       Size projector,
+                                       const GeometryCalibrationSettings& settings) {
+  require_valid(board);
+  require_known_model(settings.camera_coefficients, "camera");
+  require_known_model(settings.projector_coefficients, "projector");
+  throw_if(views.size() < fewest_poses, "{} usable poses; at least {} are required, take ten",
+           views.size(), fewest_poses);
+  const BoardPlaces printed = printed_places(board);
+  views = checked_views(std::move(views), printed);
+
+  GeometryCalibration result;
+  BundleState& state = result.state;
+  state = simple_calibration(views, printed, camera, projector);
+  require_one_rig(views, state, printed);
+
+  BundleSettings bundle;
+  if (settings.print_deviation) bundle.print_deviation = *settings.print_deviation * board.spacing;
+  state = bundle_adjusted(views, std::move(state), printed, bundle);
+  result.camera_lens = chosen_model(settings.camera_coefficients, views, state, Device::camera);
+  result.projector_lens =
+      chosen_model(settings.projector_coefficients, views, state, Device::projector);
+
+  bundle.camera_coefficients = result.camera_lens.coefficients;
+  bundle.projector_coefficients = result.projector_lens.coefficients;
+  forget_held_coefficients(state.scanner, bundle);
+  state = bundle_adjusted(views, std::move(state), printed, bundle, &result.deviation);
+  state.scanner.calibrated_depths = depths_of(views, state);
+  require_valid(state.scanner);
+
+  Reprojection all;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Reprojection of_pose = reprojection(views[v], state, v);
+    all.camera.add(of_pose.camera);
+    all.projector.add(of_pose.projector);
+    result.poses.push_back({.name = views[v].name,
+                            .corners = static_cast<int>(views[v].places.size()),
+                            .lit = lit_corners(views[v]),
+                            .rms = of_pose.rms()});
+  }
+  result.rms = all.rms();
+  result.deviation =
+      widened(result.deviation, leave_each_out(views, state, printed, bundle, result.poses));
+  result.covered_camera = covered_share(coverage_map(views, Device::camera, camera));
+  result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
+  result.largest_tilt = largest_angle(state.poses);
+  result.moved = moved_rig(views, state);
+  // The shape of a print that is taken for exact shows only if its corners are freed.
+  BoardPlaces places = state.places;
+  if (!bundle.print_deviation) {
+    bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * board.spacing;
+    places = bundle_adjusted(views, state, printed, bundle).places;
+  }
+  result.print = print_shape(places, printed);
+  result.views = std::move(views);
+  result.findings = findings_about(result);
+  return result;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,223 @@
+// What the frames of a code reveal without geometry.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <ranges>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "check/fit.h"
+#include "slipstream/numbers.h"
+#include "slipstream/unwrapping.h"
+
+namespace slipstream {
+namespace {
+
+using Complex = std::complex<double>;
+using Place = ScanSamples::Place;
+
+constexpr double most_offset = 0.035;  // of the origin, periods
+
+/// A pixel's bits, the finest last: of the Gray code or of the plain code, without its base.
+struct Word {
+  unsigned stripe = 0, bits = 0;
+  unsigned doubtful = 0;  ///< bits too near to the threshold
+};
+
+/// `I`: intensities in pattern order.
+Word word_of(const Code& code, const std::vector<double>& I) {
+  constexpr double noise_levels = 3, noise_share = 0.05;
+  const auto [dark, bright] =
+      std::ranges::minmax(code.frames | std::views::transform([&](int n) { return I[n]; }));
+  const auto [shown, doubtful] =
+      code_bits(code, I, std::max(noise_levels, noise_share * (bright - dark)));
+  const auto stripe = static_cast<unsigned>(stripe_of(code, shown));
+  return {stripe, code.gray ? stripe ^ (stripe >> 1U) : stripe, doubtful};
+}
+
+/// Steps from stripe to stripe between neighbours at one distance.
+struct Steps {
+  std::vector<std::pair<Word, Word>> pairs{};
+  /// Of each bit, the finest first.
+  using Counts = std::array<int, most_code_bits>;
+
+  /// How many of the bits are too fine for this distance or blurred, whichever frames they are in.
+  [[nodiscard]] int too_fine(bool gray) const {
+    Counts changes{}, doubts{};
+    for (const auto& [a, b] : pairs) {
+      for (std::size_t i = 0; i < changes.size(); ++i) {
+        changes[i] += static_cast<int>(((a.bits ^ b.bits) >> i) & 1U);
+        doubts[i] += static_cast<int>((a.doubtful >> i) & 1U);
+      }
+    }
+    // Share of the neighbours that an edge parts if stripes are two distances wide; in a Gray code
+    // every other edge is one of the finest bit. Random bits change between half of them.
+    const double most = gray ? 0.25 : 0.375;
+    const auto count_of = static_cast<double>(pairs.size());
+    int count = 0;
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      if (changes[i] > most * count_of || 2 * doubts[i] > count_of) ++count;
+    }
+    return count;
+  }
+
+  /// Counts steps, by the coarsest bit that changes, and those to stripes that are not next to
+  /// each other.
+  void count(bool gray, Counts& all, Counts& wrong) const {
+    const int finer = too_fine(gray);
+    for (const auto& [a, b] : pairs) {
+      const unsigned from = a.stripe >> finer, to = b.stripe >> finer;
+      const unsigned changed = (from ^ (from >> 1U)) ^ (to ^ (to >> 1U));
+      // The finest bit may change anywhere.
+      if (changed < 2 || ((a.doubtful | b.doubtful) >> finer) != 0 ||
+          (gray && !std::has_single_bit(changed)))
+        continue;
+      const auto coarsest = std::bit_width(changed) - 1 + finer;
+      ++all[coarsest];
+      if (std::max(from, to) - std::min(from, to) > (gray ? 1U : 2U)) ++wrong[coarsest];
+    }
+  }
+};
+
+/// The largest share of wrong steps that exceeds the share at depth edges by 5 standard deviations:
+/// a few edges of a coarse bit may all lie there.
+double torn(std::span<const Steps> distances, bool gray) {
+  constexpr double usual = 0.3, deviations = 5;
+  Steps::Counts all{}, wrong{};
+  for (const Steps& steps : distances) steps.count(gray, all, wrong);
+  double most = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double excess = wrong[i] - usual * all[i];
+    if (excess > deviations * std::sqrt(usual * (1 - usual) * all[i])) {
+      most = std::max(most, static_cast<double>(wrong[i]) / all[i]);
+    }
+  }
+  return most;
+}
+
+/// Phases half way between neighbours in stripes next to each other.
+struct Edges {
+  int count = 0, against = 0;
+  double changes = 0;  ///< sum
+  Complex along{}, backwards{};
+
+  /// Phases and the edge between them, periods.
+  void add(double here, double next, double edge, bool rising) {
+    constexpr double most_change = 0.3;  // beyond, the direction is uncertain
+    const double change = next - here - std::round(next - here);
+    if (std::abs(change) > most_change) return;
+    ++count;
+    changes += std::abs(change);
+    if (rising != (change > 0)) ++against;
+    along += std::polar(1.0, two_pi * (here + change / 2 - edge));
+    backwards += std::polar(1.0, -two_pi * (here + change / 2 + edge));
+  }
+
+  void sum_up(CodeEvidence& evidence) const {
+    constexpr int fewest = 16;
+    constexpr double moved_by_blur = 0.1;  // pixels
+    if (count < fewest) return;
+    evidence.has_edges = true;
+    evidence.against = static_cast<double>(against) / count;
+    const Complex mean = (evidence.against > 0.5 ? backwards : along) / Complex(count);
+    const double chance = 1 / std::sqrt(count);
+    evidence.incoherence = std::max(0.0, 1 - std::abs(mean) - chance);
+    const double offset = std::arg(mean) / two_pi;
+    const bool is_off = std::abs(offset) > most_offset + moved_by_blur * changes / count;
+    evidence.offset = is_off ? offset : std::clamp(offset, -most_offset, most_offset);
+  }
+};
+
+}  // namespace
+
+// Limits: right scans, real ones among them, reach 0.17 of doubt and stay below half of the others;
+// wrong orders and periods give 0.35 to 0.5 of doubt.
+const std::array<CodeSymptom, 7> code_symptoms{{
+    {"frames are darker than black or brighter than white in over {:g} % of the lit pixels",
+     "share of the lit pixels", &CodeEvidence::disordered, 0.1,
+     "white or black frame missing or in another place", "compare the frames with"},
+    {"code words without a stripe in over {:g} % of the lit pixels", "share of the lit pixels",
+     &CodeEvidence::unlisted, 0.05,
+     "another code or another number of periods or stripes than configured",
+     "compare the settings with"},
+    {"the code's bits contradict each other at over {:g} % of a bit's edges", "share of the edges",
+     &CodeEvidence::torn, 0.3, "code frames in another order, or another code than configured",
+     "compare the frames with"},
+    {"phase and code contradict each other: incoherence at the code's edges above {:g} %",
+     "incoherence", &CodeEvidence::incoherence, 0.3,
+     "code frames in another order, or another number of periods than configured",
+     "compare the settings with"},
+    {"the phase origin is off by over {:g} % of a period", "periods", &CodeEvidence::offset,
+     most_offset, "another phase origin or number of periods than configured",
+     "compare the settings with"},
+    {"the phase runs against the code at over {:g} % of its edges", "share of the edges",
+     &CodeEvidence::against, 0.5, "another direction of the phase shifts than configured",
+     "compare --backwards with"},
+    {"no coordinate fits all frames: the median misfit is over {:g} % of the next best",
+     "median doubt", &CodeEvidence::doubt, 0.3,
+     "another number of periods than configured, or frames in another order",
+     "compare the settings with"},
+}};
+
+CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
+                           const FrameOrder& order, bool phases) {
+  CodeEvidence evidence;
+  if (!model.layout().code || samples.groups() == 0) return evidence;
+  const Code& code = *model.layout().code;
+  const std::size_t band = model.measuring_band();
+  const double f = model.layout().bands[band].periods;
+  // White and black come after the bits.
+  const std::size_t white = std::ranges::max(code.frames) + 1;
+  const bool has_white = code.inverses.empty() && white + 1 < code.reference.size() &&
+                         code.reference[white] == 0.5 && code.reference[white + 1] == 0.5;
+  // Black may exceed another frame by noise.
+  constexpr double noise_levels = 6, noise_share = 0.15;
+  std::array<Steps, ScanSamples::places> steps;
+  Edges edges;
+  SampleReading reading;
+  const auto phase = [&](const float* levels) {
+    model.read(levels, order, reading);
+    return reading.phase[band] / two_pi;
+  };
+  std::vector<double> I(order.size());
+  const auto read = [&](const float* levels) {
+    std::ranges::transform(order, I.begin(), [&](int frame) { return levels[frame]; });
+    return word_of(code, I);
+  };
+  int disordered = 0, unlisted = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels = samples.levels(g, Place::middle);
+    const Word here = read(levels);
+    if (here.stripe >= std::ceil(code.stripes) && here.doubtful == 0) ++unlisted;
+    if (has_white) {
+      const double low = I[white + 1], high = I[white];
+      const auto [least, greatest] = std::ranges::minmax(I);
+      const double noise = std::max(noise_levels, noise_share * (high - low));
+      if (least < low - noise || greatest > high + noise) ++disordered;
+    }
+    for (const Place place : {Place::right, Place::below, Place::far_right, Place::far_below}) {
+      if (!samples.lit(g, place)) continue;
+      const bool far = place == Place::far_right || place == Place::far_below;
+      const float* const there = samples.levels(g, place);
+      const Word next = read(there);
+      steps[place].pairs.emplace_back(here, next);
+      const bool rising = next.stripe > here.stripe;
+      const unsigned edge = std::max(here.stripe, next.stripe);
+      const bool clear = ((here.doubtful | next.doubtful) & ~(here.bits ^ next.bits)) == 0;
+      if (!phases || far || !clear || edge - std::min(here.stripe, next.stripe) != 1) continue;
+      edges.add(phase(levels), phase(there), f * edge / code.stripes, rising);
+    }
+  }
+  const auto n = static_cast<double>(samples.groups());
+  evidence.disordered = disordered / n;
+  evidence.unlisted = unlisted / n;
+  evidence.torn = torn(steps, code.gray);
+  const bool fine =
+      steps[Place::right].too_fine(code.gray) + steps[Place::below].too_fine(code.gray);
+  if (!model.layout().unwrapping->whole_stripes && !fine) edges.sum_up(evidence);
+  return evidence;
+}
+
+}  // namespace slipstream

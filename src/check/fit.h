@@ -1,0 +1,194 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <string_view>
+
+#include "check/frame_model.h"
+
+namespace slipstream {
+
+/// What the frames of a code, or of single frames, reveal without geometry. All 0 if right.
+struct CodeEvidence {
+  /// Share of the pixels in which a frame is darker than black or brighter than white. Light adds
+  /// up, so that any pattern lies between the two.
+  double disordered = 0;
+  double unlisted = 0;  ///< share of the pixels whose code word numbers no stripe
+  /// Between neighbours that differ in one bit of a Gray code, the finer bits are 1, 0, 0, ... if
+  /// the stripes are next to each other: the share that contradicts, of the worst bit. Ignores as
+  /// many of the finest bits as have stripes narrower than two pixels, or blurred ones.
+  double torn = 0;
+  double incoherence = 0;  ///< of the phase at the code's edges: 1 - |mean exp(i phi)|
+  /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5;
+  /// within the limit if blur, a tenth of a pixel, may be the cause.
+  double offset = 0;
+  double against = 0;      ///< share of the edges across which the phase runs against the code
+  double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate
+  bool has_edges = false;  ///< whether enough edges were found to compare phases with the code
+};
+
+/// `phases`: whether to compare phases with the code, which takes most of the time.
+CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
+                           const FrameOrder& order, bool phases = true);
+
+/// One kind of contradiction, its limit, and the cause and advice to give if no tried remedy fits.
+struct CodeSymptom {
+  std::string_view what;  ///< with {} for the limit in percent
+  std::string_view number;
+  double CodeEvidence::*value;
+  double limit;
+  std::string_view likely, advice;
+};
+
+extern const std::array<CodeSymptom, 7> code_symptoms;
+
+/// How well a band agrees with the band or cue that unwraps it, from SampleReading::relations.
+struct BandRelation {
+  /// |mean of exp(2 pi i r)| divided by its value under noise alone, measured between neighbours:
+  /// 1 if r is the same everywhere, 0 if it is random.
+  double agreement = 1;
+  double offset = 0;  ///< of r, periods, -0.5 to 0.5
+  double noise = 1;   ///< coherence under noise alone, 0 to 1
+  double error = 0;   ///< standard error of the offset, periods
+};
+
+/// Evidence about frames and sequence.
+struct FrameEvidence {
+  /// Part of the frames that the patterns' shapes cannot explain, as a share of their variation.
+  /// Excludes noise: only what neighbours share counts.
+  double residual = 0;
+  std::vector<BandRelation> relations;  ///< coarse to fine
+  /// Largest variation of a ratio of two bands' modulations from pixel to pixel: the standard
+  /// deviation of its logarithm, without noise.
+  double ratio_spread = 0;
+  double doubt = 0;   ///< median: see SampleReading; 0 where noise alone leaves as much
+  double origin = 0;  ///< error of the origin by single frames, rad
+  /// Of the fringes against the cue, share of their modulation, if band and cue agree with it only.
+  double damping = 0;
+  /// Share of far pixel pairs across which the coordinate jumps from one end of the field to the
+  /// other inside the lit area.
+  double seams = 0;
+};
+
+/// Gathers evidence. Reuses its memory; not thread-safe.
+class FrameJudge {
+ public:
+  /// Keeps a reference to the model.
+  explicit FrameJudge(const FrameModel& model);
+
+  /// Evaluates the samples, or their first `most_groups` groups (also spread over the picture),
+  /// with the frames in that order. The result is valid until the next call.
+  const FrameEvidence& operator()(const ScanSamples& samples, const FrameOrder& order,
+                                  std::size_t most_groups = static_cast<std::size_t>(-1));
+
+ private:
+  /// Mean product over neighbours; independent noise cancels.
+  struct SharedSpread {
+    double products = 0, a = 0, b = 0;
+    int count = 0;
+
+    void add(double first, double second) {
+      products += first * second;
+      a += first;
+      b += second;
+      ++count;
+    }
+    [[nodiscard]] double deviation() const {
+      if (count == 0) return 0;
+      return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
+    }
+  };
+
+  void clear();
+  void add_pair(double variation);
+  void sum_up(std::size_t groups);
+  void look_for_damping(double groups);
+  /// Logarithm of the ratio of a band's modulation to the coarsest band's.
+  [[nodiscard]] double ratio(const SampleReading& reading, std::size_t band) const;
+
+  const FrameModel& model_;
+  FrameEvidence evidence_;
+  SampleReading here_, next_;
+  std::vector<std::complex<double>> mean_, between_;  ///< of each relation
+  std::vector<std::complex<double>> damped_;          ///< of the cue's, for each damping
+  std::vector<SharedSpread> ratios_;                  ///< of each band
+  std::vector<double> doubts_, misfits_;
+  double residual_ = 0, variation_ = 0, by_origin_ = 0, origin_square_ = 0;
+  int pairs_ = 0, seams_ = 0, far_pairs_ = 0;
+};
+
+/// Evidence about frames and scanner.
+struct GeometryEvidence {
+  double without_point = 0;  ///< share whose ray does not meet its stripe in front of both devices
+  double outside = 0;        ///< share of points outside the projector's field
+  double median_depth = 0;   ///< mm
+  double out_of_range = 0;   ///< share of points outside the calibrated depths, with a margin
+  double beyond = 0;         ///< the same with a tenth of the range as margin
+  /// Median over the pixels inside of surfaces of the coordinate's change to the next pixel,
+  /// divided by the change on a surface that faces the camera: about 1 if all is right, negative if
+  /// the stripes run the other way, near 0 if they run along the other axis. Always 1 for a code
+  /// alone, and if there are few such pixels.
+  double slope = 1;
+  double slope_doubt = 0;  ///< three standard errors of `slope`, from the scatter of the pixels
+};
+
+/// How pictures were flipped before they were saved.
+struct PictureTurn {
+  bool columns = false;  ///< the right side is on the left
+  bool rows = false;     ///< the top is at the bottom
+};
+
+/// Ignores the projector's lens distortion: it moves points by less than these limits.
+GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
+                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
+                                   const PictureTurn& turn = {});
+
+/// Each limit separates correct scans (real ones, and virtual ones with noise) from mistaken ones;
+/// tests/check measures both.
+struct FitLimits {
+  // Correct scans: agreement above 0.69 (real skull 0.81), offset below 0.05. A wrong number of
+  // periods or frame order nearly always gives less than 0.6 or more than 0.1.
+  static constexpr double least_agreement = 0.6, most_offset = 0.1;
+  // Correct scans: 0.014, real ones of twelve steps 0.07; with two frames swapped 0.15 to 0.4.
+  static constexpr double most_residual = 0.1;
+  static constexpr double most_residual_moving = 0.25;  // motion between frames: up to 0.15
+  // Correct scans: 0.31, a real skull 0.43; with frames of two bands mixed up 0.7.
+  static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;
+  // Slanted surfaces change the slope: median 0.58 to 1.8 in correct scans.
+  static constexpr double least_slope = 0.35, most_slope = 2.8;
+  static constexpr double most_outside = 0.25, most_out_of_range = 0.6;
+};
+
+/// Evidence compared with FitLimits.
+struct Fit {
+  FrameEvidence frames{};
+  CodeEvidence code{};
+  bool moving = false;                         ///< CheckSettings::moving
+  std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
+
+  [[nodiscard]] bool has_evidence() const;  ///< of every relation, beyond noise
+  /// In modulation.
+  [[nodiscard]] bool bands_alike() const {
+    return frames.ratio_spread <= FitLimits::most_ratio_spread;
+  }
+  [[nodiscard]] bool bands_agree() const;    ///< in phase and modulation
+  [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
+  [[nodiscard]] bool code_agrees() const;    ///< within the limits of code_symptoms
+  [[nodiscard]] bool no_seam() const { return frames.seams <= FitLimits::most_seams; }
+  /// All that the frames alone show.
+  [[nodiscard]] bool frames_fit() const {
+    return bands_agree() && patterns_made() && code_agrees() && no_seam();
+  }
+  [[nodiscard]] bool geometry_fits() const;  ///< true without geometry
+  /// In the calibrated range; true without geometry.
+  [[nodiscard]] bool depths_fit() const {
+    return !geometry || geometry->out_of_range <= FitLimits::most_out_of_range;
+  }
+  [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
+  /// Whether it fits so poorly that another origin or frame order may fit far better.
+  [[nodiscard]] bool poor() const;
+  /// 0 for a perfect fit; of two explanations, the smaller misfit is likelier.
+  [[nodiscard]] double misfit() const;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,333 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "check/explanations.h"
+#include "slipstream/statistics.h"
+
+namespace slipstream {
+namespace {
+
+using Places = std::vector<std::size_t>;  ///< groups, from the top of the picture to the bottom
+
+float level(const ScanSamples& samples, std::size_t group, int frame) {
+  return samples.levels(group, ScanSamples::middle)[frame];
+}
+
+struct Stretch {
+  std::size_t length = 0, end = 0;  ///< in the order of the places
+};
+
+/// The longest run of lit pixels, from top to bottom, that all have a property.
+template <class Has>
+Stretch longest_stretch(const Places& places, const Has& has) {
+  Stretch longest;
+  std::size_t length = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    length = has(places[i]) ? length + 1 : 0;
+    if (length > longest.length) longest = {length, i + 1};
+  }
+  return longest;
+}
+
+double share_of(const Stretch& stretch, const Places& places) {
+  return static_cast<double>(stretch.length) / static_cast<double>(places.size());
+}
+
+std::vector<Evidence> evidence_of(const Stretch& stretch, const Places& places,
+                                  const ScanSamples& samples) {
+  const double first = samples.row(places[stretch.end - stretch.length]);
+  const double last = samples.row(places[stretch.end - 1]);
+  return {{"share of the lit pixels", share_of(stretch, places)},
+          {"first row", first},
+          {"last row", last}};
+}
+
+// Shares of the lit pixels.
+constexpr double part = 0.12, all = 0.97;
+
+/// Frames of different patterns are equal only where their sinusoids cross.
+std::optional<Finding> same_picture(const ScanSamples& samples, const Places& places, int n,
+                                    int m) {
+  // Equal intensities may differ by this through rounding.
+  constexpr float rounding = 1e-3F;
+  constexpr std::size_t fewest = 24;  // fewer may be equal by chance
+  const Stretch alike = longest_stretch(places, [&](std::size_t group) {
+    return std::abs(level(samples, group, n) - level(samples, group, m)) < rounding;
+  });
+  const double share = share_of(alike, places);
+  if (share < part || alike.length < fewest) return std::nullopt;
+  Finding finding{.gravity = Gravity::wrong, .evidence = evidence_of(alike, places, samples)};
+  if (share > all) {
+    finding.what = fmt::format(
+        "frames {} and {} are the same picture in over {:g} % of the lit pixels", n, m, 100 * all);
+    finding.likely = fmt::format("a frame saved twice, in place of frame {} or {}", n, m);
+    finding.advice = "capture the scan again";
+  } else {
+    finding.gravity = Gravity::doubtful;
+    finding.what = fmt::format("frames {} and {} are the same in over {:g} % of the lit pixels", n,
+                               m, 100 * part);
+    finding.likely =
+        fmt::format("part of frame {} or {} was lost and still shows the frame before it", n, m);
+    finding.advice = "capture the scan again; check the camera's link for lost packets";
+  }
+  return finding;
+}
+
+/// Finds rows that turn black abruptly: the dark part of a pattern begins gradually.
+std::optional<Finding> lost_part(const ScanSamples& samples, const Places& places, int n) {
+  constexpr float black = 0.5F;
+  // Minimum grey level next to the lost rows; the edge of a pattern's dark part is darker.
+  constexpr float sharp = 12;
+  const Stretch lost =
+      longest_stretch(places, [&](std::size_t group) { return level(samples, group, n) <= black; });
+  const double share = share_of(lost, places);
+  if (share < part || share > all) return std::nullopt;
+  std::vector<float> beside;
+  const std::size_t first = lost.end - lost.length, near = places.size() / 20 + 1;
+  for (std::size_t i = first - std::min(first, near); i < std::min(places.size(), lost.end + near);
+       ++i) {
+    if (i < first || i >= lost.end) beside.push_back(level(samples, places[i], n));
+  }
+  if (beside.empty() || quantile(beside, 0.5) < sharp) return std::nullopt;
+  return Finding{
+      .what = fmt::format("frame {} is black in over {:g} % of the lit pixels", n, 100 * part),
+      .evidence = evidence_of(lost, places, samples),
+      .likely = fmt::format("part of frame {} was lost in transfer", n),
+      .advice = "capture the scan again; check the camera's link for lost packets"};
+}
+
+/// Evidence about the light of a scan; grey levels of 255.
+struct LightEvidence {
+  double modulation = 0;  ///< median of the lit pixels, scaled to a sinusoid with all the light
+  double mean = 0;        ///< median of the lit pixels' means over their frames
+};
+
+LightEvidence light_of(const FrameModel& model, const ScanSamples& samples) {
+  LightEvidence light;
+  const FrameOrder order = model.identity();
+  std::vector<double> modulations, means;
+  SampleReading reading;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels = samples.levels(g, ScanSamples::middle);
+    means.push_back(std::accumulate(levels, levels + samples.frames(), 0.0) / samples.frames());
+    model.read(levels, order, reading);
+    double modulation = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < reading.modulation.size(); ++b) {
+      modulation = std::min(modulation, reading.modulation[b] / model.layout().bands[b].share);
+    }
+    modulations.push_back(modulation);
+  }
+  if (!means.empty()) {
+    light.modulation = quantile(modulations, 0.5);
+    light.mean = quantile(means, 0.5);
+  }
+  return light;
+}
+
+/// The fewest camera bits that hold these grey levels: 8, 10, 12, 14 or 16.
+int bits_used(double brightest, int bits) {
+  const double largest = brightest / 255 * ((1 << bits) - 1);
+  int used = 8;
+  while (used < bits && largest > (1 << used) - 1) used += 2;
+  return used;
+}
+
+/// Share of the lit pixels that reach the top grey level in two frames or more, code frames
+/// excluded; 0 if they are few of all that reach it, as at a sinusoid's crest.
+double flat_topped(const FrameModel& model, const ScanSamples& samples) {
+  constexpr double fewest_of_top = 0.25;
+  std::vector<int> frames = measuring_frames(model.layout());
+  // Further frames of a window show the same patterns again.
+  if (const auto& cycle = measuring_band(model.layout()).cycle) frames.resize(cycle->steps);
+  float top = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    for (const int n : frames) top = std::max(top, level(samples, g, n));
+  }
+  std::size_t once = 0, flat = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const auto count =
+        std::ranges::count_if(frames, [&](int n) { return level(samples, g, n) == top; });
+    if (count >= 1) ++once;
+    if (count >= 2) ++flat;
+  }
+  if (flat == 0 || static_cast<double>(flat) < fewest_of_top * static_cast<double>(once)) return 0;
+  return static_cast<double>(flat) / static_cast<double>(samples.groups());
+}
+
+/// Finds pixels whose gain alternates like the green ones of a Bayer filter.
+std::optional<Finding> mosaic(const ScanSamples& samples) {
+  // A sensor without a filter has the same gain everywhere, within 2 %.
+  constexpr double least_ratio = 1.05, sure = 5;  // standard errors
+  // Of a pixel and the one across over the two others, logarithms: neither rows nor columns matter.
+  std::array<std::vector<double>, 2> ratios;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    std::array<double, ScanSamples::far_right> range{};
+    for (std::size_t i = 0; i < range.size(); ++i) {
+      range[i] = samples.range(samples.levels(g, static_cast<ScanSamples::Place>(i)));
+    }
+    if (std::ranges::min(range) <= 0) continue;
+    ratios[(samples.column(g) + samples.row(g)) % 2].push_back(
+        std::log(range[0] * range[3] / (range[1] * range[2])));
+  }
+  if (std::min(ratios[0].size(), ratios[1].size()) < 32) return std::nullopt;
+  const double difference = std::abs(median(ratios[0]) - median(ratios[1]));
+  const double ratio = std::exp(difference / 4);
+  double variance = 0;
+  for (const std::vector<double>& of : ratios) {
+    const double error = 1.25 * robust_deviation(of, median(of));
+    variance += error * error / static_cast<double>(of.size());
+  }
+  if (ratio < least_ratio || difference < sure * std::sqrt(variance)) return std::nullopt;
+  return Finding{.what = "every other pixel is brighter than its neighbours",
+                 .evidence = {{"ratio", ratio}},
+                 .likely = "raw pictures of a colour camera, whose Bayer filter was not removed",
+                 .advice = "convert the camera's raw pictures to grey before saving"};
+}
+
+Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) {
+  Finding finding{.gravity = samples.groups() == 0 ? Gravity::wrong : Gravity::doubtful,
+                  .what = samples.groups() == 0
+                              ? "no pixel reaches the minimum modulation"
+                              : "under 0.3 % of the pixels reach the minimum modulation",
+                  .evidence = {{"brightest grey level of 255", samples.brightest()},
+                               {"largest change between frames", samples.largest_range()},
+                               {"least modulation", least_modulation}}};
+  const int used = bits_used(samples.brightest(), bits);
+  if (samples.saturated_share() > 0.5) {
+    finding.likely = "too much light: the pictures are saturated everywhere";
+    finding.advice = "shorten the exposure or close the iris";
+  } else if (bits == 16 && used <= 14) {
+    finding.likely =
+        fmt::format("pictures of {} bits in 16-bit files, or far too little light", used);
+    finding.advice = fmt::format("try --camera-bits {}, or lengthen the exposure", used);
+  } else if (samples.largest_range() < 4) {
+    finding.likely = "no pattern in the pictures: the projector was dark or not in view";
+    finding.advice = "check the projector and inspect the frames with slipstream view";
+  } else {
+    finding.likely = "far too little light for this surface, or a very small object";
+    finding.advice =
+        "lengthen the exposure, open the iris or darken the room; or lower --min-modulation";
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> damaged_frames(const ScanSamples& samples) {
+  std::vector<Finding> findings;
+  if (samples.groups() < ScanSamples::fewest_groups) return findings;
+  Places places(samples.groups());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::ranges::sort(places, {}, [&](std::size_t group) { return samples.row(group); });
+  const auto add = [&](std::optional<Finding> finding) {
+    if (finding) findings.push_back(std::move(*finding));
+  };
+  for (int n = 0; n < samples.frames(); ++n) {
+    add(lost_part(samples, places, n));
+    for (int m = n + 1; m < samples.frames(); ++m) add(same_picture(samples, places, n, m));
+  }
+  return findings;
+}
+
+std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
+  std::vector<float> levels, ranges;
+  std::size_t darkest = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels_here = samples.levels(g, ScanSamples::middle);
+    const float own = levels_here[n];
+    float least = std::numeric_limits<float>::infinity(), greatest = -least;
+    for (int m = 0; m < samples.frames(); ++m) {
+      if (m == n) continue;
+      least = std::min(least, levels_here[m]);
+      greatest = std::max(greatest, levels_here[m]);
+    }
+    if (own <= least + 1) ++darkest;
+    levels.push_back(own);
+    ranges.push_back(greatest - least);
+  }
+  const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
+  const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
+  const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
+  if (share < all || spread > 0.08F * range + 2) return std::nullopt;
+  return Finding{
+      .gravity = Gravity::wrong,
+      .what = fmt::format("frame {} contains no pattern", n),
+      .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
+      .likely = fmt::format("frame {} is black: captured while the projector was dark", n),
+      .advice = "capture the scan again; check the trigger, or omit the marker frame"};
+}
+
+std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& samples, int bits,
+                                  double least_modulation) {
+  const LightEvidence light = light_of(model, samples);
+  // Shares of the lit pixels.
+  constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
+  // Stronger ambient light leaves few grey levels for the patterns.
+  constexpr double most_ambient = 5;
+  // Share of all pixels: the area of a needle.
+  constexpr double least_lit = 0.003;
+  std::vector<Finding> findings;
+  if (samples.brightest() > 255.5) {
+    return {{.gravity = Gravity::wrong,
+             .what = "grey levels exceed the camera's maximum",
+             .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
+             .likely = "a camera with more bits than declared",
+             .advice = fmt::format("try --camera-bits {}", bits_used(samples.brightest(), 16))}};
+  }
+  // A small object that is well lit is fine.
+  const bool dim = light.modulation < 1.5 * least_modulation;
+  if (samples.groups() < ScanSamples::fewest_groups && samples.lit_share() < least_lit && dim) {
+    return {too_dark(samples, bits, least_modulation)};
+  }
+  const int used = bits_used(samples.brightest(), bits);
+  const double flat = flat_topped(model, samples);
+  // The light is to blame once: for its ambient part if an exposure that suffices would saturate.
+  const bool dark = light.modulation < least_modulation;
+  const bool ambient = light.mean > most_ambient * light.modulation &&
+                       (!dark || light.mean * least_modulation > 255 * light.modulation);
+  const auto add = [&](bool seen, Finding finding) {
+    if (seen) findings.push_back(std::move(finding));
+  };
+  if (auto filtered = mosaic(samples)) findings.push_back(std::move(*filtered));
+  add(bits == 16 && used < 16,
+      {.what = fmt::format("only {} of {} bits are used", used, bits),
+       .evidence = {{"brightest grey level of 255", samples.brightest()}},
+       .likely = fmt::format("pictures of {} bits in {}-bit files{}", used, bits,
+                             used == 14 ? ", or far too little light" : ""),
+       .advice = fmt::format("try --camera-bits {}", used)});
+  add(samples.saturated_share() > most_saturated,
+      {.what = fmt::format("saturated: over {:g} % of the lit pixels", 100 * most_saturated),
+       .evidence = {{"share of the lit pixels", samples.saturated_share()}},
+       .likely = "too much light: the camera clips",
+       .advice = "shorten the exposure, close the iris or capture with --exposures 1,4"});
+  add(dark && !ambient,
+      {.what = "too dark: the lit pixels' median modulation is below the minimum",
+       .evidence = {{"modulation", light.modulation}, {"least modulation", least_modulation}},
+       .likely = "far too little light for this surface",
+       .advice = "lengthen the exposure, open the iris or darken the room"});
+  add(findings.empty() && samples.dim_share() > most_dim,
+      {.what = fmt::format("over {:g} % of the pixels that the patterns reach are too dark",
+                           100 * most_dim),
+       .evidence = {{"share", samples.dim_share()}, {"least modulation", least_modulation}},
+       .likely = "far too little light for most of the scene",
+       .advice = "lengthen the exposure, capture with --exposures 1,4 or lower --min-modulation"});
+  add(flat > most_flat,
+      {.what =
+           fmt::format("clipped below saturation: over {:g} % of the lit pixels", 100 * most_flat),
+       .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
+       .likely = "intensities clipped before they were saved",
+       .advice = "shorten the exposure; save the camera's frames unchanged"});
+  add(ambient,
+      {.what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
+       .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
+       .likely = "ambient light stronger than the projector's, or a wrong black level",
+       .advice = "darken the room or brighten the projector"});
+  return findings;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,218 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/ranges.h>
+
+#include "check/explanations.h"
+#include "slipstream/numbers.h"
+
+namespace slipstream {
+namespace {
+
+/// A mistake undone, and how the scan fits then.
+struct Attempt {
+  PossibleMistake mistake;
+  Fit fit;
+  double misfit = 0;
+};
+
+/// Calls `use` with the model and the order of the frames after the mistake is undone.
+template <class Use>
+auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Use& use) {
+  const FrameOrder order = mistake.order.empty() ? scan.model.identity() : mistake.order;
+  if (!mistake.sequence && !mistake.photometry) return use(scan.model, order);
+  return use(FrameModel(mistake.sequence.value_or(scan.sequence),
+                        mistake.photometry.value_or(scan.photometry)),
+             order);
+}
+
+/// The misfit of the frames alone, by a few groups; nullopt if a full test is useless. Most
+/// mistakes show in the very first groups.
+std::optional<double> rough_misfit(const JudgedScan& scan, const PossibleMistake& mistake) {
+  return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
+    const double most_residual = mistake.approximate ? 1 : scan.settings.moving ? 0.3 : 0.15;
+    FrameJudge judge(model);
+    Fit fit;
+    for (const std::size_t groups : {4U, 16U, 96U}) {
+      fit.frames = judge(scan.samples, order, groups);
+      const bool hopeless = std::ranges::any_of(fit.frames.relations, [](const auto& relation) {
+        return relation.noise > 0.3 && relation.agreement < 0.35;
+      });
+      if (fit.frames.doubt > 0.35 || fit.frames.residual > most_residual ||
+          (hopeless && groups > 4)) {
+        return std::optional<double>();
+      }
+    }
+    fit.code = code_evidence(model, scan.samples, order, false);
+    return fit.code_agrees() ? std::optional(fit.misfit() + fit.frames.doubt) : std::nullopt;
+  });
+}
+
+/// Whether the mistake explains the scan, which fitted as `before`.
+bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake) {
+  // Periods too narrow for the pictures contradict nothing.
+  if (before.has_evidence() && !fit.has_evidence()) return false;
+  if (!mistake.approximate) return fit.all();
+  // The camera's response curve leaves some harmonics.
+  return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&
+         fit.depths_fit() && fit.frames.residual <= before.frames.residual &&
+         fit.misfit() < before.misfit();
+}
+
+/// Whether warnings about the method's limits remain after the mistake is undone.
+bool leaves_warnings(const JudgedScan& scan, const Attempt& attempt) {
+  const PossibleMistake& mistake = attempt.mistake;
+  return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
+    ScanSamples samples = scan.samples;
+    samples.reorder(order);
+    const Sequence sequence = mistake.sequence.value_or(scan.sequence);
+    const PhotometricCalibration photometry = mistake.photometry.value_or(scan.photometry);
+    const Scanner* const scanner = mistake.scanner ? &*mistake.scanner : scan.scanner;
+    return !method_limits({model, samples, sequence, scanner, photometry, scan.settings},
+                          attempt.fit)
+                .empty();
+  });
+}
+
+/// Those of the mistakes that may explain the scan by a few groups.
+std::vector<PossibleMistake> promising(const JudgedScan& scan,
+                                       std::vector<PossibleMistake> mistakes) {
+  constexpr std::size_t most = 32;
+  std::vector<std::pair<double, std::size_t>> rough;
+  for (std::size_t i = 0; i < mistakes.size(); ++i) {
+    mistakes[i].rank = i;
+    if (const auto misfit = rough_misfit(scan, mistakes[i])) rough.emplace_back(*misfit, i);
+  }
+  std::ranges::sort(rough);
+  std::vector<PossibleMistake> left;
+  std::set<int> families;
+  for (const auto& [misfit, i] : rough) {
+    const int family = mistakes[i].family;
+    if (family > 0 && !families.insert(family).second) continue;
+    if (left.size() < most || mistakes[i].geometric) left.push_back(std::move(mistakes[i]));
+  }
+  return left;
+}
+
+/// Those that explain the scan, likeliest first: among about equal fits the simplest.
+std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
+                                std::vector<PossibleMistake> mistakes) {
+  std::vector<Attempt> found;
+  for (PossibleMistake& mistake : mistakes) {
+    const Fit fit = fit_of(scan, mistake);
+    if (explains(fit, before, mistake)) found.push_back({std::move(mistake), fit, fit.misfit()});
+  }
+  std::ranges::sort(found, {}, [](const Attempt& attempt) {
+    constexpr double alike = 0.3;
+    return std::pair(std::floor(attempt.misfit / alike), attempt.mistake.rank);
+  });
+  return found;
+}
+
+/// Words for the likeliest, and for others that fit about as well. A far-fetched one is named only
+/// if nothing else fits.
+Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_force) {
+  constexpr double nearly = 1.2;
+  constexpr std::size_t most_named = 3;
+  const auto usual = std::ranges::find_if(
+      attempts, [](const Attempt& attempt) { return !attempt.mistake.far_fetched; });
+  const bool is_usual =
+      usual != attempts.end() && usual->misfit <= attempts.front().misfit + nearly;
+  const Attempt& best = is_usual ? *usual : attempts.front();
+  Explanation told{best.misfit, best.mistake.likely, best.mistake.advice, best.mistake.gravity};
+  std::set<std::string> named{best.mistake.likely};
+  std::set<int> families{0, best.mistake.family};
+  std::size_t unnamed = 0;
+  for (const auto& [other, fit, misfit] : attempts) {
+    if (named.contains(other.likely) || misfit > best.misfit + nearly) continue;
+    if (named.size() == most_named || (is_usual && other.far_fetched) ||
+        (other.family != 0 && families.contains(other.family))) {
+      ++unnamed;
+      continue;
+    }
+    named.insert(other.likely);
+    families.insert(other.family);
+    told.likely += ", or " + other.likely;
+    told.advice += "; or " + other.advice;
+  }
+  if (best.mistake.scanner) told.likely += ", or a scanner file of another rig";
+  if (unnamed > 0) told.advice += fmt::format("; {} more would fit as well", unnamed);
+  const bool alone = named.size() == 1 && unnamed == 0;
+  if (!alone) told.advice += "; all of these fit, so verify the result";
+  // Repair only if the explanation is unique.
+  if (alone && best.mistake.slipped) {
+    told.order = best.mistake.order;
+    if (best.fit.geometry) told.median_depth = best.fit.geometry->median_depth;
+    told.gravity = Gravity::doubtful;
+    told.advice = "the order " + text_of(composed(in_force, told.order)) + " corrects this";
+  }
+  return told;
+}
+
+}  // namespace
+
+FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
+  if (first.empty()) return then;
+  FrameOrder both;
+  for (const int place : then) both.push_back(first.at(place));
+  return both;
+}
+
+std::string text_of(const FrameOrder& order) {
+  return fmt::format("{}", fmt::join(order, ","));
+}
+
+Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
+  return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
+    Fit fit{.frames = FrameJudge(model)(scan.samples, order),
+            .code = code_evidence(model, scan.samples, order),
+            .moving = scan.settings.moving};
+    fit.code.doubt = fit.frames.doubt;
+    if (!fit.code.has_edges) fit.code.offset = fit.frames.origin / two_pi;
+    if (scan.scanner == nullptr || !model.has_coordinate()) return fit;
+    const Scanner& scanner = mistake.scanner ? *mistake.scanner : *scan.scanner;
+    const Axis axis = mistake.sequence ? mistake.sequence->axis : scan.sequence.axis;
+    fit.geometry = geometry_evidence(model, scan.samples, scanner, axis, order, mistake.turn);
+    return fit;
+  });
+}
+
+std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given) {
+  constexpr std::size_t few_groups = 128, most_proposed = 8, most_of_family = 4;
+  constexpr double far_better = 0.5;
+  ScanSamples few = scan.samples;
+  few.keep_first(few_groups);
+  const JudgedScan quick{scan.model,      few,          scan.sequence, scan.scanner,
+                         scan.photometry, scan.settings};
+  std::vector<PossibleMistake> mistakes;
+  std::multiset<int> families;
+  for (Attempt& attempt :
+       explaining(quick, fit_of(quick), promising(quick, possible_mistakes(scan, as_given)))) {
+    const int family = attempt.mistake.family;
+    if (mistakes.size() == most_proposed) break;
+    if (family != 0 && families.count(family) == most_of_family) continue;
+    families.insert(family);
+    mistakes.push_back(std::move(attempt.mistake));
+  }
+  // The few left must also pass with all pixels.
+  std::vector<Attempt> found = explaining(scan, as_given, std::move(mistakes));
+  const auto warns = [&](const Attempt& attempt) { return leaves_warnings(scan, attempt); };
+  if (!std::ranges::all_of(found, warns)) std::erase_if(found, warns);
+  double best = std::numeric_limits<double>::infinity();  // misfit of good fits
+  for (const Attempt& attempt : found) {
+    if (!attempt.fit.poor()) best = std::min(best, attempt.misfit);
+  }
+  std::erase_if(
+      found, [&](const Attempt& attempt) { return attempt.misfit > best && attempt.fit.poor(); });
+  if (as_given.all()) {
+    std::erase_if(found, [&](const Attempt& attempt) {
+      return attempt.mistake.far_fetched || attempt.misfit > as_given.misfit() - far_better;
+    });
+  }
+  if (found.empty()) return std::nullopt;
+  return told(found, scan.settings.order);
+}
+
+}  // namespace slipstream

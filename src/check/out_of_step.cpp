@@ -1,0 +1,227 @@
+// Frames that contain a share of the pattern before: exposures that span two patterns.
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+#include <tuple>
+
+#include "check/explanations.h"
+#include "slipstream/statistics.h"
+
+namespace slipstream {
+namespace {
+
+// Right scans have less: a residual by noise, and a share in code by blur.
+constexpr double least_residual = 0.003, most_in_code = 0.04;
+
+/// Frame n contains the share s of the pattern before: I_n = (1 - s) P_n + s P_(n-1).
+struct Mixture {
+  std::vector<StepRun> runs;   ///< before the first frame of each is its last
+  bool stands = false;         ///< unless the first pattern was shown long before
+  double top = 0, bottom = 0;  ///< s in the first and last row: a rolling shutter exposes in turns
+
+  [[nodiscard]] double mean() const { return (top + bottom) / 2; }
+
+  /// Recovers P from I, in place. `down`: the row, share of the picture's height.
+  void undo(float* I, double down) const {
+    const double s = top + (bottom - top) * down, r = s / (1 - s);
+    for (const StepRun& run : runs) {
+      float* const frames = I + run.first;
+      double P = 0;  // of the last frame, by substitution for all before it
+      for (int n = 0; n < run.steps; ++n) P = frames[n] - r * P;
+      P = stands ? frames[0] : P / ((1 - s) * (1 - std::pow(-r, run.steps)));
+      for (int n = 0; n < run.steps; ++n) {
+        P = (frames[n] - s * P) / (1 - s);
+        frames[n] = static_cast<float>(P);
+      }
+    }
+  }
+};
+
+constexpr double half = 0.5;  // hides what alternates from frame to frame
+
+/// The share in the frames of a code, 0 if unknown: bits unlike the bit before lose contrast, all
+/// of it at one half.
+double share_in_code(const FrameModel& model, const ScanSamples& samples) {
+  constexpr std::size_t most_groups = 256;
+  // Of the range; share of the bits with wide stripes, where right scans have few between.
+  constexpr double fewest = 16, no_contrast = 0.1, most_without = 0.25;
+  const auto& code = model.layout().code;
+  double sum = 0, weights = 0, without = 0, wide = 0;
+  if (!code || code->base) return 0;  // edges of a common base are in all frames
+  for (std::size_t bit = 1; bit < code->frames.size(); ++bit) {
+    const int n = code->frames[bit], before = n - 1;
+    if (before != code->frames[bit - 1]) continue;
+    double alike = 0, unlike = 0, alike_count = 0, unlike_count = 0;
+    for (std::size_t g = 0; g < std::min(samples.groups(), most_groups); ++g) {
+      const float* const I = samples.levels(g, ScanSamples::middle);
+      const auto [least, greatest] = std::minmax_element(I, I + samples.frames());
+      const float middle = (*least + *greatest) / 2;
+      const double contrast = std::abs(I[n] - middle) / (*greatest - *least);
+      const bool is_alike = (I[n] > middle) == (I[before] > middle);
+      (is_alike ? alike : unlike) += contrast;
+      (is_alike ? alike_count : unlike_count) += 1;
+      if (2 * bit > code->frames.size()) continue;
+      wide += 1;
+      without += contrast < no_contrast ? 1 : 0;
+    }
+    const double weight = std::min(alike_count, unlike_count);
+    if (weight < fewest) continue;
+    sum += weight * (1 - unlike / unlike_count * alike_count / alike) / 2;
+    weights += weight;
+  }
+  if (without > most_without * wide) return half;
+  return weights > 0 ? std::max(0.0, sum / weights) : 0;
+}
+
+class MixtureSearch {
+ public:
+  /// `fits`: whether the scan fits as it is.
+  MixtureSearch(const JudgedScan& scan, bool fits) : scan_(scan), fits_(fits), judge_(scan.model) {}
+
+  /// Of few pixels, by the frames alone.
+  [[nodiscard]] double misfit(const Mixture& mixture) {
+    constexpr std::size_t few = 96;
+    return Fit{.frames = judge_(undone(mixture, few), scan_.model.identity(), few)}.misfit();
+  }
+
+  [[nodiscard]] ScanSamples undone(const Mixture& mixture, std::size_t groups) const {
+    ScanSamples samples = scan_.samples;
+    samples.change(groups, [&](float* I, double down) { mixture.undo(I, down); });
+    return samples;
+  }
+
+  /// The mixture that explains the frames best; a share of 0 if none does better than none.
+  [[nodiscard]] Mixture best() {
+    const double as_given = misfit({});
+    Mixture found;
+    double least = as_given;
+    for (Mixture& way : ways()) {
+      for (const auto& [at_top, at_bottom] : {std::pair{1, 1}, std::pair{0, 2}, std::pair{2, 0}}) {
+        for (double s = 0.02; s < most / std::max(at_top, at_bottom); s += s < 0.05 ? 0.02 : 0.04) {
+          way.top = s * at_top;
+          way.bottom = s * at_bottom;
+          const double then = misfit(way);
+          // A right scan fits worse with any share.
+          if (fits_ && s < 0.03 && then >= as_given) break;
+          if (then < least) std::tie(found, least) = std::pair(way, then);
+        }
+      }
+    }
+    improve(found, least);
+    return found;
+  }
+
+  /// Of a share that the code shows and the bands do not.
+  [[nodiscard]] Mixture of_code(double share) const {
+    Mixture mixture = in_bands();
+    mixture.top = mixture.bottom = std::min(share, most);
+    return mixture;
+  }
+
+ private:
+  static constexpr double most = half - 0.01;
+
+  [[nodiscard]] std::vector<Mixture> ways() const {
+    const StepRun all{0, scan_.samples.frames()};
+    std::vector<Mixture> ways{{.runs = {all}}, {.runs = {all}, .stands = true}, in_bands()};
+    if (ways.back().runs.size() < 2) ways.pop_back();
+    return ways;
+  }
+
+  [[nodiscard]] Mixture in_bands() const { return {.runs = step_runs(scan_.model.layout())}; }
+
+  void improve(Mixture& mixture, double& least) {
+    for (double step = 0.02; mixture.mean() > 0 && step > 0.002;) {
+      const double before = least;
+      for (const auto& [at_top, at_bottom] :
+           {std::pair{1, 1}, std::pair{-1, -1}, std::pair{-1, 1}, std::pair{1, -1}}) {
+        Mixture next = mixture;
+        next.top = std::clamp(mixture.top + at_top * step, 0.0, most);
+        next.bottom = std::clamp(mixture.bottom + at_bottom * step, 0.0, most);
+        const double then = misfit(next);
+        if (then < least) std::tie(mixture, least) = std::pair(next, then);
+      }
+      if (least == before) step /= 2;
+    }
+  }
+
+  const JudgedScan& scan_;
+  bool fits_;
+  FrameJudge judge_;
+};
+
+/// Median error of the coordinate, fields, and of the depth, mm (0 without a scanner).
+std::pair<double, double> errors(const JudgedScan& scan, const ScanSamples& undone, const Fit& fit,
+                                 const Fit& then) {
+  SampleReading wrong, right;
+  std::vector<double> off;
+  for (std::size_t g = 0; g < undone.groups(); ++g) {
+    const FrameOrder order = scan.model.identity();
+    scan.model.read(scan.samples.levels(g, ScanSamples::middle), order, wrong);
+    scan.model.read(undone.levels(g, ScanSamples::middle), order, right);
+    off.push_back(std::abs(wrong.coordinate - right.coordinate));
+  }
+  const double deeper =
+      fit.geometry ? std::abs(fit.geometry->median_depth - then.geometry->median_depth) : 0;
+  return {quantile(off, 0.5), deeper};
+}
+
+/// Whether a scan that fits leaves anything to explain.
+bool is_suspect(const Fit& fit, bool has_cue, double in_code) {
+  constexpr double most_offset = 0.04;  // right scans: less, but blur moves a cue's
+  const auto is_off = [](const BandRelation& relation) {
+    return std::abs(relation.offset) > most_offset + 3 * relation.error;
+  };
+  return !fit.all() || fit.frames.residual > least_residual || in_code > most_in_code ||
+         std::ranges::any_of(fit.frames.relations | std::views::drop(has_cue ? 1 : 0), is_off);
+}
+
+}  // namespace
+
+std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) {
+  constexpr double least_share = 0.015, most_left = 0.5, better = 0.3;
+  const double in_code = share_in_code(scan.model, scan.samples);
+  // In windows of declared motion the frame before a cycle is another one each time.
+  if (measuring_band(scan.model.layout()).cycle ||
+      !is_suspect(fit, scan.model.has_real_cue(), in_code))
+    return std::nullopt;
+  MixtureSearch search(scan, fit.all());
+  Mixture mixture = search.best();
+  if (mixture.mean() < least_share) mixture = search.of_code(in_code);
+  if (mixture.mean() < least_share) return std::nullopt;
+  const ScanSamples undone = search.undone(mixture, scan.samples.groups());
+  const JudgedScan without{scan.model,   undone,          scan.sequence,
+                           scan.scanner, scan.photometry, scan.settings};
+  const Fit then = fit_of(without);
+  // Near one half noise remains of code frames; at one half nothing can be undone.
+  const bool by_code = in_code > most_in_code, is_half = in_code == half;
+  if (!is_half && (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||
+                   (!by_code && then.misfit() >= fit.misfit()))) {
+    return std::nullopt;
+  }
+  const bool explained = fit.frames.residual > least_residual
+                             ? then.frames.residual < most_left * fit.frames.residual
+                             : then.misfit() < fit.misfit() - better;
+  // What moves may resemble a share, but leaves more.
+  if ((fit.all() || scan.settings.moving) && !by_code && !explained) return std::nullopt;
+  const auto [off, deeper] = errors(scan, undone, fit, then);
+  // Fields: about the noise of one pixel; mm; bits begin to err at a quarter.
+  constexpr double most_off = 2e-4, most_deeper = 0.7, harmful_in_code = 0.15;
+  const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
+  Finding finding{
+      .gravity = is_harmful ? Gravity::wrong : Gravity::doubtful,
+      .what = "each frame contains a share of the pattern before",
+      .evidence = {{"share, percent", 100 * mixture.mean()},
+                   {"coordinates off by, percent of the field", 100 * off}},
+      .likely = "camera and projector out of step: exposures span two patterns",
+      .advice = "trigger the camera by the projector, or expose later and for whole patterns"};
+  if (deeper > 0) finding.evidence.push_back({"median depth off by, mm", deeper});
+  if (std::abs(mixture.top - mixture.bottom) > mixture.mean()) {
+    finding.evidence.push_back({"top row, percent", 100 * mixture.top});
+    finding.evidence.push_back({"bottom row, percent", 100 * mixture.bottom});
+    finding.likely += " by a rolling shutter";
+  }
+  return MixedFrames{then.misfit(), std::move(finding)};
+}
+
+}  // namespace slipstream

@@ -1,0 +1,390 @@
+// The mistakes that people make.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "check/explanations.h"
+#include "slipstream/error.h"
+#include "slipstream/numbers.h"
+#include "slipstream/registry.h"
+
+namespace slipstream {
+namespace {
+
+/// A run of the frames, optionally reversed, then rotated by `places`.
+FrameOrder turned(FrameOrder order, const StepRun& run, int places, bool backwards = false) {
+  const auto begin = order.begin() + run.first, end = begin + run.steps;
+  if (backwards) std::reverse(begin, end);
+  std::rotate(begin, begin + places, end);
+  return order;
+}
+
+/// Reversed and interleaved runs. Two swapped runs count as a slipped cycle instead.
+template <class Add>
+void add_several_runs(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
+  if (runs.size() > 1) add({right.rbegin(), right.rend()}, "all frames are in reversed order");
+  if (runs.size() != 2 || runs[0].steps != runs[1].steps) return;
+  const int steps = runs[0].steps;
+  for (const int first : {0, 1}) {
+    FrameOrder in_turns;
+    for (int n = 0; n < 2 * steps; ++n)
+      in_turns.push_back(2 * (n % steps) + (first + n / steps) % 2);
+    add(in_turns, "the frames of the two bands are interleaved");
+  }
+}
+
+/// Bits in reversed order, before or after their inverses.
+template <class Add>
+void add_code_orders(const FrameOrder& right, const Code& code, const Add& add) {
+  const std::vector<int>&bits = code.frames, &inverses = code.inverses;
+  const std::size_t count = bits.size();
+  const int first = std::ranges::min(bits);
+  FrameOrder reversed = right, before = right, after = right;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int bit = bits[i];
+    reversed[bit] = bits[count - 1 - i];
+    if (inverses.empty()) continue;
+    const int inverse = inverses[i];
+    reversed[inverse] = inverses[count - 1 - i];
+    std::swap(before[bit], before[inverse]);
+    after[bit] = first + static_cast<int>(i);
+    after[inverse] = first + static_cast<int>(count + i);
+  }
+  add(reversed, "the bits of the code are in reversed order");
+  add(before, "each bit of the code comes after its inverse");
+  add(after, "the inverses come after all bits of the code");
+}
+
+/// Every run rotated by the same share of a period, forwards or reversed: the bands' phases still
+/// agree. Then each run by itself.
+template <class Add>
+void add_turns(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
+  int least = runs.front().steps;
+  for (const StepRun& run : runs) least = std::gcd(least, run.steps);
+  for (int part = 0; part < least; ++part) {
+    for (const bool backwards : {false, true}) {
+      FrameOrder order = right;
+      for (const StepRun& run : runs)
+        order = turned(order, run, part * run.steps / least, backwards);
+      add(order, backwards          ? "the frames of each band are in reversed order"
+                 : runs.size() == 1 ? fmt::format("the frames are rotated by {}", part)
+                                    : "the frames of each band are rotated");
+    }
+  }
+  for (const StepRun& run : runs) {
+    const std::string frames = fmt::format("frames {} to {}", run.first, run.first + run.steps - 1);
+    for (int n = 1; n < run.steps; ++n)
+      add(turned(right, run, n), fmt::format("{} look rotated by {}", frames, run.steps - n));
+    for (int n = 0; n < run.steps; ++n)
+      add(turned(right, run, n, true), fmt::format("{} look reversed", frames));
+  }
+}
+
+constexpr int shift_family = -1, gamma_family = 1;
+
+class Mistakes {
+ public:
+  Mistakes(const JudgedScan& scan, const Fit& as_given) : scan_(scan), as_given_(as_given) {
+    const bool frames_fit = as_given.frames_fit();
+    const Layout& layout = scan.model.layout();
+    if (!frames_fit) add_responses();
+    add_measured_shifts();
+    const bool likely_shifts = shifts_said() || !layout.single_frames.empty() || as_given.all();
+    if (likely_shifts) add_usual_shifts();
+    if (const auto& code = layout.code) add_codes(*code);
+    if (!layout.single_frames.empty()) add_signs();
+    if (!periods_proven()) add_periods();
+    add_orders();
+    const std::size_t of_frames = list.size();
+    if (scan.scanner != nullptr && frames_fit && !as_given.all()) add_geometry();
+    for (std::size_t i = of_frames; i < list.size(); ++i) list[i].geometric = true;
+    if (likely_shifts) return;
+    const std::size_t others = list.size();
+    add_usual_shifts();
+    for (std::size_t i = others; i < list.size(); ++i) list[i].far_fetched = true;
+  }
+
+  std::vector<PossibleMistake> list{};
+
+ private:
+  /// 0 if the strategy has no such setting.
+  [[nodiscard]] SettingValue setting(const std::string& name) const {
+    const StrategySettings& settings = scan_.sequence.strategy.settings();
+    return settings.contains(name) ? settings.at(name) : SettingValue(0);
+  }
+  [[nodiscard]] double origin() const { return setting("origin").number(); }
+  [[nodiscard]] bool is_on(const char* name) const { return setting(name) == SettingValue(true); }
+  [[nodiscard]] bool shifts_said() const { return origin() != 0 || is_on("backwards"); }
+
+  /// Steps that contradict each other do so with any number of periods, though a known response
+  /// does not show at the wrong place. Bands whose relation is constant have the right periods.
+  [[nodiscard]] bool periods_proven() const {
+    constexpr double least_agreement = 0.9;
+    const double most_residual = scan_.photometry.response ? 0.25 : 0.15;
+    const FrameEvidence& frames = as_given_.frames;
+    const auto is_constant = [](const BandRelation& relation) {
+      return relation.agreement >= least_agreement;
+    };
+    if (!scan_.model.layout().single_frames.empty()) return false;
+    return frames.residual > most_residual ||
+           (!frames.relations.empty() && std::ranges::all_of(frames.relations, is_constant));
+  }
+
+  void add_responses() {
+    constexpr double most_residual = 0.4;  // of a gamma of 3 in eight steps
+    if (as_given_.frames.residual > most_residual) return;
+    PhotometricCalibration other = scan_.photometry;
+    if (other.response) {
+      other.response.reset();
+      list.push_back({.likely = "a response that is corrected but does not show in the frames",
+                      .advice = "try --gamma none",
+                      .photometry = other,
+                      .gravity = Gravity::doubtful});
+      return;
+    }
+    for (double gamma = 0.5; gamma < 3.05; gamma += 0.1) {
+      other.response = {PowerLaw{gamma}, gamma, 0};
+      list.push_back(
+          {.likely = fmt::format(
+               "the projector's gamma (with the camera's, about {:.1f}) is not corrected", gamma),
+           .advice = "measure it with slipstream calibrate gamma, or try --gamma blind",
+           .photometry = other,
+           .family = gamma_family,
+           .gravity = Gravity::doubtful,
+           .approximate = true});
+    }
+  }
+
+  void add_settings(const StrategySettings& changes, std::string likely, int family = 0) {
+    const Strategy& strategy = scan_.sequence.strategy;
+    StrategySettings settings = strategy.settings();
+    std::string advice = "try";
+    for (const auto& [name, value] : changes) {
+      settings[name] = value;
+      std::string flag = name;
+      std::ranges::replace(flag, '_', '-');
+      advice += value == SettingValue(true)    ? fmt::format(" --{}", flag)
+                : value == SettingValue(false) ? fmt::format(" --no-{}", flag)
+                                               : fmt::format(" --{} {}", flag, value.text());
+    }
+    if (!tried_.insert(advice).second) return;
+    try {
+      Sequence sequence = scan_.sequence;
+      sequence.strategy = make_strategy(strategy.name(), settings);
+      if (frame_count(sequence.strategy) != scan_.samples.frames()) return;
+      list.push_back({.likely = std::move(likely),
+                      .advice = std::move(advice),
+                      .sequence = std::move(sequence),
+                      .family = family});
+    } catch (const Error&) {
+      return;  // the strategy does not allow them
+    }
+  }
+
+  void add_shift(double shift, bool backwards, bool measured = true) {
+    shift = std::remainder(shift, two_pi) + 0.0;  // not -0
+    if (shift < 1e-3 - two_pi / 2) shift += two_pi;
+    StrategySettings changes;
+    std::string likely;
+    if (std::abs(std::remainder(shift - origin(), two_pi)) > 1e-3) {
+      changes["origin"] = fmt::format("{:.5g}", shift);
+      likely = fmt::format("patterns whose phase origin is {:.5g}{}", shift,
+                           measured ? "" : ", or near that");
+    }
+    if (backwards != is_on("backwards")) {
+      changes["backwards"] = backwards;
+      likely += (likely.empty() ? "patterns" : " and") +
+                std::string(" whose phases shift in the other direction");
+    }
+    if (!changes.empty()) add_settings(changes, std::move(likely), shift_family);
+  }
+
+  /// The origin and direction that the frames give.
+  void add_measured_shifts() {
+    const CodeEvidence& code = as_given_.code;
+    const bool against = code.against > 0.5;
+    const double measured = (against ? -1 : 1) * origin() + two_pi * code.offset;
+    // Edges of real codes are off by up to 0.12 rad.
+    constexpr double close = 0.15, usual_step = two_pi / 12;
+    const double near = usual_step * std::round(measured / usual_step);
+    add_shift(std::abs(measured - near) < close ? near : measured, is_on("backwards") != against);
+    // An error of the origin moves a relation by the ratio of the bands' periods less 1: the
+    // coarsest relation whatever the error, others if the coarser orders are right.
+    const std::vector<std::size_t>& chain = scan_.model.bands();
+    const std::vector<Band>& bands = scan_.model.layout().bands;
+    double below = scan_.model.has_real_cue() ? 0 : bands[chain.front()].periods;
+    std::size_t next = below > 0 ? 1 : 0;
+    for (const BandRelation& relation : as_given_.frames.relations) {
+      const double periods = bands[chain[next++]].periods;
+      const double gain = below > 0 ? periods / below - 1 : -1;
+      below = periods;
+      const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
+      for (int k = -most; k <= most; ++k)
+        add_shift(origin() + two_pi * (relation.offset + k) / gain, is_on("backwards"));
+    }
+  }
+
+  /// Quarters of a period; finer parts of it only if an origin or direction was configured and no
+  /// relation gives it.
+  void add_usual_shifts() {
+    const bool said = is_on("backwards");
+    const int parts = shifts_said() && as_given_.frames.relations.empty() ? 12 : 4;
+    for (int i = 0; i < parts; ++i) {
+      for (const bool backwards : {said, !said}) add_shift(i * two_pi / parts, backwards, false);
+    }
+  }
+
+  void add_signs() {
+    const SettingValue other = !is_on("alternating");
+    add_settings({{"alternating", other}}, "single frames of another sign");
+    add_settings({{"alternating", other}, {"backwards", !is_on("backwards")}},
+                 "single frames of another sign and phases that shift in the other direction");
+  }
+
+  void add_codes(const Code& code) {
+    add_settings({{"plain", code.gray}}, code.gray ? "a plain binary code" : "a Gray code");
+    add_settings({{"least_first", !is_on("least_first")}}, "the code begins with its other end");
+    if (code.base)
+      add_settings({{"base", 3 - setting("base").number()}}, "a code with another base");
+  }
+
+  /// Other numbers of periods, one at a time, and every two of a list exchanged.
+  void add_periods() {
+    int family = gamma_family;
+    for (const std::string name : {"high", "low", "frequency", "periods"}) {
+      const StrategySettings& settings = scan_.sequence.strategy.settings();
+      if (!settings.contains(name)) continue;
+      std::vector<double> said;
+      settings.at(name).read(said);
+      for (std::size_t i = 0; i < said.size(); ++i) {
+        ++family;
+        std::vector<double> periods = said;
+        const int most = std::max(64, static_cast<int>(2 * said[i]));
+        for (int count = 0; count <= most; ++count) {
+          periods[i] = count == 0 ? said[i] / 2 : count;
+          if (periods == said) continue;
+          add_settings(
+              {{name, periods}},
+              fmt::format("patterns of {:g} periods, configured as {:g}", periods[i], said[i]),
+              family);
+        }
+        for (std::size_t k = i + 1; k < said.size(); ++k) {
+          periods = said;
+          std::swap(periods[i], periods[k]);
+          if (periods != said) add_settings({{name, periods}}, "the periods in another order");
+        }
+      }
+    }
+  }
+
+  /// Wrong orders, each once: the cycle begins at another frame; runs of steps rotated, reversed,
+  /// swapped or interleaved; two frames swapped.
+  void add_orders() {
+    const int frames = scan_.model.layout().frames;
+    const FrameOrder right = scan_.model.identity();
+    std::vector<StepRun> runs = step_runs(scan_.model.layout());
+    std::ranges::sort(runs, {}, &StepRun::first);
+    const int end = runs.empty() ? 0 : runs.back().first + runs.back().steps;
+    if (end < frames) runs.push_back({end, frames - end});  // e.g. of a code
+    std::set<FrameOrder> known{right};
+    const auto add = [&](const FrameOrder& order, std::string likely) {
+      if (!known.insert(order).second) return;
+      const FrameOrder all = composed(scan_.settings.order, order);
+      list.push_back(
+          {.likely = std::move(likely),
+           .advice = std::ranges::is_sorted(all) ? "omit --order" : "try --order " + text_of(all),
+           .order = order});
+    };
+    const auto add_swapped = [&](int n, int m) {
+      FrameOrder order = right;
+      std::swap(order[n], order[m]);
+      add(order, fmt::format("frames {} and {} look swapped", n, m));
+    };
+    const std::size_t others = list.size();
+    for (int n = 1; runs.size() > 1 && n < frames; ++n) {
+      add(turned(right, {0, frames}, n),
+          fmt::format("the frames have slipped: the cycle begins at frame {}", n));
+    }
+    for (std::size_t i = others; i < list.size(); ++i) list[i].slipped = true;
+    add_several_runs(right, runs, add);
+    if (const auto& code = scan_.model.layout().code) add_code_orders(right, *code, add);
+    for (int n = 0; n + 1 < frames; ++n) add_swapped(n, n + 1);
+    add_turns(right, runs, add);
+    const std::size_t usual = list.size();
+    for (int n = 0; n < frames; ++n) {
+      for (int m = n + 2; m < frames; ++m) add_swapped(n, m);
+    }
+    for (std::size_t i = usual; i < list.size(); ++i) list[i].far_fetched = true;
+  }
+
+  /// Another axis, turned pictures, and scanner files that are inverted, swapped or of another
+  /// size.
+  void add_geometry() {
+    const Axis axis = scan_.sequence.axis, other = across(axis);
+    Sequence turned = scan_.sequence;
+    turned.axis = other;
+    list.push_back({.likely = fmt::format("patterns that vary along {}, not {}", name_of(other),
+                                          name_of(axis)),
+                    .advice = fmt::format("try --axis {}", name_of(other)),
+                    .sequence = std::move(turned)});
+    const auto pictures = [&](const PictureTurn& turn, const char* how, const char* advice) {
+      list.push_back({.likely = fmt::format("pictures {} since the calibration", how),
+                      .advice = advice,
+                      .turn = turn});
+    };
+    pictures({.columns = true, .rows = true}, "turned upside down",
+             "rotate them by 180 degrees, or calibrate with pictures in this orientation");
+    pictures({.columns = true}, "mirrored left to right", "mirror them back");
+    pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
+    const auto file = [&](std::string_view what, const char* advice, const auto& mend) {
+      PossibleMistake& made = list.emplace_back(PossibleMistake{
+          fmt::format("a scanner file {}", what), advice, {}, {}, {}, *scan_.scanner});
+      mend(*made.scanner);
+    };
+    const auto invert = [](Scanner& scanner) {
+      scanner.rotation.transposeInPlace();
+      scanner.translation = (-scanner.rotation * scanner.translation).eval();
+    };
+    const auto swap = [](Scanner& scanner) {
+      std::swap(scanner.camera.intrinsic, scanner.projector.intrinsic);
+      std::swap(scanner.camera.distortion, scanner.projector.distortion);
+    };
+    file("whose rotation and translation go from the projector to the camera",
+         "invert them: they must go from the camera's frame to the projector's", invert);
+    file("whose rotation is inverted",
+         "transpose it: it must go from the camera's frame to the projector's",
+         [](Scanner& scanner) { scanner.rotation.transposeInPlace(); });
+    file("whose translation has the wrong sign",
+         "negate it: it is the camera's position in the projector's frame",
+         [](Scanner& scanner) { scanner.translation *= -1; });
+    file("with camera and projector swapped", "swap their matrices", swap);
+    file("with camera and projector swapped",
+         "swap their matrices, and invert rotation and translation", [&](Scanner& scanner) {
+           swap(scanner);
+           invert(scanner);
+         });
+    for (const double scale : {0.5, 2.0}) {
+      const char* const large = scale < 1 ? "twice as large" : "half as large";
+      file(fmt::format("for camera pictures {}", large), "use pictures of the calibrated size",
+           [&](Scanner& scanner) { scanner.camera.intrinsic.topRows<2>() *= scale; });
+      file(fmt::format("for projector pictures {}", large),
+           "set --projector to the calibrated size",
+           [&](Scanner& scanner) { scanner.projector.intrinsic.topRows<2>() *= scale; });
+    }
+  }
+
+  const JudgedScan& scan_;
+  const Fit& as_given_;
+  std::set<std::string> tried_;  ///< advice
+};
+
+}  // namespace
+
+std::vector<PossibleMistake> possible_mistakes(const JudgedScan& scan, const Fit& as_given) {
+  return std::move(Mistakes(scan, as_given).list);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,118 @@
+#include <array>
+#include <cmath>
+
+#include "base/throw_if-inl.h"
+#include "slipstream/phase_shifting.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::array<std::string_view, 4> references{"white-black", "inverse", "mean", "none"};
+
+void require_known(std::string_view name, int bits, std::string_view reference) {
+  throw_if(bits < 1 || bits > most_code_bits, "{}: {} bits are out of range; 1 to {}", name, bits,
+           most_code_bits);
+  throw_if(std::ranges::find(references, reference) == references.end(),
+           "{}: reference '{}' is unknown; expected one of: {}", name, reference,
+           fmt::join(references, ", "));
+}
+
+/// Frames of the code, including those it is compared with.
+int frame_count(int bits, std::string_view reference) {
+  return reference == "inverse" ? 2 * bits : reference == "white-black" ? bits + 2 : bits;
+}
+
+/// The bits in frames from `first` on, out of `frames`.
+Code code_in_frames(int frames, int first, int bits, std::string_view reference) {
+  Code code{.stripes = std::exp2(bits)};
+  const int apart = reference == "inverse" ? 2 : 1;
+  for (int bit = 0; bit < bits; ++bit) {
+    code.frames.push_back(first + apart * bit);
+    if (apart == 2) code.inverses.push_back(first + apart * bit + 1);
+  }
+  if (apart == 2 || reference == "none") return code;
+  code.reference.resize(frames);
+  const auto begin = code.reference.begin() + first;
+  if (reference == "white-black") std::fill_n(begin + bits, 2, 0.5);
+  if (reference == "mean") std::fill_n(begin, bits, 1.0 / bits);
+  return code;
+}
+
+/// The narrowest stripes as a band, for modulation and mean; its phase has no meaning.
+Layout layout_of(const Code& code, int frames) {
+  const std::vector<double> none(frames);
+  Band band{.periods = code.stripes / 4, .cosine = none, .sine = none, .mean = code.reference};
+  const int narrowest = code.frames.back();
+  if (!code.inverses.empty()) {
+    band.mean = none;
+    band.mean[narrowest] = band.mean[code.inverses.back()] = 0.5;
+  } else if (code.reference.empty()) {
+    band.mean.assign(frames, 1.0 / frames);
+  }
+  for (std::size_t n = 0; n < band.mean.size(); ++n) band.cosine[n] = -band.mean[n];
+  band.cosine[narrowest] += 1;
+  return {.frames = frames,
+          .bands = {std::move(band)},
+          .code = code,
+          .unwrapping = Unwrapping::code_alone};
+}
+
+/// Bits of a code with one stripe per period.
+int bits_for(double periods) {
+  return std::max(1, static_cast<int>(std::ceil(std::log2(periods) - 1e-9)));
+}
+
+}  // namespace
+
+void GrayCode::require_valid() const {
+  require_known(name, bits, reference);
+  slipstream::require_valid(*layout().code, layout().frames, name);
+}
+
+Layout GrayCode::layout() const {
+  const int frames = frame_count(bits, reference);
+  Code code = code_in_frames(frames, 0, bits, reference);
+  code.stripes = stripes.value_or(code.stripes);
+  code.gray = !plain;
+  if (least_first) {
+    std::ranges::reverse(code.frames);
+    std::ranges::reverse(code.inverses);
+  }
+  return layout_of(code, frames);
+}
+
+void ExclusiveOrGray::require_valid() const {
+  require_known(name, bits, reference);
+  throw_if(base < 1 || base > 2 || base >= bits,
+           "xor-gray: base {} of {} bits is out of range; 1 or 2", base, bits);
+}
+
+Layout ExclusiveOrGray::layout() const {
+  const int frames = frame_count(bits, reference);
+  Code code = code_in_frames(frames, 0, bits, reference);
+  code.base = bits - base;
+  return layout_of(code, frames);
+}
+
+void GrayPhase::require_valid() const {
+  slipstream::require_valid(runs().front(), "gray-phase");
+  const int shown = bits.value_or(bits_for(periods));
+  require_known(name, shown + 1, reference);
+  throw_if(shown < bits_for(periods),
+           "gray-phase: {} bits are too few for {:g} periods, which require {}", shown, periods,
+           bits_for(periods));
+}
+
+Layout GrayPhase::layout() const {
+  const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
+  const int first = runs().front().frames(), frames = first + frame_count(shown, reference);
+  Layout layout{
+      .frames = frames, .bands = {band_of(runs().front(), frames)}, .unwrapping = Unwrapping::code};
+  layout.code = code_in_frames(frames, first, shown, reference);
+  layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
+  if (reference == "mean" || reference == "none")
+    layout.code->reference = layout.bands.front().mean;
+  return layout;
+}
+
+}  // namespace slipstream

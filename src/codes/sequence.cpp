@@ -1,0 +1,196 @@
+#include "slipstream/sequence.h"
+
+#include <cmath>
+
+#include "base/throw_if-inl.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::string_view both = "both";
+
+/// Converts lengths in projector pixels to periods and stripes across the field, `length` pixels:
+/// at least one, as a coarse period longer than the field is shown as one.
+void add_settings_in_pixels(const StrategySettings& lengths, int length,
+                            StrategySettings& settings) {
+  for (const auto& [name, value] : lengths) {
+    throw_if(length == 0,
+             "lengths in projector pixels require the projector size, e.g. --projector 1920x1080");
+    std::vector<double> numbers;
+    value.read(numbers);
+    for (double& number : numbers) {
+      throw_if(!(number > 0), "a length of {} projector pixels is out of range; above 0", number);
+      number = std::max(1.0, length / number);
+    }
+    settings[name] = numbers;
+  }
+}
+
+/// The strategy with other settings. If the known one reads demodulated frames, so does this.
+Strategy with_settings(const Strategy& known, std::string_view name,
+                       const StrategySettings& settings) {
+  const Strategy strategy = make_strategy(name, settings);
+  const bool read = known.is_spectral() && !known.demodulation() && name == known.name();
+  return read ? strategy.read_as() : strategy;
+}
+
+}  // namespace
+
+Sequence along(Sequence sequence, Axis axis) {
+  if (axis != sequence.axis && !sequence.lengths.empty()) {
+    StrategySettings settings = sequence.strategy.settings();
+    add_settings_in_pixels(sequence.lengths, length_along(axis, sequence.projector), settings);
+    Strategy other = with_settings(sequence.strategy, sequence.strategy.name(), settings);
+    throw_if(frame_count(other) != frame_count(sequence.strategy),
+             "{}: lengths in projector pixels make {} frames along {}, not {}; set --bits",
+             other.name(), frame_count(other), name_of(axis), frame_count(sequence.strategy));
+    sequence.strategy = std::move(other);
+  }
+  sequence.axis = axis;
+  sequence.both_axes = false;
+  return sequence;
+}
+
+std::string_view axes_of(const Sequence& sequence) {
+  return sequence.both_axes ? both : name_of(sequence.axis);
+}
+
+void set_axes(Sequence& sequence, std::string_view axes) {
+  throw_if(axes != both && axes != "x" && axes != "y",
+           "axis '{}' is unknown; expected x, y or both", axes);
+  sequence.both_axes = axes == both;
+  sequence.axis = sequence.both_axes ? Axis::x : axis_named(axes);
+}
+
+int frame_count(const Sequence& sequence) {
+  return static_cast<int>(sequence.exposures.size()) * (sequence.both_axes ? 2 : 1) *
+             frame_count(sequence.strategy) +
+         sequence.motion;
+}
+
+Sequence cycle_of(Sequence sequence) {
+  sequence.motion = 0;
+  return sequence;
+}
+
+PatternSet pattern_set(const Sequence& sequence) {
+  PatternSet patterns = pattern_set(sequence.strategy, sequence.axis, sequence.light);
+  PatternShape turned = patterns.shape;
+  if (sequence.both_axes) {
+    patterns.turn = patterns.count;
+    turned = pattern_set(along(sequence, across(sequence.axis)).strategy, Axis::y, {}).shape;
+  }
+  patterns.shape = [shape = patterns.shape, turned, N = patterns.count](int n, double y,
+                                                                        double across) {
+    return (n / N % 2 == 0 ? shape : turned)(n % N, y, across);
+  };
+  const int each = frame_count(sequence) / static_cast<int>(sequence.exposures.size());
+  for (const double exposure : sequence.exposures) {
+    patterns.exposures.insert(patterns.exposures.end(), each, exposure);
+  }
+  patterns.count = frame_count(sequence);
+  patterns.binary = sequence.binary;
+  return sequence.marker ? with_marker(std::move(patterns)) : patterns;
+}
+
+Sequence merged_sequence(Sequence sequence, int first) {
+  sequence.exposures = {1};
+  sequence.strategy = sequence.strategy.read_as();
+  if (sequence.motion > 0) sequence.strategy = sequence.strategy.in_motion(sequence.motion, first);
+  sequence.motion = 0;
+  return sequence;
+}
+
+void require_mergeable(const Sequence& sequence) {
+  constexpr std::size_t most = 16;
+  const std::vector<double>& exposures = sequence.exposures;
+  const bool positive =
+      std::ranges::all_of(exposures, [](double t) { return t > 0 && std::isfinite(t); });
+  throw_if(exposures.empty() || exposures.size() > most || !positive,
+           "exposures {} are out of range; expected 1 to {} numbers above 0",
+           fmt::join(exposures, ", "), most);
+  if (sequence.motion != 0) {
+    throw_if(exposures.size() > 1 || sequence.both_axes || sequence.marker,
+             "motion compensation does not support several exposures, both axes or a marker");
+    motion_window(sequence.strategy.layout(), sequence.motion);
+  }
+  throw_if(
+      sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0),
+      "{} does not support several exposures or motion compensation: each frame is decoded on its "
+      "own",
+      sequence.strategy.name());
+  throw_if(
+      exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout()),
+      "{} with {} frames supports only one exposure: its cue requires the ambient light, which "
+      "varies in merged frames",
+      sequence.strategy.name(), frame_count(sequence.strategy));
+}
+
+std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
+  Sequence along_x = along(sequence, Axis::x);
+  along_x.marker = false;
+  return {pattern_set(along_x), pattern_set(along(sequence, Axis::y))};
+}
+
+void require_in_colour(const Sequence& sequence, const std::string& asked) {
+  throw_if(frame_count(sequence) % 3 != 0 || sequence.marker,
+           "{}: {} has {} frames{}; colour pictures require a multiple of 3, without a marker",
+           asked, sequence.strategy.name(), frame_count(sequence),
+           sequence.marker ? " and a marker" : "");
+}
+
+void require_shown(const Sequence& sequence) {
+  if (sequence.projector == Size{}) return;
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    if (!sequence.both_axes && axis != sequence.axis) continue;
+    require_resolved(along(sequence, axis).strategy, axis, sequence.projector);
+  }
+}
+
+Sequence changed(const Sequence& first, const SequenceChanges& changes) {
+  const Sequence& known = changes.known ? *changes.known : first;
+  const bool replaced = changes.strategy && *changes.strategy != known.strategy.name();
+  StrategySettings settings = replaced ? StrategySettings{} : known.strategy.settings();
+  Sequence sequence = known;
+  if (replaced) sequence.lengths.clear();
+  const auto is_given = [&](const char* name) {
+    return changes.settings.contains(name) && changes.settings.at(name);
+  };
+  // Either replaces the other; make_strategy refuses both.
+  if (is_given("steps")) settings.erase("shifts");
+  for (const char* const name : {"steps", "low_steps"}) {
+    if (is_given("shifts")) settings.erase(name);
+  }
+  for (const auto& [name, value] : changes.settings) {
+    if (!value) continue;
+    settings[name] = *value;
+    sequence.lengths.erase(name);
+  }
+  if (changes.stripe_pixels) sequence.lengths["stripes"] = *changes.stripe_pixels;
+  if (changes.period_pixels) sequence.lengths["periods"] = *changes.period_pixels;
+  if (changes.axes) set_axes(sequence, *changes.axes);
+  if (sequence.projector == Size{}) sequence.projector = first.projector;
+  sequence.projector = changes.projector.value_or(sequence.projector);
+  add_settings_in_pixels(sequence.lengths, length_along(sequence.axis, sequence.projector),
+                         settings);
+  sequence.strategy =
+      with_settings(known.strategy, changes.strategy.value_or(known.strategy.name()), settings);
+  sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);
+  sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
+  require_valid(sequence.light);
+  sequence.exposures = changes.exposures.value_or(known.exposures);
+  sequence.marker = known.marker || changes.marker;
+  sequence.binary = known.binary || changes.binary;
+  sequence.motion = changes.motion.value_or(known.motion);
+  require_mergeable(sequence);
+  return sequence;
+}
+
+Sequence default_sequence(Size projector, const SequenceChanges& changes) {
+  const Sequence sequence =
+      changed({.strategy = default_strategy(), .projector = projector}, changes);
+  require_shown(sequence);
+  return sequence;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,187 @@
+#include "frames/stepped_source.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "slipstream/error.h"
+
+namespace slipstream {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+constexpr int flashes = 12;
+/// No projector and camera are slower together.
+constexpr milliseconds slowest{3000};
+
+/// Mean grey level, of 255.
+double mean_level(const Frame& frame) {
+  return std::visit(
+      [&](const auto& image) {
+        const double sum = std::accumulate(image.begin(), image.end(), 0.0);
+        return sum / static_cast<double>(image.pixel_count()) * 255 / ((1 << frame.bits) - 1);
+      },
+      frame.pixels);
+}
+
+}  // namespace
+
+SteppedSource::SteppedSource(PatternSink& sink, std::unique_ptr<FrameSource> camera,
+                             std::vector<Image<std::uint8_t>> patterns, bool triggered)
+    : SourceOver(std::move(camera)),
+      sink_(sink),
+      patterns_(std::move(patterns)),
+      cycle_(patterns_.size()),
+      triggered_(triggered),
+      frame_(source_->format()) {
+  require_patterns(patterns_, sink.size(), "the projector");
+}
+
+void SteppedSource::start() {
+  stop();
+  source_->start();
+  if (delay_.ends == nanoseconds{}) measure_delay();
+  sink_.load(patterns_);
+  if (!triggered_) thread_ = std::thread([this] { run(); });
+}
+
+void SteppedSource::stop() {
+  is_ending_ = true;
+  if (thread_.joinable()) thread_.join();
+  is_ending_ = false;
+  source_->stop();
+}
+
+SourceCounters SteppedSource::counters() const {
+  SourceCounters counters = source_->counters();
+  counters.delivered = taken_;
+  counters.lost += missed_;
+  return counters;
+}
+
+SteppedSource::Clock::time_point SteppedSource::arrival_of(const Frame& frame) {
+  constexpr nanoseconds restarted = std::chrono::seconds(1);
+  constexpr int frames_of_drift = 10'000;  // clocks drift by at most one frame in this many
+  const auto host = frame.stamp.host_time.time_since_epoch();
+  const nanoseconds device = frame.stamp.device_time;
+  if (device == nanoseconds{}) return frame.stamp.host_time;
+  const nanoseconds offset = host - device;
+  const nanoseconds drifted = clock_offset_ + delay_.period / frames_of_drift;
+  clock_offset_ = offset > drifted && offset < drifted + restarted ? drifted : offset;
+  return Clock::time_point(device + clock_offset_);
+}
+
+std::optional<SteppedSource::Clock::time_point> SteppedSource::take(Frame& frame,
+                                                                    milliseconds timeout) {
+  const Clock::time_point begin = Clock::now();
+  if (triggered_) source_->trigger();
+  do {
+    const Arrival arrival = source_->next(frame, std::min(timeout, milliseconds(100)));
+    if (arrival == Arrival::ended) throw WorldError("the source of frames has ended");
+    if (arrival == Arrival::frame) return triggered_ ? begin : arrival_of(frame);
+  } while (Clock::now() < begin + timeout);
+  return std::nullopt;
+}
+
+void SteppedSource::flash(std::size_t pattern) {
+  // Frames differ by noise; a change of light by more.
+  constexpr double alike = 0.02, least_change = 4;
+  constexpr std::size_t settled = 3;  // frames
+  const double before = light_;
+  sink_.show(pattern);
+  const Clock::time_point shown = Clock::now();
+  std::vector<std::pair<nanoseconds, double>> frames;
+  const auto is_settled = [&] {
+    if (frames.size() < settled) return false;
+    const auto [least, most] =
+        std::minmax_element(frames.end() - static_cast<int>(settled), frames.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; });
+    light_ = most->second;
+    return most->second - least->second <= alike * change_ &&
+           std::abs(light_ - before) > std::max(least_change, change_ / 2);
+  };
+  while (!is_settled()) {
+    const auto time = take(frame_, slowest);
+    if (!time || *time > shown + slowest) {
+      throw WorldError(
+          "the camera does not see the projector: black and white look the same to it; check "
+          "exposure, lens and monitor");
+    }
+    frames.emplace_back(*time - shown, mean_level(frame_));
+  }
+  change_ = std::abs(light_ - before);
+  for (const auto& [time, level] : frames) {
+    if (std::abs(level - before) < alike * change_) continue;
+    delay_.begins = std::min(delay_.begins, time);
+    if (std::abs(level - light_) > alike * change_) delay_.ends = std::max(delay_.ends, time);
+  }
+  delay_.period =
+      (frames.back().first - frames.front().first) / static_cast<int>(frames.size() - 1);
+}
+
+void SteppedSource::measure_delay() {
+  std::uint8_t brightest = 0;
+  for (const auto& pattern : patterns_) {
+    brightest = std::max(brightest, *std::max_element(pattern.begin(), pattern.end()));
+  }
+  const Size size = patterns_.front().size();
+  sink_.load({Image<std::uint8_t>(size, 0), Image<std::uint8_t>(size, brightest)});
+  sink_.show(0);
+  std::this_thread::sleep_for(milliseconds(500));
+  while (source_->next(frame_, milliseconds(1)) == Arrival::frame) continue;
+  if (!take(frame_, slowest)) throw WorldError("no frame from the camera within 3 s");
+  light_ = mean_level(frame_);
+  delay_ = {.begins = slowest};
+  for (int i = 0; i < flashes; ++i) {
+    std::this_thread::sleep_for(i * delay_.period / flashes);  // anywhere between two frames
+    flash(i % 2 == 0 ? 1U : 0U);
+  }
+  // A flash may have missed a bound by as much.
+  const nanoseconds margin = 2 * delay_.period / flashes;
+  delay_.begins -= margin;
+  delay_.ends = std::max(delay_.ends, delay_.begins) + margin;
+}
+
+void SteppedSource::show(std::uint64_t sequence) {
+  const std::lock_guard lock(mutex_);  // also until it is known when
+  sink_.show(sequence % cycle_);
+  shown_.push_back({sequence, Clock::now()});
+}
+
+void SteppedSource::run() try {
+  while (!is_ending_) {
+    show(next_++);
+    std::this_thread::sleep_for(hold());
+  }
+} catch (...) {
+  const std::lock_guard lock(mutex_);
+  failure_ = std::current_exception();
+}
+
+Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
+  if (triggered_) {
+    show(next_++);
+    std::this_thread::sleep_for(delay_.ends);
+  }
+  const Clock::time_point end = Clock::now() + timeout;
+  while (const auto time = take(frame, std::max(milliseconds(1), timeout))) {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+    while (shown_.size() > 1 && shown_[1].time + delay_.begins <= *time) {
+      shown_.pop_front();
+      ++missed_;
+    }
+    if (!shown_.empty() && shown_.front().time + delay_.ends <= *time) {
+      frame.stamp.sequence = shown_.front().sequence;
+      frame.stamp.pattern_index = static_cast<int>(shown_.front().sequence % cycle_);
+      shown_.pop_front();
+      ++taken_;
+      return Arrival::frame;
+    }
+    if (Clock::now() > end) break;
+  }
+  return Arrival::nothing;
+}
+
+}  // namespace slipstream

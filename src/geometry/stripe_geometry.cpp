@@ -1,0 +1,261 @@
+#include "geometry/stripe_geometry.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "geometry/triangulator.h"
+#include "slipstream/numbers.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int fitted_nodes = 16;
+constexpr double lens_tolerance = 4e-7;  ///< of the field
+constexpr double start_tolerance = 1;    ///< of the field, summed over the terms left out
+constexpr double edge_tolerance = 1e-4;  ///< of the field: only decides which points are outside
+
+using StripeSamples = Eigen::Matrix<double, fitted_nodes, fitted_nodes>;  ///< rows: p, columns: q
+using NodeSamples = Eigen::Matrix<double, fitted_nodes, 1>;
+
+double node(int i) {
+  return std::cos(std::numbers::pi * (i + 0.5) / fitted_nodes);
+}
+
+/// The projector's image plane: coordinates along and across the axis, both in lengths of the
+/// field, w for undistorted and y for distorted ones.
+class ProjectorPlane {
+ public:
+  ProjectorPlane(const Scanner& scanner, Axis axis)
+      : lens_(scanner.projector), along_(axis == Axis::x ? 0 : 1) {
+    rows_ = projection_matrices(scanner, axis);
+    across_row_ = projection_matrices(scanner, slipstream::across(axis)).projector_coordinate;
+    inverse_intrinsic_ = lens_.intrinsic.inverse();
+  }
+
+  [[nodiscard]] Eigen::RowVector4d along() const { return rows_.projector_coordinate; }
+  [[nodiscard]] Eigen::RowVector4d across() const { return across_row_; }
+  [[nodiscard]] Eigen::RowVector4d depth() const { return rows_.projector_depth; }
+  [[nodiscard]] double along_length() const { return size(along_); }
+  [[nodiscard]] double across_length() const { return size(1 - along_); }
+
+  /// Both convert (along, across).
+  [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& w) const {
+    return from_direction(distort(lens_.distortion, to_direction(w)));
+  }
+  [[nodiscard]] Eigen::Vector2d undistorted(const Eigen::Vector2d& y) const {
+    return from_direction(undistort(lens_.distortion, to_direction(y)));
+  }
+
+  /// `unit_place`: from the place across to q. Nullopt if the model is not invertible.
+  [[nodiscard]] std::optional<SolvedLens> solved(const UnitMap& unit_place, double end,
+                                                 double margin) const {
+    const int a = along_, b = 1 - along_;
+    Eigen::Vector2d margins(margin, margin);
+    margins(a) = end;
+    const std::optional<double> largest = largest_tangent(lens_, margins);
+    if (!largest) return std::nullopt;
+    const auto& k = lens_.distortion.coefficients;
+    Eigen::Matrix3d pixel = Eigen::Matrix3d::Zero();  // of (w, q, 1)
+    pixel(a, 0) = along_length();
+    pixel(b, 1) = across_length() / unit_place.scale;
+    pixel(b, 2) = across_length() * unit_place.inverse(0);
+    pixel(2, 2) = 1;
+    const Eigen::Matrix3d direction = inverse_intrinsic_ * pixel;
+    Eigen::Matrix<double, 12, 1> bend;
+    bend << k[0], k[1], k[4], k[5], k[6], k[7], 2 * k[3 - a], 2 * k[2 + a],  //
+        k[3 - a] + k[8 + 2 * a], k[9 + 2 * a], k[2 + a] + k[8 + 2 * b], k[9 + 2 * b];
+    Eigen::Matrix3d image = lens_.intrinsic * sensor_tilt(k[12], k[13]);
+    if (a == 1) image = image({1, 0, 2}, {1, 0, 2}).eval();
+    image.row(0) /= along_length();
+    image.row(1) = (2 / across_length() * image.row(1) - image.row(2)) / (1 + 2 * margin);
+    return SolvedLens{direction({a, b}, {0, 1, 2}).cast<float>(), bend.cast<float>(),
+                      image.cast<float>(), static_cast<float>(*largest * *largest)};
+  }
+
+  /// d across / d along of the epipolar line through w.
+  [[nodiscard]] double slope_through(const Eigen::Vector2d& w) const {
+    const double A = along()(3), B = across()(3), D = depth()(3);
+    return (B - w.y() * D) / (A - w.x() * D);
+  }
+  /// The coordinate on the epipolar line through (y, place) that the lens distorts to y, by the
+  /// secant method from `start`, or NaN.
+  [[nodiscard]] double undistorted_on_line(double y, double place, double start) const {
+    const double slope = slope_through({y, place});
+    const auto error = [&](double w) { return distorted({w, place + slope * (w - y)}).x() - y; };
+    double before = start, error_before = error(before), now = before - error_before;
+    for (int iteration = 0; iteration < 40; ++iteration) {
+      const double error_now = error(now);
+      if (std::abs(error_now) < 1e-13) return now;
+      const double step = error_now * (now - before) / (error_now - error_before);
+      before = now;
+      error_before = error_now;
+      now -= step;
+    }
+    return nan;
+  }
+
+ private:
+  [[nodiscard]] double size(int direction) const {
+    return direction == 0 ? lens_.size.width : lens_.size.height;
+  }
+  [[nodiscard]] Eigen::Vector2d to_direction(const Eigen::Vector2d& place) const {
+    Eigen::Vector3d pixel(0, 0, 1);
+    pixel(along_) = place.x() * along_length();
+    pixel(1 - along_) = place.y() * across_length();
+    return (inverse_intrinsic_ * pixel).head<2>();
+  }
+  [[nodiscard]] Eigen::Vector2d from_direction(const Eigen::Vector2d& direction) const {
+    const Eigen::Vector3d pixel = lens_.intrinsic * direction.homogeneous();
+    return {pixel(along_) / along_length(), pixel(1 - along_) / across_length()};
+  }
+
+  Lens lens_;
+  int along_;
+  ProjectionMatrices rows_;
+  Eigen::RowVector4d across_row_;
+  Eigen::Matrix3d inverse_intrinsic_;
+};
+
+/// The polynomial of least degree whose omitted terms are within the tolerance.
+std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double tolerance,
+                                      int largest_degree) {
+  if (!samples.allFinite()) return std::nullopt;
+  const auto transform = chebyshev_transform<fitted_nodes>();
+  StripeSamples spectrum = transform * samples * transform.transpose();
+  int degree = largest_degree + 1;
+  double left_out = 0;
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    if (i + j >= degree) left_out += std::abs(spectrum(i, j));
+  });
+  if (!(left_out <= tolerance)) return std::nullopt;
+  for (; degree > 0; --degree) {
+    double next = left_out;
+    for (int i = 0; i < degree; ++i) next += std::abs(spectrum(i, degree - 1 - i));
+    if (next > tolerance) break;
+    left_out = next;
+  }
+  --degree;  // now the largest degree kept; -1 if all terms are within the tolerance
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    if (i + j > degree) spectrum(i, j) = 0;
+  });
+  const auto T = chebyshev_coefficients<fitted_nodes>();
+  const StripeSamples monomials = T.transpose() * spectrum * T;
+  PlanePolynomial polynomial{std::max(degree, 0), {}};
+  for (int i = 0; i <= polynomial.degree; ++i) {
+    for (int j = 0; i + j <= polynomial.degree; ++j) {
+      polynomial.coefficients.push_back(monomials(i, j));
+    }
+  }
+  return polynomial;
+}
+
+/// A polynomial in p of `edge_terms` terms; nullopt if it is inaccurate.
+std::optional<std::array<double, StripeGeometry::edge_terms>> fitted_edge(
+    const NodeSamples& samples) {
+  if (!samples.allFinite()) return std::nullopt;
+  constexpr int terms = StripeGeometry::edge_terms;
+  NodeSamples spectrum = chebyshev_transform<fitted_nodes>() * samples;
+  if (spectrum.tail<fitted_nodes - terms>().lpNorm<1>() > edge_tolerance) return std::nullopt;
+  spectrum.tail<fitted_nodes - terms>().setZero();
+  const NodeSamples monomials = chebyshev_coefficients<fitted_nodes>().transpose() * spectrum;
+  std::array<double, terms> edge{};
+  std::copy_n(monomials.data(), terms, edge.begin());
+  return edge;
+}
+
+double evaluated(const std::array<double, StripeGeometry::edge_terms>& edge, double p) {
+  double sum = 0;
+  for (auto c = edge.rbegin(); c != edge.rend(); ++c) sum = sum * p + *c;
+  return sum;
+}
+
+/// The point of ray e at the undistorted coordinate y lies at (B4 a - A4 b + y (D4 b - B4 d)) / g
+/// along the stripe, with a, b, d, g = A e, B e, D e, D4 a - A4 d, and the rows A of the
+/// coordinate, B of the position along the stripe and D of the depth.
+void set_place(StripeGeometry& geometry, const ProjectorPlane& plane, const UnitMap& unit_place) {
+  const Eigen::RowVector4d A = plane.along(), B = plane.across(), D = plane.depth();
+  const Eigen::RowVector3d a = A.head<3>(), b = B.head<3>(), d = D.head<3>();
+  const UnitMap& unit = geometry.unit_coordinate;
+  geometry.facing = D(3) * a - A(3) * d;
+  const Eigen::RowVector3d constant = B(3) * a - A(3) * b;
+  const Eigen::RowVector3d slope = D(3) * b - B(3) * d;
+  geometry.place_slope = unit_place.scale / unit.scale * slope;
+  geometry.place_constant = unit_place.scale * constant + unit_place.offset * geometry.facing -
+                            unit.offset * geometry.place_slope;
+}
+
+}  // namespace
+
+std::pair<double, double> StripeGeometry::places_at(double p) const {
+  return {evaluated(low_edge, p), evaluated(high_edge, p)};
+}
+
+std::pair<double, double> StripeGeometry::inner_places() const {
+  constexpr int samples = 64;
+  constexpr double apart = 1e-3;  // more than the edges curve between two samples
+  double low = -1, high = 1;
+  for (int i = 0; i <= samples; ++i) {
+    const auto [least, largest] = places_at(2.0 * i / samples - 1);
+    low = std::max(low, least);
+    high = std::min(high, largest);
+  }
+  return {low + apart, high - apart};
+}
+
+std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin) {
+  require_valid(scanner);
+  require_depth_visible(scanner, axis);
+  const ProjectorPlane plane(scanner, axis);
+  StripeGeometry geometry;
+  geometry.coordinate = plane.along();
+  geometry.depth = plane.depth();
+  const double end = farthest_past_field(plane.along_length());
+  geometry.least_coordinate = -end;
+  geometry.largest_coordinate = 1 + end;
+  geometry.unit_coordinate = UnitMap::of(-end, 1 + end);
+
+  const auto place = [&](double y, double edge) {
+    const Eigen::Vector2d w = plane.undistorted({y, edge});
+    return w.y() + plane.slope_through(w) * (y - w.x());
+  };
+  NodeSamples y, low, high;
+  for (int i = 0; i < fitted_nodes; ++i) {
+    y(i) = geometry.unit_coordinate.inverse(node(i));
+    low(i) = place(y(i), -margin);
+    high(i) = place(y(i), 1 + margin);
+  }
+  if (!(low.allFinite() && high.allFinite() && high.maxCoeff() - low.minCoeff() < 3)) {
+    return std::nullopt;
+  }
+  const UnitMap unit_place = UnitMap::of(low.minCoeff(), high.maxCoeff());
+  set_place(geometry, plane, unit_place);
+  const auto low_edge = fitted_edge(unit_place.scale * low.array() + unit_place.offset);
+  const auto high_edge = fitted_edge(unit_place.scale * high.array() + unit_place.offset);
+  const auto added = [&](bool inside) {
+    StripeSamples samples;
+    for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+      double across = unit_place.inverse(node(j)), start = y(i);
+      if (inside) {
+        across = std::clamp(across, low(i), high(i));
+        const double near = plane.undistorted({y(i), across}).x();
+        if (std::isfinite(near)) start = near;
+      }
+      samples(i, j) = plane.undistorted_on_line(y(i), across, start) - y(i);
+    });
+    return samples;
+  };
+  auto lens = fitted(added(false), lens_tolerance, PlanePolynomial::largest_degree);
+  if (low_edge && high_edge && lens) {
+    geometry.low_edge = *low_edge;
+    geometry.high_edge = *high_edge;
+  } else {
+    // Outside the field, where the model may turn back, any start will do.
+    lens = fitted(added(true), start_tolerance, SolvedLens::start_degree);
+    geometry.solved = plane.solved(unit_place, end, margin);
+    if (!lens || !geometry.solved) return std::nullopt;
+  }
+  geometry.lens = *lens;
+  return geometry;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,189 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "slipstream/scanner.h"
+
+namespace slipstream {
+
+/// E_x, E_y of Liu 2010, Eqs. (2.30), (2.31), in the camera's own frame, where F_x = F_y = 0: the
+/// ray through each pixel is (E_x, E_y, 1) Z. Includes camera distortion. The other tables of the
+/// third form are functions of these two and of constants: see StripeGeometry.
+struct RayTable {
+  Image<float> E_x, E_y;
+};
+
+/// Exact at every eighth pixel and cubic in between, a few milliseconds for 640x480; exact
+/// everywhere if the cubic would be off by more than 1e-7, as in small images. nullopt if the lens
+/// model cannot be inverted over the picture.
+std::optional<RayTable> ray_table(const Lens& camera);
+
+/// StripeGeometry and RayTable as polynomials, one set for each block of adjacent pixels of a row.
+/// Their variables are t, the column from the block's middle in half block widths, and p, the
+/// projector coordinate mapped to [-1, 1]:
+///   1/Z = sum c_k p^k + t sum d_k p^k + t^2 sum e_k p^k + t^3 f, projector lens included;
+///   E_x and E_y are cubics in t.
+/// The coefficients are stored at every eighth row, the knots, with quadratic interpolation through
+/// three knots in between.
+struct RayBlocks {
+  static constexpr int width = 32;  ///< pixels of a block; the last of a row may overlap another
+  static constexpr int spacing = 8;
+  static constexpr int constants = 9, slopes = 7, bends = 4, twists = 1;  ///< terms c, d, e, f
+  static constexpr int ray_terms = 4;
+
+  /// The coefficients c, d, e, f, then those for E_x and E_y; the rest is padding.
+  struct alignas(64) Block {
+    static constexpr int E_x = constants + slopes + bends + twists, E_y = E_x + ray_terms;
+    std::array<float, 32> coefficients{};
+  };
+
+  Image<Block> knots;          ///< column: the block, row: the knot
+  std::vector<int> knot_rows;  ///< image row of each knot
+
+  /// A range of p; empty by default.
+  struct Range {
+    float least = 1, largest = -1;
+  };
+  /// For each block and knot: the range of p in which the polynomials, interpolated from this knot
+  /// and the next two, are valid for all rows to the next knot, or from the third knot from the end
+  /// to the last row. Every ray of the block has a point there, in the field or its margin.
+  Image<Range> described;
+
+  /// Interpolation for the blocks of one row of pixels: each is the sum of `weights` times the
+  /// blocks at `knots`, valid within its range `described`.
+  struct Row {
+    std::array<const Block*, 3> knots{};
+    std::array<float, 3> weights{};
+    const Range* described = nullptr;
+  };
+  [[nodiscard]] Row at(int row) const;
+
+  /// The first pixel of block `i` in rows of `row_width` pixels.
+  static constexpr int first_column(int i, int row_width) {
+    return std::min(i * width, row_width - width);
+  }
+};
+
+/// Row k: the coefficients of the Chebyshev polynomial T_k in ascending powers, k < count.
+template <int count>
+Eigen::Matrix<double, count, count> chebyshev_coefficients() {
+  Eigen::Matrix<double, count, count> T = Eigen::Matrix<double, count, count>::Zero();
+  T(0, 0) = T(1, 1) = 1;
+  for (int k = 2; k < count; ++k) {
+    T.row(k).tail(count - 1) = 2 * T.row(k - 1).head(count - 1);
+    T.row(k) -= T.row(k - 2);
+  }
+  return T;
+}
+
+/// From values at the nodes cos(pi (i + 1/2) / count) to Chebyshev coefficients.
+template <int count>
+Eigen::Matrix<double, count, count> chebyshev_transform() {
+  Eigen::Matrix<double, count, count> transform;
+  for_each_pixel_in_order({count, count}, [&](int i, int k) {
+    transform(k, i) =
+        (k == 0 ? 1.0 : 2.0) / count * std::cos(std::numbers::pi * k * (i + 0.5) / count);
+  });
+  return transform;
+}
+
+/// A polynomial in two variables, sum of c_ij p^i q^j with i + j <= degree.
+struct PlanePolynomial {
+  static constexpr int largest_degree = 8;
+
+  int degree = 0;
+  std::vector<double> coefficients{0};  ///< c_00 c_01 ... c_0d c_10 ... c_d0
+
+  /// `Number`: double, or an Eigen array.
+  template <class Number>
+  [[nodiscard]] Number operator()(const Number& p, const Number& q) const {
+    Number sum = p - p;
+    auto c = coefficients.rbegin();
+    for (int i = degree; i >= 0; --i) {
+      Number inner = q - q;
+      for (int j = degree - i; j >= 0; --j) inner = inner * q + *c++;
+      sum = sum * p + inner;
+    }
+    return sum;
+  }
+};
+
+/// An interval mapped to [-1, 1].
+struct UnitMap {
+  double scale = 1, offset = 0;
+
+  static UnitMap of(double low, double high) {
+    return {2 / (high - low), (high + low) / (low - high)};
+  }
+  [[nodiscard]] double operator()(double value) const { return scale * value + offset; }
+  [[nodiscard]] double inverse(double unit) const { return (unit - offset) / scale; }
+};
+
+/// How far beyond the ends of the field a coordinate y may lie: two hundredths, or half a pixel if
+/// more. `length`: of the projector along y, pixels.
+[[nodiscard]] constexpr double farthest_past_field(double length) {
+  return std::max(0.02, 0.5 / length);
+}
+
+/// The projector's lens, for Newton's method. A direction is (a, b, 1), along and across the axis.
+struct SolvedLens {
+  static constexpr int start_degree = 7;  ///< of StripeGeometry::lens, at most
+  /// (a, b) of (w, q, 1): on the epipolar line, q changes with the undistorted coordinate w.
+  Eigen::Matrix<float, 2, 3> direction;
+  /// k1 k2 k3 k4 k5 k6 t_a t_b u_a v_a u_b v_b: with r^2 = a^2 + b^2 and the quotient R as in
+  /// distort_untilted, a bends to a (R + t_a a + t_b b) + r^2 (u_a + v_a r^2), and b in the same
+  /// way.
+  Eigen::Matrix<float, 12, 1> bend;
+  /// From the bent direction to multiples of (y, place, 1); |place| <= 1 in the field and its
+  /// margin.
+  Eigen::Matrix3f image;
+  float largest_square = 0;  ///< of r in the field; beyond it, the model may turn back
+};
+
+/// Depth along a camera ray from the projector coordinate, with no table but the rays: M_z, N_z and
+/// C of Liu 2010, Eq. (2.29), are ratios of linear functions of the ray e = (E_x, E_y, 1).
+///
+/// Projector distortion: the points of a ray lie on one line of the undistorted projector image,
+/// the epipolar line. Where it crosses the decoded coordinate y, its position along the stripe is
+/// x_p; y and x_p together determine the line, so that the lens's change of y is a smooth function
+/// of both, here a polynomial. No iteration is required if one describes it.
+struct StripeGeometry {
+  Eigen::RowVector4d coordinate;  ///< m^p of the coordinate, as in ProjectionMatrices
+  Eigen::RowVector4d depth;       ///< m^p of the depth
+  /// q, the position x_p mapped to [-1, 1], is (place_constant e + p place_slope e) / (facing e),
+  /// where p is y mapped to [-1, 1].
+  Eigen::RowVector3d place_constant, place_slope;
+  /// Has the sign of the depth's denominator if the point is in front of the projector.
+  Eigen::RowVector3d facing;
+
+  double least_coordinate = 0, largest_coordinate = 1;  ///< range of y for which the rest is valid
+  UnitMap unit_coordinate;                              ///< from y to p
+  PlanePolynomial lens;  ///< undistorted minus decoded coordinate, of (p, q)
+  static constexpr int edge_terms = 6;
+  /// q at the ends of the field and its margin along the stripe, as polynomials in p.
+  std::array<double, edge_terms> low_edge{}, high_edge{};
+  /// For a lens that no polynomial describes: `lens` is where Newton's method starts, and the edges
+  /// are not used.
+  std::optional<SolvedLens> solved{};
+
+  /// Range of q inside the field and its margin at the coordinate p.
+  [[nodiscard]] std::pair<double, double> places_at(double p) const;
+  /// Range of q that is inside at every coordinate.
+  [[nodiscard]] std::pair<double, double> inner_places() const;
+};
+
+/// `margin`: how far beyond the ends of the field points may lie, see ReconstructSettings. The lens
+/// is solved if polynomials do not fit it to 4e-7 of the field. nullopt if its model cannot be
+/// inverted over the projector's picture. Throws Error as Triangulator does.
+std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin);
+
+/// The blocks of an image. Within the range `described`, depths correspond to coordinate errors of
+/// at most 1e-6 of the field, and E_x, E_y are accurate to 2.5e-7. nullopt for images narrower than
+/// a block or less than five knots high, and for a solved lens.
+std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
+
+}  // namespace slipstream

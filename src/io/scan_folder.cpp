@@ -1,0 +1,405 @@
+#include "slipstream/scan_folder.h"
+
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include <yaml-cpp/yaml.h>
+
+#include "base/throw_if-inl.h"
+#include "io/image_file.h"
+#include "io/unique_keys.h"
+#include "slipstream/numbers.h"
+#include "slipstream/recording.h"
+#include "slipstream/registry.h"
+#include "slipstream/scanner_file.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+/// A map of scan.yaml; errors name the key. `where`: prefix of a nested map, such as "strategy: ".
+class YamlMap {
+ public:
+  explicit YamlMap(YAML::Node node, std::string where = "")
+      : node_(std::move(node)), where_(std::move(where)) {
+    if (!node_.IsMap()) refuse("expected a map");
+  }
+
+  void require_known_keys(std::initializer_list<std::string_view> known) const {
+    for (const std::string& key : keys()) {
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      refuse(
+          fmt::format("key '{}' is not known; expected one of: {}", key, fmt::join(known, ", ")));
+    }
+  }
+
+  [[nodiscard]] bool has(const std::string& key) const { return node_[key].IsDefined(); }
+
+  [[nodiscard]] YamlMap map(const std::string& key) const {
+    return YamlMap(required(key), key + ": ");
+  }
+
+  template <class Value>
+  [[nodiscard]] Value value(const std::string& key, const char* wanted) const {
+    return convert<Value>(required(key), key, wanted);
+  }
+
+  /// Reads a value if present.
+  template <class Value>
+  void read(const std::string& key, const char* wanted, Value& value) const {
+    if (has(key)) value = this->value<Value>(key, wanted);
+  }
+
+  void read_number(const std::string& key, double& number) const {
+    read(key, "a number", number);
+    if (!std::isfinite(number)) refuse(fmt::format("{} is {}; it must be finite", key, number));
+  }
+
+  [[nodiscard]] int whole_number(const std::string& key, int least, int most) const {
+    const int number = value<int>(key, "a whole number");
+    if (number < least || number > most) {
+      refuse(fmt::format("{} {} is out of range; expected {} to {}", key, number, least, most));
+    }
+    return number;
+  }
+
+  /// Requires at least one value, if present.
+  template <class Value>
+  [[nodiscard]] std::vector<Value> list(const std::string& key, const char* of,
+                                        const char* wanted) const {
+    std::vector<Value> values;
+    if (!has(key)) return values;
+    const YAML::Node list = node_[key];
+    if (list.IsSequence()) {
+      for (const auto& item : list) values.push_back(convert<Value>(item, key, wanted));
+    }
+    if (values.empty()) refuse(fmt::format("{} is not a list of {}", key, of));
+    return values;
+  }
+
+  [[nodiscard]] std::vector<std::string> keys() const {
+    std::vector<std::string> keys;
+    for (const auto& entry : node_) keys.push_back(entry.first.as<std::string>());
+    return keys;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& why) const { throw Error(where_ + why); }
+
+  [[nodiscard]] YAML::Node required(const std::string& key) const {
+    if (!has(key)) refuse(fmt::format("key '{}' is missing", key));
+    return node_[key];
+  }
+
+  template <class Value>
+  [[nodiscard]] Value convert(const YAML::Node& node, const std::string& key,
+                              const char* wanted) const try {
+    return node.as<Value>();
+  } catch (const YAML::Exception&) {
+    refuse(fmt::format("{} is not {}", key, wanted));
+  }
+
+  YAML::Node node_;
+  std::string where_;
+};
+
+/// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
+bool is_hidden(const fs::path& path) {
+  return path.filename().string().starts_with(".");
+}
+
+/// The optional files named in scan.yaml, except the frames.
+constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 3>
+    named_files{{{"scanner", "a file", &ScanFiles::scanner},
+                 {"white", "a picture", &ScanFiles::white},
+                 {"second_camera", "a folder", &ScanFiles::second_camera}}};
+
+/// Keys of Sequence::lengths, and the settings that they replace.
+constexpr std::array<std::pair<const char*, const char*>, 2> lengths{
+    {{"period_pixels", "periods"}, {"stripe_pixels", "stripes"}}};
+
+Strategy read_strategy(const YamlMap& map) {
+  const std::set<std::string> others{"name",   "axis",   "alpha_p",       "beta_p",       "marker",
+                                     "binary", "motion", "period_pixels", "stripe_pixels"};
+  StrategySettings settings;
+  for (const std::string& key : map.keys()) {
+    if (others.contains(key)) continue;
+    settings[key] = map.value<std::string>(key, "a number, numbers with commas or a word");
+  }
+  return make_strategy(map.value<std::string>("name", "the name of a strategy"), settings);
+}
+
+Sequence read_sequence(const YamlMap& map) {
+  constexpr int largest_side = 65536;
+  const YamlMap strategy = map.map("strategy");
+  Sequence sequence{.strategy = read_strategy(strategy)};
+  strategy.read_number("alpha_p", sequence.light.alpha_p);
+  strategy.read_number("beta_p", sequence.light.beta_p);
+  require_valid(sequence.light);
+  strategy.read("marker", "true or false", sequence.marker);
+  strategy.read("binary", "true or false", sequence.binary);
+  for (const auto& [key, setting] : lengths) {
+    if (!strategy.has(key)) continue;
+    sequence.lengths[setting] = strategy.value<std::string>(key, "numbers with commas");
+  }
+  if (strategy.has("motion")) sequence.motion = strategy.whole_number("motion", 0, 16);
+  std::string axes = "x";
+  strategy.read("axis", "x, y or both", axes);
+  set_axes(sequence, axes);
+  if (map.has("projector")) {
+    const YamlMap projector = map.map("projector");
+    projector.require_known_keys({"width", "height"});
+    sequence.projector = {projector.whole_number("width", 1, largest_side),
+                          projector.whole_number("height", 1, largest_side)};
+  }
+  if (map.has("exposures")) {
+    sequence.exposures = map.list<double>("exposures", "numbers", "numbers");
+  }
+  require_mergeable(sequence);
+  return sequence;
+}
+
+ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
+  map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
+                          "scanner", "white", "second_camera"});
+  [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
+  ScanFiles scan{.sequence = read_sequence(map)};
+  if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
+  for (const std::string& frame : map.list<std::string>("frames", "files", "a name")) {
+    scan.frames.push_back(folder / frame);
+  }
+  for (const auto& [key, wanted, file] : named_files) {
+    if (!map.has(key)) continue;
+    const fs::path path = map.value<std::string>(key, wanted);
+    scan.*file = file == &ScanFiles::scanner ? scanner_in(folder, path) : folder / path;
+  }
+  return scan;
+}
+
+YAML::Node parsed(const std::string& text) try {
+  return yaml_document(text);
+} catch (const YAML::Exception& exception) {
+  throw Error(fmt::format("line {}: not YAML: {}", exception.mark.line + 1, exception.msg));
+}
+
+/// The order if the code or the sinusoids come first in each cycle.
+std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
+  const int patterns = frame_count(sequence.strategy);
+  const std::vector<int> sinusoids = measuring_frames(sequence.strategy.layout());
+  std::vector<int> shown(sinusoids), order(static_cast<std::size_t>(frame_count(sequence)));
+  for (int n = 0; n < patterns; ++n) {
+    if (!std::binary_search(sinusoids.begin(), sinusoids.end(), n)) shown.push_back(n);
+  }
+  throw_if(sinusoids.empty() || shown.size() == sinusoids.size(),
+           "--order in words requires a strategy of sinusoids and a code; {} has only one of them",
+           sequence.strategy.name());
+  if (code_first) {
+    std::rotate(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(sinusoids.size()),
+                shown.end());
+  }
+  for (int n = 0; n < frame_count(sequence); ++n) {
+    const int pattern = shown[static_cast<std::size_t>(n % patterns)];
+    order[static_cast<std::size_t>(n - n % patterns + pattern)] = n;
+  }
+  return order;
+}
+
+std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
+  if (text == "sinusoids,code" || text == "code,sinusoids") {
+    return order_by_kind(text.starts_with("code"), sequence);
+  }
+  std::vector<int> order = numbers_in<int>(text, ',');
+  throw_if(order.empty(),
+           "--order '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
+           "code,sinusoids",
+           text);
+  return order;
+}
+
+/// Keeps only the pictures of the window.
+void keep_window(ScanFiles& files) {
+  const std::uint64_t count = window_count(files);
+  throw_if(*files.window >= count,
+           "{}: the recording has {} windows, counted from 0; window {} does not exist",
+           files.path.string(), count, *files.window);
+  const auto first = files.frames.begin() + static_cast<std::ptrdiff_t>(*files.window) *
+                                                frame_count(cycle_of(files.sequence));
+  files.frames = std::vector<fs::path>(first, first + frame_count(files.sequence));
+}
+
+ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {
+  const RecordingHeader& header = recording->header();
+  ScanFiles files{.path = path,
+                  .described = header.sequence.has_value(),
+                  .sequence = header.sequence.value_or(Sequence{}),
+                  .bits = header.format.bits,
+                  .recording = std::move(recording)};
+  if (header.scanner) files.scanner = path;
+  return files;
+}
+
+}  // namespace
+
+bool before_in_order(const fs::path& a, const fs::path& b) {
+  // Prefixes each number with its number of digits.
+  const auto key_of = [](const fs::path& path) {
+    const std::string name = path.filename().string();
+    constexpr const char* digits = "0123456789";
+    std::vector<int> key;
+    for (std::size_t i = 0; i < name.size();) {
+      const std::size_t end = std::min(name.find_first_not_of(digits, i), name.size());
+      if (end == i) {
+        key.push_back(name[i++]);
+        continue;
+      }
+      i = std::min(name.find_first_not_of('0', i), end - 1);
+      key.insert(key.end(), {'0', static_cast<int>(end - i)});
+      key.insert(key.end(), name.begin() + static_cast<std::ptrdiff_t>(i),
+                 name.begin() + static_cast<std::ptrdiff_t>(end));
+      i = end;
+    }
+    return key;
+  };
+  return std::pair(key_of(a), a) < std::pair(key_of(b), b);
+}
+
+ScanFiles read_scan_files(const fs::path& file) {
+  ScanFiles scan = scan_files_from(read_text(file), file.string(), file.parent_path());
+  scan.path = file.parent_path();
+  scan.frames = with_pages(scan.frames);
+  scan.described = true;
+  throw_if(scan.frames.empty(), "{}: key 'frames' is missing", file.string());
+  return scan;
+}
+
+ScanFiles scan_files_from(const std::string& text, const std::string& name,
+                          const fs::path& folder) {
+  return naming(name, [&] {
+    const YAML::Node root = parsed(text);
+    try {
+      return files_from(YamlMap(root), folder);
+    } catch (const YAML::Exception& exception) {
+      throw Error(exception.msg);
+    }
+  });
+}
+
+void write_scan_files(const fs::path& file, const ScanFiles& scan) {
+  write_file(file, scan_yaml_of(scan, file.parent_path()));
+}
+
+void require_as_taken(const Strategy& strategy) {
+  throw_if(strategy.is_spectral() && !strategy.demodulation(),
+           "the frames of {} were separated on reading and cannot be written as captured; copy the "
+           "original scan",
+           strategy.name());
+}
+
+std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
+  require_as_taken(scan.sequence.strategy);
+  YAML::Emitter yaml;
+  const auto put = [&](const std::string& key, const auto&... value) {
+    yaml << YAML::Key << key << YAML::Value;
+    (yaml << ... << value);
+  };
+  const auto name_of = [&](const fs::path& file) {
+    return file.lexically_proximate(folder).string();
+  };
+  yaml << YAML::BeginMap;
+  put("slipstream", 1);
+  put("strategy", YAML::Flow, YAML::BeginMap);
+  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion, in] =
+      scan.sequence;
+  put("name", strategy.name());
+  for (const auto& [name, value] : strategy.settings()) put(name, value.text());
+  for (const auto& [key, setting] : lengths) {
+    if (both_axes && in.contains(setting)) put(key, in.at(setting).text());
+  }
+  put("axis", std::string(axes_of(scan.sequence)));
+  put("alpha_p", light.alpha_p);
+  put("beta_p", light.beta_p);
+  if (marker) put("marker", true);
+  if (binary) put("binary", true);
+  if (motion > 0) put("motion", motion);
+  yaml << YAML::EndMap;
+  if (exposures != Sequence{}.exposures) put("exposures", YAML::Flow, exposures);
+  if (projector != Size{}) {
+    put("projector", YAML::Flow, YAML::BeginMap);
+    put("width", projector.width);
+    put("height", projector.height);
+    yaml << YAML::EndMap;
+  }
+  if (scan.bits != 0) put("bits", scan.bits);
+  if (!scan.frames.empty()) {
+    put("frames", YAML::BeginSeq);
+    for (const fs::path& frame : scan.frames) yaml << name_of(frame);
+    yaml << YAML::EndSeq;
+  }
+  for (const auto& [key, wanted, file] : named_files) {
+    if (scan.*file) put(key, name_of(*(scan.*file)));
+  }
+  yaml << YAML::EndMap;
+  return std::string(yaml.c_str()) + "\n";
+}
+
+std::uint64_t window_count(const ScanFiles& files) {
+  if (files.recording) return window_count(*files.recording, files.sequence);
+  const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(files.sequence)));
+  const auto motion = static_cast<std::uint64_t>(files.sequence.motion);
+  return files.frames.size() < motion ? 0 : (files.frames.size() - motion) / cycle;
+}
+
+void amend(ScanFiles& files, const ScanChanges& changes) {
+  throw_if(!files.described && !changes.sequence.strategy,
+           "{}: {}; set the pattern strategy with --strategy", files.path.string(),
+           files.frames.empty() ? "its patterns are unknown" : "no scan.yaml in it");
+  files.sequence = changed(files.sequence, changes.sequence);
+  if (!changes.order.empty()) files.order = order_from(changes.order, files.sequence);
+  files.window = changes.window;
+  if (files.window && !files.recording) keep_window(files);
+  files.bits = changes.bits.value_or(files.bits);
+  throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
+           "--camera-bits {} is out of range; expected 8 to 16", files.bits);
+  if (changes.scanner) files.scanner = changes.scanner;
+  if (changes.second_camera) files.second_camera = changes.second_camera;
+}
+
+ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
+  ScanFiles files;
+  if (changes.recording || is_recording(path)) {
+    files = recorded_files(path, changes.recording ? changes.recording
+                                                   : std::make_shared<const RecordingReader>(path));
+  } else if (!fs::is_directory(path)) {
+    throw Error(fmt::format("{}: {}; expected a scan folder or a recording", path.string(),
+                            fs::exists(path) ? "is neither" : "no such folder or file"));
+  } else if (fs::exists(path / "scan.yaml")) {
+    files = read_scan_files(path / "scan.yaml");
+  } else {
+    files.path = path;
+    files.frames = images_in_folder(path);
+  }
+  amend(files, changes);
+  return files;
+}
+
+bool is_scan_folder(const fs::path& folder) {
+  return !is_hidden(folder) && !fs::exists(folder / "report.html");
+}
+
+std::vector<fs::path> images_in_folder(const fs::path& folder) {
+  throw_if(!fs::is_directory(folder), "{}: no such folder", folder.string());
+  std::vector<fs::path> images, jpegs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file() || is_hidden(entry.path())) continue;
+    if (is_image_file(entry.path())) images.push_back(entry.path());
+    if (is_jpeg_file(entry.path())) jpegs.push_back(entry.path());
+  }
+  if (images.empty()) images = std::move(jpegs);
+  throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
+           folder.string());
+  std::ranges::sort(images, before_in_order);
+  return with_pages(images);
+}
+
+}  // namespace slipstream

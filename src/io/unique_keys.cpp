@@ -1,0 +1,62 @@
+#include "io/unique_keys.h"
+
+#include <cctype>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+namespace slipstream {
+namespace {
+
+/// `left`: nodes to visit. Aliases may expand without end; a text without them has fewer nodes than
+/// bytes.
+void require_unique_keys(const YAML::Node& node, std::size_t& left, int depth = 0) {
+  if (left == 0 || depth == 64) return;
+  --left;
+  std::set<std::string> keys;
+  for (const auto& item : node) {
+    const YAML::Node key = node.IsMap() ? item.first : YAML::Node();
+    if (key.IsScalar()) add_key(keys, key.Scalar(), key.Mark().line + 1);
+    require_unique_keys(node.IsMap() ? item.second : YAML::Node(item), left, depth + 1);
+  }
+}
+
+/// Line on which the content of a second document begins; 0 if there is none. YAML::LoadAll does
+/// not end on some invalid texts.
+int line_of_second_document(const std::string& text) {
+  std::istringstream lines(text);
+  int number = 0;
+  bool has_content = false, after_marker = false;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const bool marks = (line.starts_with("---") || line.starts_with("...")) &&
+                       (line.size() == 3 || std::isspace(static_cast<unsigned char>(line[3])));
+    after_marker |= marks && has_content;
+    if (marks) line.erase(0, 3);
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == line.npos || line[first] == '#' || line.front() == '%') continue;
+    if (after_marker) return number;
+    has_content = true;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_key(std::set<std::string>& keys, const std::string& key, std::ptrdiff_t line) {
+  if (keys.insert(key).second) return;
+  throw RepeatedKey(fmt::format("line {}: {} is set twice", line, key));
+}
+
+YAML::Node yaml_document(const std::string& text) {
+  if (const int line = line_of_second_document(text); line > 0) {
+    throw RepeatedKey(fmt::format("line {}: a second YAML document begins", line));
+  }
+  YAML::Node document = YAML::Load(text);
+  std::size_t left = text.size();
+  require_unique_keys(document, left);
+  return document;
+}
+
+}  // namespace slipstream

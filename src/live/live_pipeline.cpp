@@ -1,0 +1,119 @@
+#include "slipstream/live_pipeline.h"
+
+#include "base/throw_if-inl.h"
+#include "live/live_run-inl.h"
+
+namespace slipstream {
+namespace {
+
+/// Limit for the frames of a run, bytes: a few hundred frames of 20 MP and 16 bits.
+constexpr std::uint64_t largest_run = std::uint64_t{16} << 30;
+
+/// Clouds: one in each stage and queue, the newest, and those held by consumers and followers.
+std::size_t clouds_needed(const LiveSettings& settings) {
+  const std::size_t followers = (settings.track ? 1U : 0U) + (settings.model ? 1U : 0U);
+  return 3 + 2 * stage_places + 1 + settings.held_clouds + followers * followed_clouds;
+}
+
+/// Frames: each cloud keeps its window; windows and index checks keep three cycles with markers;
+/// one frame is being filled and one passed on.
+std::size_t frames_needed(const LiveSettings& settings, const Sequence& sequence) {
+  const auto window = static_cast<std::size_t>(frame_count(sequence));
+  return clouds_needed(settings) * window + 3 * (window + 1) + settings.waiting_frames + 2;
+}
+
+}  // namespace
+
+LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetup& setup,
+                           const LiveSettings& settings)
+    : source_(std::move(source)), format_(source_->format()), settings_(settings) {
+  require_valid(format_);
+  plan_ = plan_for(setup);
+  const auto count = static_cast<std::size_t>(frame_count(setup.sequence));
+  const std::vector<Pooled<Frame>> black(count, frames_->take());
+  clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
+    LiveCloud cloud;
+    cloud.frames = black;
+    plan_->reconstruct(cloud);
+    cloud.frames.clear();
+    return cloud;
+  });
+}
+
+std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
+  const Size camera = setup.scanner.camera.size;
+  throw_if(camera != format_.size, "frames are {}, the scanner's camera has {}; both must agree",
+           text_of(format_.size), text_of(camera));
+  auto plan = std::make_shared<WindowEngine>(setup, settings_);
+  const std::size_t needed = frames_needed(settings_, setup.sequence);
+  throw_if(needed > largest_run / byte_count(format_),
+           "a run needs {} frames of {} pixels; the limit is {} bytes", needed, text_of(camera),
+           largest_run);
+  if (needed > frame_count_) {
+    frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
+    frame_count_ = needed;
+  }
+  plan->frames = frames_;
+  return plan;
+}
+
+std::shared_ptr<LiveRun> LivePipeline::run() const {
+  const std::lock_guard lock(mutex_);
+  return run_;
+}
+
+void LivePipeline::start() {
+  stop();
+  source_->start();
+  auto begun = std::make_shared<LiveRun>(*source_, settings_, clouds_, plan_);
+  const std::lock_guard lock(mutex_);
+  run_ = std::move(begun);
+  started_ = true;
+}
+
+void LivePipeline::stop() {
+  if (!std::exchange(started_, false)) return;
+  run()->stop();
+  source_->stop();
+}
+
+template <class Answer>
+Answer LivePipeline::asked(Answer (LiveRun::*question)() const) const {
+  const auto current = run();
+  return current ? (*current.*question)() : Answer();
+}
+
+bool LivePipeline::running() const {
+  return asked(&LiveRun::capturing);
+}
+
+std::exception_ptr LivePipeline::failure() const {
+  return asked(&LiveRun::failure);
+}
+
+void LivePipeline::change(const EngineSetup& setup) {
+  plan_ = plan_for(setup);
+  if (const auto current = run()) current->change(plan_);
+}
+
+Pooled<LiveCloud> LivePipeline::newest() const {
+  return asked(&LiveRun::newest);
+}
+
+void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
+  if (const auto current = run()) current->shown(captured);
+}
+
+LiveStatistics LivePipeline::statistics() const {
+  return asked(&LiveRun::statistics);
+}
+
+ModelPoints LivePipeline::model() const {
+  return asked(&LiveRun::model);
+}
+
+std::vector<LiveFinding> LivePipeline::findings() const {
+  return asked(&LiveRun::findings);
+}
+
+}  // namespace slipstream

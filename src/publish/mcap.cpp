@@ -1,0 +1,399 @@
+#include "publish/mcap.h"
+
+#include <optional>
+
+#include <zstd.h>
+
+#include "base/throw_if-inl.h"
+#include "slipstream/ros_messages.h"
+#include "slipstream/scan_folder.h"
+
+namespace slipstream {
+namespace {
+using namespace std::string_view_literals;
+using namespace mcap;
+using Bytes = std::vector<std::uint8_t>;
+
+/// A chunk ends once it holds this many bytes.
+constexpr std::size_t chunk_bytes = 4 << 20;
+constexpr std::uint32_t metadata = 0;  // none
+/// zstd level: for 32-bit floats the fastest levels save nearly as much as the slow ones.
+constexpr int compression = -3;
+
+/// A record's opcode and length.
+void append_head(Bytes& bytes, Opcode opcode, std::uint64_t length) {
+  append(bytes, static_cast<std::uint8_t>(opcode), length);
+}
+
+template <class... Values>
+void append_record(Bytes& bytes, Opcode opcode, const Values&... values) {
+  Bytes content;
+  append(content, values...);
+  append_head(bytes, opcode, content.size());
+  append(bytes, content);
+}
+
+Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
+  Bytes bytes;
+  append(bytes, static_cast<std::uint32_t>(values.size() * 10));
+  for (const auto& [key, value] : values) append(bytes, key, value);
+  return bytes;
+}
+
+/// Limits of a record and of a chunk's content, bytes.
+constexpr std::uint64_t largest_record = std::uint64_t{1} << 30;
+/// A block of zstd has 128 KiB at most and takes 4 bytes at least.
+constexpr std::uint64_t most_times_smaller = (128 << 10) / 4;
+
+/// Decodes records and passes on their messages.
+class Records {
+ public:
+  explicit Records(const std::function<void(const McapMessage&)>& see) : see_(see) {}
+
+  void take(std::uint8_t opcode, std::span<const std::uint8_t> content) {
+    ByteReader record(content);
+    if (opcode == chunk) return take_chunk(record);
+    if (opcode == schema) {
+      const auto number = record.get<std::uint16_t>();
+      types_[number] = record.text();
+    } else if (opcode == channel) {
+      const auto number = record.get<std::uint16_t>();
+      Channel& channel = channels_[number];
+      channel.schema = record.get<std::uint16_t>();
+      channel.topic = record.text();
+      channel.encoding = record.text();
+    } else if (opcode == message) {
+      const auto channel = channels_.find(record.get<std::uint16_t>());
+      if (channel == channels_.end()) throw Error("a message has no channel");
+      const auto& [schema, topic, encoding] = channel->second;
+      const auto message_number = record.get<std::uint32_t>();
+      const auto time = record.get<std::uint64_t>();
+      record.get<std::uint64_t>();  // publish time
+      see_({topic, types_[schema], encoding, message_number, time, record.take(record.left())});
+    } else if (opcode == attachment) {
+      const auto time = record.get<std::uint64_t>();
+      record.get<std::uint64_t>();  // creation time
+      const std::string name(record.text()), type(record.text());
+      see_({name, type, "", 0, time, record.take(record.get<std::uint64_t>())});
+    }
+  }
+
+ private:
+  struct Channel {
+    std::uint16_t schema = 0;
+    std::string topic{}, encoding{};
+  };
+
+  void take_chunk(ByteReader& chunk) {
+    chunk.take(8 + 8);  // time range
+    const auto size = chunk.get<std::uint64_t>();
+    const auto sum = chunk.get<std::uint32_t>();
+    const std::string_view compression = chunk.text();
+    std::span<const std::uint8_t> content = chunk.take(chunk.get<std::uint64_t>());
+    if (compression == "zstd") {
+      throw_if(size > largest_record || size / most_times_smaller > content.size(),
+               "a chunk states an impossible size");
+      unpacked_.resize(size);
+      throw_if(ZSTD_decompress(unpacked_.data(), size, content.data(), content.size()) != size,
+               "a chunk is damaged");
+      content = unpacked_;
+    } else if (!compression.empty()) {
+      throw Error(
+          fmt::format("its chunks are compressed by {}; only zstd or no compression can be read",
+                      compression.substr(0, 32)));
+    }
+    if (sum != 0 && checksum(content) != sum) throw Error("a chunk is damaged");
+    for (ByteReader records(content); records.left() > 0;) {
+      const auto opcode = records.get<std::uint8_t>();
+      const auto record = records.take(records.get<std::uint64_t>());
+      if (opcode != mcap::chunk) take(opcode, record);  // chunks do not nest
+    }
+  }
+
+  const std::function<void(const McapMessage&)>& see_;
+  std::map<std::uint16_t, std::string> types_;
+  std::map<std::uint16_t, Channel> channels_;
+  Bytes unpacked_;
+};
+
+bool read_records(const InputFile& file, Records& records) {
+  std::array<std::uint8_t, 8> begin{};
+  if (!file.read(0, {begin}) || begin != magic) throw Error("not an MCAP file");
+  Bytes content;
+  for (std::uint64_t offset = begin.size();;) {
+    std::array<std::uint8_t, 1 + 8> head{};
+    if (!file.read(offset, {head})) return false;
+    ByteReader reader(head);
+    const auto opcode = reader.get<std::uint8_t>();
+    const auto length = reader.get<std::uint64_t>();
+    offset += head.size();
+    if (opcode == data_end || opcode == footer) return true;
+    if (length > file.size() - offset) return false;  // an incomplete last record
+    if ((opcode >= schema && opcode <= chunk) || opcode == attachment) {
+      if (length > largest_record) throw Error("has a record larger than 1 GiB");
+      content.resize(length);
+      if (!file.read(offset, {content})) return false;
+      records.take(opcode, content);
+    }
+    offset += length;
+  }
+}
+
+/// One file of clouds.
+class McapClouds {
+ public:
+  McapClouds(const std::filesystem::path& path, const PublishedRun& run)
+      : run_(run), writer_(path) {
+    add(image_topic());
+    if (run_.statistics) statistics_ = add({"std_msgs/msg/String", "string data\n"}, "statistics");
+    if (!run_.has_points) return;
+    add(points_topic());
+    add(camera_info_topic());
+  }
+
+  void put(const Pooled<LiveCloud>& cloud, bool alone) {
+    const PublishedCloud published{*cloud, run_, alone};
+    if (run_.sequence && !alone) put_frames(*cloud);
+    for (const auto& [channel, topic] : topics_) {
+      topic.write(published, message_);
+      writer_.write(channel, published.header.time, message_);
+    }
+    if (run_.statistics && published.header.time >= next_statistics_) {
+      Cdr(message_).add_text(run_.statistics());
+      writer_.write(statistics_, published.header.time, message_);
+      next_statistics_ = published.header.time + second;
+    }
+    writer_.end_message_group();
+  }
+
+  [[nodiscard]] std::uint64_t bytes() const { return writer_.bytes(); }
+  void finish() { writer_.finish(); }
+
+ private:
+  static constexpr std::uint64_t second = 1'000'000'000;  ///< ns
+
+  std::uint16_t add(const RosType& type, const std::string& topic) {
+    return writer_.add_channel("/" + topic, type.name, type.definition);
+  }
+  void add(const CloudTopic& topic) { topics_.emplace_back(add(topic.type, topic.name), topic); }
+
+  /// Frames as received, each on its pattern's topic; none right after a change of strategy.
+  void put_frames(const LiveCloud& cloud) {
+    const Sequence window = run_.sequence(), cycle = cycle_of(window);
+    if (cloud.frames.size() != static_cast<std::size_t>(frame_count(window))) return;
+    const auto patterns = static_cast<std::size_t>(frame_count(cycle));
+    attach_scan(cycle, *cloud.frames.front());
+    std::map<std::uint64_t, std::pair<std::size_t, const Frame*>> in_time;
+    for (std::size_t n = 0; n < cloud.frames.size(); ++n) {
+      const std::size_t pattern = (static_cast<std::size_t>(cloud.first_pattern) + n) % patterns;
+      in_time[cloud.frames[n]->stamp.sequence] = {pattern, &*cloud.frames[n]};
+    }
+    for (const auto& [number, frame] : in_time) {
+      const auto& [pattern, picture] = frame;
+      while (frames_.size() <= pattern) {
+        frames_.push_back(add(image_type(), fmt::format("frames/{}", frames_.size())));
+      }
+      const std::uint64_t time = world_time(picture->stamp.host_time);
+      write_image(*picture, {time, run_.frame_id}, message_);
+      writer_.write(frames_[pattern], time, message_, static_cast<std::uint32_t>(number));
+    }
+  }
+
+  /// Writes the sequence if it has changed.
+  void attach_scan(const Sequence& sequence, const Frame& frame) {
+    if (sequence == sequence_) return;
+    const std::uint64_t time = world_time(frame.stamp.host_time);
+    ScanFiles scan{.sequence = sequence, .bits = frame.bits};
+    if (!run_.scanner.empty()) {
+      scan.scanner = "scanner.yaml";
+      if (!sequence_) writer_.attach("scanner.yaml", "application/yaml", time, run_.scanner);
+    }
+    writer_.attach("scan.yaml", "application/yaml", time, scan_yaml_of(scan, {}));
+    sequence_ = sequence;
+  }
+
+  const PublishedRun& run_;
+  McapWriter writer_;
+  std::vector<std::pair<std::uint16_t, CloudTopic>> topics_;  ///< by channel
+  std::uint16_t statistics_ = 0;
+  std::vector<std::uint16_t> frames_;  ///< by pattern
+  std::optional<Sequence> sequence_;   ///< as attached
+  std::uint64_t next_statistics_ = 0;
+  RosMessage message_;
+};
+
+class McapSink final : public DisjointCloudSink {
+ public:
+  McapSink(const std::string& path, PublishedRun run)
+      : run_(std::move(run)), file_(path, run_.limit), clouds_(std::in_place, path, run_) {}
+
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
+    if (clouds_ && file_.is_full(clouds_->bytes())) {
+      clouds_->finish();
+      clouds_.reset();
+      if (file_.goes_on()) clouds_.emplace(file_.path, run_);
+      tell(file_.message());
+    }
+    if (clouds_) clouds_->put(cloud, alone);
+  }
+  void finish() override {
+    if (clouds_) clouds_->finish();
+  }
+
+ private:
+  const PublishedRun run_;
+  LimitedFile file_;
+  std::optional<McapClouds> clouds_;  ///< nullopt after the limit
+};
+
+}  // namespace
+
+McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
+    : path_(path) {
+  Bytes begin(magic.begin(), magic.end());
+  append_record(begin, header, "ros2"sv, "slipstream"sv);
+  file_ = std::make_unique<OutputFile>(path, writing);  // last: kept if memory runs out before
+  put({begin});
+}
+
+McapWriter::~McapWriter() {
+  try {
+    if (file_) (void)file_->give_up(chunk_count_ == 0 ? 0 : offset_);
+  } catch (const std::exception&) {
+    // A destructor cannot report failures; complete chunks stay.
+  }
+}
+
+/// Writes a complete chunk.
+void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts) {
+  if (!file_) throw WorldError(fmt::format("{}: is closed", path_.string()));
+  try {
+    file_->write(parts);
+  } catch (const WorldError&) {
+    throw WorldError(std::exchange(file_, nullptr)->give_up(chunk_count_ == 0 ? 0 : offset_));
+  }
+  for (const auto part : parts) offset_ += part.size();
+}
+
+std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
+                                      const std::string& text) {
+  const auto number = static_cast<std::uint16_t>(messages_.size() + 1);  // also its schema's
+  Bytes of_schema, of_channel;
+  append_record(of_schema, schema, number, schema_name, "ros2msg"sv, text);
+  append_record(of_channel, channel, number, number, topic, "cdr"sv, metadata);
+  append(schemas_, of_schema);
+  append(channels_, of_channel);
+  append(of_schema, of_channel);
+  append(chunk_, of_schema);  // both or neither
+  messages_[number] = 0;
+  return number;
+}
+
+void McapWriter::write(std::uint16_t number, std::uint64_t time,
+                       std::span<const std::uint8_t> content, std::optional<std::uint32_t> own) {
+  // Reserves all memory first, so that running out leaves no half message.
+  const std::size_t head = 1 + 8 + 2 + 4 + 8 + 8, needed = chunk_.size() + head + content.size();
+  if (needed > chunk_.capacity()) chunk_.reserve(std::max(needed, 2 * chunk_.capacity()));
+  chunk_times_.take_in({time, time});
+  index_[number].push_back({time, chunk_.size()});
+  const auto counted = static_cast<std::uint32_t>(messages_[number]++);
+  append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
+  append(chunk_, number, own.value_or(counted), time, time, content);  // log and publish time
+}
+
+void McapWriter::attach(const std::string& name, const std::string& media_type, std::uint64_t time,
+                        std::string_view text) {
+  Bytes content, record;
+  append(content, time, time, name, media_type, std::uint64_t{text.size()},
+         std::span(text.data(), text.size()));
+  append_record(record, attachment, content, checksum(content));
+  append_record(attachment_indices_, attachment_index, offset_, std::uint64_t{record.size()}, time,
+                time, std::uint64_t{text.size()}, name, media_type);
+  ++attachment_count_;
+  put({record});
+}
+
+void McapWriter::end_message_group() {
+  if (chunk_.size() >= chunk_bytes) end_chunk();
+}
+
+void McapWriter::end_chunk() {
+  if (index_.empty()) return;
+  packed_.resize(ZSTD_compressBound(chunk_.size()));
+  const std::size_t size =
+      ZSTD_compress(packed_.data(), packed_.size(), chunk_.data(), chunk_.size(), compression);
+  if (ZSTD_isError(size) != 0) throw WorldError(ZSTD_getErrorName(size));
+  const auto& [start, end] = chunk_times_;
+  const std::uint64_t packed = size, unpacked = chunk_.size(), offset = offset_;
+  Bytes head, indices;
+  append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
+  append(head, start, end, unpacked, checksum(chunk_), "zstd"sv, packed);
+  const std::uint64_t length = head.size() + size;
+  std::map<std::uint16_t, std::uint64_t> begins;  // per channel index
+  for (const auto& [number, places] : index_) {
+    begins[number] = offset + length + indices.size();
+    append_head(indices, message_index, 2 + 4 + 16 * places.size());
+    append(indices, number, static_cast<std::uint32_t>(16 * places.size()));
+    for (const auto& [time, place] : places) append(indices, time, place);
+  }
+  put({head, {packed_.data(), size}, indices});
+  append_record(chunk_indices_, chunk_index, start, end, offset, length, map_of(begins),
+                std::uint64_t{indices.size()}, "zstd"sv, packed, unpacked);
+  ++chunk_count_;
+  times_.take_in(std::exchange(chunk_times_, {}));
+  index_.clear();
+  chunk_.clear();
+}
+
+void McapWriter::finish() {
+  if (!file_) return;  // the failure was reported before
+  end_chunk();
+  if (chunk_count_ == 0) return std::exchange(file_, nullptr)->discard();
+  Bytes end;
+  append_record(end, data_end, std::uint32_t{0});  // no checksum of the data section
+  put({end});
+  const std::uint64_t summary = offset_;
+  Bytes records, offsets;
+  // Position of each kind of record in the summary.
+  const auto add_group = [&](Opcode opcode, const Bytes& group) {
+    if (group.empty()) return;
+    append_record(offsets, summary_offset, static_cast<std::uint8_t>(opcode),
+                  summary + records.size(), std::uint64_t{group.size()});
+    append(records, group);
+  };
+  Bytes counts;
+  std::uint64_t messages = 0;
+  for (const auto& [number, count] : messages_) messages += count;
+  append_record(counts, statistics, messages, static_cast<std::uint16_t>(messages_.size()),
+                static_cast<std::uint32_t>(messages_.size()), attachment_count_, metadata,
+                chunk_count_, times_.start, times_.end, map_of(messages_));
+  add_group(schema, schemas_);
+  add_group(channel, channels_);
+  add_group(statistics, counts);
+  add_group(chunk_index, chunk_indices_);
+  add_group(attachment_index, attachment_indices_);
+  // The footer's checksum covers everything from the summary to itself.
+  const std::uint64_t offsets_at = summary + records.size();
+  append(records, offsets);
+  append_head(records, footer, 8 + 8 + 4);
+  append(records, summary, offsets_at);
+  append(records, checksum(records), magic);
+  put({records});
+  std::exchange(file_, nullptr)->keep();
+}
+
+bool read_mcap(const std::filesystem::path& path,
+               const std::function<void(const McapMessage&)>& see) {
+  const InputFile file(path, no_limit);
+  Records records(see);
+  return naming(path.string(), [&] { return read_records(file, records); });
+}
+
+const SinkKind mcap_sink{
+    "mcap", "mcap:FILE",
+    [](const std::string& path) { require_ending(path, "MCAP file", {".mcap"}); },
+    [](const std::string& path, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      return std::make_unique<McapSink>(path, std::move(run));
+    }};
+
+}  // namespace slipstream

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "slipstream/live_cloud.h"
+#include "slipstream/scanner.h"
+
+namespace slipstream {
+
+/// page.html, embedded at build time.
+std::string_view web_page();
+
+/// Step in rows and columns between transmitted pixels, so that at most 2^20 are sent.
+int web_step(Size camera);
+
+/// Directions (u, v, 1) of the transmitted pixels, row by row: u, v as floats. Points are depth *
+/// direction.
+std::string web_rays(const Lens& camera);
+
+/// A cloud for the page, little-endian. 32-bit integers: width, height, 1 with depth or 0 without,
+/// points in the whole cloud; 32-bit floats: nearest depth and depth step, mm; then all depths in
+/// 16 bits, 0 if invalid, else steps from the nearest plus 1; all grey levels in 8 bits, without a
+/// scanner those of the window's first frame; and the phases of PublishedRun, if any.
+std::string web_cloud(const LiveCloud& cloud, const Image<std::uint8_t>& phase = {});
+
+/// A run's statistics in Prometheus text format: "slipstream_" and the JSON path of each number;
+/// counters end in "_total". Labels are the names in a list of named objects and the indices in a
+/// list of numbers; other lists give their length. Throws Error if the text is not JSON.
+std::string metrics_of(std::string_view statistics);
+
+}  // namespace slipstream

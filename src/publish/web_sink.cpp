@@ -1,0 +1,447 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <numeric>
+#include <random>
+#include <utility>  // missing from Boost 1.74
+
+#include <boost/asio.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/thread_priority.h"
+#include "base/throw_if-inl.h"
+#include "publish/web_content.h"
+#include "slipstream/cloud_sink.h"
+#include "slipstream/colour.h"
+#include "slipstream/numbers.h"
+
+namespace slipstream {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSetting, name, help, unit, value, choices, least, most, state)
+
+namespace {
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+using Failure = boost::system::error_code;
+using Request = http::request<http::string_body>;
+using SharedBytes = std::shared_ptr<const std::string>;
+
+/// Clients at a time, and of one address those that have sent no authorised request yet.
+constexpr std::size_t most_clients = 32, most_unknown = 8;
+constexpr std::size_t largest_header = 8 << 10, largest_body = 256, largest_message = 64;
+/// Time limit for a client's request and for reading the reply.
+constexpr auto patience = 10s, answer_patience = 30s;
+constexpr std::chrono::milliseconds between_clouds{30}, between_looks{200};
+/// Only the page's own scripts and styles; no other sources, no framing by other pages.
+constexpr const char* page_rules =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+std::string random_token() {
+  std::random_device device;  // from the system's random source
+  std::string token;
+  for (int word = 0; word < 4; ++word) token += fmt::format("{:08x}", device());
+  return token;
+}
+
+/// Constant-time comparison.
+bool is_same(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && std::transform_reduce(a.begin(), a.end(), b.begin(), 0,
+                                                       std::bit_or<>(), std::bit_xor<>()) == 0;
+}
+
+std::string_view text_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+/// "localhost" from "localhost:8080".
+std::string_view without_port(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  return host.ends_with(']') || colon == host.npos ? host : host.substr(0, colon);
+}
+
+class Connection;
+
+/// The server and its clients. Everything except `put` and `finish` runs in the serving thread.
+class WebSink final : public CloudSink {
+ public:
+  WebSink(const tcp::endpoint& endpoint, PublishedRun run);
+  ~WebSink() override { WebSink::finish(); }
+
+  void put(const Pooled<LiveCloud>& cloud, bool /*alone*/) override {
+    {
+      const std::lock_guard lock(mutex_);
+      newest_ = cloud;
+      ++count_;
+    }
+    if (anybody_waits_.exchange(false)) asio::post(io_, [this] { serve_waiting(); });
+  }
+
+  void finish() override {
+    io_.stop();
+    if (thread_.joinable()) thread_.join();
+    const std::lock_guard lock(mutex_);
+    newest_ = {};
+  }
+
+  using CloudSink::tell;
+
+  /// Why the request is refused; empty for the page itself and authorised clients.
+  [[nodiscard]] std::string refusal(const Request& request) const {
+    const std::string_view host = text_of(request[http::field::host]),
+                           origin = text_of(request[http::field::origin]),
+                           target = text_of(request.target()), name = without_port(host);
+    if (token_.empty() && name != "localhost" && name != host_ && name != "[::1]") {
+      return "this page is for localhost";  // a foreign host name may resolve to this machine
+    }
+    if (!token_.empty()) {
+      const std::size_t question = target.find("?token=");
+      if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
+        return "wrong token; use the full address that slipstream printed at the start";
+      }
+    }
+    const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
+    const std::size_t scheme = origin.find("://");
+    if (changes && (scheme == origin.npos || origin.substr(scheme + 3) != host)) {
+      return "another page's script asks";
+    }
+    return "";
+  }
+
+  /// `full`: only /health is answered.
+  http::response<http::string_body> answer(const Request& request, bool full) {
+    http::response<http::string_body> response(http::status::ok, request.version());
+    response.keep_alive(request.keep_alive());
+    response.set(http::field::cache_control, "no-store");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");
+    const auto say = [&](http::status status, std::string body, const char* type = "text/plain") {
+      response.result(status);
+      response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
+      response.body() = std::move(body);
+    };
+    const std::string_view target = text_of(request.target());
+    const auto asked =
+        fmt::format("{} {}", text_of(request.method_string()), target.substr(0, target.find('?')));
+    try {
+      if (const std::string why = refusal(request); !why.empty()) {
+        say(http::status::forbidden, why + "\n");
+        response.keep_alive(false);
+      } else if (full && asked != "GET /health") {
+        tell(fmt::format("at most {} clients at a time; further ones are refused", most_clients));
+        say(http::status::service_unavailable, "too many clients\n");
+      } else if (asked == "GET /") {
+        response.set("Content-Security-Policy", page_rules);
+        say(http::status::ok, std::string(web_page()), "text/html");
+      } else if (asked == "GET /rays") {
+        say(http::status::ok, rays_, "application/octet-stream");
+      } else if (asked == "GET /palette") {
+        const ColourMap colours = depth_colours();
+        const auto* const bytes = reinterpret_cast<const char*>(colours.data());
+        say(http::status::ok, std::string(bytes, sizeof(colours)), "application/octet-stream");
+      } else if (asked == "GET /statistics") {
+        say(http::status::ok, run_.statistics(), "application/json");
+      } else if (asked == "GET /metrics") {
+        say(http::status::ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
+      } else if (asked == "GET /health") {
+        const std::string trouble = run_.trouble();
+        say(trouble.empty() ? http::status::ok : http::status::service_unavailable,
+            (trouble.empty() ? "ok" : trouble) + "\n");
+      } else if (asked == "GET /settings") {
+        say(http::status::ok, settings(), "application/json");
+      } else if (asked == "POST /settings") {
+        change(request.body());
+        say(http::status::ok, settings(), "application/json");
+      } else if (asked == "POST /save") {
+        say(http::status::ok, run_.save());
+      } else {
+        say(http::status::not_found, "no such page\n");
+      }
+    } catch (const Error& error) {
+      say(http::status::bad_request, error.what());
+    } catch (const std::exception& error) {
+      say(http::status::internal_server_error, error.what());
+    }
+    response.prepare_payload();
+    return response;
+  }
+
+  /// The newest cloud and its number, if newer than the given one.
+  std::pair<SharedBytes, std::uint64_t> newer_than(std::uint64_t seen, bool with_phase) {
+    const auto now = std::chrono::steady_clock::now();
+    Sent& sent = sent_[with_phase ? 1 : 0];
+    std::unique_lock lock(mutex_);
+    if (newest_ && count_ != sent.count && now >= sent.next) {
+      const Pooled<LiveCloud> cloud = newest_;
+      sent.count = count_;
+      // Tolerates jitter of clouds.
+      sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
+      lock.unlock();
+      const bool has_phase = with_phase && run_.phase;
+      sent.bytes = std::make_shared<const std::string>(
+          web_cloud(*cloud, has_phase ? run_.phase(*cloud) : Image<std::uint8_t>()));
+    }
+    if (sent.count <= seen) return {};
+    return {sent.bytes, sent.count};
+  }
+
+  void wait_for_cloud() { anybody_waits_ = true; }
+
+  std::vector<Connection*> connections{};  ///< oldest first
+
+ private:
+  void accept();
+  void make_room(const asio::ip::address& address);
+  void serve_waiting();
+  void serve() {
+    let_others_go_first();
+    while (true) {
+      try {
+        io_.run();
+        return;
+      } catch (const std::exception& error) {  // ends only this client
+        tell(error.what());
+      }
+    }
+  }
+
+  /// Avoids asking the camera for each page.
+  const std::string& settings() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
+    settings_ = nlohmann::json(run_.settings())
+                    .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    looked_at_ = now;
+    return settings_;
+  }
+
+  /// E.g. "min-modulation=20".
+  void change(const std::string& wish) {
+    const std::size_t mark = std::min(wish.find('='), wish.size());
+    if (mark == wish.size()) throw Error("expected NAME=VALUE");
+    settings_.clear();
+    run_.change(wish.substr(0, mark), wish.substr(mark + 1));
+  }
+
+  const std::string host_;  ///< the address, as a number
+  const PublishedRun run_;
+  const std::string token_;  ///< empty if only this machine reaches the page
+  const std::string rays_;
+  std::mutex mutex_;  ///< guards the two members below
+  Pooled<LiveCloud> newest_;
+  std::uint64_t count_ = 0;
+  std::atomic<bool> anybody_waits_ = false;
+  struct Sent {
+    SharedBytes bytes{};
+    std::uint64_t count = 0;                       ///< the cloud's number
+    std::chrono::steady_clock::time_point next{};  ///< earliest time of the next
+  };
+  std::array<Sent, 2> sent_{};  ///< without phase and with it
+  std::chrono::steady_clock::time_point looked_at_{};
+  std::string settings_;  ///< at that time
+  asio::io_context io_{1};
+  tcp::acceptor acceptor_{io_};
+  asio::steady_timer pause_{io_};
+  std::thread thread_;
+};
+
+/// One client: sequential requests, or a page that requests clouds.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  /// `full`: answers one request, for /health.
+  Connection(tcp::socket socket, const asio::ip::address& address, WebSink& sink, bool full)
+      : stream_(std::move(socket)), address_(address), sink_(sink), full_(full) {
+    sink_.connections.push_back(this);
+  }
+  ~Connection() { std::erase(sink_.connections, this); }
+
+  /// Whether its last request was authorised, and it may send more.
+  [[nodiscard]] bool is_known() const { return known_ && !full_; }
+  [[nodiscard]] const asio::ip::address& address() const { return address_; }
+  /// Ends it before it has sent an authorised request.
+  void close() {
+    std::erase(sink_.connections, this);
+    stream_.close();
+  }
+
+  void read_request() {
+    parser_.emplace();
+    parser_->header_limit(largest_header);
+    parser_->body_limit(largest_body);
+    stream_.expires_after(patience);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](Failure failure, std::size_t) {
+                       if (!failure) self->answer();
+                     });
+  }
+
+  /// Sends the newest cloud if requested and new.
+  void send_cloud() {
+    if (!asked_ || sending_) return;
+    sink_.wait_for_cloud();  // set first: a request may arrive meanwhile
+    auto [bytes, count] = sink_.newer_than(seen_, with_phase_);
+    if (!bytes) return;
+    asked_ = false;
+    sending_ = bytes;
+    seen_ = count;
+    page_->async_write(asio::buffer(*sending_),
+                       [self = shared_from_this()](Failure failure, std::size_t) {
+                         self->sending_.reset();
+                         if (!self->has_failed(failure)) self->send_cloud();
+                       });
+  }
+
+ private:
+  void answer() {
+    const Request request = parser_->release();
+    known_ = sink_.refusal(request).empty();
+    if (known_ && !full_ && websocket::is_upgrade(request) &&
+        text_of(request.target()).starts_with("/clouds")) {
+      open_page(request);
+      return;
+    }
+    response_ = sink_.answer(request, full_);
+    if (full_) response_.keep_alive(false);
+    stream_.expires_after(answer_patience);
+    http::async_write(stream_, response_,
+                      [self = shared_from_this()](Failure failure, std::size_t) {
+                        if (!failure && self->response_.keep_alive()) self->read_request();
+                      });
+  }
+
+  void open_page(const Request& request) {
+    stream_.expires_never();
+    page_.emplace(std::move(stream_));
+    page_->set_option(websocket::stream_base::timeout{patience, answer_patience, true});
+    page_->read_message_max(largest_message);
+    page_->auto_fragment(false);
+    page_->binary(true);
+    page_->async_accept(request, [self = shared_from_this()](Failure failure) {
+      if (!failure) self->read_wish();
+    });
+  }
+
+  bool has_failed(Failure failure) {
+    if (failure == beast::error::timeout) sink_.tell("disconnected a page that stopped reading");
+    return failure.failed();
+  }
+
+  /// A page only sends "next" or "next phase".
+  void read_wish() {
+    buffer_.clear();
+    page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
+      if (self->has_failed(failure)) return;
+      const std::string wish = beast::buffers_to_string(self->buffer_.data());
+      self->with_phase_ = wish == "next phase";
+      if (wish != "next" && !self->with_phase_) {
+        beast::get_lowest_layer(*self->page_).close();
+        return;
+      }
+      self->asked_ = true;
+      self->send_cloud();
+      self->read_wish();
+    });
+  }
+
+  beast::tcp_stream stream_;
+  const asio::ip::address address_;
+  WebSink& sink_;
+  const bool full_;
+  bool known_ = false;
+  beast::flat_buffer buffer_{2 * largest_header};
+  std::optional<http::request_parser<http::string_body>> parser_;
+  http::response<http::string_body> response_;
+  std::optional<websocket::stream<beast::tcp_stream>> page_;
+  bool asked_ = false, with_phase_ = false;
+  SharedBytes sending_;
+  std::uint64_t seen_ = 0;  ///< number of the newest cloud sent
+};
+
+WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
+    : host_(endpoint.address().to_string()),
+      run_(std::move(run)),
+      token_(endpoint.address().is_loopback() ? "" : random_token()),
+      rays_(run_.has_points ? web_rays(run_.camera) : "") {
+  try {
+    acceptor_ = tcp::acceptor(io_, endpoint);
+  } catch (const boost::system::system_error& error) {
+    throw WorldError(
+        fmt::format("--publish web:{}:{}: {}", host_, endpoint.port(), error.code().message()));
+  }
+  const std::string host = !token_.empty()              ? asio::ip::host_name()
+                           : endpoint.address().is_v6() ? "[" + host_ + "]"
+                                                        : host_;
+  tell(fmt::format("http://{}:{}/{}", host, acceptor_.local_endpoint().port(),
+                   token_.empty() ? "" : "?token=" + token_));
+  accept();
+  thread_ = std::thread([this] { serve(); });
+}
+
+void WebSink::accept() {
+  acceptor_.async_accept([this](Failure failure, tcp::socket socket) {
+    if (failure) {  // out of file descriptors
+      tell(failure.message());
+      pause_.expires_after(100ms);
+      pause_.async_wait([this](Failure) { accept(); });
+      return;
+    }
+    accept();
+    const auto address = socket.remote_endpoint(failure).address();
+    make_room(address);
+    socket.set_option(tcp::no_delay(true), failure);
+    const bool full = connections.size() >= most_clients;
+    std::make_shared<Connection>(std::move(socket), address, *this, full)->read_request();
+  });
+}
+
+/// Closes the oldest unknown client if there are too many, of this address or altogether.
+void WebSink::make_room(const asio::ip::address& address) {
+  std::vector<Connection*> unknown, of_address;
+  for (Connection* const connection : connections) {
+    if (connection->is_known()) continue;
+    unknown.push_back(connection);
+    if (connection->address() == address) of_address.push_back(connection);
+  }
+  if (of_address.size() >= most_unknown) {
+    of_address.front()->close();
+  } else if (connections.size() >= most_clients && !unknown.empty()) {
+    unknown.front()->close();
+  }
+}
+
+void WebSink::serve_waiting() {
+  for (Connection* const connection : connections) connection->send_cloud();
+}
+
+/// Parses "PORT" or "ADDRESS:PORT", e.g. "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: any free
+/// port.
+tcp::endpoint web_endpoint_from(const std::string& where) {
+  const std::size_t colon = where.rfind(':');
+  std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // all without a colon
+  Failure failure;
+  const auto address = asio::ip::make_address(host, failure);
+  throw_if(!port || failure,
+           "--publish web:{}: expected a port, or an IP address of this machine and a port, e.g. "
+           "web:8080 or web:0.0.0.0:8080",
+           where);
+  return {address, *port};
+}
+
+}  // namespace
+
+const SinkKind web_sink{
+    "web", "web:[ADDRESS:]PORT",
+    [](const std::string& where) { static_cast<void>(web_endpoint_from(where)); },
+    [](const std::string& where, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      return std::make_unique<WebSink>(web_endpoint_from(where), std::move(run));
+    }};
+
+}  // namespace slipstream

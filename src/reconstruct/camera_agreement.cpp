@@ -1,0 +1,181 @@
+#include "reconstruct/camera_agreement.h"
+
+#include <map>
+
+#include "decode/surface_orders.h"
+#include "slipstream/numbers.h"
+
+namespace slipstream {
+namespace {
+
+/// Pixels of a surface, spread evenly, with their orders up to one number.
+struct SurfaceSample {
+  struct Pixel {
+    int column, row, order;
+  };
+
+  std::vector<Pixel> pixels;
+  std::size_t lit = 0;  ///< pixels of the whole surface
+};
+
+std::vector<SurfaceSample> large_surfaces(const Image<float>& phase) {
+  constexpr std::size_t fewest = 1500, sampled = 2000;
+  std::vector<SurfaceSample> samples;
+  SurfaceOrders orders;
+  orders(phase, [&](const ConnectedSurface& surface) -> std::optional<int> {
+    if (surface.pixels < fewest) return std::nullopt;
+    const std::size_t every = std::max<std::size_t>(1, surface.pixels / sampled);
+    SurfaceSample& sample = samples.emplace_back();
+    sample.lit = surface.pixels;
+    std::size_t seen = 0;
+    surface.for_each([&](int column, int row, int order) {
+      if (seen++ % every == 0) sample.pixels.push_back({column, row, order});
+    });
+    return std::nullopt;
+  });
+  return samples;
+}
+
+/// How well a surface fits with one number added to its orders.
+struct Fit {
+  int shift = 0;
+  double misfit = 2;  ///< mean of 1 - cos of the phases' difference
+  double next = 2;    ///< of the best other shift
+
+  [[nodiscard]] bool is_clear() const {
+    constexpr double fits = 0.1, clearly = 0.15;  // as for a window, see CameraOrders
+    return misfit < fits && next > misfit + clearly;
+  }
+};
+
+class Agreement {
+ public:
+  Agreement(const EpipolarTables& tables, double periods, const DepthRange& set,
+            const Image<float>& phase, const CameraPhases& first, const CameraPhases& second)
+      : tables_(tables),
+        periods_(periods),
+        set_(set),
+        phase_(phase),
+        first_(first),
+        second_(second) {}
+
+  /// Inverse depth of a pixel; nullopt outside the field and the depths.
+  [[nodiscard]] std::optional<float> inverse_depth(const SurfaceSample::Pixel& pixel, int shift,
+                                                   double phase_shift) const {
+    const double turns = (phase_(pixel.column, pixel.row) + phase_shift) / two_pi;
+    const double y = (turns + pixel.order + shift) / periods_;
+    const float w = tables_.inverse_depth(pixel.column, pixel.row, static_cast<float>(y));
+    const bool possible =
+        y >= 0 && y <= 1 && w > 0 && 1 / w > set_.nearest && 1 / w < set_.farthest;
+    return possible ? std::optional(w) : std::nullopt;
+  }
+
+  /// The best shift of a surface's orders, among all for which half of it can be there and is seen.
+  [[nodiscard]] Fit best(const SurfaceSample& surface, double phase_shift) const {
+    const auto [low, high] =
+        std::ranges::minmax_element(surface.pixels, {}, &SurfaceSample::Pixel::order);
+    Fit best;
+    const int last = static_cast<int>(std::ceil(periods_)) - low->order;
+    for (int shift = -high->order; shift <= last; ++shift) {
+      std::complex<double> sum = 0;
+      int seen = 0;
+      for (const SurfaceSample::Pixel& pixel : surface.pixels) {
+        const auto w = inverse_depth(pixel, shift, phase_shift);
+        if (!w) continue;
+        const Phasor other =
+            near_phasor(second_, second_.bands[0], tables_.place(pixel.column, pixel.row, *w));
+        const Phasor own = first_.bands[0](pixel.column, pixel.row);
+        if (other == Phasor(0) || own == Phasor(0)) continue;
+        const Phasor apart = other * std::conj(own);
+        sum += apart / std::sqrt(std::norm(apart));
+        ++seen;
+      }
+      if (2 * seen < static_cast<int>(surface.pixels.size())) continue;
+      const double misfit = 1 - sum.real() / seen;
+      if (misfit < best.misfit) {
+        best = {.shift = shift, .misfit = misfit, .next = best.misfit};
+      } else {
+        best.next = std::min(best.next, misfit);
+      }
+    }
+    return best;
+  }
+
+ private:
+  const EpipolarTables& tables_;
+  double periods_;
+  DepthRange set_;
+  const Image<float>& phase_;
+  const CameraPhases &first_, &second_;
+};
+
+/// Depths of the surfaces that fit, with a margin for others beside them.
+DepthRange depths_of(const Agreement& agreement, const std::vector<SurfaceSample>& surfaces,
+                     const std::vector<Fit>& fits, double phase_shift, const DepthRange& set) {
+  std::vector<float> inverse;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (!fits[i].is_clear()) continue;
+    for (const SurfaceSample::Pixel& pixel : surfaces[i].pixels) {
+      if (const auto w = agreement.inverse_depth(pixel, fits[i].shift, phase_shift))
+        inverse.push_back(*w);
+    }
+  }
+  std::ranges::sort(inverse);
+  const double nearest = 1 / inverse[inverse.size() - 1 - inverse.size() / 200];
+  const double farthest = 1 / inverse[inverse.size() / 200];
+  const double margin = std::max(0.5 * (farthest - nearest), 0.04 * farthest);
+  return {std::max(set.nearest, nearest - margin), std::min(set.farthest, farthest + margin)};
+}
+
+}  // namespace
+
+std::optional<CameraAgreement> camera_agreement(const EpipolarTables& tables, double periods,
+                                                const DepthRange& set, const Image<float>& phase,
+                                                const CameraPhases& first,
+                                                const CameraPhases& second) {
+  const std::vector<SurfaceSample> surfaces = large_surfaces(phase);
+  const Agreement agreement(tables, periods, set, phase, first, second);
+  std::vector<Fit> fits(surfaces.size());
+  std::size_t lit = 0;
+  for (const SurfaceSample& surface : surfaces) lit += surface.lit;
+
+  /// Pixels of the surfaces that fit with this shift of the phase.
+  const auto fitting = [&](double phase_shift) {
+    std::size_t pixels = 0;
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      fits[i] = agreement.best(surfaces[i], phase_shift);
+      if (fits[i].is_clear()) pixels += surfaces[i].lit;
+    }
+    return pixels;
+  };
+
+  // 1. The origin as given.
+  constexpr double most = 0.5;  // of the light of large surfaces
+  const auto enough = [&](std::size_t pixels) {
+    return pixels > 0 && static_cast<double>(pixels) > most * static_cast<double>(lit);
+  };
+  if (enough(fitting(0))) return CameraAgreement{0, depths_of(agreement, surfaces, fits, 0, set)};
+
+  // 2. Every other one: the one that fits best.
+  constexpr int tried = 24;
+  std::map<double, double> misfits;  // of the fitting surfaces, by phase shift
+  for (int i = 1; i < tried; ++i) {
+    const double shift = std::remainder(two_pi * i / tried, two_pi);
+    if (!enough(fitting(shift))) continue;
+    double sum = 0, weight = 0;
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+      if (!fits[k].is_clear()) continue;
+      const auto pixels = static_cast<double>(surfaces[k].lit);
+      sum += pixels * fits[k].misfit;
+      weight += pixels;
+    }
+    misfits[shift] = sum / weight;
+  }
+  if (misfits.empty()) return std::nullopt;
+  const auto best = std::ranges::min_element(misfits, {}, [](const auto& of) { return of.second; });
+  const double shift = best->first;
+  fitting(shift);
+  return CameraAgreement{shift, depths_of(agreement, surfaces, fits, shift, set)};
+}
+
+}  // namespace slipstream

@@ -1,0 +1,221 @@
+#include "reconstruct/camera_orders.h"
+
+#include "base/parallel_rows.h"
+#include "geometry/stripe_geometry.h"
+#include "slipstream/band_unwrapper.h"
+#include "slipstream/numbers.h"
+
+namespace slipstream {
+namespace {
+
+/// Half width of a window, pixels: 225 pixels of a vote of up to 8192 do not overflow.
+constexpr int reach = 7;
+constexpr float vote_step = 1 / 4096.0F;
+constexpr std::uint32_t one_pixel = 1U << 24U;
+
+/// A vote or a sum of votes.
+struct Disagreement {
+  explicit Disagreement(std::uint32_t votes)
+      : sum(vote_step * static_cast<float>(votes % one_pixel)),
+        seen(static_cast<float>(votes / one_pixel)) {}
+
+  float sum, seen;
+};
+
+/// The only candidate that fits; -1 if there is none.
+int best_order(const std::uint32_t* votes, int count) {
+  constexpr float fits = 0.1F;      // mean for phases half a radian apart
+  constexpr float clearly = 0.15F;  // margin to the second best
+  constexpr float fewest = 40;      // regions of fewer pixels may match by chance
+  float most = 0;
+  for (int k = 0; k < count; ++k) most = std::max(most, Disagreement(votes[k]).seen);
+
+  int best = -1;
+  float least = 2, second = 2;
+  for (int k = 0; k < count; ++k) {
+    const auto [sum, seen] = Disagreement(votes[k]);
+    if (seen < std::max(fewest, 0.5F * most)) continue;
+    const float mean = sum / seen;
+    if (mean < least) {
+      second = least;
+      least = mean;
+      best = k;
+    } else {
+      second = std::min(second, mean);
+    }
+  }
+  return least < fits && second > least + clearly ? best : -1;
+}
+
+/// One line of pixels through the image, and how far each order is from the line's first one.
+struct Line {
+  Line(const CameraPhases& camera, const Image<float>& phase, bool along_row, int number)
+      : validity(along_row ? camera.validity.row(number) : camera.validity.begin() + number),
+        phi(along_row ? phase.row(number) : phase.begin() + number),
+        stride(along_row ? 1 : phase.width()),
+        length(along_row ? phase.width() : phase.height()) {}
+
+  [[nodiscard]] bool is_valid(int i) const { return validity[i * stride] == Validity::valid; }
+  /// Whole periods from pixel i - 1 to i; nullopt where the phase is not continuous.
+  [[nodiscard]] std::optional<int> turn_before(int i) const {
+    const float rise = phi[i * stride] - phi[(i - 1) * stride];
+    const int turn = rise > std::numbers::pi_v<float>    ? -1
+                     : rise < -std::numbers::pi_v<float> ? 1
+                                                         : 0;
+    const float step = rise + static_cast<float>(two_pi) * static_cast<float>(turn);
+    if (!(std::abs(step) < std::numbers::pi_v<float> / 2)) return std::nullopt;
+    return turn;
+  }
+
+  const Validity* validity;
+  const float* phi;
+  int stride, length;
+};
+
+}  // namespace
+
+CameraOrders::CameraOrders(const EpipolarTables& tables, double periods, const DepthRange& depths,
+                           bool of_other, int length)
+    : tables_(tables),
+      periods_(static_cast<float>(periods)),
+      depths_(depths),
+      of_other_(of_other),
+      bounds_(tables.size()),
+      coordinate_(tables.size()) {
+  const double end = 1 + farthest_past_field(length);
+  for_each_pixel(tables.size(), [&](int column, int row) {
+    // Without a range, or where it begins behind the projector: the whole field.
+    double least = 0, largest = end;
+    if (!tables.has_ray(column, row)) {
+      largest = -1;
+    } else if (depths.nearest > 0 && std::isfinite(depths.farthest)) {
+      const auto coordinate = [&](double depth) {
+        return tables.coordinate_at(column, row, tables.inverse_of(column, row, depth, of_other));
+      };
+      const double near = coordinate(depths.nearest), far = coordinate(depths.farthest);
+      if (std::isfinite(near) && std::isfinite(far)) {
+        least = std::max(0.0, std::min(near, far));
+        largest = std::min(end, std::max(near, far));
+      }
+    }
+    bounds_(column, row) = {static_cast<float>(least * periods),
+                            static_cast<float>(largest * periods)};
+  });
+  candidates_.first = Image<std::int16_t>(tables.size());
+  candidates_.count = Image<std::uint8_t>(tables.size());
+}
+
+const Image<float>& CameraOrders::operator()(const CameraPhases& camera, const Image<float>& phase,
+                                             const CameraPhases& other) {
+  find_candidates(camera, phase);
+  vote(camera, phase, other);
+  sum_windows(camera, phase, true);
+  sum_windows(camera, phase, false);
+  for_each_pixel(phase.size(), [&](int column, int row) {
+    const int k = best_order(votes_.data() + at(column, row), candidates_.count(column, row));
+    coordinate_(column, row) =
+        k < 0 ? std::numeric_limits<float>::quiet_NaN()
+              : static_cast<float>(unwrapped_coordinate(
+                    phase(column, row), candidates_.first(column, row) + k, periods_));
+  });
+  return coordinate_;
+}
+
+void CameraOrders::find_candidates(const CameraPhases& camera, const Image<float>& phase) {
+  std::vector<int> most(static_cast<std::size_t>(phase.height()));
+  for_each_pixel(phase.size(), [&](int column, int row) {
+    const float turn = phase(column, row) / static_cast<float>(two_pi);
+    const Bounds& bounds = bounds_(column, row);
+    const int first = std::max(0, static_cast<int>(std::ceil(bounds.least - turn)));
+    const int last = std::min(static_cast<int>(std::ceil(periods_)) - 1,
+                              static_cast<int>(std::floor(bounds.largest - turn)));
+    const bool valid = camera.validity(column, row) == Validity::valid;
+    const int count = valid ? std::max(0, last - first + 1) : 0;
+    candidates_.first(column, row) = static_cast<std::int16_t>(first);
+    candidates_.count(column, row) = static_cast<std::uint8_t>(std::min(count, 255));
+    most[row] = std::max(most[row], count);
+  });
+  candidates_.most = std::min(255, *std::ranges::max_element(most));
+}
+
+void CameraOrders::vote(const CameraPhases& camera, const Image<float>& phase,
+                        const CameraPhases& other) {
+  const std::size_t size = phase.pixel_count() * static_cast<std::size_t>(candidates_.most);
+  votes_.assign(size, 0);
+  summed_.assign(size, 0);
+  for_each_pixel(phase.size(), [&](int column, int row) {
+    const int count = candidates_.count(column, row);
+    const Phasor reference = std::conj(camera.bands[0](column, row));
+    for (int k = 0; k < count; ++k) {
+      const auto y = static_cast<float>(
+          unwrapped_coordinate(phase(column, row), candidates_.first(column, row) + k, periods_));
+      const float w = tables_.inverse_depth(column, row, y);
+      if (!(w > 0)) continue;
+      const float depth = of_other_ ? tables_.other_depth(column, row, w) : 1 / w;
+      if (!(depth > depths_.nearest && depth < depths_.farthest)) continue;
+      const Phasor seen = near_phasor(other, other.bands[0], tables_.place(column, row, w));
+      if (seen == Phasor(0) || reference == Phasor(0)) continue;
+      const Phasor turned = seen * reference;
+      const float apart = 1 - turned.real() / std::sqrt(std::norm(turned));
+      votes_[at(column, row) + static_cast<std::size_t>(k)] =
+          one_pixel + static_cast<std::uint32_t>(apart / vote_step);
+    }
+  });
+}
+
+/// Sums the votes of up to `reach` pixels on either side of each pixel, order by order, by adding
+/// the one that enters the window and subtracting the one that leaves.
+void CameraOrders::sum_windows(const CameraPhases& camera, const Image<float>& phase,
+                               bool along_rows) {
+  const int lines = along_rows ? phase.height() : phase.width();
+  for_each_row(lines, [&](int number) {
+    const Line line(camera, phase, along_rows, number);
+    const auto index = [&](int i) { return along_rows ? at(i, number) : at(number, i); };
+    const auto pixel = [&](int i) {
+      return static_cast<std::size_t>(along_rows ? number * phase.width() + i
+                                                 : i * phase.width() + number);
+    };
+    std::vector<int> shift(static_cast<std::size_t>(line.length));
+    std::vector<std::uint32_t> window;
+    for (int begin = 0, end = 0; begin < line.length; begin = end) {
+      end = begin + 1;
+      if (!line.is_valid(begin)) continue;
+
+      // 1. The pixels [begin, end) over which the phase continues, each with its first candidate,
+      //    counted from the order of the first pixel.
+      int turns = 0, least = 0, most = 0;
+      const auto place = [&](int i) {
+        const int first = candidates_.first.begin()[pixel(i)] - turns;
+        shift[i] = first;
+        least = i == begin ? first : std::min(least, first);
+        most = i == begin ? first : std::max(most, first);
+      };
+      place(begin);
+      for (; end < line.length && line.is_valid(end); ++end) {
+        const auto turn = line.turn_before(end);
+        if (!turn) break;
+        turns += *turn;
+        place(end);
+      }
+
+      // 2. The sums of a window that moves along them.
+      window.assign(static_cast<std::size_t>(most - least + candidates_.most), 0);
+      const auto change = [&](int i, bool enters) {
+        const std::uint32_t* const votes = votes_.data() + index(i);
+        std::uint32_t* const sums = window.data() + (shift[i] - least);
+        const int count = candidates_.count.begin()[pixel(i)];
+        for (int k = 0; k < count; ++k) sums[k] += enters ? votes[k] : 0 - votes[k];
+      };
+      for (int i = begin; i < std::min(end, begin + reach); ++i) change(i, true);
+      for (int i = begin; i < end; ++i) {
+        if (i + reach < end) change(i + reach, true);
+        if (i - reach > begin) change(i - reach - 1, false);
+        std::copy_n(window.begin() + (shift[i] - least), candidates_.count.begin()[pixel(i)],
+                    summed_.begin() + static_cast<std::ptrdiff_t>(index(i)));
+      }
+    }
+  });
+  std::swap(votes_, summed_);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "geometry/triangulator.h"
+#include "slipstream/reconstruct_settings.h"
+#include "slipstream/scan.h"
+
+// Epipolar geometry of a camera and the projector: checks with patterns along the other axis.
+namespace slipstream {
+
+/// Distance of a projector pixel from the epipolar line of a camera pixel.
+struct EpipolarDistance {
+  double distance = 0;  ///< projector pixels, signed, in the undistorted image
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit normal of the line
+};
+
+/// `ray`: of the camera pixel, (u, v, 1) in the camera's frame; `x`, `y`: projector coordinates
+/// along both axes. NaN where the projector's lens model has no inverse.
+EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d& ray, double x,
+                                   double y);
+
+/// Result of comparing a scan with patterns along the other axis. It reveals only errors across the
+/// epipolar line: where the line runs along x, errors of x alone stay hidden.
+struct EpipolarCheck {
+  double median = 0;         ///< of the points' distances, projector pixels
+  double median_length = 0;  ///< of their absolute values
+  double median_sigma = 0;   ///< of their standard deviations due to noise
+  std::size_t doubted = 0;   ///< points farther off than noise explains
+
+  /// Whether the distances far exceed noise, so that calibration and scan do not match.
+  [[nodiscard]] bool contradicts() const;
+};
+
+/// Compares a cloud and its maps, along x, with `other`, a scan of the same scene along y. Sets the
+/// maps' epipolar distance. Marks points as `doubtful_order` if they are off their epipolar lines
+/// by more than 5 standard deviations, or half a pixel if that is more. If more than a third are,
+/// marks all points, since the rest are close only by chance. Throws Error if the frames of `other`
+/// do not fit the setup or do not give coordinates by themselves.
+EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps, Cloud& cloud);
+
+}  // namespace slipstream

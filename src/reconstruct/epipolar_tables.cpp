@@ -1,0 +1,150 @@
+#include "reconstruct/epipolar_tables.h"
+
+#include <Eigen/LU>
+
+#include "base/parallel_rows.h"
+#include "geometry/stripe_geometry.h"
+#include "slipstream/numbers.h"
+
+namespace slipstream {
+namespace {
+
+/// Cubic convolution weights (Keys) of the four pixels around a position, `t` past the second.
+std::array<float, 4> cubic_weights(float t) {
+  const float u = 1 - t;
+  return {-0.5F * t * u * u, 1 + t * t * (1.5F * t - 2.5F), 1 + u * u * (1.5F * u - 2.5F),
+          -0.5F * u * t * t};
+}
+
+/// The polynomial depths are exact at every eighth pixel and linear in between.
+constexpr int spacing = 8;
+
+/// The same scanner with a camera that sees only the knots, up to one past the picture.
+Scanner at_knots(Scanner scanner) {
+  auto& [width, height] = scanner.camera.size;
+  width = (width - 1) / spacing + 2;
+  height = (height - 1) / spacing + 2;
+  scanner.camera.intrinsic.topRows<2>() /= spacing;
+  return scanner;
+}
+
+}  // namespace
+
+EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis axis)
+    : scanner_(camera), axis_(axis), rays_(camera.camera.size) {
+  const Eigen::Matrix3d turn = other.rotation.transpose() * camera.rotation;
+  turn_ = turn.cast<float>();
+  translation_ =
+      (other.rotation.transpose() * (camera.translation - other.translation)).cast<float>();
+
+  const auto& coefficients = other.camera.distortion.coefficients;
+  std::transform(coefficients.begin(), coefficients.begin() + untilted_coefficient_count,
+                 lens_.begin(), [](double k) { return static_cast<float>(k); });
+  straight_ = other.camera.distortion.is_zero();
+  tilted_ = coefficients[12] != 0 || coefficients[13] != 0;
+  sensor_ =
+      (other.camera.intrinsic * sensor_tilt(coefficients[12], coefficients[13])).cast<float>();
+
+  const auto rays = ray_table(camera.camera);
+  for_each_pixel(rays_.size(), [&](int column, int row) {
+    const Eigen::Vector3d ray =
+        rays ? Eigen::Vector3d(rays->E_x(column, row), rays->E_y(column, row), 1)
+             : ray_through(camera.camera, {column, row});
+    const Eigen::Vector3f turned = (turn * ray).cast<float>();
+    rays_(column, row).turned = {turned.x(), turned.y(), turned.z()};
+  });
+  fill_depths(Triangulator(at_knots(camera), axis, PointMethod::form1));
+}
+
+/// Fits w by Chebyshev polynomials at the knots.
+void EpipolarTables::fill_depths(const Triangulator& triangulate) {
+  Image<Polynomial> depths(triangulate.scanner().camera.size);
+  const Eigen::Matrix<double, terms, terms> to_powers =
+      chebyshev_coefficients<terms>().transpose() * chebyshev_transform<terms>();
+  for_each_pixel(depths.size(), [&](int column, int row) {
+    Eigen::Matrix<double, terms, 1> values;
+    for (int k = 0; k < terms; ++k) {
+      const double p = std::cos(std::numbers::pi * (k + 0.5) / terms);
+      values[k] = 1 / triangulate(column, row, 0.5 + p * (0.5 - least_y)).z();
+    }
+    const Eigen::Matrix<double, terms, 1> powers = to_powers * values;
+    for (int k = 0; k < terms; ++k) depths(column, row)[k] = static_cast<float>(powers[k]);
+  });
+
+  for_each_pixel(rays_.size(), [&](int column, int row) {
+    const int i = column / spacing, j = row / spacing;
+    const float right = static_cast<float>(column % spacing) / spacing;
+    const float down = static_cast<float>(row % spacing) / spacing;
+    for (int k = 0; k < terms; ++k) {
+      const float above = std::lerp(depths(i, j)[k], depths(i + 1, j)[k], right);
+      const float below = std::lerp(depths(i, j + 1)[k], depths(i + 1, j + 1)[k], right);
+      rays_(column, row).depth[k] = std::lerp(above, below, down);
+    }
+  });
+}
+
+float EpipolarTables::inverse_depth(int column, int row, float y) const {
+  const Polynomial& depth = rays_(column, row).depth;
+  const float p = (y - 0.5F) / (0.5F - least_y);
+  float w = depth[terms - 1];
+  for (int k = terms - 2; k >= 0; --k) w = w * p + depth[k];
+  return w;
+}
+
+Eigen::Vector2f EpipolarTables::place(int column, int row, float w) const {
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  const Eigen::Vector3f point = turned(column, row) + w * translation_;
+  if (!(point.z() > 0)) return {none, none};
+  Eigen::Vector2f bent = point.head<2>() / point.z();
+  if (!straight_) bent = distort_untilted<float>(lens_.data(), bent);
+  const Eigen::Vector3f pixel = sensor_ * bent.homogeneous();
+  return tilted_ ? Eigen::Vector2f(pixel.hnormalized()) : Eigen::Vector2f(pixel.head<2>());
+}
+
+double EpipolarTables::coordinate_at(int column, int row, double w) const {
+  const Eigen::Vector3d ray = (turn_.transpose() * turned(column, row)).cast<double>();
+  const Eigen::Vector3d point = in_projector_frame(scanner_, ray / ray.z() / w);
+  if (!(point.z() > 0)) return nan;
+  const Lens& projector = scanner_.projector;
+  return coordinate_along(axis_, project(projector, point), projector.size);
+}
+
+Phasor phasor_at(const CameraPhases& camera, const Image<Phasor>& band, const Eigen::Vector2f& at) {
+  if (!(at.x() >= 1 && at.y() >= 1 && at.x() < static_cast<float>(band.width() - 2) &&
+        at.y() < static_cast<float>(band.height() - 2))) {
+    return 0;
+  }
+  const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
+  if (camera.surrounded(left, top) == 0) return 0;
+  const auto across = cubic_weights(at.x() - static_cast<float>(left));
+  const auto down = cubic_weights(at.y() - static_cast<float>(top));
+
+  // First down the four rows, eight numbers at a time, then across.
+  std::array<float, 8> sums{};
+  for (int j = 0; j < 4; ++j) {
+    const auto* const row = reinterpret_cast<const float*>(band.row(top - 1 + j) + left - 1);
+    for (int i = 0; i < 8; ++i) sums[i] += down[j] * row[i];
+  }
+  float C = 0, S = 0;
+  for (int i = 0; i < 4; ++i) {
+    C += across[i] * sums[2 * i];
+    S += across[i] * sums[2 * i + 1];
+  }
+  return {C, S};
+}
+
+Phasor near_phasor(const CameraPhases& camera, const Image<Phasor>& band,
+                   const Eigen::Vector2f& at) {
+  if (!(at.x() >= 0 && at.y() >= 0 && at.x() < static_cast<float>(band.width() - 1) &&
+        at.y() < static_cast<float>(band.height() - 1))) {
+    return 0;
+  }
+  const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
+  if (camera.surrounded(left, top) == 0) return 0;
+  const float right = at.x() - static_cast<float>(left), down = at.y() - static_cast<float>(top);
+  const Phasor *const above = band.row(top) + left, *const below = band.row(top + 1) + left;
+  return (1 - down) * ((1 - right) * above[0] + right * above[1]) +
+         down * ((1 - right) * below[0] + right * below[1]);
+}
+
+}  // namespace slipstream

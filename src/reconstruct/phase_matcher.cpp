@@ -1,0 +1,383 @@
+#include "reconstruct/phase_matcher.h"
+
+#include "base/parallel_rows.h"
+#include "base/throw_if-inl.h"
+#include "reconstruct/camera_agreement.h"
+#include "reconstruct/camera_orders.h"
+#include "reconstruct/epipolar_search.h"
+#include "reconstruct/fused/fused_engine.h"
+#include "reconstruct/fused/pair_rows.h"
+#include "slipstream/numbers.h"
+#include "slipstream/statistics.h"
+#include "slipstream/unwrapping.h"
+
+namespace slipstream {
+namespace {
+
+void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchSettings& match) {
+  require_valid(first);
+  require_valid(second);
+  throw_if(first.projector.size != second.projector.size ||
+               !first.projector.intrinsic.isApprox(second.projector.intrinsic),
+           "the two cameras' scanners have different projectors; both must have the same");
+  throw_if((projector_centre(first) -
+            first.rotation.transpose() * second.rotation * projector_centre(second))
+                   .norm() < 1e-9,
+           "the two cameras are in the same place and measure no depth; check their translations");
+  throw_if(match.window < 0 || match.window > 100,
+           "match window {} is out of range; 0 to 100 pixels", match.window);
+}
+
+void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
+  throw_if(frames.size() != scanner.camera.size,
+           "frames of the {} camera are {}, its scanner says {}; both must agree", which,
+           text_of(frames.size()), text_of(scanner.camera.size));
+}
+
+EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence,
+                     const ReconstructSettings& settings) {
+  Sequence merged = merged_sequence(sequence);
+  merged.both_axes = false;
+  return {scanner, std::move(merged), settings};
+}
+
+}  // namespace
+
+/// Tables and settings of one pair of scanners and one sequence.
+struct PhaseMatcher::Tables {
+  Tables(const Scanner& one, const Scanner& other, const Sequence& sequence,
+         const ReconstructSettings& settings, const PhaseMatchSettings& match_settings)
+      : first(setup_of(one, sequence, settings)),
+        second(setup_of(other, sequence, settings)),
+        match(match_settings),
+        there(one, other, first.sequence.axis),
+        bands(band_search(first.sequence.strategy.layout(), other.camera.size.width)),
+        period(1 / highest_frequency(first.sequence.strategy)),
+        searches(!has_coordinate(first.sequence.strategy)),
+        by_bands(order_source(first.sequence.strategy.layout()) == OrderSource::bands),
+        given(sequence) {
+    if (searches) back.emplace(other, one, first.sequence.axis);
+  }
+
+  EngineSetup first, second;
+  PhaseMatchSettings match;
+  EpipolarTables there;                ///< of the first camera in the second
+  std::optional<EpipolarTables> back;  ///< of the second in the first, to search orders
+  BandSearch bands;
+  double period;   ///< of the finest band, fields
+  bool searches;   ///< the second camera gives the order
+  bool by_bands;   ///< else the first camera's own order must be the second camera's, too
+  Sequence given;  ///< before frames are separated
+};
+
+/// What scans share, and memory that they reuse.
+struct PhaseMatcher::Memory {
+  explicit Memory(const Tables& tables) : clean(tables.first.settings.clean) {}
+
+  using Readers = std::array<PhaseReader, 2>;
+  std::vector<Readers> readers;  ///< one for each first pattern of a window
+  std::optional<Readers> other_readers;
+  std::array<CameraPhases, 2> phases, others;  ///< `others`: of frames along the other axis
+  bool has_others = false;
+  double full_scale = 255;  ///< of the first camera's frames
+  Cleaner clean;
+
+  std::optional<CameraAgreement> agreement;
+  int scans_until_search = 0;  ///< of an agreement, if there is none
+  DepthRange depths;           ///< of the orders
+  std::optional<CameraOrders> orders, back_orders;
+  std::array<Image<float>, 2> wrapped;  ///< phase from the beginning of the field
+  std::array<Image<float>, 2> coordinates;
+
+  Image<float> inverse_depth, weight, pixel_step;  ///< with further columns, see MatchedRows
+};
+
+PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Sequence& sequence,
+                           const ReconstructSettings& settings, const PhaseMatchSettings& match) {
+  require_pair(first, second, match);
+  require_valid(setup_of(first, sequence, settings));
+  const Unwrapping& unwrapping = sequence.strategy.layout().unwrapping;
+  throw_if(unwrapping->whole_stripes || sequence.strategy.is_spectral(),
+           "{}: frames cannot be matched between cameras; use a strategy of sinusoids, or "
+           "--one-camera",
+           sequence.strategy.name());
+  tables_ = std::make_unique<Tables>(first, second, sequence, settings, match);
+  memory_ = std::make_unique<Memory>(*tables_);
+  const int starts = sequence.motion > 0 ? cycle_length(sequence) : 1;
+  for (int start = 0; start < starts; ++start) {
+    const auto reader = [&](EngineSetup setup) {
+      setup.sequence = merged_sequence(sequence, start);
+      setup.sequence.both_axes = false;
+      return PhaseReader(setup);
+    };
+    memory_->readers.push_back({reader(tables_->first), reader(tables_->second)});
+  }
+}
+
+PhaseMatcher::PhaseMatcher(PhaseMatcher&&) noexcept = default;
+PhaseMatcher& PhaseMatcher::operator=(PhaseMatcher&&) noexcept = default;
+PhaseMatcher::~PhaseMatcher() = default;
+
+std::string PhaseMatcher::method_for(const FrameViews& frames) const {
+  return memory_->readers.front()[0].method_for(frames);
+}
+
+PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first, const FrameViews& second) {
+  Result result;
+  run(first, second, result);
+  return result;
+}
+
+PhaseMatcher::Result PhaseMatcher::operator()(const Scan& first, const Scan& second) {
+  Result result;
+  read(first.frames, second.frames, 0);
+  if (!first.other_axis.empty() && !second.other_axis.empty())
+    read_across(first.other_axis.front().frames, second.other_axis.front().frames);
+  match(result);
+  return result;
+}
+
+void PhaseMatcher::run(const FrameViews& first, const FrameViews& second, Result& result,
+                       int first_pattern) {
+  if (!tables_->given.both_axes) {
+    read(first, second, first_pattern);
+  } else {
+    const int count = frame_count(tables_->first.sequence);
+    read(first.part(0, count), second.part(0, count), 0);
+    read_across(first.part(count, count), second.part(count, count));
+  }
+  match(result);
+}
+
+void PhaseMatcher::read(const FrameViews& first, const FrameViews& second, int first_pattern) {
+  require_size(first, tables_->first.scanner, "first");
+  require_size(second, tables_->second.scanner, "second");
+  auto& [read_first, read_second] = memory_->readers[first_pattern];
+  read_first(first, memory_->phases[0]);
+  read_second(second, memory_->phases[1]);
+  memory_->has_others = false;
+  memory_->full_scale = first.full_scale();
+}
+
+void PhaseMatcher::read_across(const FrameViews& first, const FrameViews& second) {
+  if (!memory_->other_readers) {
+    const auto turned = [](EngineSetup setup) {
+      setup.sequence = along(setup.sequence, across(setup.sequence.axis));
+      return PhaseReader(setup);
+    };
+    memory_->other_readers.emplace(std::array{turned(tables_->first), turned(tables_->second)});
+  }
+  (*memory_->other_readers)[0](first, memory_->others[0]);
+  (*memory_->other_readers)[1](second, memory_->others[1]);
+  memory_->has_others = true;
+}
+
+/// Coordinates of both cameras from one band of many periods: each camera resolves the other's
+/// orders.
+void PhaseMatcher::search_orders() {
+  Memory& memory = *memory_;
+  const CameraPhases &first = memory.phases[0], &second = memory.phases[1];
+  const double periods = 1 / tables_->period;
+  const auto wrap = [&](double phase_shift) {
+    for (const int i : {0, 1}) {
+      const CameraPhases& camera = memory.phases[i];
+      prepare(memory.wrapped[i], camera.validity.size());
+      std::ranges::transform(camera.maps.wrapped_phase, memory.wrapped[i].begin(),
+                             [shift = static_cast<float>(phase_shift)](float phi) {
+                               constexpr auto turn = static_cast<float>(two_pi);
+                               phi += shift;
+                               return phi < 0 ? phi + turn : phi >= turn ? phi - turn : phi;
+                             });
+    }
+  };
+
+  const bool is_due = memory.scans_until_search == 0;
+  if (!is_due) --memory.scans_until_search;
+  if (!memory.agreement && is_due) {
+    wrap(0);
+    Image<float> lit = memory.wrapped[0];
+    std::ranges::transform(lit, first.validity, lit.begin(), [](float phi, Validity pixel) {
+      return pixel == Validity::valid ? phi : std::numeric_limits<float>::quiet_NaN();
+    });
+    const DepthRange set = depth_range(tables_->first);
+    memory.agreement = camera_agreement(tables_->there, periods, set, lit, first, second);
+    if (memory.agreement && tables_->first.settings.nearest && tables_->first.settings.farthest)
+      memory.agreement->depths = set;
+    const DepthRange& depths = memory.agreement ? memory.agreement->depths : set;
+    constexpr int scans_between_searches = 16;
+    if (!memory.agreement) memory.scans_until_search = scans_between_searches;
+    if (!memory.orders || depths != memory.depths) {
+      const int length = projector_length(tables_->first);
+      memory.orders.emplace(tables_->there, periods, depths, false, length);
+      memory.back_orders.emplace(*tables_->back, periods, depths, true, length);
+      memory.depths = depths;
+    }
+  }
+  wrap(memory.agreement ? memory.agreement->phase_shift : 0);
+  memory.coordinates[0] = (*memory.orders)(first, memory.wrapped[0], second);
+  memory.coordinates[1] = (*memory.back_orders)(second, memory.wrapped[1], first);
+}
+
+/// Matches the pixels of a row of the first camera, leaving out matches that are not certain.
+void PhaseMatcher::match_row(int row) {
+  const Tables& tables = *tables_;
+  Memory& memory = *memory_;
+  const CameraPhases &first = memory.phases[0], &second = memory.phases[1];
+  const Image<float>& coordinate = tables.searches ? memory.coordinates[0] : first.maps.coordinate;
+  const Image<float>& other_coordinate =
+      tables.searches ? memory.coordinates[1] : second.maps.coordinate;
+  const auto period = static_cast<float>(tables.period);
+
+  /// Whether the second camera finds the same point: where the right place is hidden from it, a
+  /// wrong one may match by chance, but not both ways.
+  const auto is_seen_from_second = [&](const Eigen::Vector2f& at, float y) {
+    const float other = other_coordinate(static_cast<int>(std::lround(at.x())),
+                                         static_cast<int>(std::lround(at.y())));
+    return std::abs(other - y) < period / 2;
+  };
+  /// Whether the phases along the other axis agree.
+  const auto agrees_across = [&](int column, const Eigen::Vector2f& at) {
+    constexpr float most = 1;  // rad; a calibration may be off by a pixel
+    const EpipolarSearch across(tables.there, memory.others[0], memory.others[1], column, row);
+    if (memory.others[0].validity(column, row) != Validity::valid) return false;
+    return std::abs(across.near_difference(memory.others[0].bands.size() - 1, at)) < most;
+  };
+
+  const auto side =
+      static_cast<std::ptrdiff_t>(memory.inverse_depth.width() - first.validity.width()) / 2;
+  float* const depths = memory.inverse_depth.row(row) + side;
+  float* const weights = memory.weight.row(row) + side;
+  float* const steps = memory.pixel_step.row(row) + side;
+  for (int column = 0; column < first.validity.width(); ++column) {
+    depths[column] = std::numeric_limits<float>::quiet_NaN();
+    if (first.validity(column, row) != Validity::valid) continue;
+    if (!tables.there.has_ray(column, row)) continue;
+    const float y = coordinate(column, row);
+    const float guess = tables.there.inverse_depth(column, row, y);
+    if (!(guess > 0)) continue;
+
+    const EpipolarSearch line(tables.there, first, second, column, row);
+    const EpipolarMatch match = match_pixel(line, guess, tables.bands);
+    if (!match.is_found()) continue;
+    const float slope = line.slope(tables.bands.fringes.size() - 1, match);
+    if (!std::isfinite(slope) || slope == 0) continue;
+    if (tables.searches || !tables.by_bands) {
+      const float beside = tables.there.inverse_depth(column, row, y + period / 4);
+      if (!(std::abs(match.w - guess) < std::abs(beside - guess))) continue;
+      if (!is_seen_from_second(match.at, y)) continue;
+    }
+    if (memory.has_others && !agrees_across(column, match.at)) continue;
+
+    // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
+    depths[column] = match.w;
+    weights[column] = slope * slope * std::norm(first.bands.back()(column, row));
+    steps[column] = 1 / match.direction.norm();
+  }
+}
+
+/// How far the phases are from those at which the projector lit the matched points: median, rad.
+double PhaseMatcher::remaining_phase_shift() const {
+  const Image<float>& coordinate = memory_->coordinates[0];
+  const int side = (memory_->inverse_depth.width() - coordinate.width()) / 2;
+  std::vector<double> shifts;
+  for (int row = 0; row < coordinate.height(); row += 2) {
+    for (int column = 0; column < coordinate.width(); column += 2) {
+      const float w = memory_->inverse_depth(column + side, row);
+      if (!std::isfinite(w)) continue;
+      const double lit = tables_->there.coordinate_at(column, row, w);
+      shifts.push_back(two_pi / tables_->period * (lit - coordinate(column, row)));
+    }
+  }
+  return shifts.empty() ? 0 : median(std::move(shifts));
+}
+
+/// Shifts the phase as long as the matched points say so, and more pixels match.
+void PhaseMatcher::improve_phase_shift(const std::function<void()>& match_all) {
+  constexpr double of_calibration = 0.3;  // rad
+  constexpr int most_steps = 4;
+  const auto matched = [&] {
+    return std::ranges::count_if(memory_->inverse_depth, [](float w) { return std::isfinite(w); });
+  };
+  double& shift = memory_->agreement->phase_shift;
+  for (int step = 0; step < most_steps; ++step) {
+    const double more = remaining_phase_shift(), before = shift;
+    const bool is_small = shift == 0 ? std::abs(more) < of_calibration : std::abs(more) < 0.01;
+    if (is_small) return;
+    const auto points = matched();
+    shift = std::remainder(shift + more, two_pi);
+    search_orders();
+    match_all();
+    if (before == 0 && matched() < points + points / 50) {  // no better: as given
+      shift = before;
+      search_orders();
+      match_all();
+      return;
+    }
+  }
+}
+
+void PhaseMatcher::match(Result& result) {
+  const Tables& tables = *tables_;
+  Memory& memory = *memory_;
+  const CameraPhases& first = memory.phases[0];
+  const Size size = first.validity.size();
+  const bool had_agreement = memory.agreement.has_value();
+  if (tables.searches) search_orders();
+
+  // 1. Matches of all pixels.
+  const int side = tables.match.window + least_row_width;
+  const Size padded{size.width + 2 * side, size.height};
+  if (memory.inverse_depth.size() != padded) {
+    memory.inverse_depth = Image<float>(padded, std::numeric_limits<float>::quiet_NaN());
+    memory.weight = memory.pixel_step = Image<float>(padded);
+  }
+  const auto match_all = [&] { for_each_row(size.height, [&](int row) { match_row(row); }); };
+  match_all();
+  if (memory.agreement && !had_agreement) improve_phase_shift(match_all);
+
+  // 2. Their depths, smoothed by planes, and points.
+  const DepthRange depths = depth_range(tables.first);
+  const MatchedRows matches{tables.match.window, side, memory.inverse_depth, memory.weight,
+                            memory.pixel_step};
+  Cloud& cloud = result.cloud;
+  if (cloud.size() != size) cloud = Cloud(size);
+  cloud.validity = first.validity;
+  const auto grey_level = static_cast<float>(memory.full_scale / 255);
+  for_each_row(size.height, [&](int row) {
+    std::vector<float> smooth(matches.inverse_depth.row(row) + side,
+                              matches.inverse_depth.row(row) + side + size.width);
+    if (tables.match.window > 0 && size.width >= least_row_width)
+      plane_row(matches, row, smooth.data());
+    for (int column = 0; column < size.width; ++column) {
+      cloud.intensity(column, row) = first.maps.mean(column, row) / grey_level;
+      const float Z = 1 / smooth[column];
+      Validity& pixel = cloud.validity(column, row);
+      if (pixel == Validity::valid && std::isnan(Z)) {
+        const bool doubtful = tables.searches && std::isnan(memory.coordinates[0](column, row));
+        pixel = doubtful ? Validity::doubtful_order : Validity::no_point;
+      } else if (pixel == Validity::valid && (Z < depths.nearest || Z > depths.farthest)) {
+        pixel = Validity::out_of_range;
+      }
+      if (pixel != Validity::valid) {
+        cloud.leave_out(column, row, pixel);
+        continue;
+      }
+      const Eigen::Vector2f direction = tables.there.direction(column, row);
+      cloud.x(column, row) = Z * direction.x();
+      cloud.y(column, row) = Z * direction.y();
+      cloud.z(column, row) = Z;
+    }
+  });
+  result.cleaned = memory.clean(cloud);
+
+  // 3. The maps, and the agreement of the cameras, which is kept unless the scene has changed.
+  result.maps = first.maps;
+  if (tables.searches) result.maps.coordinate = memory.coordinates[0];
+  result.agreement = memory.agreement;
+  const ValidityCounts counts = count_by_validity(cloud);
+  const auto count = [&](Validity kind) { return counts[static_cast<std::size_t>(kind)]; };
+  const std::size_t lit = cloud.z.pixel_count() - count(Validity::too_dark);
+  if (2 * count(Validity::valid) < lit) memory.agreement.reset();
+}
+
+}  // namespace slipstream

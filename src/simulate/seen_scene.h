@@ -1,0 +1,84 @@
+#pragma once
+
+#include "slipstream/numbers.h"
+#include "slipstream/virtual_scanner.h"
+
+namespace slipstream {
+
+// Random numbers are pure functions of their arguments, so that frames do not depend on the order
+// of rendering threads.
+
+/// A well-mixed 64-bit number for each counter (the finaliser of SplitMix64).
+constexpr std::uint64_t mixed(std::uint64_t counter) {
+  counter += 0x9e3779b97f4a7c15U;
+  counter = (counter ^ (counter >> 30)) * 0xbf58476d1ce4e5b9U;
+  counter = (counter ^ (counter >> 27)) * 0x94d049bb133111ebU;
+  return counter ^ (counter >> 31);
+}
+
+/// In (0, 1).
+constexpr double uniform(std::uint64_t key) {
+  return (static_cast<double>(mixed(key) >> 11) + 0.5) * 0x1p-53;
+}
+
+/// Standard normal (Box and Muller).
+inline double gaussian(std::uint64_t seed, std::uint64_t frame, std::uint64_t pixel) {
+  const std::uint64_t key = mixed(seed) ^ mixed(frame << 40 ^ pixel);
+  return std::sqrt(-2 * std::log(uniform(key))) * std::cos(two_pi * uniform(mixed(key)));
+}
+
+/// Light that reaches a camera pixel from a position in the projector's picture.
+struct LitSample {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< of the projector
+  double strength = 0;  ///< of the projector's light: reflectivity, fall-off, share of the pixel
+  double blur = 0;      ///< standard deviation of the projector's Gaussian, projector pixels
+  double spread = 0;    ///< the same for the half of the light scattered within the surface
+};
+
+/// A scene as seen by the camera at one time, for frames of any patterns and noise.
+struct SeenScene {
+  Size size;                         ///< of the camera
+  Image<double> depth{size, nan};    ///< at the pixels' centres, mm; NaN without a surface
+  Image<double> reflectivity{size};  ///< alpha with shading and gloss; 0 without a surface
+  Image<double> albedo{size};        ///< mean alpha of a pixel, for ambient light
+  Image<double> blur{size};          ///< standard deviation of the camera's Gaussian, pixels
+  /// The projector's pixel that lights a pixel's centre; NaN in shadow and outside the field.
+  Image<double> lit_column{size, nan}, lit_row{size, nan};
+  /// For each row, pixel by pixel.
+  std::vector<std::vector<LitSample>> samples = std::vector<std::vector<LitSample>>(size.height);
+  Image<int> sample_count{size};  ///< for each pixel
+};
+
+/// `time`: in frames, 0 at the first; of the first row for a rolling shutter. On even surfaces a
+/// pixel uses the ray through its centre, at edges the mean of `photometry.rays` rays.
+/// Once `stop` is requested, returns soon, with pixels left dark.
+SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
+               double time, const std::stop_token& stop = {});
+
+/// Light of a position in the projector's picture under blur, grey levels of 8 bits.
+using ProjectedLight = std::function<double(const LitSample&)>;
+
+/// Frame n before sensor noise, grey levels of 8 bits: I = alpha (I^p + beta) + beta, Eq. (3.2),
+/// plus the effects of Physics. `exposure`: relative to the usual one.
+Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
+                      const ProjectedLight& light);
+
+/// The projector's light for a pattern intensity, both grey levels, Eq. (4.2).
+double responded(double intensity, const Photometry& photometry);
+
+/// The light of a picture that fills the projector's field: constant over each pixel, blurred.
+ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry);
+
+/// The light of pattern n for the samples of `seen`: exact, or blurred pixels of 256 levels if
+/// Physics says so. Uses the pattern's picture for binary patterns, and for carriers with blur.
+ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
+                               const Photometry& photometry, const SeenScene& seen);
+
+/// Adds the sensor's noise to frames of one size, the first with number n, grey levels of 8 bits;
+/// deterministic for a seed.
+void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& photometry);
+
+/// The frames rounded and clipped to `bits`; unchanged without `bits`.
+FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits);
+
+}  // namespace slipstream

@@ -1,0 +1,207 @@
+#include "slipstream/virtual_scanner.h"
+
+#include "base/parallel_rows.h"
+#include "base/throw_if-inl.h"
+#include "simulate/seen_scene.h"
+
+namespace slipstream {
+namespace {
+
+// Keys of random numbers that are constant over frames; no frame has these numbers.
+constexpr std::uint64_t of_offsets = 0xfffff0, of_sensitivities = 0xfffff1, of_rows = 0x800000;
+
+template <class Pixel>
+std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures, int bits) {
+  const double full_scale = (1 << bits) - 1;
+  std::vector<Image<Pixel>> frames;
+  for (const Image<double>& exposure : exposures) {
+    Image<Pixel>& frame = frames.emplace_back(exposure.size());
+    std::ranges::transform(exposure, frame.begin(), [&](double intensity) {
+      return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
+    });
+  }
+  return frames;
+}
+
+constexpr std::size_t channels = 3;
+
+/// Share of channel c's light that the paint reflects at a point of the surface.
+double kept(double paint, const Eigen::Vector3d& point, std::size_t c) {
+  constexpr double around = 40;  // mm
+  const double hue = (point.x() + point.y()) / around - static_cast<double>(c) / channels;
+  return 1 - paint * (0.5 + 0.5 * std::cos(2 * std::numbers::pi * hue));
+}
+
+/// The channels of one picture before the sensor, from the light of each projector colour alone.
+std::vector<Image<double>> mixed(const std::vector<ImageView<const double>>& lights,
+                                 const VirtualScan& seen, const Lens& camera,
+                                 const ColourDevices& devices) {
+  const Size size = lights.front().size();
+  std::vector<Image<double>> picture(channels, Image<double>(size));
+  for_each_pixel(size, [&](int column, int row) {
+    const double depth = seen.depth(column, row);
+    const Eigen::Vector3d point = std::isnan(depth)
+                                      ? Eigen::Vector3d::Zero()
+                                      : Eigen::Vector3d(depth * ray_through(camera, {column, row}));
+    for (std::size_t c = 0; c < channels; ++c) {
+      double sum = 0;
+      for (std::size_t p = 0; p < channels; ++p) {
+        sum += devices.mixture[c][p] * lights[p](column, row);
+      }
+      picture[c](column, row) = kept(devices.paint, point, c) * sum;
+    }
+  });
+  return picture;
+}
+
+constexpr double exposed_for = 0.5;  // of a frame, with motion blur
+
+/// The scene during the exposure of a frame: one moment, or several with motion blur.
+std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
+                             const Photometry& photometry, double time,
+                             const std::stop_token& stop) {
+  const bool blurred = photometry.physics.motion_blur && is_moving(scene);
+  const int times = blurred ? 4 : 1;
+  std::vector<SeenScene> seen;
+  for (int i = 0; i < times; ++i) {
+    const double later = blurred ? exposed_for * (i + 0.5) / times : 0;
+    seen.push_back(look(scanner, scene, photometry, time + later, stop));
+  }
+  return seen;
+}
+
+}  // namespace
+
+void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& photometry) {
+  const Physics& physics = photometry.physics;
+  const double level = physics.full_well > 0 ? 255 / physics.full_well : 0;  // of an electron
+  const double constant = photometry.noise_variance + std::pow(level * physics.read_noise, 2);
+  const bool differing = physics.dark_spread > 0 || physics.sensitivity_spread > 0;
+  if (constant == 0 && level == 0 && physics.row_noise == 0 && !differing) return;
+  const Size size = frames.front().size();
+  for_each_row(size.height, [&](int row) {
+    const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(size.width);
+    std::vector<double> of_row(frames.size(), 0);
+    for (std::size_t i = 0; i < frames.size() && physics.row_noise != 0; ++i) {
+      const std::uint64_t number = static_cast<std::uint64_t>(n) + i + of_rows;
+      of_row[i] = physics.row_noise * gaussian(photometry.seed, number, first);
+    }
+    for (int column = 0; column < size.width; ++column) {
+      const std::uint64_t pixel = first + static_cast<std::uint64_t>(column);
+      double sensitivity = 1, offset = 0;
+      if (differing) {
+        sensitivity += physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
+        offset = physics.dark_spread * gaussian(0, of_offsets, pixel);
+      }
+      for (std::size_t i = 0; i < frames.size(); ++i) {
+        const std::uint64_t number = static_cast<std::uint64_t>(n) + i;
+        double& intensity = frames[i](column, row);
+        intensity = intensity * sensitivity + offset;
+        const double shot = level * std::max(intensity, 0.0);
+        intensity += of_row[i] + std::sqrt(constant + shot) *
+                                     gaussian(photometry.seed, number, pixel);  // (3.10)
+      }
+    }
+  });
+}
+
+FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits) {
+  if (!bits) return FrameSet(std::move(exposures));
+  if (*bits == 8) return FrameSet(quantised<std::uint8_t>(exposures, 8));
+  return {quantised<std::uint16_t>(exposures, *bits), *bits};
+}
+
+void require_valid(const Photometry& photometry) {
+  const int bits = photometry.bits.value_or(8);
+  require_in_range(std::abs(photometry.ambient) <= 255, "ambient light", photometry.ambient,
+                   "-255 to 255");
+  const auto* const law = std::get_if<PowerLaw>(&photometry.response);
+  const double gamma = law != nullptr ? law->gamma : 1;
+  require_in_range(gamma >= 0.1 && gamma <= 20, "gamma", gamma, "0.1 to 20");
+  require_in_range(photometry.noise_variance >= 0 && photometry.noise_variance <= 255.0 * 255,
+                   "noise variance", photometry.noise_variance, "0 to 255^2");
+  require_in_range(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
+  require_in_range(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays,
+                   "1 to 256");
+}
+
+VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                      const Photometry& photometry, double time, const std::stop_token& stop) {
+  require_valid(scanner);
+  require_valid(photometry);
+  const Size projector = scanner.projector.size;
+  std::vector<SeenScene> seen = looks(scanner, scene, photometry, time, stop);
+  const auto first = std::make_shared<const SeenScene>(seen.front());
+  std::vector<Image<double>> exposures;
+  for (int n = 0; n < patterns.count; ++n) {
+    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n, stop);
+    Image<double> frame(scanner.camera.size);
+    for (const SeenScene& now : seen) {
+      const auto light = projected_light(patterns, n, projector, photometry, now);
+      const Image<double> exposure = exposed(now, photometry, n, patterns.exposure(n), light);
+      const double share = 1.0 / static_cast<double>(seen.size());
+      std::ranges::transform(frame, exposure, frame.begin(),
+                             [=](double sum, double more) { return sum + share * more; });
+    }
+    exposures.push_back(std::move(frame));
+  }
+  add_noise(exposures, 0, photometry);
+  const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
+  const double middle = time + 0.5 * (patterns.count - 1 + exposure);
+  const SeenScene truth =
+      middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle, stop) : *first;
+  Image<double> coordinate = patterns.axis == Axis::x ? truth.lit_column : truth.lit_row;
+  for (double& position : coordinate) position /= length_along(patterns.axis, projector);
+  return {digitised(std::move(exposures), photometry.bits),
+          truth.depth,
+          std::move(coordinate),
+          truth.reflectivity,
+          first,
+          projector};
+}
+
+FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
+                    const Photometry& photometry) {
+  require_valid(photometry);
+  std::vector<Image<double>> exposures;
+  for (int n = 0; n < patterns.count; ++n) {
+    exposures.push_back(
+        exposed(*scan.seen, photometry, n, patterns.exposure(n),
+                projected_light(patterns, n, scan.projector, photometry, *scan.seen)));
+  }
+  add_noise(exposures, 0, photometry);
+  return digitised(std::move(exposures), photometry.bits);
+}
+
+VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                             const Photometry& photometry, const ColourDevices& devices) {
+  throw_if(patterns.count % static_cast<int>(channels) != 0,
+           "{} patterns in colour; expected a multiple of 3", patterns.count);
+  if (is_moving(scene)) throw Error("a scene in colour must be static; remove its motion");
+  require_in_range(devices.paint >= 0 && devices.paint <= 1, "paint", devices.paint, "0 to 1");
+  Photometry light = photometry;
+  light.bits.reset();
+  light.noise_variance = 0;
+  VirtualScan scan = take_scan(scanner, scene, patterns, light);
+  const auto seen_in_colour = [&](const FrameSet& lights, int first_noise) {
+    std::vector<Image<double>> exposures;
+    lights.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+      if constexpr (std::is_same_v<Pixel, double>) {
+        for (std::size_t n = 0; n < frames.size(); n += channels) {
+          std::vector<Image<double>> picture =
+              mixed({frames[n], frames[n + 1], frames[n + 2]}, scan, scanner.camera, devices);
+          std::move(picture.begin(), picture.end(), std::back_inserter(exposures));
+        }
+        add_noise(exposures, first_noise, photometry);
+      }
+    });
+    return digitised(std::move(exposures), photometry.bits);
+  };
+  scan.white =
+      seen_in_colour(take_again(scan, white_pattern(patterns.light), light), patterns.count);
+  scan.frames = seen_in_colour(scan.frames, 0);
+  scan.in_colour = true;
+  return scan;
+}
+
+}  // namespace slipstream

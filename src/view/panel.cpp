@@ -1,0 +1,444 @@
+#include <bit>
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "view/cloud_screen.h"
+
+namespace slipstream::view {
+namespace {
+
+#if IMGUI_VERSION_NUM < 18940  // their names then
+constexpr auto& push_tab_stop = ImGui::PushAllowKeyboardFocus;
+constexpr auto& pop_tab_stop = ImGui::PopAllowKeyboardFocus;
+#else
+constexpr auto& push_tab_stop = ImGui::PushTabStop;
+constexpr auto& pop_tab_stop = ImGui::PopTabStop;
+#endif
+
+const ImVec4 white(1, 1, 1, 1), quiet(0.62F, 0.66F, 0.72F, 1), bad(1.0F, 0.50F, 0.42F, 1),
+    doubtful(1.0F, 0.78F, 0.36F, 1), good(0.50F, 0.85F, 0.55F, 1),
+    saturated_ink(1.0F, 0.42F, 0.40F, 1), too_dark_ink(0.50F, 0.65F, 1.0F, 1);
+constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                          ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar;
+
+template <class... Values>
+void say(const ImVec4& colour, fmt::format_string<Values...> format, Values&&... values) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::TextWrapped("%s", fmt::format(format, std::forward<Values>(values)...).c_str());
+  ImGui::PopStyleColor();
+}
+
+bool section(const char* name) {
+  return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen);
+}
+
+void row(const char* name, const std::string& value, const ImVec4& colour = white) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextColored(quiet, "%s", name);
+  ImGui::TableNextColumn();
+  ImGui::TextColored(colour, "%s", value.c_str());
+}
+
+/// Calls `draw_rows` within a table, unless it is scrolled out of view.
+template <class DrawRows>
+void table(const char* name, int columns, ImGuiTableFlags flags, const DrawRows& draw_rows) {
+  if (!ImGui::BeginTable(name, columns, flags)) return;
+  draw_rows();
+  ImGui::EndTable();
+}
+
+/// A drop-down of names; returns whether the choice changed.
+template <class Number>
+bool choose(const char* label, const std::vector<const char*>& names, Number& chosen) {
+  int number = static_cast<int>(chosen);
+  ImGui::Combo(label, &number, names.data(), static_cast<int>(names.size()));
+  const bool changed = number != static_cast<int>(chosen);
+  chosen = static_cast<Number>(number);
+  return changed;
+}
+
+/// A drop-down of labelled choices, if there are several.
+template <class Choices>
+bool choose_labelled(const char* label, const Choices& choices, std::size_t& chosen) {
+  if (choices.size() < 2 || chosen >= choices.size()) return false;
+  std::vector<const char*> names;
+  for (const auto& choice : choices) names.push_back(choice.first.c_str());
+  return choose(label, names, chosen);
+}
+
+std::string text_of(const Latency& latency) {
+  return fmt::format("{:.1f} / {:.1f} / {:.1f}", latency.p50, latency.p99, latency.max);
+}
+
+double rate_of(const LiveStatistics& statistics, std::string_view stage) {
+  const auto found = std::ranges::find(statistics.stages, stage, &StageStatistics::name);
+  return found == statistics.stages.end() ? 0 : found->rate;
+}
+
+void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
+  const LiveStatistics::Frames& frames = statistics.frames;
+  row("frames", fmt::format("{:.1f} per s", rate_of(statistics, "capture")));
+  row("scans", fmt::format("{:.1f} per s", rate_of(statistics, "reconstruct")));
+  row("pictures drawn", fmt::format("{:.1f} per s", state.drawn_per_second));
+  row("frames lost", fmt::format("{} of {}", frames.lost, frames.captured + frames.lost),
+      frames.lost == 0 ? good : bad);
+  const auto bad_news = [](const char*, const auto& value, const char* trouble = "") {
+    if constexpr (std::is_same_v<decltype(value), const std::uint64_t&>) {
+      if (*trouble != '\0' && value != 0) row(trouble, fmt::format("{}", value), bad);
+    }
+  };
+  frames.for_each_figure(bad_news);
+  statistics.for_each_figure(bad_news);
+  if (statistics.motion > 0) row("extra frames for motion", fmt::format("{}", statistics.motion));
+}
+
+void draw_latencies(const LiveStatistics& statistics) {
+  if (!ImGui::TreeNode("delay since capture, ms")) return;
+  table("latencies", 2, ImGuiTableFlags_SizingStretchProp, [&] {
+    row("", "half / 99 of 100 / most", quiet);
+    row("to points", text_of(statistics.latency));
+    row("to screen", text_of(statistics.screen_latency));
+  });
+  ImGui::TreePop();
+}
+
+void draw_stages(const LiveStatistics& statistics) {
+  if (statistics.stages.empty() || !ImGui::TreeNode("threads")) return;
+  table("stages", 4, ImGuiTableFlags_SizingStretchProp, [&] {
+    for (const char* const title : {"", "per s", "waiting", "ms"}) {
+      ImGui::TableNextColumn();
+      say(quiet, "{}", title);
+    }
+    for (const StageStatistics& stage : statistics.stages) {
+      row(stage.name.c_str(), fmt::format("{:.1f}", stage.rate));
+      ImGui::TableNextColumn();
+      say(white, "{}/{}", stage.waiting, stage.capacity);
+      ImGui::TableNextColumn();
+      say(white, "{:.1f}", stage.latency.p99);
+    }
+  });
+  ImGui::TreePop();
+}
+
+/// Problems and their causes, one short line each, without numbers.
+void draw_findings(const std::vector<Finding>& findings) {
+  for (const Finding& finding : findings) {
+    const ImVec4& colour = finding.gravity == Gravity::wrong ? bad : doubtful;
+    say(colour, "{}{}{}", finding.what, finding.likely.empty() ? "" : ": ", finding.likely);
+  }
+}
+
+std::string percent_of(std::size_t count, std::size_t all) {
+  const double percent =
+      100 * static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(all, 1));
+  return fmt::format("{:.{}f} %", percent, percent < 1 && count != 0 ? 2 : 1);
+}
+
+/// Pixel counts: points, and rejected pixels by reason.
+void draw_counts(const PanelState& state, const ViewSource& source) {
+  if (state.pixels == 0 || !section("Pixels")) return;
+  const bool alone = pictures_alone(source);
+  table("pixels", 2, ImGuiTableFlags_SizingFixedFit, [&] {
+    ImGui::TableSetupColumn("share");
+    ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // the reasons change
+    for (std::size_t i = 0; i < state.counts.size(); ++i) {
+      if (i != 0 && state.counts[i] == 0) continue;
+      const std::string percent = percent_of(state.counts[i], state.pixels);
+      const std::string_view reason = name_of(static_cast<Validity>(i));
+      const std::string points = fmt::format("are {} points", state.counts[i]);
+      row(percent.c_str(), i != 0 ? std::string(reason) : alone ? "measured" : points);
+    }
+  });
+  if (alone) say(quiet, "median modulation {:.0f} of 127 grey levels", state.modulation);
+}
+
+void draw_status(const PanelState& state, const ViewSource& source,
+                 const LiveStatistics& statistics) {
+  if (!statistics.source_state.empty()) say(bad, "{}", statistics.source_state);
+  draw_findings(source.findings);
+  draw_findings(statistics.findings);
+  if (statistics.track) say(white, "{}", text_of(*statistics.track));
+  if (statistics.model) say(white, "{}", text_of(*statistics.model));
+  draw_counts(state, source);
+}
+
+void draw_view_settings(PanelState& state, PanelRequests& requests) {
+  if (!section("View")) return;
+  ViewSettings& view = state.view;
+  choose("colour", {"depth (1)", "reflectivity (2)", "modulation (3)"}, view.colour);
+  ImGui::SliderFloat("point size", &view.point_size, 0.3F, 6, "%.1f", ImGuiSliderFlags_Logarithmic);
+  if (view.colour != PointColour::depth) {
+    ImGui::SliderFloat("contrast", &view.brightness, 0.2F, 5, "%.2f", ImGuiSliderFlags_Logarithmic);
+  }
+  const float middle = 0.5F * ImGui::GetWindowWidth();
+  ImGui::Checkbox("shading", &view.shaded);
+  ImGui::SameLine(middle);
+  ImGui::Checkbox("reflection", &view.reflection);
+  ImGui::Checkbox("axes", &view.axes);
+  ImGui::SameLine(middle);
+  ImGui::Checkbox("floor", &view.grid);
+  if (view.grid) say(quiet, "a line of the floor every {:g} mm", state.grid_mm);
+  int viewpoint = 0;
+  for (const char* const name : {"Front (4)", "Side (5)", "Top (6)"}) {
+    if (ImGui::Button(name)) requests.viewpoint = static_cast<Viewpoint>(viewpoint);
+    ++viewpoint;
+    ImGui::SameLine();
+  }
+  requests.fit |= ImGui::Button("Fit (F)");
+  ImGui::Checkbox("front, side and top (7)", &view.three_views);
+}
+
+void draw_measuring(PanelState& state) {
+  if (!section("Measure")) return;
+  ImGui::Checkbox("with the mouse (M)", &state.measures);
+  if (state.measures && state.measured.lines.empty()) {
+    say(quiet,
+        "Click two points for their distance; drag over a surface for its plane and sphere.");
+  }
+  for (const std::string& line : state.measured.lines) say(white, "{}", line);
+}
+
+/// A list of files, and a field for any other path.
+void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (!source.open || !section("Open")) return;
+  for (const std::string& name : state.openable) {
+    if (ImGui::Selectable(name.c_str())) requests.open = name;
+  }
+  push_tab_stop(true);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::InputTextWithHint("##path", "path, then Enter; or drop a file here", state.path.data(),
+                               state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
+    requests.open = state.path.data();
+  }
+  pop_tab_stop();
+}
+
+/// Choices and buttons that lead to another source.
+void draw_steps(PanelRequests& requests, const ViewSource& source) {
+  if (!source.steps || !section("Scanner")) return;
+  for (ViewChoice& choice : source.steps->choices) {
+    if (choice.options.empty()) {
+      std::array<char, 1024> text{};
+      choice.value.copy(text.data(), text.size() - 1);
+      push_tab_stop(true);
+      ImGui::InputText(choice.name.c_str(), text.data(), text.size());
+      pop_tab_stop();
+      choice.value = text.data();
+    } else if (ImGui::BeginCombo(choice.name.c_str(), choice.value.c_str())) {
+      for (const std::string& option : choice.options) {
+        if (ImGui::Selectable(option.c_str(), option == choice.value)) choice.value = option;
+      }
+      ImGui::EndCombo();
+    }
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", choice.help.c_str());
+  }
+  for (const ViewStep& step : source.steps->buttons) {
+    if (ImGui::Button(step.name.c_str())) requests.step = &step;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", step.help.c_str());
+    ImGui::SameLine();
+  }
+  ImGui::NewLine();
+  if (!source.steps->message.empty()) say(doubtful, "{}", source.steps->message);
+}
+
+/// A filter and the number of points it removed.
+bool draw_filter(const char* name, bool& on, const PanelState& state, Validity kind) {
+  const std::size_t count = state.counts[static_cast<std::size_t>(kind)];
+  const bool changed = ImGui::Checkbox(name, &on);
+  ImGui::SameLine(0.62F * ImGui::GetWindowWidth());
+  say(quiet, "{} points", count);
+  return changed;
+}
+
+void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (!source.setup || !source.change || !section("Cleaning")) return;
+  const CleanSettings usual, off = CleanSettings::none(), &given = source.setup->settings.clean;
+  CleanSettings& clean = state.setup.settings.clean;
+  bool trusted = clean.largest_sigma != off.largest_sigma;
+  bool connected = clean.smallest_component != off.smallest_component;
+  bool changed = draw_filter("low trust", trusted, state, Validity::low_trust);
+  changed |= draw_filter("mixed pixels", clean.drop_mixed, state, Validity::mixed);
+  changed |= draw_filter("outliers", clean.drop_outliers, state, Validity::outlier);
+  changed |= draw_filter("small components", connected, state, Validity::small_component);
+  if (!changed) return;
+  const auto limit = [&](bool wanted, auto CleanSettings::*of) {
+    if (!wanted) return off.*of;
+    return given.*of == off.*of ? usual.*of : given.*of;
+  };
+  clean.largest_sigma = limit(trusted, &CleanSettings::largest_sigma);
+  clean.smallest_component = limit(connected, &CleanSettings::smallest_component);
+  requests.change_setup = true;
+}
+
+void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (!source.setup || !source.change || !section("Scan")) return;
+  ReconstructSettings& settings = state.setup.settings;
+  if (choose_labelled("strategy", source.strategies, state.strategy)) {
+    state.setup.sequence.strategy = source.strategies[state.strategy].second;
+    requests.change_setup = true;
+  }
+  if (choose_labelled("gamma", source.gammas, state.gamma)) {
+    state.setup.scanner.photometry.response = source.gammas[state.gamma].second;
+    requests.change_setup = true;
+  }
+  auto threshold = static_cast<float>(settings.minimum_modulation);
+  if (ImGui::SliderFloat("min modulation", &threshold, 1, 100, "%.0f of 127")) {
+    settings.minimum_modulation = static_cast<double>(threshold);
+  }
+  // Every change rebuilds tables, so a dragged slider applies on release.
+  requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();
+  if (ImGui::IsItemHovered()) {
+    ImGui::SetTooltip("minimum modulation of a valid pixel, grey levels of 255");
+  }
+  requests.change_setup |= ImGui::Checkbox("reject saturated pixels", &settings.drop_saturated);
+}
+
+void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (state.camera.empty() || !section("Camera")) return;
+  for (ShownControl& shown : state.camera) {
+    const CameraControlWords& words = camera_controls.at(static_cast<std::size_t>(shown.which));
+    auto value = static_cast<float>(shown.value.value);
+    // Cameras report exposures up to minutes; limits the slider to a useful range.
+    const auto flags =
+        ImGuiSliderFlags_AlwaysClamp | (shown.value.least > 0 ? ImGuiSliderFlags_Logarithmic : 0);
+    if (ImGui::SliderFloat(words.name, &value, static_cast<float>(shown.value.least),
+                           static_cast<float>(shown.value.most), words.shown_as, flags)) {
+      shown.value.value = static_cast<double>(value);
+    }
+    if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
+  }
+  if (can_choose_exposure(state, source)) requests.expose |= ImGui::Button("Best exposure (E)");
+  if (!source.camera_region.empty()) say(quiet, "region {}", source.camera_region);
+}
+
+void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (source.statistics) {
+    state.paused ^= ImGui::Button(state.paused ? "Resume (Space)" : "Pause (Space)");
+  }
+  if (source.save) {
+    if (source.statistics) ImGui::SameLine();
+    requests.save |= ImGui::Button(source.opens_saved ? "Capture (S)" : "Save (S)");
+  }
+  if (source.record) {
+    const std::string recording = source.recording ? source.recording() : std::string();
+    requests.toggle_recording |= ImGui::Button(recording.empty() ? "Record (R)" : "Stop (R)");
+    if (!recording.empty()) say(bad, "recording: {}", recording);
+  }
+  if (!state.message.empty()) say(white, "{}", state.message);
+}
+
+void place_window(float left, float width, const Screen& screen) {
+  ImGui::SetNextWindowPos({left, 0});
+  ImGui::SetNextWindowSize({width, static_cast<float>(screen.window.height)});
+}
+
+}  // namespace
+
+bool pictures_alone(const ViewSource& source) {
+  return source.setup && !has_geometry(source.setup->scanner);
+}
+
+bool can_choose_exposure(const PanelState& state, const ViewSource& source) {
+  return source.best_exposure && !state.camera.empty() &&
+         state.camera.front().which == CameraControl::exposure;
+}
+
+std::string why_no_points(const PanelState& state) {
+  const auto points = state.counts.front();
+  if (state.pixels == 0 || points > state.pixels / 100) return {};
+  std::string words = points == 0 ? "No points." : fmt::format("Almost no points: {}.", points);
+  std::size_t most = 1;
+  for (std::size_t i = 1; i < state.counts.size(); ++i) {
+    if (state.counts[i] == 0) continue;
+    words += fmt::format("\n{} of the pixels: {}", percent_of(state.counts[i], state.pixels),
+                         name_of(static_cast<Validity>(i)));
+    if (state.counts[i] > state.counts[most]) most = i;
+  }
+  if (most == static_cast<std::size_t>(Validity::too_dark)) {
+    words += "\nCheck that the projector lights the scene, or expose longer.";
+  } else if (most == static_cast<std::size_t>(Validity::saturated)) {
+    words += "\nShorten the exposure, or dim the projector.";
+  }
+  return words;
+}
+
+PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen) {
+  if (!state.shown || (source.guide && !source.steps)) return {};
+  const auto width = static_cast<float>(screen.window.width);
+  const float left = std::min(286 * screen.unit(), 0.5F * width);
+  const float right = std::min(300 * screen.unit(), 0.3F * width);
+  const bool room = width >= 760 * screen.unit();
+  return {left, source.setup && room ? right : 0};
+}
+
+void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& source,
+                const LiveStatistics& statistics, const Screen& screen) {
+  const PanelWidths widths = panel_widths(state, source, screen);
+  if (widths.left <= 0) return;
+  place_window(0, widths.left, screen);
+  if (ImGui::Begin("panel", nullptr, fixed_window)) {
+    ImGui::PushItemWidth(-86 * screen.unit());
+    push_tab_stop(false);  // Tab would start typing into the next slider
+    draw_steps(requests, source);
+    draw_actions(state, requests, source);
+    draw_status(state, source, statistics);
+    if (pictures_alone(source)) {
+      if (section("View")) {
+        choose("picture", {"camera (1)", "modulation (2)", "phase (3)"}, state.picture);
+        say(saturated_ink, "red: a frame is saturated");
+        say(too_dark_ink, "blue: too dark to measure");
+      }
+    } else if (state.pixels != 0) {
+      draw_view_settings(state, requests);
+      draw_filters(state, requests, source);
+      draw_measuring(state);
+    }
+    draw_camera(state, requests, source);
+    draw_scan_settings(state, requests, source);
+    draw_open(state, requests, source);
+    if (source.statistics && section("Speed")) {
+      table("rates", 2, ImGuiTableFlags_SizingStretchProp, [&] { draw_rates(state, statistics); });
+      draw_latencies(statistics);
+      draw_stages(statistics);
+    }
+    say(quiet, "{}Tab: hide this; Esc: close",
+        pictures_alone(source) || state.pixels == 0
+            ? ""
+            : "drag: turn; right drag: move; wheel: zoom; ");
+    pop_tab_stop();
+    ImGui::PopItemWidth();
+  }
+  ImGui::End();
+}
+
+void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3>& pictures,
+                   const ViewSource& source, const Screen& screen) {
+  static constexpr std::array<const char*, 3> titles{"Camera (red: saturated)", "Modulation",
+                                                     "Wrapped phase"};
+  const PanelWidths widths = panel_widths(state, source, screen);
+  if (widths.right <= 0) return;
+  place_window(static_cast<float>(screen.window.width) - widths.right, widths.right, screen);
+  if (ImGui::Begin("pictures", nullptr, fixed_window)) {
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      ImGui::SetNextItemOpen(state.picture_open[i]);
+      state.picture_open[i] = ImGui::CollapsingHeader(titles[i]);
+      const Size size = pictures[i].size();
+      if (!state.picture_open[i] || size.width < 1 || size.height < 1) continue;
+      const float width = ImGui::GetContentRegionAvail().x;
+      const float height = width * static_cast<float>(size.height) / static_cast<float>(size.width);
+      // Dear ImGui passes textures to its backend unchanged: here OpenGL's texture name.
+      ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
+                   {width, height});
+      if (i != 0) continue;
+      ImGui::PlotHistogram("##grey levels", state.histogram.data(),
+                           static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1,
+                           {width, 4 * ImGui::GetFontSize()});
+      say(quiet, "grey levels of all frames, dark to bright");
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace slipstream::view

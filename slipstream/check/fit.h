@@ -95,6 +95,7 @@ class FrameJudge {
     }
     [[nodiscard]] double deviation() const {
       if (count == 0) return 0;
+      // Covariance of neighbours: their signal's variance, as noise is independent.
       return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
     }
   };

@@ -187,7 +187,7 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   clear();
 
   const std::size_t groups = std::min(samples.groups(), most_groups);
-  // A coarsest band of one period is cyclic: y may jump from one end to the other.
+  // A coarsest band of at most one period wraps: y may jump from one end to the other.
   const bool can_leap = !model_.has_real_cue() && model_.fewest_periods() <= 1;
 
   // 1. Each group's middle pixel, then its neighbours.

@@ -121,7 +121,7 @@ class Mistakes {
     if (scan.scanner != nullptr && frames_fit && !as_given.all()) add_geometry();
     for (std::size_t i = of_frames; i < list.size(); ++i) list[i].geometric = true;
 
-    // 3. Shifts that nobody is likely to have used.
+    // 3. Otherwise usual shifts are far-fetched.
     if (likely_shifts) return;
     const std::size_t others = list.size();
     add_usual_shifts();

@@ -75,6 +75,7 @@ TableIndex<Number> table_index(const ClosedForm& form, std::span<const Pixel> I)
     index.U += static_cast<Number>(form.u[n]) * static_cast<Number>(I[n]);
     index.V += static_cast<Number>(form.v[n]) * static_cast<Number>(I[n]);
   }
+
   return index;
 }
 

@@ -36,6 +36,7 @@ class Pooled {
  private:
   template <class>
   friend class Pool;
+
   struct Slot {
     std::atomic<int> shares = 0;
     Value value;
@@ -63,6 +64,7 @@ class Pool {
   /// thread.
   [[nodiscard]] Pooled<Value> take() {
     for (std::size_t tried = 0; tried < slots_->size(); ++tried) {
+      // Round robin; acquire makes the last owner's writes visible.
       next_ = (next_ + 1) % slots_->size();
       auto& slot = (*slots_)[next_];
       int unused = 0;
@@ -70,6 +72,7 @@ class Pool {
         return {slots_, slot};
       }
     }
+
     return {};
   }
 

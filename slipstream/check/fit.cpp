@@ -318,7 +318,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     if (std::isfinite(slope)) slopes.push_back(slope);
   }
 
-  // 4. Shares of all pixels, or of those with a point, and medians.
+  // 4. Shares of the pixels, with or without a point, and medians.
   GeometryEvidence result;
   if (samples.groups() == 0) return result;
 

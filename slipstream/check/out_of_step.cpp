@@ -153,7 +153,7 @@ class MixtureSearch {
   [[nodiscard]] Mixture in_bands() const { return {.runs = step_runs(scan_.model.layout())}; }
 
   void improve(Mixture& mixture, double& least) {
-    // Smaller steps once none of the directions improves the fit.
+    // Halve the step once no direction improves the fit.
     for (double step = 0.02; mixture.mean() > 0 && step > 0.002;) {
       const double before = least;
       for (const auto& [at_top, at_bottom] :

@@ -136,6 +136,7 @@ class Mistakes {
     const StrategySettings& settings = scan_.sequence.strategy.settings();
     return settings.contains(name) ? settings.at(name) : SettingValue(0);
   }
+
   [[nodiscard]] double origin() const { return setting("origin").number(); }
   [[nodiscard]] bool is_on(const char* name) const { return setting(name) == SettingValue(true); }
   [[nodiscard]] bool shifts_said() const { return origin() != 0 || is_on("backwards"); }

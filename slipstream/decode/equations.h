@@ -52,6 +52,7 @@ struct ClosedForm {
   [[nodiscard]] double modulation(double U, double V) const {
     return std::sqrt(sine_square * V * V + U * U) / divisor;
   }
+
   /// phi in [0, 2 pi): Eqs. (2.16)-(2.18).
   [[nodiscard]] double wrapped_phase(double U, double V) const {
     return wrapped_angle(std::sqrt(sine_square) * V, U);

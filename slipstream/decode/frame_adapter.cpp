@@ -44,6 +44,7 @@ struct Wave {
       sine[i] = static_cast<float>(std::sin(angle));
     }
   }
+
   std::vector<float> cosine, sine;
 };
 

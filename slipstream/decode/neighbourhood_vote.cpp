@@ -18,21 +18,27 @@ class ImageField {
     if (!inside(column, row) || lit_(column, row) == 0) return nan;
     return phase_(column, row) / two_pi + own_(column, row);
   }
+
   void periods_around(int column, int row, PhaseWindow& window) const {
     for_each_pixel_in_order({9, 9}, [&](int c, int r) {
       window.periods[r * PhaseWindow::line + c] =
           static_cast<float>(periods(column + c - 4, row + r - 4) - periods(column, row));
     });
   }
+
   static void foresee(const std::vector<PixelPlace>&) {}
+
   [[nodiscard]] double against(PixelPlace at, int shift) const {
     const int own = own_(at.column, at.row);
     return cost_(at.column, at.row, own + shift) - cost_(at.column, at.row, own);
   }
+
   [[nodiscard]] static bool own_order_costs_least() { return false; }
+
   [[nodiscard]] int shift(PixelPlace at) const {
     return inside(at.column, at.row) ? shift_(at.column, at.row) : 0;
   }
+
   void set_shift(PixelPlace at, int shift) { shift_(at.column, at.row) = shift; }
 
  private:

@@ -13,16 +13,20 @@ template <class Value>
 class Pooled {
  public:
   Pooled() = default;
+
   Pooled(const Pooled& other) : slots_(other.slots_), slot_(other.slot_) {
     if (slot_) slot_->shares.fetch_add(1, std::memory_order_relaxed);
   }
+
   Pooled(Pooled&& other) noexcept
       : slots_(std::move(other.slots_)), slot_(std::exchange(other.slot_, nullptr)) {}
+
   Pooled& operator=(Pooled other) noexcept {
     std::swap(slots_, other.slots_);
     std::swap(slot_, other.slot_);
     return *this;
   }
+
   ~Pooled() {
     if (slot_) slot_->shares.fetch_sub(1, std::memory_order_release);
   }

@@ -104,6 +104,7 @@ class CueEvidence {
     const double past = margin(projector_length);
     return y >= -past && y <= 1 + past;
   }
+
   /// Half a pixel and a tenth of a period, so that noise at an end shifts no pixel by a period.
   [[nodiscard]] double margin(int projector_length) const {
     return 0.5 / projector_length + 0.1 / f_h_;

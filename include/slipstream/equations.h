@@ -52,6 +52,7 @@ struct ClosedForm {
   [[nodiscard]] double modulation(double U, double V) const {
     return std::sqrt(sine_square * V * V + U * U) / divisor;
   }
+
   /// phi in [0, 2 pi): Eqs. (2.16)-(2.18).
   [[nodiscard]] double wrapped_phase(double U, double V) const {
     return wrapped_angle(std::sqrt(sine_square) * V, U);
@@ -75,6 +76,7 @@ TableIndex<Number> table_index(const ClosedForm& form, std::span<const Pixel> I)
     index.U += static_cast<Number>(form.u[n]) * static_cast<Number>(I[n]);
     index.V += static_cast<Number>(form.v[n]) * static_cast<Number>(I[n]);
   }
+
   return index;
 }
 

@@ -44,10 +44,12 @@ class FrameViews {
   /// Replaces the views; does not allocate if the number of frames is unchanged.
   template <class Pixel, class Owners, class ViewOf = std::identity>
   void assign(const Owners& owners, int bits, const ViewOf& view_of = {}) {
+    // Same pixel type as before: the vector keeps its memory.
     if (!std::holds_alternative<Frames<Pixel>>(frames_)) frames_ = Frames<Pixel>();
     auto& views = std::get<Frames<Pixel>>(frames_);
     views.clear();
     for (const auto& owner : owners) views.emplace_back(view_of(owner));
+
     bits_ = bits;
     gain_ = {};
   }

@@ -13,16 +13,20 @@ template <class Value>
 class Pooled {
  public:
   Pooled() = default;
+
   Pooled(const Pooled& other) : slots_(other.slots_), slot_(other.slot_) {
     if (slot_) slot_->shares.fetch_add(1, std::memory_order_relaxed);
   }
+
   Pooled(Pooled&& other) noexcept
       : slots_(std::move(other.slots_)), slot_(std::exchange(other.slot_, nullptr)) {}
+
   Pooled& operator=(Pooled other) noexcept {
     std::swap(slots_, other.slots_);
     std::swap(slot_, other.slot_);
     return *this;
   }
+
   ~Pooled() {
     if (slot_) slot_->shares.fetch_sub(1, std::memory_order_release);
   }
@@ -36,6 +40,7 @@ class Pooled {
  private:
   template <class>
   friend class Pool;
+
   struct Slot {
     std::atomic<int> shares = 0;
     Value value;
@@ -63,6 +68,7 @@ class Pool {
   /// thread.
   [[nodiscard]] Pooled<Value> take() {
     for (std::size_t tried = 0; tried < slots_->size(); ++tried) {
+      // Round robin; acquire makes the last owner's writes visible.
       next_ = (next_ + 1) % slots_->size();
       auto& slot = (*slots_)[next_];
       int unused = 0;
@@ -70,6 +76,7 @@ class Pool {
         return {slots_, slot};
       }
     }
+
     return {};
   }
 

@@ -31,8 +31,12 @@ Word word_of(const Code& code, const std::vector<double>& I) {
   constexpr double noise_levels = 3, noise_share = 0.05;
   const auto [dark, bright] =
       std::ranges::minmax(code.frames | std::views::transform([&](int n) { return I[n]; }));
+
+  // Bits this near to the threshold, in grey levels, may be noise or blur.
   const auto [shown, doubtful] =
       code_bits(code, I, std::max(noise_levels, noise_share * (bright - dark)));
+
+  // In a Gray code neighbouring stripes differ in one bit of the word.
   const auto stripe = static_cast<unsigned>(stripe_of(code, shown));
   return {stripe, code.gray ? stripe ^ (stripe >> 1U) : stripe, doubtful};
 }
@@ -52,30 +56,39 @@ struct Steps {
         doubts[i] += static_cast<int>((a.doubtful >> i) & 1U);
       }
     }
+
     // Share of the neighbours that an edge parts if stripes are two distances wide; in a Gray code
     // every other edge is one of the finest bit. Random bits change between half of them.
     const double most = gray ? 0.25 : 0.375;
     const auto count_of = static_cast<double>(pairs.size());
+
     int count = 0;
     for (std::size_t i = 0; i < changes.size(); ++i) {
+      // Too many changes: narrower than the distance. Mostly doubtful: blurred.
       if (changes[i] > most * count_of || 2 * doubts[i] > count_of) ++count;
     }
+
     return count;
   }
 
   /// Counts steps, by the coarsest bit that changes, and those to stripes that are not next to
   /// each other.
   void count(bool gray, Counts& all, Counts& wrong) const {
+    // Leave out the bits that are too fine to tell stripes apart here.
     const int finer = too_fine(gray);
     for (const auto& [a, b] : pairs) {
+      // The change in Gray code: one bit where the stripes are next to each other.
       const unsigned from = a.stripe >> finer, to = b.stripe >> finer;
       const unsigned changed = (from ^ (from >> 1U)) ^ (to ^ (to >> 1U));
+
       // The finest bit may change anywhere.
       if (changed < 2 || ((a.doubtful | b.doubtful) >> finer) != 0 ||
           (gray && !std::has_single_bit(changed)))
         continue;
+
       const auto coarsest = std::bit_width(changed) - 1 + finer;
       ++all[coarsest];
+      // In a plain code a wrong finest bit moves a step by one more stripe.
       if (std::max(from, to) - std::min(from, to) > (gray ? 1U : 2U)) ++wrong[coarsest];
     }
   }
@@ -85,15 +98,20 @@ struct Steps {
 /// a few edges of a coarse bit may all lie there.
 double torn(std::span<const Steps> distances, bool gray) {
   constexpr double usual = 0.3, deviations = 5;
+
+  // All steps, by the coarsest bit that changes.
   Steps::Counts all{}, wrong{};
   for (const Steps& steps : distances) steps.count(gray, all, wrong);
+
   double most = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double excess = wrong[i] - usual * all[i];
+    // Against the standard deviation of a binomial count with the usual share.
     if (excess > deviations * std::sqrt(usual * (1 - usual) * all[i])) {
       most = std::max(most, static_cast<double>(wrong[i]) / all[i]);
     }
   }
+
   return most;
 }
 
@@ -108,9 +126,14 @@ struct Edges {
     constexpr double most_change = 0.3;  // beyond, the direction is uncertain
     const double change = next - here - std::round(next - here);
     if (std::abs(change) > most_change) return;
+
+    // The phase rises with the stripes, unless the steps shift the other way.
     ++count;
     changes += std::abs(change);
     if (rising != (change > 0)) ++against;
+
+    // The phase half way between both pixels against the expected one at the edge, for either
+    // direction of the shifts.
     along += std::polar(1.0, two_pi * (here + change / 2 - edge));
     backwards += std::polar(1.0, -two_pi * (here + change / 2 + edge));
   }
@@ -119,11 +142,16 @@ struct Edges {
     constexpr int fewest = 16;
     constexpr double moved_by_blur = 0.1;  // pixels
     if (count < fewest) return;
+
     evidence.has_edges = true;
     evidence.against = static_cast<double>(against) / count;
+
+    // The mean of n random directions has a length of about 1 / sqrt(n).
     const Complex mean = (evidence.against > 0.5 ? backwards : along) / Complex(count);
     const double chance = 1 / std::sqrt(count);
     evidence.incoherence = std::max(0.0, 1 - std::abs(mean) - chance);
+
+    // Blur moves the edges by a tenth of a pixel: that much is not an error of the origin.
     const double offset = std::arg(mean) / two_pi;
     const bool is_off = std::abs(offset) > most_offset + moved_by_blur * changes / count;
     evidence.offset = is_off ? offset : std::clamp(offset, -most_offset, most_offset);
@@ -165,15 +193,21 @@ CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
                            const FrameOrder& order, bool phases) {
   CodeEvidence evidence;
   if (!model.layout().code || samples.groups() == 0) return evidence;
+
   const Code& code = *model.layout().code;
   const std::size_t band = model.measuring_band();
   const double f = model.layout().bands[band].periods;
+
+  // 1. Locate the frames to compare: the measuring band, and white and black, if any.
   // White and black come after the bits.
   const std::size_t white = std::ranges::max(code.frames) + 1;
   const bool has_white = code.inverses.empty() && white + 1 < code.reference.size() &&
                          code.reference[white] == 0.5 && code.reference[white + 1] == 0.5;
+
   // Black may exceed another frame by noise.
   constexpr double noise_levels = 6, noise_share = 0.15;
+
+  // 2. Readers of one pixel: its phase, in periods, and its code word.
   std::array<Steps, ScanSamples::places> steps;
   Edges edges;
   SampleReading reading;
@@ -181,42 +215,59 @@ CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
     model.read(levels, order, reading);
     return reading.phase[band] / two_pi;
   };
+
   std::vector<double> I(order.size());
   const auto read = [&](const float* levels) {
     std::ranges::transform(order, I.begin(), [&](int frame) { return levels[frame]; });
     return word_of(code, I);
   };
+
+  // 3. Judge each group of pixels: its middle alone, then against its neighbours.
   int disordered = 0, unlisted = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels = samples.levels(g, Place::middle);
     const Word here = read(levels);
     if (here.stripe >= std::ceil(code.stripes) && here.doubtful == 0) ++unlisted;
+
+    // Any pattern lies between black and white, up to noise.
     if (has_white) {
       const double low = I[white + 1], high = I[white];
       const auto [least, greatest] = std::ranges::minmax(I);
       const double noise = std::max(noise_levels, noise_share * (high - low));
       if (least < low - noise || greatest > high + noise) ++disordered;
     }
+
+    // Steps from stripe to stripe, and the phase where they are next to each other.
     for (const Place place : {Place::right, Place::below, Place::far_right, Place::far_below}) {
       if (!samples.lit(g, place)) continue;
+
       const bool far = place == Place::far_right || place == Place::far_below;
       const float* const there = samples.levels(g, place);
       const Word next = read(there);
+
       steps[place].pairs.emplace_back(here, next);
+
+      // An edge is clear if no bit is doubtful but the one that changes there.
       const bool rising = next.stripe > here.stripe;
       const unsigned edge = std::max(here.stripe, next.stripe);
       const bool clear = ((here.doubtful | next.doubtful) & ~(here.bits ^ next.bits)) == 0;
       if (!phases || far || !clear || edge - std::min(here.stripe, next.stripe) != 1) continue;
+
       edges.add(phase(levels), phase(there), f * edge / code.stripes, rising);
     }
   }
+
+  // 4. Turn the counts into shares.
   const auto n = static_cast<double>(samples.groups());
   evidence.disordered = disordered / n;
   evidence.unlisted = unlisted / n;
   evidence.torn = torn(steps, code.gray);
+
+  // Stripes narrower than the distance to the next pixel leave no edge to compare with.
   const bool fine =
       steps[Place::right].too_fine(code.gray) + steps[Place::below].too_fine(code.gray);
   if (!model.layout().unwrapping->whole_stripes && !fine) edges.sum_up(evidence);
+
   return evidence;
 }
 

@@ -26,6 +26,8 @@ const CodeSymptom& worst_symptom(const CodeEvidence& code) {
 Finding seen(const Fit& fit) {
   Finding finding{.gravity = Gravity::wrong};
   const auto& geometry = fit.geometry;
+
+  // The first test that fails names the symptom, the most basic one first.
   if (!fit.patterns_made()) {
     const double limit = fit.moving ? FitLimits::most_residual_moving : FitLimits::most_residual;
     finding.what = fmt::format(
@@ -46,6 +48,7 @@ Finding seen(const Fit& fit) {
         "the frames disagree about the fringe order: agreement below {:g} or offset above {:g}",
         FitLimits::least_agreement, FitLimits::most_offset);
     const auto& relations = fit.frames.relations;
+
     const auto worst = std::ranges::min_element(relations, [](const auto& a, const auto& b) {
       return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
     });
@@ -70,6 +73,7 @@ Finding seen(const Fit& fit) {
     finding.evidence = {{"share", geometry->out_of_range},
                         {"median depth, mm", geometry->median_depth}};
   }
+
   return finding;
 }
 
@@ -80,10 +84,12 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
   constexpr double hopeless_outside = 0.6;
   const std::string or_gamma = response_known ? "" : ", or the projector's gamma, if it is not 1";
+
   finding.gravity = Gravity::doubtful;
   if (fit.patterns_made() && !fit.code_agrees()) {
     const CodeSymptom& worst = worst_symptom(fit.code);
     if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.gravity = Gravity::wrong;
+
     finding.likely = worst.likely;
     finding.advice = fmt::format("{} the output of slipstream patterns", worst.advice);
     if (worst.value == &CodeEvidence::doubt) finding.likely += or_gamma;
@@ -102,6 +108,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {
       finding.gravity = Gravity::wrong;
     }
+
     finding.likely = "wrong pattern settings, lost or mixed-up frames, or motion during capture";
     finding.likely += or_gamma;
     finding.advice = "compare the frames with the output of slipstream patterns";
@@ -137,26 +144,32 @@ std::optional<Evidence> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
   const auto& [unused, normal, right, all] = gains;
   std::optional<Evidence> best;
+
   double most = 0, second = 0;
   for (Eigen::Index n = 0; n < right.size(); ++n) {
+    // Part of the residual that the gain of frame n alone explains by least squares.
     const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
     second = std::max(second, std::min(share, most));
     if (share <= most) continue;
     most = share;
     best = Evidence{fmt::format("frame {}, percent", n), 100 * (right[n] / normal(n, n))};
   }
+
+  // The clearest frame must stand out from the second.
   return most >= least_share && most >= second + least_lead ? best : std::nullopt;
 }
 
 /// The gains from every other group, from `first` (0 or 1) on.
 FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
   const int count = model.layout().frames;
+
   // P I is 0 for true frames, so gains leave P diag(I) gain. Both factors of each product come from
   // different neighbours, which share no noise.
   const FrameOrder order = model.identity();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
   double all = 0;
+
   SampleReading reading;
   const auto rows = static_cast<Eigen::Index>(model.unexplained_count());
   const auto by_gains = [&](const float* levels, Eigen::MatrixXd& changes, Eigen::VectorXd& left) {
@@ -164,20 +177,26 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
     left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
     for (int n = 0; n < count; ++n) changes.col(n) = model.unexplained_by(n, levels[n]);
   };
+
   Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
   Eigen::VectorXd left_a(rows), left_b(rows);
+
+  // Normal equations, each pair of neighbours used both ways round.
   for (std::size_t g = first; g < samples.groups(); g += 2) {
     if (!samples.lit(g, ScanSamples::right)) continue;
+
     by_gains(samples.levels(g, ScanSamples::middle), changes_a, left_a);
     by_gains(samples.levels(g, ScanSamples::right), changes_b, left_b);
     normal += changes_a.transpose() * changes_b + changes_b.transpose() * changes_a;
     right += changes_a.transpose() * left_b + changes_b.transpose() * left_a;
     all += 2 * left_a.dot(left_b);
   }
+
   // A common gain is unobservable: fix the mean at 0.
   const double held = normal.trace() / count;
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
+
   return {gains, normal, right, all};
 }
 
@@ -188,9 +207,12 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
   constexpr double most_gain = 0.3;
   if (fit.frames.residual < least_residual) return std::nullopt;
+
   // Noise may look like gains: those of one half of the pixels must explain the other half.
   const FrameGains gains = frame_gains(scan.model, scan.samples, 0);
   const FrameGains others = frame_gains(scan.model, scan.samples, 1);
+
+  // The largest gain, its standard error from the two halves, and the share they explain.
   const double size = (gains.gains + others.gains).cwiseAbs().maxCoeff() / 2;
   const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
   const double explained = (gains.explained_by(others.gains) + others.explained_by(gains.gains)) /
@@ -199,9 +221,11 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
         size >= 4 * error)) {
     return std::nullopt;
   }
+
   const auto odd = odd_frame(gains);
   // Motion may resemble flicker, but rarely of a single frame.
   if (scan.settings.moving && !odd) return std::nullopt;
+
   return Finding{
       .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
                           100 * least_gain),
@@ -215,24 +239,32 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
 std::optional<std::vector<int>> frames_beside(const Layout& layout, int n) {
   std::vector<int> beside;
   bool varies = false;
+
+  // The other frames of the bands that frame n belongs to.
   for (const Band& band : layout.bands) {
     const auto is_in = [&](int m) {
       return !layout.unwrapping->whole_stripes && (band.cosine[m] != 0 || band.sine[m] != 0);
     };
+
     if (!is_in(n)) continue;
     varies = true;
     for (int m = 0; m < layout.frames; ++m) {
       if (m != n && is_in(m)) beside.push_back(m);
     }
   }
+
+  // In a code: the bit that an inverse inverts, or the next coarser bit.
   if (!layout.code) return beside;
   const std::vector<int>&bits = layout.code->frames, &inverses = layout.code->inverses;
   const auto bit = std::ranges::find(bits, n), inverse = std::ranges::find(inverses, n);
+
+  // Frames with a common base all share its edges, so that their coarser bits prove little.
   if (inverse != inverses.end()) {
     beside.push_back(bits[inverse - inverses.begin()]);
   } else if (bit != bits.end() && bit != bits.begin() && !layout.code->base) {
     beside.push_back(*std::prev(bit));
   }
+
   varies |= bit != bits.end() || inverse != inverses.end();
   return varies ? std::optional(beside) : std::nullopt;
 }
@@ -240,11 +272,14 @@ std::optional<std::vector<int>> frames_beside(const Layout& layout, int n) {
 /// How much of a pixel's range a frame covers over the lit pixels, 0 to 1.
 double shown_range(const ScanSamples& samples, int n) {
   std::vector<double> shares;
+
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels = samples.levels(g, ScanSamples::middle);
     const auto [least, greatest] = std::minmax_element(levels, levels + samples.frames());
     shares.push_back((levels[n] - *least) / std::max(1.0F, *greatest - *least));
   }
+
+  // Without the outliers at either end.
   const double most = quantile(shares, 0.95);
   return most - quantile(shares, 0.05);
 }
@@ -254,14 +289,18 @@ double shown_range(const ScanSamples& samples, int n) {
 std::vector<Finding> dark_frames(const JudgedScan& scan, bool lost = false) {
   constexpr double least_shown = 0.7;
   const auto is_shown = [&](int n) { return shown_range(scan.samples, n) >= least_shown; };
+
   std::vector<Finding> findings;
   for (int n = 0; n < scan.samples.frames(); ++n) {
     auto finding = without_pattern(scan.samples, n);
     if (!finding) continue;
+
+    // If no other frame is bright, the scene may lie in the dark part of the pattern.
     const auto beside = frames_beside(scan.model.layout(), n);
     const bool reached = beside && (lost || std::ranges::any_of(*beside, is_shown));
     if (reached) findings.push_back(std::move(*finding));
   }
+
   return findings;
 }
 
@@ -270,15 +309,20 @@ std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   constexpr double clearly = 0.5;
   auto better = fit.poor() ? likeliest_mistake(scan, fit) : std::nullopt;
   if (!better) return std::nullopt;
+
+  // Depths beyond the boards may be the scene's own: on their own they prove no mistake.
   const double beyond = fit.geometry ? fit.geometry->beyond : 0;
   const bool by_depths_alone = fit.misfit() - beyond < better->misfit + clearly;
+
   Finding finding{.gravity = by_depths_alone ? Gravity::doubtful : Gravity::wrong,
                   .what = "the scan would fit far better with other settings",
                   .evidence = {{"misfit", fit.misfit()}, {"misfit then", better->misfit}},
                   .likely = std::move(better->likely),
                   .advice = std::move(better->advice)};
+
   if (by_depths_alone) finding.likely += beyond_the_boards;
   if (fit.geometry) finding.evidence.push_back({"median depth, mm", fit.geometry->median_depth});
+
   return finding;
 }
 
@@ -287,10 +331,13 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
                                       std::optional<MixedFrames> mixed,
                                       std::optional<Finding> flickering) {
   if (mixed) return {std::move(mixed->finding)};
+
   // With redundancy, a dark frame would not have fitted.
   if (!scan.model.has_redundancy()) {
     if (std::vector<Finding> dark = dark_frames(scan); !dark.empty()) return dark;
   }
+
+  // Then the mistakes that are harder to see, and last the limits of the method.
   if (flickering) return {std::move(*flickering)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
   return method_limits(scan, fit);
@@ -301,25 +348,38 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
 ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   ScanFindings result;
   if (fit.geometry) result.median_depth = fit.geometry->median_depth;
+
+  // 1. Causes that leave the settings right: changing light, and exposures out of step.
   auto flickering = flicker(scan, fit);
+
   // A single brighter frame may resemble a share of another.
   const bool one_frame = flickering && flickering->evidence.front().name.starts_with("frame");
   auto mixed = one_frame ? std::nullopt : mixed_frames(scan, fit);
+
+  // 2. A scan that fits may still hide a fault.
   if (fit.all()) {
     result.findings = remaining_faults(scan, fit, std::move(mixed), std::move(flickering));
     return result;
   }
+
+  // 3. Otherwise name the symptom, unless a frame without a pattern explains everything.
   result.findings = dark_frames(scan);
   if (!result.findings.empty()) return result;
+
   Finding finding = seen(fit);
   const bool only_depths = fit.frames_fit() && fit.geometry_fits();
+
+  // 4. Try common mistakes; a doubtful scanner explains a misfit of the geometry already.
   constexpr double nearly = 0.3;
   const bool by_scanner = scan.scanner_doubted && fit.frames_fit();
   auto explanation = by_scanner ? std::nullopt : likeliest_mistake(scan, fit);
+
   constexpr double contradicting = 0.2;  // so much that a frame may be lost
   const bool is_lost = !fit.code_agrees() ||
                        (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
   std::vector<Finding> dark = dark_frames(scan, is_lost);
+
+  // 5. Name the likeliest cause, or a broad one if no specific one explains the scan.
   if (by_scanner) {
     name_broadly(fit, scan.photometry.response.has_value(), finding);
     if (!only_depths) finding.gravity = Gravity::wrong;
@@ -331,11 +391,16 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
       explanation->gravity = Gravity::doubtful;
       explanation->likely += beyond_the_boards;
     }
+
     finding.likely = std::move(explanation->likely);
     finding.advice = std::move(explanation->advice);
     finding.gravity = explanation->gravity;
+
+    // Set if the cycle has slipped: the caller then reorders the frames.
     result.order = std::move(explanation->order);
     if (!result.order.empty()) result.median_depth = explanation->median_depth;
+
+    // Name causes that explain the scan about as well.
     if (mixed && mixed->misfit < explanation->misfit + nearly) dark.push_back(mixed->finding);
     for (const Finding& fault : dark) finding.likely += ", or " + fault.likely;
   } else if (!dark.empty()) {
@@ -346,6 +411,7 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   } else {
     name_broadly(fit, scan.photometry.response.has_value(), finding);
   }
+
   result.findings.push_back(std::move(finding));
   return result;
 }

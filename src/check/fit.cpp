@@ -20,11 +20,13 @@ Complex turned(double periods) {
 /// Sum of squares about the mean over the frames.
 double variation_of(const float* levels, int frames) {
   double sum = 0, squares = 0;
+
   for (int n = 0; n < frames; ++n) {
     const double level = levels[n];
     sum += level;
     squares += level * level;
   }
+
   return squares - sum * sum / frames;
 }
 
@@ -47,6 +49,7 @@ double depth_of_stripe(const Scanner& scanner, Axis axis, const Eigen::Vector3d&
                        double coordinate) {
   const Eigen::Matrix3d& K = scanner.projector.intrinsic;
   const double pixel = coordinate * length_along(axis, scanner.projector.size);
+  // All points of the projector's frame on this stripe satisfy plane . X = 0.
   const Eigen::RowVector3d plane = K.row(axis == Axis::x ? 0 : 1) - pixel * K.row(2);
   return -plane.dot(scanner.translation) / plane.dot(scanner.rotation * ray);
 }
@@ -66,7 +69,9 @@ bool agrees(const BandRelation& relation) {
 
 FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
   const std::size_t bands = model.bands().size();
+  // Without a cue the coarsest band has no coarser coordinate to agree with.
   const std::size_t relations = bands - (model.has_real_cue() ? 0 : 1);
+
   evidence_.relations.resize(relations);
   mean_.resize(relations);
   between_.resize(relations);
@@ -79,28 +84,37 @@ void FrameJudge::clear() {
   std::ranges::fill(between_, Complex{});
   std::ranges::fill(damped_, Complex{});
   std::ranges::fill(ratios_, SharedSpread{});
+
   doubts_.clear();
   misfits_.clear();
+
   residual_ = variation_ = by_origin_ = origin_square_ = 0;
   pairs_ = seams_ = far_pairs_ = 0;
 }
 
 double FrameJudge::ratio(const SampleReading& reading, std::size_t band) const {
   constexpr double nothing = 1;  // a grey level: about the noise of a modulation
+
   const auto level = [&](std::size_t b) {
     return std::log((reading.modulation[b] + nothing) / std::max(1e-3, reading.expected[b]));
   };
+
   return level(band) - level(model_.bands().front());
 }
 
 void FrameJudge::add_pair(double variation) {
   ++pairs_;
+
+  // Neighbours share their relation, so that only noise is left in the difference.
   for (std::size_t i = 0; i < between_.size(); ++i) {
     between_[i] += turned(here_.relations[i] - next_.relations[i]);
   }
+
+  // Noise averages out of the products, a misfit of the patterns does not.
   for (std::size_t i = 0; i < here_.unexplained.size(); ++i) {
     residual_ += here_.unexplained[i] * next_.unexplained[i];
   }
+
   variation_ += variation;
   for (std::size_t b = 0; b < ratios_.size(); ++b) ratios_[b].add(ratio(here_, b), ratio(next_, b));
 }
@@ -108,18 +122,24 @@ void FrameJudge::add_pair(double variation) {
 void FrameJudge::look_for_damping(double groups) {
   // Orders at the ends of the field are off by half of this, periods: neighbours outvote it.
   constexpr double most_tolerated = 1.3;
+
   evidence_.damping = 0;
   if (damped_.empty() || agrees(evidence_.relations.front())) return;
+
+  // The damping with which cue and fringes agree best, and well enough.
   BandRelation best = evidence_.relations.front();
   best.agreement = FitLimits::least_agreement;
   for (std::size_t i = 0; i < damped_.size(); ++i) {
     const double agreement = std::abs(damped_[i]) / groups / best.noise;
     const double offset = std::arg(damped_[i]) / two_pi;
     if (agreement < best.agreement || std::abs(offset) > FitLimits::most_offset) continue;
+
     best.agreement = agreement;
     best.offset = offset;
     evidence_.damping = dampings[i];
   }
+
+  // Tolerate it where neighbours outvote the wrong orders.
   const double f = model_.layout().bands[model_.bands().front()].periods;
   if (evidence_.damping > 0 && f * evidence_.damping <= most_tolerated) {
     evidence_.relations.front() = best;
@@ -128,7 +148,11 @@ void FrameJudge::look_for_damping(double groups) {
 
 void FrameJudge::sum_up(std::size_t groups) {
   constexpr double least_noise = 1e-3;
+
   const auto n = static_cast<double>(std::max<std::size_t>(1, groups));
+
+  // The difference of two neighbours carries the noise of both: its coherence is the square of one
+  // pixel's.
   for (std::size_t i = 0; i < mean_.size(); ++i) {
     const double noise = std::sqrt(std::abs(between_[i]) / std::max(1, pairs_));
     evidence_.relations[i] = {
@@ -137,18 +161,22 @@ void FrameJudge::sum_up(std::size_t groups) {
         .noise = noise,
         .error = std::sqrt(n / 2) / std::max(1.0, std::abs(mean_[i])) / two_pi};
   }
+
   look_for_damping(n);
   evidence_.residual = variation_ > 0 ? std::sqrt(std::max(0.0, residual_ / variation_)) : 0;
+
   // Close to their noise, single frames fit several orders almost as well as the right one. Right
   // scans in harsh light reach 1.6, another number of periods leaves 2 or more.
   constexpr double most_by_noise = 1.8;
   const bool by_noise = misfits_.empty() || quantile(misfits_, 0.5) <= most_by_noise;
   evidence_.doubt = by_noise ? 0 : quantile(doubts_, 0.5);
   evidence_.origin = origin_square_ > 0 ? by_origin_ / origin_square_ : 0;
+
   evidence_.ratio_spread = 0;
   for (const SharedSpread& of_band : ratios_) {
     evidence_.ratio_spread = std::max(evidence_.ratio_spread, of_band.deviation());
   }
+
   constexpr int at_depth_edges = 2;
   evidence_.seams =
       std::max(0, seams_ - at_depth_edges) / std::max(1.0, static_cast<double>(far_pairs_));
@@ -157,38 +185,55 @@ void FrameJudge::sum_up(std::size_t groups) {
 const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const FrameOrder& order,
                                             std::size_t most_groups) {
   clear();
+
   const std::size_t groups = std::min(samples.groups(), most_groups);
+  // A coarsest band of at most one period wraps: y may jump from one end to the other.
   const bool can_leap = !model_.has_real_cue() && model_.fewest_periods() <= 1;
+
+  // 1. Each group's middle pixel, then its neighbours.
   for (std::size_t g = 0; g < groups; ++g) {
     const float* const levels = samples.levels(g, Place::middle);
     const double variation = variation_of(levels, samples.frames());
     model_.read(levels, order, here_);
+
     doubts_.push_back(here_.doubt);
     misfits_.push_back(here_.misfit);
     by_origin_ += here_.by_origin;
     origin_square_ += here_.origin_square;
+
+    // Relations as directions in the complex plane: their mean shows how well they agree.
     for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += turned(here_.relations[i]);
+    // Damped fringes move the cue's coordinate away from the middle of the field.
     for (std::size_t i = 0; i < damped_.size(); ++i) {
       const double f = model_.layout().bands[model_.bands().front()].periods;
       damped_[i] += turned(here_.relations.front() - f * dampings[i] * (here_.coarse - 0.5));
     }
+
+    // Adjacent pixels separate signal from noise.
     for (const Place place : {Place::right, Place::below}) {
       if (!samples.lit(g, place)) continue;
       model_.read(samples.levels(g, place), order, next_);
       add_pair(variation);
     }
+
+    // Far ones show whether the coordinate jumps across the field.
     for (const Place place : {Place::far_right, Place::far_below}) {
       if (!can_leap || !samples.lit(g, place)) continue;
       model_.read(samples.levels(g, place), order, next_);
+
       const double f = model_.fewest_periods();
       const double a = f * here_.coarse, b = f * next_.coarse;
+
       // This close to the jump, noise alone carries a pixel across it.
       constexpr double margin = 0.004;
       if (std::min({a, 1 - a, b, 1 - b}) < margin) continue;
+
       ++far_pairs_;
       if (std::abs(a - b) > 0.8) ++seams_;
     }
   }
+
+  // 2. Sums to evidence.
   sum_up(groups);
   return evidence_;
 }
@@ -200,28 +245,39 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   constexpr double margin = 0.05;
   // Scenes exceed the boards' depths: allow this share of the range on either side.
   constexpr double further = 0.5, slightly = 0.1;
+
   const std::size_t band = model.measuring_band();
   const double f = model.layout().bands[band].periods;
+
   // A code alone changes by whole stripes, and most neighbours lie in the same stripe.
   const bool rises = !model.layout().unwrapping->whole_stripes;
+
   SampleReading here, next;
   std::vector<double> depths, slopes;
   int without = 0, outside = 0, out_of_range = 0, beyond = 0;
+
   for (std::size_t g = 0; g < samples.groups(); ++g) {
+    // 1. The pixel, and its point: where its ray meets the plane of its stripe.
     const Eigen::Vector2d pixel(
         turn.columns ? scanner.camera.size.width - 1 - samples.column(g) : samples.column(g),
         turn.rows ? scanner.camera.size.height - 1 - samples.row(g) : samples.row(g));
+
     model.read(samples.levels(g, ScanSamples::middle), order, here);
     const Eigen::Vector3d ray = ray_through(scanner.camera, pixel);
     const double z = depth_of_stripe(scanner, axis, ray, here.coordinate);
     const FieldPlace lit = place_in_field(scanner, axis, z * ray);
+
+    // No point: ray and stripe meet behind a device, or are parallel.
     if (!(z > 0 && std::isfinite(z)) || !lit.in_front) {
       ++without;
       continue;
     }
+
+    // 2. Points outside the projector's light, and beyond the calibrated depths.
     if (lit.across < -margin || lit.across > 1 + margin || lit.along < -margin ||
         lit.along > 1 + margin)
       ++outside;
+
     if (const auto& range = scanner.calibrated_depths) {
       const auto is_outside = [&](double share) {
         const double more = share * (range->farthest - range->nearest);
@@ -230,18 +286,24 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
       if (is_outside(further)) ++out_of_range;
       if (is_outside(slightly)) ++beyond;
     }
+
     depths.push_back(z);
+
+    // 3. The slope of the coordinate, inside of surfaces only.
     // On things of a few pixels, blur mixes the coordinates of both sides.
     const bool inside = std::ranges::all_of(
         std::array{Place::right, Place::below, Place::far_right, Place::far_below},
         [&](Place place) { return samples.lit(g, place); });
     if (!rises || !inside) continue;
+
+    // The change to the next pixel on a surface at this depth that faces the camera.
     const auto expected = [&](const Eigen::Vector2d& step) {
       return place_in_field(scanner, axis, z * ray_through(scanner.camera, pixel + step)).along -
              lit.along;
     };
     const Eigen::Vector2d flat(expected({turn.columns ? -1 : 1, 0}),
                                expected({0, turn.rows ? -1 : 1}));
+
     // The phase is exact, but wraps between pixels that are a good part of a period apart.
     const bool coarse = f * flat.cwiseAbs().maxCoeff() > 0.25;
     const auto change = [&](Place place) {
@@ -249,30 +311,40 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
       if (coarse) return next.coordinate - here.coordinate;
       return std::remainder(next.phase[band] - here.phase[band], two_pi) / (two_pi * f);
     };
+
+    // Least squares over both directions.
     const Eigen::Vector2d seen(change(ScanSamples::right), change(ScanSamples::below));
     const double slope = seen.dot(flat) / flat.squaredNorm();
     if (std::isfinite(slope)) slopes.push_back(slope);
   }
+
+  // 4. Shares of the pixels, with or without a point, and medians.
   GeometryEvidence result;
   if (samples.groups() == 0) return result;
+
   const auto n = static_cast<double>(samples.groups());
   result.without_point = without / n;
+
   if (!depths.empty()) {
     result.outside = outside / static_cast<double>(depths.size());
     result.out_of_range = out_of_range / static_cast<double>(depths.size());
     result.beyond = beyond / static_cast<double>(depths.size());
     result.median_depth = quantile(depths, 0.5);
   }
+
   // The scatter of fewer says too little about their median.
   constexpr std::size_t fewest_slopes = 16;
   if (slopes.size() >= fewest_slopes) {
     result.slope = quantile(slopes, 0.5);
     for (double& slope : slopes) slope = std::abs(slope - result.slope);
+
+    // From here on the slopes are deviations; 1.25 is sqrt(pi / 2), for Gaussian scatter.
     // Standard error of the median.
     const double error = 1.25 * deviation_from_median(quantile(slopes, 0.5)) /
                          std::sqrt(static_cast<double>(slopes.size()));
     result.slope_doubt = 3 * error;
   }
+
   return result;
 }
 
@@ -305,33 +377,42 @@ bool Fit::geometry_fits() const {
 bool Fit::poor() const {
   // Right scans: at most 0.05, 0.001, 0.04.
   constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
+
   const auto is_off = [](const BandRelation& relation) {
     return relation.noise >= least_noise &&
            std::abs(relation.offset) > poor_offset + 3 * relation.error;
   };
+
   return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||
          (geometry && (geometry->outside + geometry->without_point > poor_outside ||
                        geometry->beyond > poor_beyond));
 }
 
 double Fit::misfit() const {
+  // Nearly every term is 1 at its limit.
   using L = FitLimits;
   double sum = frames.residual / L::most_residual + frames.seams / L::most_seams +
                frames.ratio_spread / L::most_ratio_spread;
+
   for (const BandRelation& relation : frames.relations) {
     sum += std::max(0.0, 1 - relation.agreement) / (1 - L::least_agreement) +
            std::abs(relation.offset) / L::most_offset;
   }
+
   for (const CodeSymptom& symptom : code_symptoms) {
     sum += std::abs(code.*symptom.value) / symptom.limit;
   }
+
   if (geometry) {
     const double slope = geometry->slope, doubt = geometry->slope_doubt;
+    // The uncertainty of the slope counts in its favour.
     const double nearest_to_one = std::clamp(1.0, slope - doubt, slope + doubt);
+
     sum += (geometry->without_point + geometry->outside) / L::most_outside +
            geometry->out_of_range / L::most_out_of_range + geometry->beyond +
            std::abs(std::log(std::max(1e-3, nearest_to_one)));
   }
+
   return sum;
 }
 

@@ -93,8 +93,10 @@ class FrameJudge {
       b += second;
       ++count;
     }
+
     [[nodiscard]] double deviation() const {
       if (count == 0) return 0;
+      // Covariance of neighbours: their signal's variance, as noise is independent.
       return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
     }
   };
@@ -167,6 +169,7 @@ struct Fit {
   std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
 
   [[nodiscard]] bool has_evidence() const;  ///< of every relation, beyond noise
+
   /// In modulation.
   [[nodiscard]] bool bands_alike() const {
     return frames.ratio_spread <= FitLimits::most_ratio_spread;
@@ -175,15 +178,18 @@ struct Fit {
   [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
   [[nodiscard]] bool code_agrees() const;    ///< within the limits of code_symptoms
   [[nodiscard]] bool no_seam() const { return frames.seams <= FitLimits::most_seams; }
+
   /// All that the frames alone show.
   [[nodiscard]] bool frames_fit() const {
     return bands_agree() && patterns_made() && code_agrees() && no_seam();
   }
   [[nodiscard]] bool geometry_fits() const;  ///< true without geometry
+
   /// In the calibrated range; true without geometry.
   [[nodiscard]] bool depths_fit() const {
     return !geometry || geometry->out_of_range <= FitLimits::most_out_of_range;
   }
+
   [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
   /// Whether it fits so poorly that another origin or frame order may fit far better.
   [[nodiscard]] bool poor() const;

@@ -27,10 +27,12 @@ template <class Has>
 Stretch longest_stretch(const Places& places, const Has& has) {
   Stretch longest;
   std::size_t length = 0;
+
   for (std::size_t i = 0; i < places.size(); ++i) {
     length = has(places[i]) ? length + 1 : 0;
     if (length > longest.length) longest = {length, i + 1};
   }
+
   return longest;
 }
 
@@ -56,11 +58,14 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
   // Equal intensities may differ by this through rounding.
   constexpr float rounding = 1e-3F;
   constexpr std::size_t fewest = 24;  // fewer may be equal by chance
+
   const Stretch alike = longest_stretch(places, [&](std::size_t group) {
     return std::abs(level(samples, group, n) - level(samples, group, m)) < rounding;
   });
+
   const double share = share_of(alike, places);
   if (share < part || alike.length < fewest) return std::nullopt;
+
   Finding finding{.gravity = Gravity::wrong, .evidence = evidence_of(alike, places, samples)};
   if (share > all) {
     finding.what = fmt::format(
@@ -75,6 +80,7 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
         fmt::format("part of frame {} or {} was lost and still shows the frame before it", n, m);
     finding.advice = "capture the scan again; check the camera's link for lost packets";
   }
+
   return finding;
 }
 
@@ -83,17 +89,23 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
   constexpr float black = 0.5F;
   // Minimum grey level next to the lost rows; the edge of a pattern's dark part is darker.
   constexpr float sharp = 12;
+
   const Stretch lost =
       longest_stretch(places, [&](std::size_t group) { return level(samples, group, n) <= black; });
+
   const double share = share_of(lost, places);
   if (share < part || share > all) return std::nullopt;
+
+  // Levels just above and below the lost rows: a twentieth of the lit pixels each.
   std::vector<float> beside;
   const std::size_t first = lost.end - lost.length, near = places.size() / 20 + 1;
   for (std::size_t i = first - std::min(first, near); i < std::min(places.size(), lost.end + near);
        ++i) {
     if (i < first || i >= lost.end) beside.push_back(level(samples, places[i], n));
   }
+
   if (beside.empty() || quantile(beside, 0.5) < sharp) return std::nullopt;
+
   return Finding{
       .what = fmt::format("frame {} is black in over {:g} % of the lit pixels", n, 100 * part),
       .evidence = evidence_of(lost, places, samples),
@@ -112,9 +124,12 @@ LightEvidence light_of(const FrameModel& model, const ScanSamples& samples) {
   const FrameOrder order = model.identity();
   std::vector<double> modulations, means;
   SampleReading reading;
+
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels = samples.levels(g, ScanSamples::middle);
     means.push_back(std::accumulate(levels, levels + samples.frames(), 0.0) / samples.frames());
+
+    // The weakest band counts, scaled to a sinusoid with all the light.
     model.read(levels, order, reading);
     double modulation = std::numeric_limits<double>::infinity();
     for (std::size_t b = 0; b < reading.modulation.size(); ++b) {
@@ -122,10 +137,12 @@ LightEvidence light_of(const FrameModel& model, const ScanSamples& samples) {
     }
     modulations.push_back(modulation);
   }
+
   if (!means.empty()) {
     light.modulation = quantile(modulations, 0.5);
     light.mean = quantile(means, 0.5);
   }
+
   return light;
 }
 
@@ -141,13 +158,17 @@ int bits_used(double brightest, int bits) {
 /// excluded; 0 if they are few of all that reach it, as at a sinusoid's crest.
 double flat_topped(const FrameModel& model, const ScanSamples& samples) {
   constexpr double fewest_of_top = 0.25;
+
   std::vector<int> frames = measuring_frames(model.layout());
   // Further frames of a window show the same patterns again.
   if (const auto& cycle = measuring_band(model.layout()).cycle) frames.resize(cycle->steps);
+
   float top = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     for (const int n : frames) top = std::max(top, level(samples, g, n));
   }
+
+  // A sinusoid's crest reaches the top in one frame of a pixel, clipping in several.
   std::size_t once = 0, flat = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const auto count =
@@ -155,6 +176,7 @@ double flat_topped(const FrameModel& model, const ScanSamples& samples) {
     if (count >= 1) ++once;
     if (count >= 2) ++flat;
   }
+
   if (flat == 0 || static_cast<double>(flat) < fewest_of_top * static_cast<double>(once)) return 0;
   return static_cast<double>(flat) / static_cast<double>(samples.groups());
 }
@@ -163,6 +185,7 @@ double flat_topped(const FrameModel& model, const ScanSamples& samples) {
 std::optional<Finding> mosaic(const ScanSamples& samples) {
   // A sensor without a filter has the same gain everywhere, within 2 %.
   constexpr double least_ratio = 1.05, sure = 5;  // standard errors
+
   // Of a pixel and the one across over the two others, logarithms: neither rows nor columns matter.
   std::array<std::vector<double>, 2> ratios;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
@@ -171,18 +194,28 @@ std::optional<Finding> mosaic(const ScanSamples& samples) {
       range[i] = samples.range(samples.levels(g, static_cast<ScanSamples::Place>(i)));
     }
     if (std::ranges::min(range) <= 0) continue;
+
+    // Green pixels lie on every other diagonal, like the fields of a chequerboard.
     ratios[(samples.column(g) + samples.row(g)) % 2].push_back(
         std::log(range[0] * range[3] / (range[1] * range[2])));
   }
+
   if (std::min(ratios[0].size(), ratios[1].size()) < 32) return std::nullopt;
+
+  // A gain enters each logarithm twice, upwards on one diagonal and downwards on the other: four
+  // times in the difference.
   const double difference = std::abs(median(ratios[0]) - median(ratios[1]));
   const double ratio = std::exp(difference / 4);
+
+  // Variance of the difference; 1.25 is sqrt(pi / 2), for medians of Gaussian values.
   double variance = 0;
   for (const std::vector<double>& of : ratios) {
     const double error = 1.25 * robust_deviation(of, median(of));
     variance += error * error / static_cast<double>(of.size());
   }
+
   if (ratio < least_ratio || difference < sure * std::sqrt(variance)) return std::nullopt;
+
   return Finding{.what = "every other pixel is brighter than its neighbours",
                  .evidence = {{"ratio", ratio}},
                  .likely = "raw pictures of a colour camera, whose Bayer filter was not removed",
@@ -197,7 +230,9 @@ Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) 
                   .evidence = {{"brightest grey level of 255", samples.brightest()},
                                {"largest change between frames", samples.largest_range()},
                                {"least modulation", least_modulation}}};
+
   const int used = bits_used(samples.brightest(), bits);
+
   if (samples.saturated_share() > 0.5) {
     finding.likely = "too much light: the pictures are saturated everywhere";
     finding.advice = "shorten the exposure or close the iris";
@@ -213,6 +248,7 @@ Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) 
     finding.advice =
         "lengthen the exposure, open the iris or darken the room; or lower --min-modulation";
   }
+
   return finding;
 }
 
@@ -221,39 +257,51 @@ Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) 
 std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   std::vector<Finding> findings;
   if (samples.groups() < ScanSamples::fewest_groups) return findings;
+
+  // From top to bottom, the order in which a camera transfers its rows.
   Places places(samples.groups());
   std::iota(places.begin(), places.end(), std::size_t{0});
   std::ranges::sort(places, {}, [&](std::size_t group) { return samples.row(group); });
+
   const auto add = [&](std::optional<Finding> finding) {
     if (finding) findings.push_back(std::move(*finding));
   };
+
   for (int n = 0; n < samples.frames(); ++n) {
     add(lost_part(samples, places, n));
     for (int m = n + 1; m < samples.frames(); ++m) add(same_picture(samples, places, n, m));
   }
+
   return findings;
 }
 
 std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
   std::vector<float> levels, ranges;
   std::size_t darkest = 0;
+
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels_here = samples.levels(g, ScanSamples::middle);
     const float own = levels_here[n];
+
+    // Range of the pixel in all other frames.
     float least = std::numeric_limits<float>::infinity(), greatest = -least;
     for (int m = 0; m < samples.frames(); ++m) {
       if (m == n) continue;
       least = std::min(least, levels_here[m]);
       greatest = std::max(greatest, levels_here[m]);
     }
+
     if (own <= least + 1) ++darkest;
     levels.push_back(own);
     ranges.push_back(greatest - least);
   }
+
+  // Ambient light alone is nearly uniform, and nowhere brighter than the darkest pattern.
   const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
   const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
   const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
   if (share < all || spread > 0.08F * range + 2) return std::nullopt;
+
   return Finding{
       .gravity = Gravity::wrong,
       .what = fmt::format("frame {} contains no pattern", n),
@@ -265,13 +313,17 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
 std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& samples, int bits,
                                   double least_modulation) {
   const LightEvidence light = light_of(model, samples);
+
   // Shares of the lit pixels.
   constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
   // Stronger ambient light leaves few grey levels for the patterns.
   constexpr double most_ambient = 5;
   // Share of all pixels: the area of a needle.
   constexpr double least_lit = 0.003;
+
   std::vector<Finding> findings;
+
+  // 1. Wrong bits, or hardly any light: all else would mislead.
   if (samples.brightest() > 255.5) {
     return {{.gravity = Gravity::wrong,
              .what = "grey levels exceed the camera's maximum",
@@ -279,54 +331,67 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
              .likely = "a camera with more bits than declared",
              .advice = fmt::format("try --camera-bits {}", bits_used(samples.brightest(), 16))}};
   }
+
   // A small object that is well lit is fine.
   const bool dim = light.modulation < 1.5 * least_modulation;
   if (samples.groups() < ScanSamples::fewest_groups && samples.lit_share() < least_lit && dim) {
     return {too_dark(samples, bits, least_modulation)};
   }
+
+  // 2. Otherwise each fault by itself.
   const int used = bits_used(samples.brightest(), bits);
   const double flat = flat_topped(model, samples);
+
   // The light is to blame once: for its ambient part if an exposure that suffices would saturate.
   const bool dark = light.modulation < least_modulation;
   const bool ambient = light.mean > most_ambient * light.modulation &&
                        (!dark || light.mean * least_modulation > 255 * light.modulation);
+
   const auto add = [&](bool seen, Finding finding) {
     if (seen) findings.push_back(std::move(finding));
   };
+
   if (auto filtered = mosaic(samples)) findings.push_back(std::move(*filtered));
+
   add(bits == 16 && used < 16,
       {.what = fmt::format("only {} of {} bits are used", used, bits),
        .evidence = {{"brightest grey level of 255", samples.brightest()}},
        .likely = fmt::format("pictures of {} bits in {}-bit files{}", used, bits,
                              used == 14 ? ", or far too little light" : ""),
        .advice = fmt::format("try --camera-bits {}", used)});
+
   add(samples.saturated_share() > most_saturated,
       {.what = fmt::format("saturated: over {:g} % of the lit pixels", 100 * most_saturated),
        .evidence = {{"share of the lit pixels", samples.saturated_share()}},
        .likely = "too much light: the camera clips",
        .advice = "shorten the exposure, close the iris or capture with --exposures 1,4"});
+
   add(dark && !ambient,
       {.what = "too dark: the lit pixels' median modulation is below the minimum",
        .evidence = {{"modulation", light.modulation}, {"least modulation", least_modulation}},
        .likely = "far too little light for this surface",
        .advice = "lengthen the exposure, open the iris or darken the room"});
+
   add(findings.empty() && samples.dim_share() > most_dim,
       {.what = fmt::format("over {:g} % of the pixels that the patterns reach are too dark",
                            100 * most_dim),
        .evidence = {{"share", samples.dim_share()}, {"least modulation", least_modulation}},
        .likely = "far too little light for most of the scene",
        .advice = "lengthen the exposure, capture with --exposures 1,4 or lower --min-modulation"});
+
   add(flat > most_flat,
       {.what =
            fmt::format("clipped below saturation: over {:g} % of the lit pixels", 100 * most_flat),
        .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
        .likely = "intensities clipped before they were saved",
        .advice = "shorten the exposure; save the camera's frames unchanged"});
+
   add(ambient,
       {.what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
        .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
        .likely = "ambient light stronger than the projector's, or a wrong black level",
        .advice = "darken the room or brighten the projector"});
+
   return findings;
 }
 

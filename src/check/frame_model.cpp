@@ -26,26 +26,37 @@ double dot(const std::vector<double>& weights, const float* levels, const FrameO
 /// Rows: a basis of the space perpendicular to the patterns' shapes and to constant light. In a
 /// window of declared motion, frames of one pattern differ: there, of each cycle on its own.
 Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
-  // At irrational distances, to avoid aliasing with any period.
+  // One cycle of the patterns; a longer window contains one from each of its first frames on.
   const std::optional<StepRun>& cycle = measuring_band(layout).cycle;
   const int count = cycle ? cycle->steps : layout.frames, cycles = layout.frames - count + 1;
+
+  // Products of the patterns' shapes, summed over the field; the ones stand for constant light.
   const int places = std::max(128, 2 * count);
   Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
   for (int i = 0; i < places; ++i) {
     Eigen::VectorXd pattern(count);
+
+    // At irrational distances, to avoid aliasing with any period.
     const double y = std::fmod(i * std::numbers::phi, 1);
     const double across = std::fmod(i * std::numbers::sqrt2, 1);
+
     for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, y, across);
+
     products += pattern * pattern.transpose() / places;
   }
+
+  // Eigenvectors that no shape contains span the complement.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
   const double least = 1e-9 * solver.eigenvalues().maxCoeff();
   const auto unused = (solver.eigenvalues().array() < least).count();
+
+  // The same rows for each cycle, one frame later each time.
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(cycles * unused, layout.frames);
   for (int k = 0; k < cycles; ++k) {
     all.block(k * unused, k, unused, count) =
         solver.eigenvectors().leftCols(unused).transpose() / std::sqrt(cycles);
   }
+
   return all;
 }
 
@@ -60,9 +71,12 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       identity_(layout_.frames),
       complement_(complement_of(sequence.strategy, layout_)) {
   std::iota(identity_.begin(), identity_.end(), 0);
+
   if (photometry.response) {
     constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
     corrections_ = phase_corrections(photometry.response->response, layout_, accuracy);
+
+    // The light of shapes from 0 to 1, with one more entry for interpolation at 1.
     constexpr int steps = 512;  // accurate to 1e-5 of the range
     const auto& [alpha_p, beta_p] = sequence.light;
     for (int i = 0; i <= steps + 1; ++i) {
@@ -70,15 +84,20 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       light_.push_back(light_at(photometry.response->response, (alpha_p * shape + beta_p) / 255));
     }
   }
+
+  // The correction that each band's steps need, if any.
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
     const auto run = bent_run(layout_.bands[b]);
     const int steps = run ? run->steps : 1;
     if (corrections_.contains(steps)) corrected_steps_[b] = steps;
   }
+
+  // No band unwraps another here: only the measuring one is compared.
   if (order_source(layout_) == OrderSource::pixel) {
     chain_ = {slipstream::measuring_band_index(layout_)};
     alone_.emplace(layout_, length_along(sequence.axis, sequence.projector));
   }
+
   // A cue in the DC channel requires the ambient light.
   if (layout_.cue && (photometry.ambient || !needs_ambient_light(layout_))) {
     CueSettings settings{.light = sequence.light};
@@ -93,43 +112,60 @@ std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameO
   const double C = dot(band.cosine, levels, order);
   const double S = dot(band.sine, levels, order);
   const double modulation = std::hypot(C, S), phase = wrapped_angle(S, C);
+
   if (steps == 0) return {modulation, phase};
+
+  // The correction applies to phases with default shifts.
   const auto bent = bent_run(band);
   const Shifts shifts = bent ? bent->shifts : Shifts{};
   const double shifted = unshifted_phase({}, shifted_phase(shifts, phase));
+
   return {modulation, unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted))};
 }
 
 void FrameModel::read(const float* levels, const FrameOrder& order, SampleReading& reading) const {
   reading.phase.resize(layout_.bands.size());
   reading.modulation.resize(layout_.bands.size());
+
+  // 1. Phase and modulation of each band.
   double with_carrier = 0;  // phase of the measuring band's first sinusoid
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
     const Band& band = layout_.bands[b];
     double &B = reading.modulation[b], &phi = reading.phase[b];
     std::tie(B, phi) = sinusoid(levels, order, band, corrected_steps_[b]);
     if (b == measuring_band()) with_carrier = phi;
+
+    // With a carrier: the sum of both phases is free of it, the weaker sinusoid limits B.
     for (const Band& mirrored : band.mirrored) {
       const auto [other_B, other] = sinusoid(levels, order, mirrored, corrected_steps_[b]);
       B = std::min(B, other_B);
       phi = wrapped_sum(phi, other);
     }
   }
+
+  // 2. The coordinate, by the chain of bands or by all frames together.
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
   if (alone_) {
     std::vector<double> I;
     for (const int frame : order) I.push_back(levels[frame]);
+
     const PixelCoordinate found = (*alone_)({reading.phase, reading.modulation, I});
     reading.coordinate = found.y;
     reading.doubt = found.doubt;
+
     // The narrowest stripes may be blurred in good light.
     if (layout_.unwrapping->whole_stripes) reading.modulation.front() = found.contrast;
+
     if (!layout_.single_frames.empty()) fit_origin(levels, order, reading);
     if (chain_.size() < layout_.bands.size()) fit_origin(reading);
   }
+
+  // The first sinusoid has the phase pi f y + 2 pi carrier x.
   if (const Band& band = layout_.bands[measuring_band()]; band.carrier > 0) {
     reading.across = (with_carrier / two_pi - band.periods / 2 * reading.coordinate) / band.carrier;
   }
+
+  // 3. The part of the frames that no pattern explains.
   explain(levels, order, reading);
 }
 
@@ -139,6 +175,8 @@ void FrameModel::unwrap(SampleReading& reading, double cue) const {
                                             .wrapped_phase = reading.phase[0],
                                             .cue = cue})
                         : reading.phase[first] / two_pi / layout_.bands[first].periods;
+
+  // From coarse to fine: each relation, rounded, is the next fringe order.
   double y = reading.coarse;
   reading.relations.clear();
   for (std::size_t i = cue_ ? 0 : 1; i < chain_.size(); ++i) {
@@ -147,6 +185,7 @@ void FrameModel::unwrap(SampleReading& reading, double cue) const {
     reading.relations.push_back(f * y - periods);
     y = (std::round(reading.relations.back()) + periods) / f;
   }
+
   reading.coordinate = y;
 }
 
@@ -165,25 +204,34 @@ void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
   constexpr double step = 1e-5;
   Eigen::MatrixX3d known(layout_.frames, 3);  // columns: mean, modulation, coordinate
   Eigen::MatrixX2d rest(layout_.frames, 2);   // the frames and their derivative by the origin
+
   SampleReading before = reading, after = reading;
   before.coordinate -= step;
   after.coordinate += step;
+
   for (int n = 0; n < layout_.frames; ++n) {
     const double slope = (shape(n, after) - shape(n, before)) / (2 * step);
+
+    // The origin, in rad, moves a pattern of f periods by 1 / (2 pi f) of the field.
     const auto single = std::ranges::find(layout_.single_frames, n, &SingleFrame::frame);
     const double periods =
         single == layout_.single_frames.end() ? layout_.bands.front().periods : single->periods;
+
     known.row(n) << 1, shape(n, reading), slope;
     rest.row(n) << levels[order[n]], slope / (two_pi * periods);
   }
+
+  // Remove all that mean, modulation and coordinate explain.
   const Eigen::Matrix<double, 3, 2> fitted =
       (known.transpose() * known).ldlt().solve(known.transpose() * rest);
   rest -= known * fitted;
+
   if (photometry_.noise_variance) {
     constexpr int fitted_numbers = 3;
     reading.misfit =
         rest.col(0).squaredNorm() / (layout_.frames - fitted_numbers) / *photometry_.noise_variance;
   }
+
   const double modulation = fitted(1, 0);
   reading.by_origin = modulation * rest.col(0).dot(rest.col(1));
   reading.origin_square = modulation * modulation * rest.col(1).squaredNorm();
@@ -192,13 +240,17 @@ void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
 void FrameModel::fit_origin(SampleReading& reading) const {
   const auto count = static_cast<Eigen::Index>(layout_.bands.size());
   Eigen::VectorXd f(count), off(count);
+
+  // How far each phase is from the coordinate, rad.
   for (Eigen::Index i = 0; i < count; ++i) {
     f[i] = layout_.bands[i].periods;
     const double apart = reading.phase[i] / two_pi - f[i] * reading.coordinate;
     off[i] = two_pi * (apart - std::round(apart));
   }
+
   // Without what another coordinate would do.
   const Eigen::VectorXd by = Eigen::VectorXd::Ones(count) - f * (f.sum() / f.squaredNorm());
+
   reading.by_origin = by.dot(off);
   reading.origin_square = by.squaredNorm();
 }
@@ -206,11 +258,13 @@ void FrameModel::fit_origin(SampleReading& reading) const {
 void FrameModel::explain(const float* levels, const FrameOrder& order,
                          SampleReading& reading) const {
   reading.unexplained.assign(unexplained_count(), 0);
+
   // A known response makes harmonics; subtract those expected at this coordinate.
   double alpha = 0;
   reading.made.clear();
   reading.expected.assign(layout_.bands.size(), 1);
   if (photometry_.response) {
+    // Regression of the frames on the light of the patterns.
     double sum = 0, square = 0, level_sum = 0, product = 0;
     for (int n = 0; n < layout_.frames; ++n) {
       const double shown = light(n, reading), seen = levels[order[n]];
@@ -220,12 +274,17 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
       level_sum += seen;
       product += shown * seen;
     }
+
     const double variation = square - sum * sum / layout_.frames;
+    // The response changes the bands' modulations from place to place.
     for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
       reading.expected[b] = sinusoid(reading.made.data(), identity_, layout_.bands[b], 0).first;
     }
+
     alpha = variation > 0 ? (product - sum * level_sum / layout_.frames) / variation : 0;
   }
+
+  // Project the rest onto the complement of the shapes.
   for (int n = 0; n < layout_.frames; ++n) {
     double left = levels[order[n]];
     if (photometry_.response) left -= alpha * double{reading.made[n]};

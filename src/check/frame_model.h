@@ -49,24 +49,29 @@ class FrameModel {
   FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry);
 
   [[nodiscard]] const Layout& layout() const { return layout_; }
+
   /// Indices of the compared bands, coarse to fine. With beats, likelihood or a code: only the
   /// measuring band.
   [[nodiscard]] const std::vector<std::size_t>& bands() const { return chain_; }
   [[nodiscard]] std::size_t measuring_band() const { return chain_.back(); }
   [[nodiscard]] double fewest_periods() const { return layout_.bands[chain_.front()].periods; }
+
   /// Whether the frames determine a coordinate.
   [[nodiscard]] bool has_coordinate() const {
     return has_real_cue() || alone_.has_value() || fewest_periods() <= 1;
   }
+
   /// Whether a readable cue exists that is a separate value, not a band.
   [[nodiscard]] bool has_real_cue() const { return cue_.has_value(); }
   /// Number of independent combinations of the frames that are 0 for these pattern shapes.
   [[nodiscard]] std::size_t unexplained_count() const { return complement_.rows(); }
+
   /// Whether frames can contradict each other: there are more of them than unknowns, or bands that
   /// must agree.
   [[nodiscard]] bool has_redundancy() const {
     return unexplained_count() > 0 || has_real_cue() || chain_.size() > 1;
   }
+
   [[nodiscard]] const FrameOrder& identity() const { return identity_; }
 
   /// `levels`: the intensities of the frames, in stored order. Reuses the memory of `reading`.

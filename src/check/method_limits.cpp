@@ -25,20 +25,25 @@ double light_shown(const Sequence& sequence, int n, double y) {
 double phase_error_of_gamma(const JudgedScan& scan) {
   constexpr int places = 31;  // prime, to avoid aliasing with any period
   constexpr float little = 0.1F;
+
   Eigen::ArrayXf light(scan.samples.frames());
   SampleReading reading;
+
   const auto phase_of = [&](const Eigen::ArrayXf& levels) {
     scan.model.read(levels.data(), scan.model.identity(), reading);
     return reading.phase[scan.model.measuring_band()];
   };
+
   double squares = 0;
   for (int i = 0; i < places; ++i) {
     for (int n = 0; n < light.size(); ++n) {
       light[n] = static_cast<float>(light_shown(scan.sequence, n, (i + 0.5) / places));
     }
+
     const double error = phase_of(light.pow(1 + little)) - phase_of(light);
     squares += std::pow(std::remainder(error, two_pi), 2);
   }
+
   return std::sqrt(squares / places) / static_cast<double>(little);
 }
 
@@ -52,23 +57,36 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
   const std::vector<Band>& bands = model.layout().bands;
   const float* const levels = scan.samples.levels(group, ScanSamples::middle);
   model.read(levels, model.identity(), reading);
+
+  // Step of the finite difference in y: a thousandth of a period.
   const double h = 1e-3 / std::max(1.0, bands[model.measuring_band()].periods);
   const double y = std::clamp(reading.coordinate, h, 1 - h);
+
   const auto unknowns = static_cast<Eigen::Index>(bands.size());
+  // A column per band's modulation and one for the coordinate.
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(scan.samples.frames(), unknowns + 1);
   Eigen::MatrixXd causes = Eigen::MatrixXd::Zero(scan.samples.frames(), 4);
+
   for (int n = 0; n < scan.samples.frames(); ++n) {
     const auto band = std::ranges::find_if(
         bands, [&](const Band& b) { return b.cosine[n] != 0 || b.sine[n] != 0; });
     if (band == bands.end()) continue;  // a code's frame
+
     const auto light = [&](double dy) { return light_shown(scan.sequence, n, y + dy); };
+
+    // 2 B is the brightness of the surface under the patterns' light.
     const auto b = band - bands.begin();
     const double alpha = 2 * reading.modulation[b] / band->share, u = light(0);
+
     moved(n, b) = u;
     moved(n, unknowns) = alpha * (light(h) - light(-h)) / h;
+
+    // The derivative of u^gamma at gamma = 1 is u log u.
     causes.row(n) << alpha, 255 * scan.samples.gain(group), alpha * u * std::log(std::max(u, 1e-9)),
         levels[n];
   }
+
+  // Rows beyond the rank are orthogonal to modulations and coordinate.
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(moved);
   causes.applyOnTheLeft(qr.householderQ().adjoint());
   for (auto i = qr.rank(); i < causes.rows(); ++i) {
@@ -81,27 +99,38 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
 std::pair<double, double> fitted_gamma(const std::vector<LightRow>& rows, double most_offset) {
   constexpr double any = std::numeric_limits<double>::infinity();
   const Eigen::Array3d least(0, 0, -any), most(any, most_offset, any);
+
   LightRow factors(0, 0, 0, -1);
   double scale = any, error = 0;
+
   for (int round = 0; round < 5; ++round) {
+    // Weighted normal equations; three fitted factors reduce the degrees of freedom.
     Eigen::Matrix4d sums = 1e-9 * Eigen::Matrix4d::Identity();
     double weights = -3;
     std::vector<double> sizes;
+
     for (const LightRow& row : rows) {
       const double weight = tukey_weight(row.dot(factors) / scale);
       sums += weight * row * row.transpose();
       weights += weight;
     }
+
+    // One factor after another, 200 times around, each within its bounds.
     for (int i = 0; i < 600; ++i) {
       const int k = i % 3;
       factors[k] =
           std::clamp(factors[k] - sums.row(k).dot(factors) / sums(k, k), least[k], most[k]);
     }
+
+    // Standard error of the third factor.
     error = std::sqrt(factors.dot(sums * factors) / std::max(1.0, weights) *
                       sums.topLeftCorner<3, 3>().inverse()(2, 2));
+
+    // A robust standard deviation of the rest scales the next round's weights.
     for (const LightRow& row : rows) sizes.push_back(std::abs(row.dot(factors)));
     scale = std::max(deviation_from_median(quantile(sizes, 0.5)), 1e-6);
   }
+
   return {factors[2], error};
 }
 
@@ -111,18 +140,24 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
   // Correct scans: within 0.04, by light between surfaces.
   constexpr double linear = 0.06, most_usual = 1.8;  // gamma - 1
   constexpr std::size_t most_groups = 256;
+
+  // Too weak a gamma for the noise to show needs no warning.
   const double bend = phase_error_of_gamma(scan), least = noise / bend;
   if (scan.photometry.response || least > most_usual) return std::nullopt;
+
   std::vector<LightRow> rows;
   SampleReading reading;
   for (std::size_t g = 0; g < std::min(most_groups, scan.samples.groups()); ++g) {
     add_rows(scan, g, reading, rows);
   }
+
   // Of the camera's range; few cameras and rooms have as much.
   const double most_offset = std::max(0.125, 1.5 * scan.photometry.ambient.value_or(0) / 255);
   const auto [off, error] = fitted_gamma(rows, most_offset);
+
   const double doubt = 3 * error;
   if (std::abs(off) + doubt <= std::max(linear, least)) return std::nullopt;
+
   const bool seen = std::abs(off) > doubt;
   return Finding{.what = seen ? "the light is not proportional to the patterns' grey levels"
                               : "the frames cannot show whether the light is proportional to the "
@@ -144,16 +179,22 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
 std::optional<Finding> stripes_along_baseline(const JudgedScan& scan, double depth, double noise) {
   constexpr double most = 3, share = 0.01;
   const Lens& projector = scan.scanner->projector;
+
   // Depth moves a pixel p of the projector along the epipolar line, by (K t - p (K t)_z) / z.
   const Eigen::Vector3d epipole = projector.intrinsic * scan.scanner->translation * (share / depth);
+
+  // The move by 1 % of the depth at either corner of the field, and its mean size, pixels.
   const Eigen::Array2d size(projector.size.width, projector.size.height);
   const Eigen::Array2d first = epipole.head<2>(), last = first - size * epipole.z();
   const Eigen::Array2d moves = (first.abs() + last.abs()) / 2;
+
   const int along = scan.sequence.axis == Axis::x ? 0 : 1;
   const bool stands = first[along] * last[along] <= 0;  // somewhere in the field
   const double least = stands ? 0 : std::min(std::abs(first[along]), std::abs(last[along]));
+
   const Eigen::Array2d shares = moves / size;  // with as many periods along both axes
   if (least > noise * size[along] || shares[1 - along] < most * shares[along]) return std::nullopt;
+
   const std::string_view other = name_of(across(scan.sequence.axis));
   return Finding{.what = "the stripes run along the baseline: depth hardly moves them",
                  .evidence = {{"projector pixels for 1 % of the depth", moves[along]},
@@ -167,8 +208,10 @@ std::optional<Finding> small_scale(const JudgedScan& scan, double median_depth) 
   // mm: a C-mount is 25.4 wide, so that two lenses are not closer; nor do they focus closer than
   // 100.
   constexpr double least_baseline = 25.4, least_depth = 100;
+
   const double baseline = scan.scanner->translation.norm();
   if (baseline >= least_baseline && median_depth >= least_depth) return std::nullopt;
+
   return Finding{.what = fmt::format("the baseline is below {:g} mm or the depth below {:g} mm",
                                      least_baseline, least_depth),
                  .evidence = {{"baseline, mm", baseline}, {"median depth, mm", median_depth}},
@@ -182,10 +225,12 @@ std::optional<Finding> small_scale(const JudgedScan& scan, double median_depth) 
 std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, double pixel) {
   constexpr double most = 3;  // standard deviations: a wrong noise variance may give 2
   constexpr std::size_t most_groups = 128;
+
   const FrameModel& model = scan.model;
   const std::size_t band = model.measuring_band();
   std::array<SampleReading, ScanSamples::far_right> read;
   std::vector<double> ratios;
+
   for (std::size_t g = 0; g < scan.samples.groups() && ratios.size() < most_groups; ++g) {
     bool lit = true;
     for (std::size_t i = 0; i < read.size(); ++i) {
@@ -193,16 +238,21 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, d
       lit = lit && scan.samples.lit(g, place);
       model.read(scan.samples.levels(g, place), model.identity(), read[i]);
     }
+
     if (!lit) continue;
+
+    // Four independent phases: twice the noise of one.
     // Of four pixels, so that slopes cancel, and most of the curvature.
     const double twist = std::remainder(
         read[0].phase[band] - read[1].phase[band] - read[2].phase[band] + read[3].phase[band],
         two_pi);
     ratios.push_back(std::abs(twist) / (2 * std::hypot(noise / read[0].modulation[band], pixel)));
   }
+
   if (ratios.size() < ScanSamples::fewest_groups) return std::nullopt;
   const double ratio = deviation_from_median(quantile(ratios, 0.5));
   if (ratio <= most) return std::nullopt;
+
   return Finding{
       .what =
           fmt::format("neighbouring pixels differ over {:g} times as much as noise explains", most),
@@ -222,31 +272,44 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit) {
   const Layout& layout = model.layout();
   if (scan.samples.groups() < ScanSamples::fewest_groups || !model.has_coordinate())
     return findings;
+
+  // 1. Noise of the phase at the scene's typical modulation.
   SampleReading reading;
   std::vector<double> modulations;
   for (std::size_t g = 0; g < ScanSamples::fewest_groups; ++g) {
     model.read(scan.samples.levels(g, ScanSamples::middle), model.identity(), reading);
     modulations.push_back(std::max(1.0, reading.modulation[model.measuring_band()]));
   }
+
   const Band& band = layout.bands[model.measuring_band()];
+  // Deviation at a modulation of 1 grey level.
   const double noise = std::sqrt(phase_variance(
       band, 1, scan.photometry.noise_variance.value_or(CueSettings{}.noise_variance)));
   const double typical = noise / quantile(modulations, 0.5);
+
   const auto add = [&](std::optional<Finding> found) {
     if (found) findings.push_back(std::move(*found));
     return found.has_value();
   };
+
+  // 2. Limits of the rig.
   if (fit.geometry) {
     add(stripes_along_baseline(scan, fit.geometry->median_depth, typical / two_pi / band.periods));
     add(small_scale(scan, fit.geometry->median_depth));
   }
+
+  // 3. Limits of the patterns, which motion and whole stripes hide.
   if (scan.settings.moving || layout.unwrapping->whole_stripes) return findings;
+
   // The light may be constant over each of the projector's pixels.
   const int length = length_along(scan.sequence.axis, scan.sequence.projector);
   const double pixel = two_pi * band.periods / (length > 0 ? length : 1024) / std::sqrt(12);
+
   const bool scattered = add(unexplained_noise(scan, noise, pixel));
+
   // One-bit patterns are not proportional to grey levels pixel by pixel, nor are blurred carriers.
   if ((scattered && scan.sequence.binary) || band.carrier > 0) return findings;
+
   add(unknown_response(scan, std::hypot(typical, pixel)));
   return findings;
 }

@@ -23,6 +23,7 @@ template <class Use>
 auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Use& use) {
   const FrameOrder order = mistake.order.empty() ? scan.model.identity() : mistake.order;
   if (!mistake.sequence && !mistake.photometry) return use(scan.model, order);
+
   return use(FrameModel(mistake.sequence.value_or(scan.sequence),
                         mistake.photometry.value_or(scan.photometry)),
              order);
@@ -35,16 +36,19 @@ std::optional<double> rough_misfit(const JudgedScan& scan, const PossibleMistake
     const double most_residual = mistake.approximate ? 1 : scan.settings.moving ? 0.3 : 0.15;
     FrameJudge judge(model);
     Fit fit;
+
     for (const std::size_t groups : {4U, 16U, 96U}) {
       fit.frames = judge(scan.samples, order, groups);
       const bool hopeless = std::ranges::any_of(fit.frames.relations, [](const auto& relation) {
         return relation.noise > 0.3 && relation.agreement < 0.35;
       });
+
       if (fit.frames.doubt > 0.35 || fit.frames.residual > most_residual ||
           (hopeless && groups > 4)) {
         return std::optional<double>();
       }
     }
+
     fit.code = code_evidence(model, scan.samples, order, false);
     return fit.code_agrees() ? std::optional(fit.misfit() + fit.frames.doubt) : std::nullopt;
   });
@@ -54,6 +58,7 @@ std::optional<double> rough_misfit(const JudgedScan& scan, const PossibleMistake
 bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake) {
   // Periods too narrow for the pictures contradict nothing.
   if (before.has_evidence() && !fit.has_evidence()) return false;
+
   if (!mistake.approximate) return fit.all();
   // The camera's response curve leaves some harmonics.
   return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&
@@ -67,9 +72,11 @@ bool leaves_warnings(const JudgedScan& scan, const Attempt& attempt) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
     ScanSamples samples = scan.samples;
     samples.reorder(order);
+
     const Sequence sequence = mistake.sequence.value_or(scan.sequence);
     const PhotometricCalibration photometry = mistake.photometry.value_or(scan.photometry);
     const Scanner* const scanner = mistake.scanner ? &*mistake.scanner : scan.scanner;
+
     return !method_limits({model, samples, sequence, scanner, photometry, scan.settings},
                           attempt.fit)
                 .empty();
@@ -80,12 +87,16 @@ bool leaves_warnings(const JudgedScan& scan, const Attempt& attempt) {
 std::vector<PossibleMistake> promising(const JudgedScan& scan,
                                        std::vector<PossibleMistake> mistakes) {
   constexpr std::size_t most = 32;
+
   std::vector<std::pair<double, std::size_t>> rough;
   for (std::size_t i = 0; i < mistakes.size(); ++i) {
     mistakes[i].rank = i;
     if (const auto misfit = rough_misfit(scan, mistakes[i])) rough.emplace_back(*misfit, i);
   }
   std::ranges::sort(rough);
+
+  // Best first, one per family. Geometric ones leave the frames as they are, so that a rough misfit
+  // of the frames cannot rank them: all stay.
   std::vector<PossibleMistake> left;
   std::set<int> families;
   for (const auto& [misfit, i] : rough) {
@@ -93,6 +104,7 @@ std::vector<PossibleMistake> promising(const JudgedScan& scan,
     if (family > 0 && !families.insert(family).second) continue;
     if (left.size() < most || mistakes[i].geometric) left.push_back(std::move(mistakes[i]));
   }
+
   return left;
 }
 
@@ -104,10 +116,13 @@ std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
     const Fit fit = fit_of(scan, mistake);
     if (explains(fit, before, mistake)) found.push_back({std::move(mistake), fit, fit.misfit()});
   }
+
   std::ranges::sort(found, {}, [](const Attempt& attempt) {
+    // Misfits within a step of this size count as equal.
     constexpr double alike = 0.3;
     return std::pair(std::floor(attempt.misfit / alike), attempt.mistake.rank);
   });
+
   return found;
 }
 
@@ -116,15 +131,21 @@ std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
 Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_force) {
   constexpr double nearly = 1.2;
   constexpr std::size_t most_named = 3;
+
+  // A usual mistake comes before a far-fetched one that fits hardly better.
   const auto usual = std::ranges::find_if(
       attempts, [](const Attempt& attempt) { return !attempt.mistake.far_fetched; });
   const bool is_usual =
       usual != attempts.end() && usual->misfit <= attempts.front().misfit + nearly;
+
   const Attempt& best = is_usual ? *usual : attempts.front();
   Explanation told{best.misfit, best.mistake.likely, best.mistake.advice, best.mistake.gravity};
+
+  // Others that fit about as well: a few by name, one per family, the rest by number.
   std::set<std::string> named{best.mistake.likely};
   std::set<int> families{0, best.mistake.family};
   std::size_t unnamed = 0;
+
   for (const auto& [other, fit, misfit] : attempts) {
     if (named.contains(other.likely) || misfit > best.misfit + nearly) continue;
     if (named.size() == most_named || (is_usual && other.far_fetched) ||
@@ -132,15 +153,20 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
       ++unnamed;
       continue;
     }
+
     named.insert(other.likely);
     families.insert(other.family);
     told.likely += ", or " + other.likely;
     told.advice += "; or " + other.advice;
   }
+
+  // Say how certain the explanation is.
   if (best.mistake.scanner) told.likely += ", or a scanner file of another rig";
   if (unnamed > 0) told.advice += fmt::format("; {} more would fit as well", unnamed);
+
   const bool alone = named.size() == 1 && unnamed == 0;
   if (!alone) told.advice += "; all of these fit, so verify the result";
+
   // Repair only if the explanation is unique.
   if (alone && best.mistake.slipped) {
     told.order = best.mistake.order;
@@ -148,6 +174,7 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
     told.gravity = Gravity::doubtful;
     told.advice = "the order " + text_of(composed(in_force, told.order)) + " corrects this";
   }
+
   return told;
 }
 
@@ -155,6 +182,7 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
 
 FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
   if (first.empty()) return then;
+
   FrameOrder both;
   for (const int place : then) both.push_back(first.at(place));
   return both;
@@ -169,12 +197,16 @@ Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
     Fit fit{.frames = FrameJudge(model)(scan.samples, order),
             .code = code_evidence(model, scan.samples, order),
             .moving = scan.settings.moving};
+
     fit.code.doubt = fit.frames.doubt;
+    // Without a code's edges the frames themselves show an error of the origin.
     if (!fit.code.has_edges) fit.code.offset = fit.frames.origin / two_pi;
+
     if (scan.scanner == nullptr || !model.has_coordinate()) return fit;
     const Scanner& scanner = mistake.scanner ? *mistake.scanner : *scan.scanner;
     const Axis axis = mistake.sequence ? mistake.sequence->axis : scan.sequence.axis;
     fit.geometry = geometry_evidence(model, scan.samples, scanner, axis, order, mistake.turn);
+
     return fit;
   });
 }
@@ -182,10 +214,13 @@ Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
 std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given) {
   constexpr std::size_t few_groups = 128, most_proposed = 8, most_of_family = 4;
   constexpr double far_better = 0.5;
+
+  // 1. With few pixels: the best mistakes, of each family a few.
   ScanSamples few = scan.samples;
   few.keep_first(few_groups);
   const JudgedScan quick{scan.model,      few,          scan.sequence, scan.scanner,
                          scan.photometry, scan.settings};
+
   std::vector<PossibleMistake> mistakes;
   std::multiset<int> families;
   for (Attempt& attempt :
@@ -196,21 +231,29 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
     families.insert(family);
     mistakes.push_back(std::move(attempt.mistake));
   }
+
+  // 2. With all pixels.
   // The few left must also pass with all pixels.
   std::vector<Attempt> found = explaining(scan, as_given, std::move(mistakes));
+
+  // 3. Prefer mistakes that leave no warning, and good fits to poor ones.
   const auto warns = [&](const Attempt& attempt) { return leaves_warnings(scan, attempt); };
   if (!std::ranges::all_of(found, warns)) std::erase_if(found, warns);
+
   double best = std::numeric_limits<double>::infinity();  // misfit of good fits
   for (const Attempt& attempt : found) {
     if (!attempt.fit.poor()) best = std::min(best, attempt.misfit);
   }
   std::erase_if(
       found, [&](const Attempt& attempt) { return attempt.misfit > best && attempt.fit.poor(); });
+
+  // 4. A scan that fits as it is needs a far better explanation.
   if (as_given.all()) {
     std::erase_if(found, [&](const Attempt& attempt) {
       return attempt.mistake.far_fetched || attempt.misfit > as_given.misfit() - far_better;
     });
   }
+
   if (found.empty()) return std::nullopt;
   return told(found, scan.settings.order);
 }

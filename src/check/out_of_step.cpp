@@ -24,11 +24,16 @@ struct Mixture {
   /// Recovers P from I, in place. `down`: the row, share of the picture's height.
   void undo(float* I, double down) const {
     const double s = top + (bottom - top) * down, r = s / (1 - s);
+
     for (const StepRun& run : runs) {
       float* const frames = I + run.first;
       double P = 0;  // of the last frame, by substitution for all before it
       for (int n = 0; n < run.steps; ++n) P = frames[n] - r * P;
+
+      // In a repeated cycle the pattern before the first is the last: solve for it.
       P = stands ? frames[0] : P / ((1 - s) * (1 - std::pow(-r, run.steps)));
+
+      // Then forwards, each frame without its share of the pattern before.
       for (int n = 0; n < run.steps; ++n) {
         P = (frames[n] - s * P) / (1 - s);
         frames[n] = static_cast<float>(P);
@@ -45,30 +50,42 @@ double share_in_code(const FrameModel& model, const ScanSamples& samples) {
   constexpr std::size_t most_groups = 256;
   // Of the range; share of the bits with wide stripes, where right scans have few between.
   constexpr double fewest = 16, no_contrast = 0.1, most_without = 0.25;
+
   const auto& code = model.layout().code;
   double sum = 0, weights = 0, without = 0, wide = 0;
   if (!code || code->base) return 0;  // edges of a common base are in all frames
+
   for (std::size_t bit = 1; bit < code->frames.size(); ++bit) {
     const int n = code->frames[bit], before = n - 1;
     if (before != code->frames[bit - 1]) continue;
+
+    // Contrast of this bit where it is like the bit before and where it is not.
     double alike = 0, unlike = 0, alike_count = 0, unlike_count = 0;
     for (std::size_t g = 0; g < std::min(samples.groups(), most_groups); ++g) {
       const float* const I = samples.levels(g, ScanSamples::middle);
       const auto [least, greatest] = std::minmax_element(I, I + samples.frames());
+
       const float middle = (*least + *greatest) / 2;
       const double contrast = std::abs(I[n] - middle) / (*greatest - *least);
+
       const bool is_alike = (I[n] > middle) == (I[before] > middle);
       (is_alike ? alike : unlike) += contrast;
       (is_alike ? alike_count : unlike_count) += 1;
+
+      // The coarser half of the bits has wide stripes.
       if (2 * bit > code->frames.size()) continue;
       wide += 1;
       without += contrast < no_contrast ? 1 : 0;
     }
+
+    // A share s of the bit before takes 2 s of the contrast where the bits differ.
     const double weight = std::min(alike_count, unlike_count);
     if (weight < fewest) continue;
+
     sum += weight * (1 - unlike / unlike_count * alike_count / alike) / 2;
     weights += weight;
   }
+
   if (without > most_without * wide) return half;
   return weights > 0 ? std::max(0.0, sum / weights) : 0;
 }
@@ -95,11 +112,14 @@ class MixtureSearch {
     const double as_given = misfit({});
     Mixture found;
     double least = as_given;
+
     for (Mixture& way : ways()) {
+      // The same share in all rows, or one that grows down or up the picture.
       for (const auto& [at_top, at_bottom] : {std::pair{1, 1}, std::pair{0, 2}, std::pair{2, 0}}) {
         for (double s = 0.02; s < most / std::max(at_top, at_bottom); s += s < 0.05 ? 0.02 : 0.04) {
           way.top = s * at_top;
           way.bottom = s * at_bottom;
+
           const double then = misfit(way);
           // A right scan fits worse with any share.
           if (fits_ && s < 0.03 && then >= as_given) break;
@@ -107,6 +127,7 @@ class MixtureSearch {
         }
       }
     }
+
     improve(found, least);
     return found;
   }
@@ -123,6 +144,7 @@ class MixtureSearch {
 
   [[nodiscard]] std::vector<Mixture> ways() const {
     const StepRun all{0, scan_.samples.frames()};
+    // A share from frame to frame, with or without a pause before the cycle, or band by band.
     std::vector<Mixture> ways{{.runs = {all}}, {.runs = {all}, .stands = true}, in_bands()};
     if (ways.back().runs.size() < 2) ways.pop_back();
     return ways;
@@ -131,6 +153,7 @@ class MixtureSearch {
   [[nodiscard]] Mixture in_bands() const { return {.runs = step_runs(scan_.model.layout())}; }
 
   void improve(Mixture& mixture, double& least) {
+    // Halve the step once no direction improves the fit.
     for (double step = 0.02; mixture.mean() > 0 && step > 0.002;) {
       const double before = least;
       for (const auto& [at_top, at_bottom] :
@@ -138,9 +161,11 @@ class MixtureSearch {
         Mixture next = mixture;
         next.top = std::clamp(mixture.top + at_top * step, 0.0, most);
         next.bottom = std::clamp(mixture.bottom + at_bottom * step, 0.0, most);
+
         const double then = misfit(next);
         if (then < least) std::tie(mixture, least) = std::pair(next, then);
       }
+
       if (least == before) step /= 2;
     }
   }
@@ -155,12 +180,14 @@ std::pair<double, double> errors(const JudgedScan& scan, const ScanSamples& undo
                                  const Fit& then) {
   SampleReading wrong, right;
   std::vector<double> off;
+
   for (std::size_t g = 0; g < undone.groups(); ++g) {
     const FrameOrder order = scan.model.identity();
     scan.model.read(scan.samples.levels(g, ScanSamples::middle), order, wrong);
     scan.model.read(undone.levels(g, ScanSamples::middle), order, right);
     off.push_back(std::abs(wrong.coordinate - right.coordinate));
   }
+
   const double deeper =
       fit.geometry ? std::abs(fit.geometry->median_depth - then.geometry->median_depth) : 0;
   return {quantile(off, 0.5), deeper};
@@ -172,6 +199,7 @@ bool is_suspect(const Fit& fit, bool has_cue, double in_code) {
   const auto is_off = [](const BandRelation& relation) {
     return std::abs(relation.offset) > most_offset + 3 * relation.error;
   };
+
   return !fit.all() || fit.frames.residual > least_residual || in_code > most_in_code ||
          std::ranges::any_of(fit.frames.relations | std::views::drop(has_cue ? 1 : 0), is_off);
 }
@@ -180,34 +208,46 @@ bool is_suspect(const Fit& fit, bool has_cue, double in_code) {
 
 std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) {
   constexpr double least_share = 0.015, most_left = 0.5, better = 0.3;
+
   const double in_code = share_in_code(scan.model, scan.samples);
   // In windows of declared motion the frame before a cycle is another one each time.
   if (measuring_band(scan.model.layout()).cycle ||
       !is_suspect(fit, scan.model.has_real_cue(), in_code))
     return std::nullopt;
+
+  // 1. The share that explains the frames best, or else the code.
   MixtureSearch search(scan, fit.all());
   Mixture mixture = search.best();
   if (mixture.mean() < least_share) mixture = search.of_code(in_code);
   if (mixture.mean() < least_share) return std::nullopt;
+
+  // 2. The scan without that share: it must fit, and clearly better.
   const ScanSamples undone = search.undone(mixture, scan.samples.groups());
   const JudgedScan without{scan.model,   undone,          scan.sequence,
                            scan.scanner, scan.photometry, scan.settings};
   const Fit then = fit_of(without);
+
   // Near one half noise remains of code frames; at one half nothing can be undone.
   const bool by_code = in_code > most_in_code, is_half = in_code == half;
   if (!is_half && (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||
                    (!by_code && then.misfit() >= fit.misfit()))) {
     return std::nullopt;
   }
+
   const bool explained = fit.frames.residual > least_residual
                              ? then.frames.residual < most_left * fit.frames.residual
                              : then.misfit() < fit.misfit() - better;
+
   // What moves may resemble a share, but leaves more.
   if ((fit.all() || scan.settings.moving) && !by_code && !explained) return std::nullopt;
+
+  // 3. The harm done.
   const auto [off, deeper] = errors(scan, undone, fit, then);
+
   // Fields: about the noise of one pixel; mm; bits begin to err at a quarter.
   constexpr double most_off = 2e-4, most_deeper = 0.7, harmful_in_code = 0.15;
   const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
+
   Finding finding{
       .gravity = is_harmful ? Gravity::wrong : Gravity::doubtful,
       .what = "each frame contains a share of the pattern before",
@@ -215,12 +255,16 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
                    {"coordinates off by, percent of the field", 100 * off}},
       .likely = "camera and projector out of step: exposures span two patterns",
       .advice = "trigger the camera by the projector, or expose later and for whole patterns"};
+
   if (deeper > 0) finding.evidence.push_back({"median depth off by, mm", deeper});
+
+  // A rolling shutter exposes row after row, so that the share changes down the picture.
   if (std::abs(mixture.top - mixture.bottom) > mixture.mean()) {
     finding.evidence.push_back({"top row, percent", 100 * mixture.top});
     finding.evidence.push_back({"bottom row, percent", 100 * mixture.bottom});
     finding.likely += " by a rolling shutter";
   }
+
   return MixedFrames{then.misfit(), std::move(finding)};
 }
 

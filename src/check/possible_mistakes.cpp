@@ -26,7 +26,10 @@ FrameOrder turned(FrameOrder order, const StepRun& run, int places, bool backwar
 template <class Add>
 void add_several_runs(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
   if (runs.size() > 1) add({right.rbegin(), right.rend()}, "all frames are in reversed order");
+
   if (runs.size() != 2 || runs[0].steps != runs[1].steps) return;
+
+  // Frames of both runs in turns, either one first.
   const int steps = runs[0].steps;
   for (const int first : {0, 1}) {
     FrameOrder in_turns;
@@ -41,18 +44,23 @@ template <class Add>
 void add_code_orders(const FrameOrder& right, const Code& code, const Add& add) {
   const std::vector<int>&bits = code.frames, &inverses = code.inverses;
   const std::size_t count = bits.size();
+
   const int first = std::ranges::min(bits);
   FrameOrder reversed = right, before = right, after = right;
+
   for (std::size_t i = 0; i < count; ++i) {
     const int bit = bits[i];
     reversed[bit] = bits[count - 1 - i];
+
     if (inverses.empty()) continue;
     const int inverse = inverses[i];
     reversed[inverse] = inverses[count - 1 - i];
+
     std::swap(before[bit], before[inverse]);
     after[bit] = first + static_cast<int>(i);
     after[inverse] = first + static_cast<int>(count + i);
   }
+
   add(reversed, "the bits of the code are in reversed order");
   add(before, "each bit of the code comes after its inverse");
   add(after, "the inverses come after all bits of the code");
@@ -62,18 +70,22 @@ void add_code_orders(const FrameOrder& right, const Code& code, const Add& add) 
 /// agree. Then each run by itself.
 template <class Add>
 void add_turns(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
+  // The number of equal parts into which every run can be divided.
   int least = runs.front().steps;
   for (const StepRun& run : runs) least = std::gcd(least, run.steps);
+
   for (int part = 0; part < least; ++part) {
     for (const bool backwards : {false, true}) {
       FrameOrder order = right;
       for (const StepRun& run : runs)
         order = turned(order, run, part * run.steps / least, backwards);
+
       add(order, backwards          ? "the frames of each band are in reversed order"
                  : runs.size() == 1 ? fmt::format("the frames are rotated by {}", part)
                                     : "the frames of each band are rotated");
     }
   }
+
   for (const StepRun& run : runs) {
     const std::string frames = fmt::format("frames {} to {}", run.first, run.first + run.steps - 1);
     for (int n = 1; n < run.steps; ++n)
@@ -90,17 +102,26 @@ class Mistakes {
   Mistakes(const JudgedScan& scan, const Fit& as_given) : scan_(scan), as_given_(as_given) {
     const bool frames_fit = as_given.frames_fit();
     const Layout& layout = scan.model.layout();
+
+    // 1. Mistakes that the frames show.
     if (!frames_fit) add_responses();
+
     add_measured_shifts();
+    // Another origin or direction is likely where someone set one, or nothing else contradicts.
     const bool likely_shifts = shifts_said() || !layout.single_frames.empty() || as_given.all();
     if (likely_shifts) add_usual_shifts();
+
     if (const auto& code = layout.code) add_codes(*code);
     if (!layout.single_frames.empty()) add_signs();
     if (!periods_proven()) add_periods();
     add_orders();
+
+    // 2. Mistakes of the scanner, if the frames are right.
     const std::size_t of_frames = list.size();
     if (scan.scanner != nullptr && frames_fit && !as_given.all()) add_geometry();
     for (std::size_t i = of_frames; i < list.size(); ++i) list[i].geometric = true;
+
+    // 3. Otherwise usual shifts are far-fetched.
     if (likely_shifts) return;
     const std::size_t others = list.size();
     add_usual_shifts();
@@ -115,6 +136,7 @@ class Mistakes {
     const StrategySettings& settings = scan_.sequence.strategy.settings();
     return settings.contains(name) ? settings.at(name) : SettingValue(0);
   }
+
   [[nodiscard]] double origin() const { return setting("origin").number(); }
   [[nodiscard]] bool is_on(const char* name) const { return setting(name) == SettingValue(true); }
   [[nodiscard]] bool shifts_said() const { return origin() != 0 || is_on("backwards"); }
@@ -125,9 +147,11 @@ class Mistakes {
     constexpr double least_agreement = 0.9;
     const double most_residual = scan_.photometry.response ? 0.25 : 0.15;
     const FrameEvidence& frames = as_given_.frames;
+
     const auto is_constant = [](const BandRelation& relation) {
       return relation.agreement >= least_agreement;
     };
+
     if (!scan_.model.layout().single_frames.empty()) return false;
     return frames.residual > most_residual ||
            (!frames.relations.empty() && std::ranges::all_of(frames.relations, is_constant));
@@ -136,6 +160,7 @@ class Mistakes {
   void add_responses() {
     constexpr double most_residual = 0.4;  // of a gamma of 3 in eight steps
     if (as_given_.frames.residual > most_residual) return;
+
     PhotometricCalibration other = scan_.photometry;
     if (other.response) {
       other.response.reset();
@@ -145,6 +170,7 @@ class Mistakes {
                       .gravity = Gravity::doubtful});
       return;
     }
+
     for (double gamma = 0.5; gamma < 3.05; gamma += 0.1) {
       other.response = {PowerLaw{gamma}, gamma, 0};
       list.push_back(
@@ -161,16 +187,22 @@ class Mistakes {
   void add_settings(const StrategySettings& changes, std::string likely, int family = 0) {
     const Strategy& strategy = scan_.sequence.strategy;
     StrategySettings settings = strategy.settings();
+
+    // The options that change these settings, as advice.
     std::string advice = "try";
     for (const auto& [name, value] : changes) {
       settings[name] = value;
+
       std::string flag = name;
       std::ranges::replace(flag, '_', '-');
       advice += value == SettingValue(true)    ? fmt::format(" --{}", flag)
                 : value == SettingValue(false) ? fmt::format(" --no-{}", flag)
                                                : fmt::format(" --{} {}", flag, value.text());
     }
+
+    // The same settings may come up for several reasons: try them once.
     if (!tried_.insert(advice).second) return;
+
     try {
       Sequence sequence = scan_.sequence;
       sequence.strategy = make_strategy(strategy.name(), settings);
@@ -185,8 +217,10 @@ class Mistakes {
   }
 
   void add_shift(double shift, bool backwards, bool measured = true) {
+    // To (-pi, pi].
     shift = std::remainder(shift, two_pi) + 0.0;  // not -0
     if (shift < 1e-3 - two_pi / 2) shift += two_pi;
+
     StrategySettings changes;
     std::string likely;
     if (std::abs(std::remainder(shift - origin(), two_pi)) > 1e-3) {
@@ -194,11 +228,13 @@ class Mistakes {
       likely = fmt::format("patterns whose phase origin is {:.5g}{}", shift,
                            measured ? "" : ", or near that");
     }
+
     if (backwards != is_on("backwards")) {
       changes["backwards"] = backwards;
       likely += (likely.empty() ? "patterns" : " and") +
                 std::string(" whose phases shift in the other direction");
     }
+
     if (!changes.empty()) add_settings(changes, std::move(likely), shift_family);
   }
 
@@ -207,20 +243,28 @@ class Mistakes {
     const CodeEvidence& code = as_given_.code;
     const bool against = code.against > 0.5;
     const double measured = (against ? -1 : 1) * origin() + two_pi * code.offset;
+
+    // 1. By the code's edges: a usual origin if one is near.
     // Edges of real codes are off by up to 0.12 rad.
     constexpr double close = 0.15, usual_step = two_pi / 12;
     const double near = usual_step * std::round(measured / usual_step);
+
     add_shift(std::abs(measured - near) < close ? near : measured, is_on("backwards") != against);
+
+    // 2. By the relations of the bands, up to whole periods.
     // An error of the origin moves a relation by the ratio of the bands' periods less 1: the
     // coarsest relation whatever the error, others if the coarser orders are right.
     const std::vector<std::size_t>& chain = scan_.model.bands();
     const std::vector<Band>& bands = scan_.model.layout().bands;
+
     double below = scan_.model.has_real_cue() ? 0 : bands[chain.front()].periods;
     std::size_t next = below > 0 ? 1 : 0;
     for (const BandRelation& relation : as_given_.frames.relations) {
       const double periods = bands[chain[next++]].periods;
       const double gain = below > 0 ? periods / below - 1 : -1;
       below = periods;
+
+      // The relation is known modulo 1: try each whole number that keeps the origin within a turn.
       const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
       for (int k = -most; k <= most; ++k)
         add_shift(origin() + two_pi * (relation.offset + k) / gain, is_on("backwards"));
@@ -232,6 +276,7 @@ class Mistakes {
   void add_usual_shifts() {
     const bool said = is_on("backwards");
     const int parts = shifts_said() && as_given_.frames.relations.empty() ? 12 : 4;
+
     for (int i = 0; i < parts; ++i) {
       for (const bool backwards : {said, !said}) add_shift(i * two_pi / parts, backwards, false);
     }
@@ -257,12 +302,16 @@ class Mistakes {
     for (const std::string name : {"high", "low", "frequency", "periods"}) {
       const StrategySettings& settings = scan_.sequence.strategy.settings();
       if (!settings.contains(name)) continue;
+
       std::vector<double> said;
       settings.at(name).read(said);
       for (std::size_t i = 0; i < said.size(); ++i) {
         ++family;
+
         std::vector<double> periods = said;
         const int most = std::max(64, static_cast<int>(2 * said[i]));
+
+        // Half of the configured number, then every whole number up to twice it, 64 at least.
         for (int count = 0; count <= most; ++count) {
           periods[i] = count == 0 ? said[i] / 2 : count;
           if (periods == said) continue;
@@ -271,6 +320,8 @@ class Mistakes {
               fmt::format("patterns of {:g} periods, configured as {:g}", periods[i], said[i]),
               family);
         }
+
+        // Exchange two numbers of the list.
         for (std::size_t k = i + 1; k < said.size(); ++k) {
           periods = said;
           std::swap(periods[i], periods[k]);
@@ -285,10 +336,14 @@ class Mistakes {
   void add_orders() {
     const int frames = scan_.model.layout().frames;
     const FrameOrder right = scan_.model.identity();
+
+    // The runs of steps in the order of their frames, and the rest as one more.
     std::vector<StepRun> runs = step_runs(scan_.model.layout());
     std::ranges::sort(runs, {}, &StepRun::first);
     const int end = runs.empty() ? 0 : runs.back().first + runs.back().steps;
     if (end < frames) runs.push_back({end, frames - end});  // e.g. of a code
+
+    // Each order once, with advice relative to the order in force.
     std::set<FrameOrder> known{right};
     const auto add = [&](const FrameOrder& order, std::string likely) {
       if (!known.insert(order).second) return;
@@ -298,21 +353,29 @@ class Mistakes {
            .advice = std::ranges::is_sorted(all) ? "omit --order" : "try --order " + text_of(all),
            .order = order});
     };
+
     const auto add_swapped = [&](int n, int m) {
       FrameOrder order = right;
       std::swap(order[n], order[m]);
       add(order, fmt::format("frames {} and {} look swapped", n, m));
     };
+
+    // The cycle begins at another frame.
     const std::size_t others = list.size();
     for (int n = 1; runs.size() > 1 && n < frames; ++n) {
       add(turned(right, {0, frames}, n),
           fmt::format("the frames have slipped: the cycle begins at frame {}", n));
     }
     for (std::size_t i = others; i < list.size(); ++i) list[i].slipped = true;
+
+    // Runs in another order, and neighbours swapped.
     add_several_runs(right, runs, add);
     if (const auto& code = scan_.model.layout().code) add_code_orders(right, *code, add);
     for (int n = 0; n + 1 < frames; ++n) add_swapped(n, n + 1);
+
     add_turns(right, runs, add);
+
+    // Frames far apart are rarely swapped.
     const std::size_t usual = list.size();
     for (int n = 0; n < frames; ++n) {
       for (int m = n + 2; m < frames; ++m) add_swapped(n, m);
@@ -323,49 +386,63 @@ class Mistakes {
   /// Another axis, turned pictures, and scanner files that are inverted, swapped or of another
   /// size.
   void add_geometry() {
+    // 1. The other axis.
     const Axis axis = scan_.sequence.axis, other = across(axis);
     Sequence turned = scan_.sequence;
     turned.axis = other;
+
     list.push_back({.likely = fmt::format("patterns that vary along {}, not {}", name_of(other),
                                           name_of(axis)),
                     .advice = fmt::format("try --axis {}", name_of(other)),
                     .sequence = std::move(turned)});
+
+    // 2. Pictures saved another way round.
     const auto pictures = [&](const PictureTurn& turn, const char* how, const char* advice) {
       list.push_back({.likely = fmt::format("pictures {} since the calibration", how),
                       .advice = advice,
                       .turn = turn});
     };
+
     pictures({.columns = true, .rows = true}, "turned upside down",
              "rotate them by 180 degrees, or calibrate with pictures in this orientation");
     pictures({.columns = true}, "mirrored left to right", "mirror them back");
     pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
+
+    // 3. Scanner files, each with its mistake mended.
     const auto file = [&](std::string_view what, const char* advice, const auto& mend) {
       PossibleMistake& made = list.emplace_back(PossibleMistake{
           fmt::format("a scanner file {}", what), advice, {}, {}, {}, *scan_.scanner});
       mend(*made.scanner);
     };
+
     const auto invert = [](Scanner& scanner) {
       scanner.rotation.transposeInPlace();
       scanner.translation = (-scanner.rotation * scanner.translation).eval();
     };
+
     const auto swap = [](Scanner& scanner) {
       std::swap(scanner.camera.intrinsic, scanner.projector.intrinsic);
       std::swap(scanner.camera.distortion, scanner.projector.distortion);
     };
+
     file("whose rotation and translation go from the projector to the camera",
          "invert them: they must go from the camera's frame to the projector's", invert);
+
     file("whose rotation is inverted",
          "transpose it: it must go from the camera's frame to the projector's",
          [](Scanner& scanner) { scanner.rotation.transposeInPlace(); });
+
     file("whose translation has the wrong sign",
          "negate it: it is the camera's position in the projector's frame",
          [](Scanner& scanner) { scanner.translation *= -1; });
+
     file("with camera and projector swapped", "swap their matrices", swap);
     file("with camera and projector swapped",
          "swap their matrices, and invert rotation and translation", [&](Scanner& scanner) {
            swap(scanner);
            invert(scanner);
          });
+
     for (const double scale : {0.5, 2.0}) {
       const char* const large = scale < 1 ? "twice as large" : "half as large";
       file(fmt::format("for camera pictures {}", large), "use pictures of the calibrated size",

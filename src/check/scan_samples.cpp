@@ -6,6 +6,7 @@
 #include "slipstream/statistics.h"
 
 namespace slipstream {
+
 ScanSamples::ScanSamples(Size size, int frames)
     : size_(size),
       frames_(frames),
@@ -15,9 +16,12 @@ ScanSamples::ScanSamples(Size size, int frames)
 
 ScanSamples::Pixel ScanSamples::pixel(int i) const {
   const auto [x, y] = spread_place(i);
+
+  // Leave room for the far neighbours, on small pictures for fewer of them.
   const auto place = [&](double part, int length) {
     return static_cast<int>(part * (length - std::min(far_, length / 8)));
   };
+
   return {place(x, size_.width), place(y, size_.height)};
 }
 
@@ -53,6 +57,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
   looked_ = saturated_ = dim_ = 0;
   brightest_ = largest_range_ = 0;
   std::ranges::fill(sums_, 0.0);
+
   const double grey_level = frames.full_scale() / 255;
   const bool saturates = frames.quantised();
   frames.visit([&](const auto& views) {
@@ -60,6 +65,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
     const auto read = [&](int column, int row) {
       column = std::min(column, size_.width - 1);
       row = std::min(row, size_.height - 1);
+
       double greatest = 0;
       for (std::size_t n = 0; n < one_.size(); ++n) {
         const auto level = static_cast<double>(views[n](column, row));
@@ -68,29 +74,41 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
       }
       return saturates && greatest >= frames.saturation();
     };
+
+    // Enough pixels to judge shares by, then on until enough of them are lit.
     while (looked_ < effort.most_looked &&
            (looked_ < effort.fewest_looked || static_cast<int>(lit_.size()) < effort.lit_wanted)) {
       const Pixel at = pixel(looked_++);
       const bool saturated = read(at.column, at.row);
+
+      // 1. Statistics of all pixels read.
       for (std::size_t n = 0; n < one_.size(); ++n) sums_[n] += one_[n];
       const double greatest = *std::ranges::max_element(one_);
       brightest_ = std::max(brightest_, frames.merged() ? std::min(greatest, 255.0) : greatest);
       largest_range_ = std::max(largest_range_, range(one_.data()));
+
+      // 2. Unlit pixels: dim ones change in the same frames as their neighbour.
       if (range(one_.data()) < least_range_) {
         // Above the range of noise with a variance up to 1.6. Stronger noise rarely changes the
         // neighbour in the same frames.
         constexpr double above_noise = 8;
+
         const auto [least, most] = std::ranges::minmax_element(one_);
         if (!effort.all_places || *most - *least < above_noise) continue;
+        // Both point into `one_`: from here on to the neighbour's levels in these two frames.
         if (!read(at.column + 1, at.row) && *most - *least > above_noise / 2) ++dim_;
         continue;
       }
+
       if (saturated) {
         ++saturated_;
         continue;
       }
+
+      // 3. Lit pixels, with their neighbours.
       lit_.push_back(at);
       if (frames.merged()) lit_.back().gain = frames.gain()(at.column, at.row);
+
       constexpr std::array<std::array<int, 2>, places> steps{
           {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 0}, {0, -1}}};
       const std::size_t wanted = effort.all_places ? places : 2;
@@ -101,6 +119,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
         }
         levels_.insert(levels_.end(), one_.begin(), one_.end());
       }
+
       levels_.resize(lit_.size() * places * one_.size());
     }
   });

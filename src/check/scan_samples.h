@@ -44,6 +44,7 @@ class ScanSamples {
   [[nodiscard]] const float* levels(std::size_t group, Place place) const {
     return levels_.data() + (group * places + place) * frames_;
   }
+
   /// Applies `change(float* levels, double down)` to each pixel of the first `groups` groups;
   /// `down`: its row, share of the picture's height.
   template <class Change>
@@ -52,6 +53,7 @@ class ScanSamples {
       change(levels_.data() + i * frames_, static_cast<double>(row(i / places)) / size_.height);
     }
   }
+
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
   /// Of merged frames: brightness relative to the shortest exposure; otherwise 1.

@@ -43,11 +43,15 @@ CueEvidence::CueEvidence(const Layout& layout, const CueSettings& settings)
   cost_.circle = !layout.cue;
   cost_.c1 = layout.bands[0].share;
   cost_.component_variance = component_noise(layout.bands[0]) * settings.noise_variance;
+
+  // A second band has the same noise as the first.
   if (cost_.circle) {
     cost_.c2 = layout.bands[1].share;
     cost_.cue_variance = cost_.component_variance;
     return;
   }
+
+  // A cue in the DC channel also contains ambient light and the patterns' constant part.
   const auto& [alpha_p, beta_p] = settings.light;
   cost_.reference = layout.cue->reference;
   cost_.c2 = layout.cue->share;
@@ -65,8 +69,11 @@ bool CueEvidence::lit(const CuePixel& pixel) const {
 double CueEvidence::least_modulation() const {
   // In periods of the cue: for a uniform surface 0.3 % of the orders are wrong at this noise.
   constexpr double deviation = 0.6;
+
   if (cost_.circle)
     return cost_.c1 / cost_.c2 * std::sqrt(cost_.component_variance) * f_h_ / (2 * pi * deviation);
+
+  // The largest noise of the cue over its change by a period, away from the ends of the field.
   double least = 0;
   for (double y = 0.15; y < 0.86; y += 0.05) {
     const double noise =
@@ -74,15 +81,18 @@ double CueEvidence::least_modulation() const {
     const double period = std::abs(slope(y + 0.5 / f_h_) - slope(y - 0.5 / f_h_));
     least = std::max(least, noise / (period * deviation));
   }
+
   return least;
 }
 
 double CueEvidence::coordinate(const CuePixel& pixel) const {
   const auto& [alpha_p, beta_p] = settings_.light;
   const double beta = settings_.ambient;
+
   if (cost_.circle) return wrapped_angle(pixel.cue_sine, pixel.cue) / (2 * pi);  // (3.88)
   const double alpha = reflectivity(pixel.modulation, alpha_p, cost_.c1);        // (3.59)
   if (!(alpha > 1e-9)) return 0;
+
   const double R = (2 * (pixel.cue - dc_ * beta) / (alpha * alpha_p) -
                     dc_ * (2 * (beta_p + beta) / alpha_p + 1)) /
                    cost_.c2;  // (3.58), (3.74)
@@ -97,16 +107,21 @@ double CueEvidence::doubt(const CuePixel& pixel, double y) const {
 
 double CueEvidence::cost(const CuePixel& pixel, double y) const {
   const double B = pixel.modulation;
+
   if (cost_.circle) {
     // The vector of both modulations against its projection on the direction given by y.
     const double along = pixel.cue * std::cos(2 * pi * y) + pixel.cue_sine * std::sin(2 * pi * y);
     const double projection = std::max(0.0, cost_.c1 * B + cost_.c2 * along);
+
     const double square = B * B + pixel.cue * pixel.cue + pixel.cue_sine * pixel.cue_sine -
                           projection * projection / (cost_.c1 * cost_.c1 + cost_.c2 * cost_.c2);
     return square / cost_.component_variance;
   }
+
+  // The cue against its slope over B times B.
   const double at = slope(y);
   const double difference = pixel.cue - cost_.constant_light - at * B;
+
   // With a uniform prior on reflectivity; the logarithm remains from integrating over it.
   const double spread = 1 + cost_.component_variance / cost_.cue_variance * at * at;
   return difference * difference / (cost_.cue_variance * spread) + std::log(spread);
@@ -120,6 +135,7 @@ int CueEvidence::published_order(const CuePixel& pixel) const {
 int CueEvidence::nearest_order(const CuePixel& pixel, int projector_length) const {
   const int k = published_order(pixel);
   if (!cost_.circle) return k;
+
   const double y = unwrapped_coordinate(pixel.wrapped_phase, k, f_h_);
   return k +
          static_cast<int>(std::lround((coordinate_in_field(y, 1, projector_length) - y) * f_h_));
@@ -128,18 +144,22 @@ int CueEvidence::nearest_order(const CuePixel& pixel, int projector_length) cons
 int CueEvidence::likeliest_order(const CuePixel& pixel, int projector_length) const {
   // On the circle all orders have the same noise: the nearest is the most likely.
   if (cost_.circle) return nearest_order(pixel, projector_length);
+
+  // One order beyond either end of the field, where noise may carry a pixel.
   const int last = static_cast<int>(f_h_);
   double least = std::numeric_limits<double>::infinity();
   int best = 0;
   for (int k = -1; k <= last; ++k) {
     const double y = unwrapped_coordinate(pixel.wrapped_phase, k, f_h_);
     if (!near_field(y, projector_length)) continue;
+
     const double here = cost(pixel, y);
     if (here < least) {
       least = here;
       best = k;
     }
   }
+
   return best;
 }
 

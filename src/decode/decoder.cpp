@@ -36,7 +36,9 @@ BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
     std::ranges::transform(fine.modulation, band.modulation, fine.modulation.begin(),
                            [](double a, double b) { return std::min(a, b); });
   }
+
   std::ranges::transform(fine.mean, unwrapped.shade, fine.mean.begin(), std::minus<>());
+
   return {.mean = std::move(fine.mean),
           .modulation = std::move(fine.modulation),
           .wrapped_phase = std::move(fine.wrapped_phase),
@@ -62,35 +64,47 @@ BasicMaps<double> Decoder::operator()(const FrameViews& frames, double least_mod
 LayoutPhases Decoder::demodulate(const FrameViews& frames) const {
   throw_if(frames.count() != layout_.frames, "{} frames given; expected {}", frames.count(),
            layout_.frames);
+
   LayoutPhases phases;
   for (const Band& band : decoded_bands(layout_)) phases.bands.push_back(phase_(frames, band));
+
+  // The cue is a weighted sum of frames, or a second band as C and S.
   if (layout_.cue) {
     phases.cue = weighted_sum(frames, layout_.cue->weights);
   } else if (order_source(layout_) == OrderSource::neighbours) {
     phases.cue = weighted_sum(frames, layout_.bands[1].cosine);
     phases.cue_sine = weighted_sum(frames, layout_.bands[1].sine);
   }
+
+  // Codes and single frames are read from the frames themselves.
   if (layout_.code || !layout_.single_frames.empty() || layout_.unwrapping->pixel != nullptr)
     phases.frames = frames;
+
   return phases;
 }
 
 BasicMaps<double> Decoder::unwrapped(LayoutPhases phases, double full_scale,
                                      double least_modulation) const {
+  // The cue counts in grey levels of 8 bits.
   const double grey_level = full_scale / 255;
   CueSettings cue = cue_;
   cue.least_modulation = std::max(cue.least_modulation, least_modulation / grey_level);
+
   UnwrappedPhases unwrapped = unwrap(layout_, phases, cue, projector_length_, grey_level);
+
+  // A code alone has no sinusoid: its contrast takes the place of the modulation.
   if (!unwrapped.contrast.empty()) phases.bands.front().modulation = std::move(unwrapped.contrast);
   return maps_of(std::move(phases.bands), measuring_band_index(layout_), std::move(unwrapped));
 }
 
 std::string Decoder::method_for(const FrameViews& frames) const {
   std::string names;
+
   for (const Band& band : decoded_bands(layout_)) {
     const std::string name(name_of(phase_.method_for(band, frames)));
     if (names != name) names += names.empty() ? name : ", " + name;
   }
+
   return names;
 }
 
@@ -108,8 +122,11 @@ Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
   Image<std::uint8_t> unconfirmed(coordinate.size());
   for_each_pixel(coordinate.size(), [&](int column, int row) {
     if (lit(column, row) == 0) return;
+
     const int wanted = doubt(column, row) > settings.largest_doubt ? settings.fewest_if_doubtful
                                                                    : settings.fewest_neighbours;
+
+    // Lit neighbours within half a fringe.
     const double y = coordinate(column, row);
     int agreeing = 0;
     for (int r = std::max(row - 1, 0); r <= std::min(row + 1, lit.height() - 1); ++r) {
@@ -118,8 +135,10 @@ Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
         if (std::abs(coordinate(c, r) - y) < 0.5 / frequency) ++agreeing;
       }
     }
+
     unconfirmed(column, row) = agreeing >= wanted ? 0 : 1;
   });
+
   return unconfirmed;
 }
 

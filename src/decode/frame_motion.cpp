@@ -13,6 +13,7 @@ template <class Pixel>
 void take_levels(const Frames<Pixel>& frames, int column, int row, int step, std::size_t count,
                  MotionLevels& levels) {
   levels.resize(frames.size() * motion_block_pixels);
+
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const Pixel* const from = frames[n].row(row) + column;
     float* const to = &levels[n * motion_block_pixels];
@@ -29,10 +30,13 @@ void measure_row(const MotionWeights& weights, const Frames<Pixel>& frames, int 
                  int step, const Use& use) {
   thread_local MotionLevels levels;
   MotionBlock block;
+
   const int width = frames.front().width(), reach = step * static_cast<int>(motion_block_pixels);
   for (int column = first; column < width; column += reach) {
+    // The pixels left in the row, at most a block.
     const int left = (width - column + step - 1) / step;
     const std::size_t count = std::min(static_cast<std::size_t>(left), motion_block_pixels);
+
     take_levels(frames, column, row, step, count, levels);
     measure_motion(weights, levels, block);
     use(column, block, count);
@@ -47,6 +51,8 @@ MotionMeasurement::MotionMeasurement(const Band& window)
                .sine = {window.sine.begin(), window.sine.end()}} {
   const auto& [first, steps, shifts] = *window.cycle;
   const std::size_t K = window.mean.size() - weights_.cycle;
+
+  // The shift of each pattern shown twice, and its distance from the window's middle, frames.
   for (std::size_t n = 0; n < K; ++n) {
     const double turn = two_pi * static_cast<double>(n) / steps;
     const double delta = (shifts.backwards ? -turn : turn) - shifts.origin;
@@ -61,6 +67,7 @@ void MotionMeasurement::operator()(const FrameViews& frames, FrameMotion& motion
   for (Image<float>* const image : {&motion.speed, &motion.unexplained}) {
     if (image->size() != size) *image = Image<float>(size);
   }
+
   frames.visit([&](const auto& views) {
     for_each_row(size.height, [&](int row) {
       measure_row(
@@ -76,7 +83,10 @@ double MotionMeasurement::moving_share(const FrameViews& frames, double least_mo
                                        double noise_variance) const {
   constexpr int step = 8;
   constexpr float least_speed = 0.01F, deviations = 5;
+
+  // The square of a change between two frames has twice the noise variance.
   const auto by_noise = static_cast<float>(deviations * deviations * 2 * noise_variance);
+
   double lit = 0, moving = 0;
   frames.visit([&](const auto& views) {
     for (int row = step / 2; row < frames.size().height; row += step) {
@@ -84,6 +94,7 @@ double MotionMeasurement::moving_share(const FrameViews& frames, double least_mo
                   [&](int, const MotionBlock& block, std::size_t count) {
                     for (std::size_t i = 0; i < count; ++i) {
                       if (block.modulation[i] < least_modulation) continue;
+
                       ++lit;
                       const bool fast = std::abs(block.speed[i]) > least_speed;
                       moving += fast && block.evidence[i] > by_noise ? 1 : 0;
@@ -91,6 +102,7 @@ double MotionMeasurement::moving_share(const FrameViews& frames, double least_mo
                   });
     }
   });
+
   return lit > 0 ? moving / lit : 0;
 }
 

@@ -26,6 +26,7 @@ class MotionMeasurement {
   static bool is_possible(const Band& window) {
     return window.cycle && window.cycle->steps < static_cast<int>(window.mean.size());
   }
+
   /// Requires is_possible(window).
   explicit MotionMeasurement(const Band& window);
 

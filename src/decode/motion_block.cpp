@@ -21,19 +21,26 @@ HWY_INLINE Fit fit_of(const MotionWeights& weights, const float* levels, Floats 
                       Floats speed) {
   const FloatTag d;
   const auto all = [d](float value) SLIPSTREAM_STEP { return hn::Set(d, value); };
+
+  // Sums over the pairs of frames that show one pattern.
   Floats along = hn::Zero(d), length = along, square = along;
   for (std::size_t n = 0; n < weights.from_middle.size(); ++n) {
+    // Slope of the sinusoid at the time of the pair, C + i S turned by the speed.
     const Floats turned = hn::Mul(speed, all(weights.from_middle[n]));
     const Floats sine_part = hn::Mul(hn::NegMulAdd(turned, S, C), all(weights.sin_delta[n]));
     const Floats slope =
         hn::NegMulAdd(hn::MulAdd(turned, C, S), all(weights.cos_delta[n]), sine_part);
+
     const float* const level = levels + n * motion_block_pixels;
     const Floats change =
         hn::Sub(hn::LoadU(d, level + weights.cycle * motion_block_pixels), hn::LoadU(d, level));
+
     along = hn::MulAdd(change, slope, along);
     length = hn::MulAdd(slope, slope, length);
     square = hn::MulAdd(change, change, square);
   }
+
+  // The least-squares ratio; 0 without modulation.
   const Floats ratio =
       hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), hn::Div(along, hn::Max(length, all(1e-30F))));
   return {ratio, square, hn::Mul(ratio, along)};
@@ -48,6 +55,7 @@ void MeasureMotion(const MotionWeights& weights, const MotionLevels& levels, Mot
 
   for (std::size_t i = 0; i < motion_block_pixels; i += hn::Lanes(d)) {
     const float* const level = levels.data() + i;
+    // C + i S in the middle of the window.
     Floats C = hn::Zero(d), S = C;
     for (std::size_t n = 0; n < weights.cosine.size(); ++n) {
       const Floats I = hn::LoadU(d, level + n * motion_block_pixels);
@@ -64,6 +72,8 @@ void MeasureMotion(const MotionWeights& weights, const MotionLevels& levels, Mot
     const Fit fit = fit_of(weights, level, C, S, first);
 
     const Floats left = hn::Max(hn::Sub(fit.square, fit.explained), hn::Zero(d));
+
+    // The speed, and the change it leaves.
     hn::StoreU(speed_by(fit), d, &block.speed[i]);
     hn::StoreU(hn::Sqrt(hn::Mul(left, hn::Set(d, per_change))), d, &block.unexplained[i]);
     hn::StoreU(hn::Sqrt(hn::MulAdd(C, C, hn::Mul(S, S))), d, &block.modulation[i]);

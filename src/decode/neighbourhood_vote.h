@@ -77,16 +77,20 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   /// Requires in `lists.open`, in any order but once, at least the pixels that disagree, and all
   /// shifts 0. Sets the field's shifts; `lists.ever_moved` then lists all pixels with one.
   void operator()(NeighbourhoodVoteLists& lists) {
+    // 1. Revise open pixels until they agree with their neighbours.
     lists.ever_moved.clear();
     for (int pass = 0; pass < passes && !lists.open.empty(); ++pass) {
       choose(lists);
       open_what_disagrees(lists);
     }
+
+    // 2. Undo moves across edges that the wrapped phase does not show.
     sort_once(lists.ever_moved);
     lists.moved = lists.ever_moved;
     for (int pass = 0; pass < passes && !lists.moved.empty(); ++pass) {
       restore_at_hidden_edges(lists);
     }
+
     std::erase_if(lists.ever_moved, [&](PixelPlace at) { return field_.shift(at) == 0; });
   }
 
@@ -123,14 +127,17 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     /// with the most votes come first.
     [[nodiscard]] int least_cost_shift() {
       const auto end = name_candidates();
+
       int best = 0;
       double least = std::numeric_limits<double>::infinity();
       for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
         const double here = total(*candidate, least);
         if (!(here < least)) continue;
+
         best = candidate->shift;
         least = here;
       }
+
       return shift_of_a_line(best, end);
     }
 
@@ -148,24 +155,32 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
 
     /// Fills `candidates_`, without those the pixel itself excludes; returns their end.
     typename Candidates::iterator name_candidates() {
+      // The shift of the middle that each pixel of the surface implies.
       std::array<int, cells> implied;
       for (std::size_t i = 0; i < cells; ++i) implied[i] = shift_[i] - surface_.shift_step[i];
+
+      // One candidate per different shift, with the pixels that imply it.
       auto end = candidates_.begin();
       for (Cells rest = surface_.pixels; rest != 0; ++end) {
         const int shift = implied[index(std::countr_zero(rest))];
         Cells voters = 0;
         for (int i = cells - 1; i >= 0; --i)
           voters = 2 * voters + Cells{implied[index(i)] == shift};
+
         *end = {shift, voters & rest};
         rest &= ~voters;
       }
+
+      // Exclude shifts that the pixel's own evidence rules out; most votes first.
       end = std::remove_if(candidates_.begin(), end, [&](const Candidate& candidate) {
         return against(middle, candidate.shift) > sure;
       });
+
       std::sort(candidates_.begin(), end, [](const auto& a, const auto& b) {
         const int votes = std::popcount(a.voters), of_b = std::popcount(b.voters);
         return votes != of_b ? votes > of_b : a.shift < b.shift;
       });
+
       return end;
     }
 
@@ -174,15 +189,20 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     [[nodiscard]] int shift_of_a_line(int best, typename Candidates::iterator end) {
       int chosen = best;
       double most = enough_along_a_line;
+
       for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
         if (candidate->shift == best) continue;
+
         const LineEvidence evidence = line_evidence(best, *candidate);
         if (!(evidence.for_candidate > most)) continue;
+
         const bool crossing = evidence.for_best > enough_along_a_line;
         if (crossing && !(against(middle, candidate->shift) < against(middle, best))) continue;
+
         chosen = candidate->shift;
         most = evidence.for_candidate;
       }
+
       return chosen;
     }
 
@@ -194,6 +214,8 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     /// Zero if no line has three pixels, including the middle, that agree with the candidate.
     [[nodiscard]] LineEvidence line_evidence(int best, const Candidate& candidate) {
       LineEvidence found;
+
+      // Most candidates have no line of three pixels: skip the sums for them.
       const Cells others = candidate.voters & ~bit(middle);
       if (std::none_of(line_cells.begin(), line_cells.end(), [others](Cells line) {
             const Cells suited = line & others;
@@ -201,17 +223,21 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
           })) {
         return found;
       }
+
+      // Cost that the candidate saves at each pixel of the surface.
       std::array<double, cells> saved{};
       for_each_cell(surface_.pixels, [&](int cell) {
         const int step = surface_.shift_step[index(cell)];
         saved[index(cell)] = against(cell, best + step) - against(cell, candidate.shift + step);
       });
+
       for (const Line& line : lines) {
         double sum = 0;
         for (const int cell : line) sum += saved[index(cell)];
         found.for_best = std::max(found.for_best, -sum);
         found.for_candidate = std::max(found.for_candidate, sum);
       }
+
       return found;
     }
 
@@ -219,15 +245,21 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     /// partial sum of at least `enough`.
     [[nodiscard]] double total(const Candidate& candidate, double enough) const {
       if (!costs_least_) enough = std::numeric_limits<double>::infinity();
+
       const Cells others = surface_.pixels & ~bit(middle);
+
+      // The middle's own cost, and a fixed one for each neighbour that implies another shift.
       double sum = against(middle, candidate.shift) +
                    disagreement * std::popcount(others & ~candidate.voters);
+
+      // Neighbours would have to follow; content ones keep their own order at no cost.
       const Cells content = candidate.voters & ~moved_;  // keep their own order
       for (Cells rest = others & ~content; rest != 0 && sum < enough; rest &= rest - 1) {
         const int cell = std::countr_zero(rest);
         const int implied = candidate.shift + surface_.shift_step[index(cell)];
         if (implied != 0) sum += std::min(against(cell, implied), most_evidence);
       }
+
       return sum;
     }
 
@@ -243,11 +275,13 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   /// Whether one of the four neighbours implies another order.
   [[nodiscard]] bool disagrees(PixelPlace at, const Links& links) const {
     const int own = field_.shift(at);
+
     const auto implies_another = [&](int dx, int dy, const auto& linked, const auto& steps,
                                      int link, int sign) {
       return (linked & bit(link)) != 0 &&
              field_.shift({at.row + dy, at.column + dx}) != own + sign * steps[index(link)];
     };
+
     return implies_another(1, 0, links.right, links.right_step, middle, 1) ||
            implies_another(-1, 0, links.right, links.right_step, middle - 1, -1) ||
            implies_another(0, 1, links.down, links.down_step, middle, 1) ||
@@ -258,6 +292,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   [[nodiscard]] bool may_disagree(PixelPlace at) const {
     const double own = field_.periods(at.column, at.row);
     if (std::isnan(own)) return false;  // outside the image there are no shifts
+
     const int shift = field_.shift(at);
     return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
       const int column = at.column + direction[0], row = at.row + direction[1];
@@ -271,6 +306,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   [[nodiscard]] int chosen_shift(PixelPlace at) const {
     const Links links = links_around(at);
     if (!disagrees(at, links)) return field_.shift(at);
+
     const Surface surface = same_surface(links, whole_window);
     return Ballot(*this, at, surface).least_cost_shift();
   }
@@ -278,18 +314,24 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   /// One pass: all choose from the state before it.
   void choose(NeighbourhoodVoteLists& lists) {
     constexpr int share = 64;
+
     field_.foresee(lists.open);
     lists.choices.resize(lists.open.size());
+
+    // A share of the open pixels: all by the quick path, the undecided ones by the exact rules.
     const auto work = [&](int part) {
       const std::size_t first = static_cast<std::size_t>(part) * share;
       const std::size_t last = std::min(first + share, lists.open.size());
       for (std::size_t i = first; i < last; ++i) lists.choices[i] = {lists.open[i], undecided};
+
       const auto choices = std::span(lists.choices).subspan(first, last - first);
       if constexpr (is_quick) field_.hold_ballots(choices, false);
       for (auto& [at, shift] : choices) {
         if (shift == undecided) shift = chosen_shift(at);
       }
     };
+
+    // All choose before any shift is set.
     const int parts = static_cast<int>((lists.open.size() + share - 1) / share);
     if (parallel_threads() == 1) {
       for (int part = 0; part < parts; ++part) work(part);
@@ -297,12 +339,14 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       // With one captured reference std::function does not allocate.
       for_each_row(parts, [&work](int part) { work(part); });
     }
+
     lists.moved.clear();
     for (const auto& [at, shift] : lists.choices) {
       if (field_.shift(at) == shift) continue;
       field_.set_shift(at, shift);
       lists.moved.push_back(at);
     }
+
     lists.ever_moved.insert(lists.ever_moved.end(), lists.moved.begin(), lists.moved.end());
   }
 
@@ -310,9 +354,11 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   /// they or their neighbours moved.
   void open_what_disagrees(NeighbourhoodVoteLists& lists) const {
     if (lists.moved.empty()) return lists.open.clear();
+
     for (const auto& [row, column] : lists.moved) {
       for (const auto& [dx, dy] : directions) lists.open.push_back({row + dy, column + dx});
     }
+
     std::erase_if(lists.open, [&](PixelPlace at) { return !may_disagree(at); });
     sort_once(lists.open);
   }
@@ -325,10 +371,12 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   /// Whether one of its eight neighbours on the same surface agrees with the pixel's own order.
   [[nodiscard]] bool has_support(PixelPlace at) const {
     const Surface surface = same_surface(links_around(at), inner_window);
+
     bool supported = false;
     for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
       supported |= field_.shift(place(at, cell)) == surface.shift_step[index(cell)];
     });
+
     return supported;
   }
 
@@ -340,15 +388,20 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     for (const PixelPlace at : lists.moved) {
       if (field_.shift(at) != 0) lists.choices.push_back({at, undecided});
     }
+
+    // Keep those to restore.
     if constexpr (is_quick) field_.hold_ballots(lists.choices, true);
     std::erase_if(lists.choices, [&](const ShiftedPixel& pixel) {
       return pixel.shift == undecided ? !has_support(pixel.place) : pixel.shift != 0;
     });
+
+    // Their neighbours may now be restored, too.
     lists.moved.clear();
     for (const auto& [at, shift] : lists.choices) {
       field_.set_shift(at, 0);
       for_each_cell(inner_window, [&](int cell) { lists.moved.push_back(place(at, cell)); });
     }
+
     // Only pixels that have moved have a shift, and all of them are inside the image.
     std::erase_if(lists.moved, [&](PixelPlace at) {
       return !std::binary_search(lists.ever_moved.begin(), lists.ever_moved.end(), at);

@@ -41,17 +41,22 @@ struct SurfaceWindow : WindowCells {
   using Line = std::array<int, side>;
   static constexpr auto lines = [] {
     std::array<Line, 20> found{};
+
     std::size_t count = 0;
     const auto add = [&](std::array<int, side> across) {
       Line down{}, right{};
+
       for (int i = 0; i < side; ++i) {
         down[index(i)] = side * i + 2 + across[index(i)];
         right[index(i)] = side * (2 + across[index(i)]) + i;
       }
+
       found[count++] = down;
       // The antidiagonal is its own mirror image, in reverse order.
       if (across[0] != 2 && across[0] != -2) found[count++] = right;
     };
+
+    // Straight lines, diagonals, and lines with one bend on either side.
     add({0, 0, 0, 0, 0});
     for (const int sign : {-1, 1}) {
       add({2 * sign, sign, 0, -sign, -2 * sign});
@@ -60,12 +65,14 @@ struct SurfaceWindow : WindowCells {
       add({sign, 0, 0, 0, 0});
       add({0, 0, 0, 0, sign});
     }
+
     return found;
   }();
   static constexpr auto line_cells = [] {
     std::array<Cells, lines.size()> sets{};
     for (std::size_t i = 0; i < sets.size(); ++i)
       for (const int cell : lines[i]) sets[i] |= bit(cell);
+
     return sets;
   }();
 
@@ -86,17 +93,23 @@ struct SurfaceWindow : WindowCells {
       constexpr auto most = static_cast<float>(steepest), rough = static_cast<float>(roughest);
       constexpr float rounding = 12582912.0F;  // 1.5 * 2^23: adding it rounds
       const auto& periods = window.periods;
+
+      // The whole periods of each step, and the rest.
       for (std::size_t i = first - distance; i < last; ++i) {
         const float step = periods[i + distance] - periods[i];
         whole[i] = (step + rounding) - rounding;
         part[i] = step - whole[i];
       }
+
+      // A link needs a gentle step that resembles one beside it, if there is any.
       for (std::size_t i = first; i < last - distance; ++i) {
         const float before = part[i - distance], step = part[i], after = part[i + distance];
+
         // Of integers, as && and || would branch.
         const int alone = int{before != before} & int{after != after};
         const int smooth =
             int{std::abs(step - before) <= rough} | int{std::abs(step - after) <= rough};
+
         linked[i] = (int{std::abs(step) <= most} & (alone | smooth)) != 0 ? 1 : 0;
       }
     }
@@ -110,6 +123,7 @@ struct SurfaceWindow : WindowCells {
     constexpr std::size_t line = PhaseWindow::line;
     const Steps<1, 2 * line + 2, 7 * line> right(window);
     const Steps<line, 2 * line, 7 * line> down(window);
+
     Links links;
     for (int row = 0, cell = 0; row < side; ++row) {
       for (int column = 0; column < side; ++column, ++cell) {
@@ -118,12 +132,14 @@ struct SurfaceWindow : WindowCells {
           links.right |= static_cast<Cells>(right.linked[i]) << cell;
           links.right_step[index(cell)] = right.shift_step(i);
         }
+
         if (row + 1 < side) {
           links.down |= static_cast<Cells>(down.linked[i]) << cell;
           links.down_step[index(cell)] = down.shift_step(i);
         }
       }
     }
+
     return links;
   }
 
@@ -136,11 +152,13 @@ struct SurfaceWindow : WindowCells {
 
   static Surface same_surface(const Links& links, Cells window) {
     Surface surface;
+    // Grow the surface by one link at a time, in four directions.
     for (Cells front = bit(middle); front != 0;) {
       Cells reached = 0;
       const auto reach = [&](Cells from, int distance, const auto& steps, int sign) {
         Cells to = (distance > 0 ? from << distance : from >> -distance) & window &
                    ~surface.pixels & ~reached;
+
         reached |= to;
         for (; to != 0; to &= to - 1) {
           const int cell = std::countr_zero(to), parent = cell - distance;
@@ -150,13 +168,17 @@ struct SurfaceWindow : WindowCells {
               surface.shift_step[index(parent)] + sign * steps[index(link)];
         }
       };
+
+      // Right, left, down, up.
       reach(front & links.right, 1, links.right_step, 1);
       reach(front & (links.right << 1), -1, links.right_step, -1);
       reach(front & links.down, side, links.down_step, 1);
       reach(front & (links.down << side), -side, links.down_step, -1);
+
       surface.pixels |= reached;
       front = reached;
     }
+
     return surface;
   }
 

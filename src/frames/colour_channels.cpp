@@ -23,6 +23,8 @@ Eigen::Matrix3d colours_of(const ColourMixture& mixture) {
 template <class Pixel>
 std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
   const Size size = frames.front().size();
+
+  // The largest rise of any channel over the black picture, which comes first.
   const auto gain = [&](int column, int row) {
     double most = 0;
     for (std::size_t n = colour_channels; n < frames.size(); ++n) {
@@ -31,9 +33,11 @@ std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
     }
     return most;
   };
+
   double brightest = 0;
   for_each_pixel_in_order(
       size, [&](int column, int row) { brightest = std::max(brightest, gain(column, row)); });
+
   std::vector<double> sums(frames.size());
   std::size_t count = 0;
   for_each_pixel_in_order(size, [&](int column, int row) {
@@ -43,6 +47,7 @@ std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
       sums[n] += static_cast<double>(frames[n](column, row)) / grey_level;
     }
   });
+
   for (double& sum : sums) sum /= static_cast<double>(std::max<std::size_t>(count, 1));
   return sums;
 }
@@ -73,22 +78,28 @@ using Gains = std::array<float, colour_channels>;
 /// infinite where it is saturated; empty without a white picture.
 Image<Gains> whitening(const ColourMixture& mixture, const FrameViews& white) {
   if (white.count() == 0) return {};
+
   constexpr float least = 8;  // grey levels
   const Eigen::Vector3f sums = colours_of(mixture).rowwise().sum().cast<float>();
   const Eigen::Vector3f dark = dark_of(mixture);
+
   const Image<std::uint8_t> saturated = saturation_mask(white);
   const auto grey = static_cast<float>(255 / white.full_scale());
+
   Image<Gains> gains(white.size());
   white.visit([&](const auto& views) {
     for_each_pixel(white.size(), [&](int column, int row) {
+      // The share of the light that each channel keeps, and gains that make all three equal.
       const Eigen::Vector3f light = seen_at(views, 0, column, row, grey) - dark;
       const Eigen::Vector3f kept = light.cwiseQuotient(sums);
       Eigen::Map<Eigen::Vector3f> gain(gains(column, row).data());
       gain = kept.mean() * kept.cwiseInverse();
+
       if (light.minCoeff() < least) gain.setConstant(std::numeric_limits<float>::quiet_NaN());
       if (saturated(column, row) != 0) gain.setConstant(std::numeric_limits<float>::infinity());
     });
   });
+
   return gains;
 }
 
@@ -96,10 +107,12 @@ Image<Gains> whitening(const ColourMixture& mixture, const FrameViews& white) {
 
 void require_valid(const ColourMixture& mixture) {
   const Eigen::Matrix3d colours = colours_of(mixture);
+
   // Condition number: the largest factor by which noise grows.
   constexpr double worst = 50;
   const double condition =
       colours.cwiseAbs().maxCoeff() * colours.inverse().cwiseAbs().rowwise().sum().maxCoeff();
+
   throw_if(!Mixture(mixture.front().data()).allFinite() || !(condition <= worst),
            "colour_mixture: the camera's channels cannot separate the projector's colours");
 }
@@ -109,12 +122,17 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
   throw_if(pictures.count() != wanted,
            "{} frames given; expected {}: three channels each of black, red, green and blue",
            pictures.count(), wanted);
+
+  // 1. Mean of each channel over the lit surface.
   const Image<std::uint8_t> saturated = saturation_mask(pictures);
   const auto clipped = std::count(saturated.begin(), saturated.end(), 1);
   throw_if(20 * clipped > static_cast<std::ptrdiff_t>(saturated.pixel_count()),
            "more than 5 % of the pixels are saturated; use a shorter exposure");
+
   const std::vector<double> means = pictures.visit(
       [&](const auto& frames) { return lit_means(frames, pictures.full_scale() / 255); });
+
+  // 2. Columns: the three colours without black, then black.
   ColourMixture mixture{};
   double diagonal = 0;
   for (std::size_t c = 0; c < colour_channels; ++c) {
@@ -124,10 +142,13 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
     mixture[c][colour_channels] = means[c];
     diagonal += mixture[c][c] / colour_channels;
   }
+
   throw_if(!(diagonal > 1), "the pictures show no light of the projector's three colours");
+  // Scale to a mean diagonal of 1.
   for (auto& row : mixture) {
     for (std::size_t p = 0; p < colour_channels; ++p) row[p] /= diagonal;
   }
+
   require_valid(mixture);
   return mixture;
 }
@@ -139,23 +160,29 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
       white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size()),
       "the white picture must have three channels of the frames' size");
   require_valid(mixture);
+
   constexpr float levels = 257, brightest = 65535;  // for 16 bits
   const Eigen::Matrix3f inverse = colours_of(mixture).inverse().cast<float>();
   const Eigen::Vector3f dark = dark_of(mixture);
   const Image<Gains> gains = whitening(mixture, white);
+
   const auto grey = static_cast<float>(255 / frames.full_scale());
   const Size size = frames.size();
+
   FrameSet::Images16 alone(frames.count(), Image<std::uint16_t>(size));
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < views.size(); n += colour_channels) {
       const Image<std::uint8_t> saturated =
           saturation_mask(frames.part(static_cast<int>(n), colour_channels));
+
       for_each_pixel(size, [&](int column, int row) {
         const Gains white_gain = gains.empty() ? Gains{1, 1, 1} : gains(column, row);
         const Eigen::Vector3f seen = seen_at(views, n, column, row, grey) - dark;
+
         // Add the mean of the dark levels to all three: a common offset does not affect the phase.
         const Eigen::Vector3f light =
             (inverse * Eigen::Vector3f(white_gain.data()).cwiseProduct(seen)).array() + dark.mean();
+
         const bool is_saturated = saturated(column, row) != 0 || std::isinf(white_gain[0]);
         for (std::size_t p = 0; p < colour_channels; ++p) {
           const float level = levels * light[p] + 0.5F;
@@ -167,6 +194,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
       });
     }
   });
+
   return {std::move(alone), 16};
 }
 
@@ -192,22 +220,28 @@ void ColourSource::start() {
 }
 
 Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
+  // A new picture once all channels of the last one are returned.
   if (given_ == colour_channels) {
     const Arrival arrival = source_->next(picture_, timeout);
     if (arrival != Arrival::frame) return arrival;
     given_ = 0;
   }
+
+  // Its next channel, of every third value.
   if (frame.format() != format_) frame = Frame(format_);
   const std::uint8_t* value = std::get<Image<std::uint8_t>>(picture_.pixels).begin() + given_;
   for (std::uint8_t& pixel : std::get<Image<std::uint8_t>>(frame.pixels)) {
     pixel = *value;
     value += colour_channels;
   }
+
+  // Three frames, and patterns, for each picture.
   frame.stamp = picture_.stamp;
   frame.stamp.sequence = colour_channels * frame.stamp.sequence + given_;
   if (std::optional<int>& pattern = frame.stamp.pattern_index) {
     *pattern = colour_channels * *pattern + given_;
   }
+
   ++given_;
   return Arrival::frame;
 }
@@ -232,21 +266,28 @@ void UnmixedSource::start() {
 Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + timeout;
+
+  // 1. Wait for the three channels of one image, and separate its colours.
   while (given_ == stamps_.size()) {
     Frame seen(source_->format());
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
     const Arrival arrival = source_->next(seen, std::max(left, std::chrono::milliseconds(0)));
     if (arrival != Arrival::frame) return arrival;
+
     const std::uint64_t number = seen.stamp.sequence;
     if (!seen_.empty() && number != seen_.back().stamp.sequence + 1) seen_.clear();
     if (number % colour_channels != seen_.size()) continue;  // the image's first channel is missing
+
     seen_.push_back(std::move(seen));
     if (seen_.size() < colour_channels) continue;
+
     stamps_.clear();
     for (const Frame& channel : seen_) stamps_.push_back(channel.stamp);
     apart_ = unmixed(frame_set_of(std::exchange(seen_, {})), mixture_, white_);
     given_ = 0;
   }
+
+  // 2. Return its next frame.
   if (frame.format() != format()) frame = Frame(format());
   apart_.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
     if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
@@ -254,6 +295,7 @@ Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
       std::copy_n(frames[given_].row(0), image.pixel_count(), image.begin());
     }
   });
+
   frame.stamp = stamps_[given_++];
   return Arrival::frame;
 }

@@ -71,17 +71,21 @@ struct Merge {
       const Pixel* const I = levels(e, n, row, first);
       for (int i = 0; i < width; ++i) greatest[i] = std::max(greatest[i], I[i]);
     }
+
     const auto t = static_cast<float>(exposures[e]);
     for (int i = 0; i < width; ++i) weights[i] = greatest[i] < full ? t : 0;
   }
 
   void operator()(int row, int first, int width) const {
+    // 1. Weights of the exposures, and the sum of their squares.
     std::array<TileRow, most_exposures> weights;
     TileRow squares{};
     for (std::size_t e = 0; e < exposures.size(); ++e) {
       weigh(e, row, first, width, weights[e]);
       for (int i = 0; i < width; ++i) squares[i] += weights[e][i] * weights[e][i];
     }
+
+    // 2. Pixels saturated in every exposure take the shortest one.
     const auto least = static_cast<float>(exposures[shortest()]);
     TileRow saturated{};
     for (int i = 0; i < width; ++i) {
@@ -89,12 +93,16 @@ struct Merge {
       weights[shortest()][i] += saturated[i] * least;
       squares[i] += saturated[i] * least * least;
     }
+
+    // 3. Brightness relative to the shortest exposure, and the norm of the weights.
     float* const gain = merged.gain.row(row) + first;
     TileRow norms;
     for (int i = 0; i < width; ++i) {
       gain[i] = std::sqrt(squares[i]) / least;
       norms[i] = scale / std::sqrt(squares[i]);
     }
+
+    // 4. The merged frames.
     for (std::size_t n = 0; n < count(); ++n) sum(n, row, first, width, weights, norms, saturated);
   }
 
@@ -102,15 +110,18 @@ struct Merge {
            const std::array<TileRow, most_exposures>& weights, const TileRow& norms,
            const TileRow& saturated) const {
     constexpr float marked = FrameViews::merged_saturation;
+
     TileRow sums{};
     for (std::size_t e = 0; e < exposures.size(); ++e) {
       const Pixel* const I = levels(e, n, row, first);
       for (int i = 0; i < width; ++i) sums[i] += weights[e][i] * static_cast<float>(I[i]);
     }
+
     const Pixel* const shortly = levels(shortest(), n, row, first);
     std::uint16_t* const merged_levels = merged.images[n].row(row) + first;
     for (int i = 0; i < width; ++i) {
       const float level = norms[i] * sums[i] + 0.5F;
+
       const bool clipped = saturated[i] != 0 && shortly[i] >= full;
       merged_levels[i] = static_cast<std::uint16_t>(clipped ? marked : std::min(level, marked - 1));
     }
@@ -146,6 +157,7 @@ FrameViews FrameViews::chosen(const std::vector<int>& frames) const {
         for (const int n : frames) views.push_back(all[n]);
       },
       chosen.frames_);
+
   return chosen;
 }
 
@@ -158,22 +170,27 @@ FrameViews FrameViews::part(int first, int count) const {
 Image<std::uint8_t> saturation_mask(const FrameViews& frames) {
   Image<std::uint8_t> mask(frames.size());
   if (!frames.quantised()) return mask;
+
   for_each_level(frames, [&](double level, int column, int row) {
     if (level >= frames.saturation()) mask(column, row) = 1;
   });
+
   return mask;
 }
 
 Image<std::uint8_t> unclipped_mask(const FrameViews& frames) {
   Image<std::uint8_t> mask(frames.size(), 1);
+
   for_each_level(frames, [&](double level, int column, int row) {
     if (level <= 0 || (frames.quantised() && level >= frames.saturation())) mask(column, row) = 0;
   });
+
   return mask;
 }
 
 Image<double> weighted_sum(const FrameViews& frames, const std::vector<double>& weights) {
   Image<double> sums(frames.size());
+
   frames.visit([&](const auto& views) {
     for_each_row(sums.height(), [&](int row) {
       for (std::size_t n = 0; n < weights.size(); ++n) {
@@ -184,6 +201,7 @@ Image<double> weighted_sum(const FrameViews& frames, const std::vector<double>& 
       }
     });
   });
+
   return sums;
 }
 
@@ -201,6 +219,7 @@ FrameViews FrameSet::views() const {
   return std::visit(
       [&](const auto& images) {
         using Pixel = std::remove_cvref_t<decltype(*images[0].begin())>;
+
         FrameViews views;
         views.assign<Pixel>(images, bits_);
         views.set_gain(gain_);
@@ -219,6 +238,7 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
   throw_if(!is_order_of(order, frames.count()),
            "the order of {} frames must contain each of 0 to {} once", frames.count(),
            frames.count() - 1);
+
   std::visit(
       [&](auto& images) {
         std::remove_cvref_t<decltype(images)> ordered;
@@ -227,15 +247,18 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
         images = std::move(ordered);
       },
       frames.images_);
+
   return frames;
 }
 
 std::vector<FrameSet> parts_of(FrameSet frames, int count) {
   std::vector<FrameSet> parts(count);
+
   std::visit(
       [&]<class Images>(Images& images) {
         auto next = std::move_iterator(images.begin());
         const auto each = std::ssize(images) / count;
+
         for (FrameSet& part : parts) {
           part.images_ = Images(next, next + each);
           part.bits_ = frames.bits_;
@@ -244,11 +267,13 @@ std::vector<FrameSet> parts_of(FrameSet frames, int count) {
         }
       },
       frames.images_);
+
   return parts;
 }
 
 FrameSet joined(std::vector<FrameSet> sets) {
   if (sets.empty()) return {};
+
   std::visit(
       [&]<class Images>(Images& images) {
         for (FrameSet& set : std::span(sets).subspan(1)) {
@@ -256,24 +281,31 @@ FrameSet joined(std::vector<FrameSet> sets) {
           throw_if(more == nullptr, "frames of different formats cannot be joined");
           std::move(more->begin(), more->end(), std::back_inserter(images));
         }
+
         require_same_size(images);
       },
       sets.front().images_);
+
   return std::move(sets.front());
 }
 
 void MeanFrames::add(const FrameSet& frames) {
   const Image<std::uint8_t> saturated = saturation_mask(frames);
+
+  // The first set determines the format of all.
   if (count_ == 0) {
     bits_ = frames.bits();
     sums_.assign(frames.count(), Image<double>(frames.size()));
     saturated_ = saturated;
   }
+
   throw_if(frames.count() != static_cast<int>(sums_.size()) || frames.bits() != bits_ ||
                frames.size() != saturated_.size(),
            "scan {} has {} frames of {} with {} bits, the first {} of {} with {}; they must match",
            count_, frames.count(), text_of(frames.size()), frames.bits(), sums_.size(),
            text_of(saturated_.size()), bits_);
+
+  // Sums in 8-bit grey levels.
   const double grey_level = frames.full_scale() / 255;
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < views.size(); ++n) {
@@ -282,6 +314,7 @@ void MeanFrames::add(const FrameSet& frames) {
       });
     }
   });
+
   std::ranges::transform(saturated, saturated_, saturated_.begin(), std::bit_or<>());
   ++count_;
 }
@@ -291,6 +324,7 @@ FrameSet MeanFrames::mean() const {
   for (Image<double>& image : means) {
     for (double& intensity : image) intensity /= count_;
   }
+
   return FrameSet(std::move(means));
 }
 
@@ -301,17 +335,22 @@ void merge_exposures(const FrameViews& frames, const std::vector<double>& exposu
                given % exposures.size() != 0,
            "{} frames cannot be split evenly among {} exposures, at most {}", given,
            exposures.size(), most_exposures);
+
+  // Reuse the memory of the last scan.
   const Size size = frames.size();
   merged.images.resize(given / exposures.size());
   for (auto& image : merged.images) {
     if (image.size() != size) image = Image<std::uint16_t>(size);
   }
   if (merged.gain.size() != size) merged.gain = Image<float>(size);
+
+  // In tiles of a row, so that weights stay on the stack.
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
       const double scale = ((1 << merged_bits) - 1) / frames.full_scale();
       const Merge<Pixel> merge{views, exposures, static_cast<Pixel>(frames.full_scale()),
                                static_cast<float>(scale), merged};
+
       for_each_row(size.height, [&merge, width = size.width](int row) {
         for (int first = 0; first < width; first += tile) {
           merge(row, first, std::min(tile, width - first));
@@ -321,6 +360,7 @@ void merge_exposures(const FrameViews& frames, const std::vector<double>& exposu
       throw Error("merging exposures requires quantised frames");
     }
   });
+
   merged.views.assign<std::uint16_t>(merged.images, merged_bits);
   merged.views.set_gain(merged.gain);
 }

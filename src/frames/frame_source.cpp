@@ -36,6 +36,7 @@ template <class Pixel>
 void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
                       const std::string& device) {
   throw_if(patterns.empty(), "no patterns to show; at least one is required");
+
   const Size wanted = size.value_or(patterns.front().size());
   for (const Image<Pixel>& pattern : patterns) {
     throw_if(pattern.size() != wanted, "the patterns are {}, but {} is {}; the sizes must match",

@@ -32,6 +32,7 @@ void PairedSource::trigger() {
 
 Arrival PairedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + timeout;
+
   while (true) {
     // 1. One frame of each camera.
     const auto take = [&](FrameSource& source, Frame& held, bool& has) {
@@ -60,12 +61,14 @@ Arrival PairedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
     const auto &pattern = held_first_.stamp.pattern_index,
                &other = held_second_.stamp.pattern_index;
     if (pattern && other && *pattern != *other) return Arrival::damaged;
+
     std::swap(frame.pixels, held_first_.pixels);
     std::swap(frame.second, held_second_.pixels);
     frame.bits = held_first_.bits;
     frame.stamp = held_first_.stamp;
     if (!frame.stamp.pattern_index) frame.stamp.pattern_index = other;
     frame.stamp.host_time = std::max(frame.stamp.host_time, held_second_.stamp.host_time);
+
     ++paired_;
     return Arrival::frame;
   }

@@ -30,6 +30,8 @@ void view(const std::vector<Pooled<Frame>>& window,
     views = {};
     return;
   }
+
+  // The first frame has the pixel type of all.
   std::visit(
       [&]<class Pixel>(const Image<Pixel>&) {
         views.assign<Pixel>(window, window.front()->bits, [&](const Pooled<Frame>& frame) {
@@ -57,8 +59,10 @@ FrameViews views_of(const std::vector<Pooled<Frame>>& window) {
 
 FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra) {
   const int N = window.count() - extra;
+
   std::vector<int> frames(N);
   for (int n = extra / 2; n < extra / 2 + N; ++n) frames[(first_pattern + n) % N] = n;
+
   return window.chosen(frames);
 }
 
@@ -67,13 +71,17 @@ RollingWindow::RollingWindow(int frames, int cycle)
 
 bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
   if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // would overflow
+
   if (!std::exchange(begun_, true)) {
     newest_ = position;
     next_ = position + count_ - 1;
   }
+
   if (position + count_ - 1 < next_ || has(position)) return false;
+
   at(position) = {position, std::move(frame)};
   if (position <= newest_) return true;
+
   newest_ = position;
   // Missing frames of windows that end here or earlier are at least N places back.
   if (position >= next_ + count_) {
@@ -87,30 +95,38 @@ bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
 bool RollingWindow::next(std::vector<Pooled<Frame>>& window) {
   while (begun_ && next_ <= newest_) {
     std::uint64_t first = next_ + 1 - count_;
+
     const auto places = std::views::iota(first, next_ + 1);
+
+    // A complete window: of one cycle in pattern order, otherwise in frame order.
     if (std::ranges::all_of(places, [&](std::uint64_t place) { return has(place); })) {
       window.resize(count_);
       const std::uint64_t begin = count_ == cycle_ ? 0 : first;
       first_pattern_ = static_cast<int>(begin % cycle_);
       for (; first <= next_; ++first) window[(first - begin) % count_] = at(first).frame;
+
       ++next_;
       return true;
     }
+
     // A gap that may still be filled delays only windows that contain it.
     std::optional<std::uint64_t> given_up;
     for (; first <= next_ && first + count_ <= newest_; ++first) {
       if (!has(first)) given_up = first;
     }
+
     if (!given_up) return false;
     lost_ += *given_up + count_ - next_;
     next_ = *given_up + count_;
   }
+
   return false;
 }
 
 void RollingWindow::restart(std::uint64_t first) {
   if (!begun_) return;
   if (first + count_ > next_ + 1) lost_ += first + count_ - 1 - next_;
+
   for (Place& place : ring_) place = {};
   begun_ = false;
 }
@@ -142,13 +158,18 @@ PatternWindows::Place PatternWindows::place_of(std::uint64_t sequence) const {
 
 void PatternWindows::follow_source(const FrameStamp& stamp) {
   if (indexing_ != PatternIndexing::told || !stamp.pattern_index) return;
+
+  // The source's index minus the counted one, modulo the cycle.
   const auto counted = static_cast<int>(stamp.sequence % cycle_);
   const int told = (*stamp.pattern_index % cycle_ + 2 * cycle_ - counted) % cycle_;
   if (told == told_) return;
+
+  // The source counts from another place now: windows must not reach back across that.
   if (begun_) {
     window_.restart(place_of(stamp.sequence).position);
     first_ = stamp.sequence;
   }
+
   told_ = told;
 }
 
@@ -160,34 +181,43 @@ bool PatternWindows::place(const Pooled<Frame>& frame) {
 void PatternWindows::move_on(int places) {
   first_ = recent_.front()->stamp.sequence;
   window_.restart(place_of(first_).position);
+
   slipped_ = (slipped_ + places) % cycle_;
   for (const Pooled<Frame>& frame : recent_) place(frame);
 }
 
 std::optional<int> PatternWindows::realignment() {
   if (!watch_.has_cycle()) return std::nullopt;
+
   if (indexing_ == PatternIndexing::marker) {
     const std::optional<int> places = marker_misalignment(watch_.cycle());
     return places == 0 && aligned_ ? std::nullopt : places;
   }
+
   const int places = alignment_.misalignment(watch_.cycle());
   return places == 0 ? std::nullopt : std::optional(places);
 }
 
 bool PatternWindows::put(const Pooled<Frame>& frame) {
   const FrameStamp& stamp = frame->stamp;
+  // A late frame, or a duplicate.
   if (begun_ && stamp.sequence <= newest_) {
     return aligned_ && stamp.sequence >= first_ && place(frame);
   }
+
+  // The newest frame, kept with the rest of its cycle.
   follow_source(stamp);
   if (!std::exchange(begun_, true)) first_ = stamp.sequence;
   newest_ = stamp.sequence;
+
   if (std::cmp_equal(recent_.size(), cycle_)) recent_.erase(recent_.begin());
   recent_.push_back(frame);
+
   sample(*frame, sampled_, samples_);
 
   const auto [verdict, slipped] = watch_.look(place_of(stamp.sequence).index, samples_);
   if (verdict == SlipWatch::Verdict::slipping) return true;
+
   if (verdict == SlipWatch::Verdict::slipped) {
     ++resynchronisations_;
     move_on(slipped);
@@ -198,6 +228,7 @@ bool PatternWindows::put(const Pooled<Frame>& frame) {
   } else if (aligned_) {
     place(frame);
   }
+
   return true;
 }
 

@@ -17,6 +17,7 @@ void set_exposure(FrameSource& source, double seconds) {
   CameraControls* const controls = source.controls();
   throw_if(controls == nullptr,
            "this source cannot change the exposure while it runs; omit --exposures");
+
   controls->set_control(CameraControl::exposure, seconds * 1e3);
 }
 
@@ -27,11 +28,14 @@ bool is_still(const FrameViews& before, const FrameViews& after) {
       before.bits() != after.bits()) {
     return false;
   }
+
   const double noise = 16.0 / 255 * before.full_scale();
   constexpr std::size_t one_of = 200;
+
   return before.visit([&]<class Pixel>(const Frames<Pixel>& a) {
     return after.visit([&]<class Other>(const Frames<Other>& b) {
       std::size_t pixels = 0, changed = 0;
+
       for (std::size_t n = 0; n < a.size(); ++n) {
         for_each_pixel_in_order(a[n].size(), [&](int column, int row) {
           const auto level = static_cast<double>(a[n](column, row));
@@ -39,6 +43,7 @@ bool is_still(const FrameViews& before, const FrameViews& after) {
           ++pixels;
         });
       }
+
       return std::is_same_v<Pixel, Other> && changed * one_of < pixels;
     });
   });
@@ -61,6 +66,7 @@ ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
     : sink_(sink), source_(source), settings_(settings), frame_(source.format()) {
   std::vector<Image<std::uint8_t>> patterns;
   std::uint8_t brightest = 0;
+
   for (std::vector<Image<std::uint8_t>>& scan : scans) {
     counts_.push_back(scan.size());
     for (Image<std::uint8_t>& pattern : scan) {
@@ -68,10 +74,14 @@ ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
       patterns.push_back(std::move(pattern));
     }
   }
+
   throw_if(patterns.empty(), "no patterns to show; at least one is required");
+
+  // The last pattern is uniform light.
   light_ = patterns.size();
   patterns.emplace_back(patterns.front().size(), brightest);
   sink_.load(std::move(patterns));
+
   if (!settings_.exposures.empty()) set_exposure(source_, settings_.exposures.front());
 }
 
@@ -92,11 +102,15 @@ bool ShownScans::next(milliseconds timeout) {
 
 bool ShownScans::show(std::size_t pattern, milliseconds timeout) {
   sink_.show(pattern);
+
   lit_ = pattern == light_;
   if (!source_.has_own_pace()) return next(timeout);
+
+  // Drop frames that may still contain the old pattern.
   const auto settled = Clock::now() + settings_.settling;
   while (Clock::now() < settled) source_.next(frame_, milliseconds(5));
   if (!settings_.triggered) return next(timeout) && next(timeout);  // the first is older
+
   source_.trigger();
   return next(timeout);
 }
@@ -104,30 +118,39 @@ bool ShownScans::show(std::size_t pattern, milliseconds timeout) {
 std::optional<Glimpse> ShownScans::look(milliseconds timeout) {
   if (lit_ && settings_.triggered) source_.trigger();
   if (!(lit_ ? next(timeout) : show(light_, timeout))) return std::nullopt;
+
   FrameSet seen = frame_set_of({frame_});
   const bool still = is_still(glimpse_, seen);
   glimpse_ = std::move(seen);
+
   return Glimpse{{glimpse_}, still};
 }
 
 std::optional<std::vector<FrameSet>> ShownScans::take() {
   std::vector<FrameSet> scans;
   std::size_t pattern = 0;
+
   for (const std::size_t count : counts_) {
     std::vector<Frame> frames;
     const std::size_t group = count / std::max<std::size_t>(1, settings_.exposures.size());
+
     for (std::size_t n = 0; n < count; ++n, ++pattern) {
       if (!settings_.exposures.empty() && n % group == 0) {
         set_exposure(source_, settings_.exposures[n / group]);
       }
+
       if (!show(pattern, longest_wait)) return std::nullopt;
       frames.push_back(frame_);
     }
+
     scans.push_back(frame_set_of(std::move(frames)));
   }
+
+  // Back to the first exposure, to see whether anything moved meanwhile.
   if (settings_.exposures.size() > 1) set_exposure(source_, settings_.exposures.front());
   if (!show(light_, longest_wait) || !is_still(glimpse_, frame_set_of({frame_})))
     return std::nullopt;
+
   return scans;
 }
 

@@ -63,12 +63,18 @@ SourceCounters SteppedSource::counters() const {
 SteppedSource::Clock::time_point SteppedSource::arrival_of(const Frame& frame) {
   constexpr nanoseconds restarted = std::chrono::seconds(1);
   constexpr int frames_of_drift = 10'000;  // clocks drift by at most one frame in this many
+
   const auto host = frame.stamp.host_time.time_since_epoch();
   const nanoseconds device = frame.stamp.device_time;
+
   if (device == nanoseconds{}) return frame.stamp.host_time;
+
+  // Delays of this machine only add to the offset: keep the least, but let it follow the drift of
+  // the clocks. A device that restarts its clock starts a new offset.
   const nanoseconds offset = host - device;
   const nanoseconds drifted = clock_offset_ + delay_.period / frames_of_drift;
   clock_offset_ = offset > drifted && offset < drifted + restarted ? drifted : offset;
+
   return Clock::time_point(device + clock_offset_);
 }
 
@@ -76,11 +82,13 @@ std::optional<SteppedSource::Clock::time_point> SteppedSource::take(Frame& frame
                                                                     milliseconds timeout) {
   const Clock::time_point begin = Clock::now();
   if (triggered_) source_->trigger();
+
   do {
     const Arrival arrival = source_->next(frame, std::min(timeout, milliseconds(100)));
     if (arrival == Arrival::ended) throw WorldError("the source of frames has ended");
     if (arrival == Arrival::frame) return triggered_ ? begin : arrival_of(frame);
   } while (Clock::now() < begin + timeout);
+
   return std::nullopt;
 }
 
@@ -88,19 +96,24 @@ void SteppedSource::flash(std::size_t pattern) {
   // Frames differ by noise; a change of light by more.
   constexpr double alike = 0.02, least_change = 4;
   constexpr std::size_t settled = 3;  // frames
+
   const double before = light_;
   sink_.show(pattern);
   const Clock::time_point shown = Clock::now();
   std::vector<std::pair<nanoseconds, double>> frames;
+
+  // 1. Frames until the light has changed and stays the same.
   const auto is_settled = [&] {
     if (frames.size() < settled) return false;
     const auto [least, most] =
         std::minmax_element(frames.end() - static_cast<int>(settled), frames.end(),
                             [](const auto& a, const auto& b) { return a.second < b.second; });
+
     light_ = most->second;
     return most->second - least->second <= alike * change_ &&
            std::abs(light_ - before) > std::max(least_change, change_ / 2);
   };
+
   while (!is_settled()) {
     const auto time = take(frame_, slowest);
     if (!time || *time > shown + slowest) {
@@ -108,35 +121,47 @@ void SteppedSource::flash(std::size_t pattern) {
           "the camera does not see the projector: black and white look the same to it; check "
           "exposure, lens and monitor");
     }
+
     frames.emplace_back(*time - shown, mean_level(frame_));
   }
+
+  // 2. The first frame with new light and the last with old light bound the delay.
   change_ = std::abs(light_ - before);
   for (const auto& [time, level] : frames) {
     if (std::abs(level - before) < alike * change_) continue;
+
     delay_.begins = std::min(delay_.begins, time);
     if (std::abs(level - light_) > alike * change_) delay_.ends = std::max(delay_.ends, time);
   }
+
   delay_.period =
       (frames.back().first - frames.front().first) / static_cast<int>(frames.size() - 1);
 }
 
 void SteppedSource::measure_delay() {
+  // 1. Black and the brightest level of the patterns.
   std::uint8_t brightest = 0;
   for (const auto& pattern : patterns_) {
     brightest = std::max(brightest, *std::max_element(pattern.begin(), pattern.end()));
   }
+
   const Size size = patterns_.front().size();
   sink_.load({Image<std::uint8_t>(size, 0), Image<std::uint8_t>(size, brightest)});
+
+  // 2. The level in black, after all older frames.
   sink_.show(0);
   std::this_thread::sleep_for(milliseconds(500));
   while (source_->next(frame_, milliseconds(1)) == Arrival::frame) continue;
   if (!take(frame_, slowest)) throw WorldError("no frame from the camera within 3 s");
   light_ = mean_level(frame_);
+
+  // 3. Flashes at times spread over the camera's period.
   delay_ = {.begins = slowest};
   for (int i = 0; i < flashes; ++i) {
     std::this_thread::sleep_for(i * delay_.period / flashes);  // anywhere between two frames
     flash(i % 2 == 0 ? 1U : 0U);
   }
+
   // A flash may have missed a bound by as much.
   const nanoseconds margin = 2 * delay_.period / flashes;
   delay_.begins -= margin;
@@ -164,14 +189,19 @@ Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
     show(next_++);
     std::this_thread::sleep_for(delay_.ends);
   }
+
   const Clock::time_point end = Clock::now() + timeout;
   while (const auto time = take(frame, std::max(milliseconds(1), timeout))) {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
+
+    // Patterns that were replaced before this frame began to see the next are missed.
     while (shown_.size() > 1 && shown_[1].time + delay_.begins <= *time) {
       shown_.pop_front();
       ++missed_;
     }
+
+    // The frame shows one pattern alone once all light of the one before is gone.
     if (!shown_.empty() && shown_.front().time + delay_.ends <= *time) {
       frame.stamp.sequence = shown_.front().sequence;
       frame.stamp.pattern_index = static_cast<int>(shown_.front().sequence % cycle_);
@@ -179,8 +209,10 @@ Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
       ++taken_;
       return Arrival::frame;
     }
+
     if (Clock::now() > end) break;
   }
+
   return Arrival::nothing;
 }
 

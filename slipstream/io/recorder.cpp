@@ -24,8 +24,8 @@ FileLimit file_limit_from(const std::string& text) {
            text);
 
   FileLimit limit{.ring = parts[3].matched};
-  if (times.contains(unit)) limit.seconds = number * times.at(unit);
 
+  if (times.contains(unit)) limit.seconds = number * times.at(unit);
   if (sizes.contains(unit)) limit.bytes = static_cast<std::uint64_t>(number * sizes.at(unit));
 
   return limit;
@@ -148,6 +148,7 @@ void Recorder::write_all() {
   try {
     while (true) {
       taken.clear();
+
       // Takes all waiting frames at once, to keep the mutex only briefly.
       {
         std::unique_lock lock(mutex_);

@@ -209,7 +209,7 @@ void ReplaySource::open_pictures(const ScanFiles& files) {
 }
 
 void ReplaySource::measure_round(const fs::path& path) {
-  // 1. The first and the last whole frame.
+  // The first and the last whole frame.
   Frame first, last;
   std::uint64_t from = 0, to = count_;
   while (from < count_ && !read(from, first)) ++from;
@@ -217,7 +217,7 @@ void ReplaySource::measure_round(const fs::path& path) {
   throw_if(from == to, "{}: no complete frame; the checksum of every frame is wrong",
            path.string());
 
-  // 2. The sequence: it starts at a multiple of the cycle, and so does each round.
+  // The sequence starts at a multiple of the cycle, and so does each round.
   const std::uint64_t pattern_count =
       header_.sequence ? static_cast<std::uint64_t>(cycle_length(*header_.sequence)) : 1;
   first_sequence_ = first.stamp.sequence / pattern_count * pattern_count;
@@ -237,7 +237,6 @@ void ReplaySource::measure_round(const fs::path& path) {
 
   // The interval from the last frame to the first is the mean frame interval.
   const auto intervals = static_cast<nanoseconds::rep>(std::max<std::uint64_t>(to - from - 1, 1));
-
   const auto with_one_more = [&](nanoseconds span) { return span + span / intervals; };
   round_.device_time = with_one_more(last.stamp.device_time - first.stamp.device_time);
   round_.host_time = with_one_more(last.stamp.host_time - first.stamp.host_time);

@@ -108,8 +108,8 @@ Picture read_bmp(Bytes bytes, std::size_t frames) {
     std::uint8_t* to = picture.row(row);
 
     for (int column = 0; column < size.width; ++column, from += bits / 8, to += channels) {
-      const std::size_t colour = 4 * std::size_t{*from};
       // Colours are stored as blue, green, red; levels beyond the palette are black.
+      const std::size_t colour = 4 * std::size_t{*from};
       if (channels == 1) {
         *to = *from;
       } else if (bits != 8) {

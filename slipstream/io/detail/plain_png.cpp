@@ -113,8 +113,8 @@ std::optional<Picture> read_plain_png(std::span<const std::uint8_t> file, std::s
   const std::optional<std::vector<std::uint8_t>> packed = packed_samples(file);
   if (!packed) return std::nullopt;
 
-  Picture picture({{static_cast<int>(columns), static_cast<int>(rows)}, colour == 0 ? 1 : 3, bits});
   // 2. Unpacks the samples. Each row begins with the number of its filter.
+  Picture picture({{static_cast<int>(columns), static_cast<int>(rows)}, colour == 0 ? 1 : 3, bits});
   const std::size_t row_bytes = picture.kind.row_bytes();
   auto* const unfilter = colour == 0 ? (bits == 8 ? undo_filter<1> : undo_filter<2>)
                                      : (bits == 8 ? undo_filter<3> : undo_filter<6>);

@@ -19,7 +19,6 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
     if (!py::isinstance<py::array_t<Pixel>>(of)) throw Error("frames: arrays of different types");
 
     const auto frame = py::reinterpret_borrow<py::array>(of);
-
     throw_if(
         (frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0,
         "frames: the pixels of a row are not contiguous; pass numpy.ascontiguousarray(frames)");

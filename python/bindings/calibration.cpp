@@ -19,7 +19,6 @@ namespace {
 py::object found_gamma(const py::object& frames, int steps, int first, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
   const BlindGamma found = unlocked([&] { return find_gamma(given.views, first, steps); });
-
   return results("gamma"_a = found.gamma, "standard_error"_a = found.standard_error,
                  "pixels"_a = found.pixels,
                  "refusal"_a = found.accepted() ? "" : reason_of(found.refusal));
@@ -27,13 +26,11 @@ py::object found_gamma(const py::object& frames, int steps, int first, std::opti
 
 ScanAverage average_of(const py::iterable& scans, bool of_gamma) {
   ScanAverage average;
-
   for (const py::handle of : scans) {
     const auto [scan, name] = checked_scan(of, of_gamma);
     if (!of_gamma) require_ambient_measurable(scan, name);
     average.add(scan, name);
   }
-
   return average;
 }
 
@@ -84,7 +81,6 @@ py::object calibrated_ambient(const py::iterable& scans, double least_alpha,
 
 py::tuple phases_of(const py::object& frames, int steps, int first, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
-
   throw_if(first < 0 || steps < 3 || first + steps > given.views.count(),
            "frames {} to {} of {}; expected 3 steps or more", first, first + steps - 1,
            given.views.count());
@@ -98,7 +94,6 @@ py::tuple phases_of(const py::object& frames, int steps, int first, std::optiona
 
 double unwrapped(double wrapped_phase, double frequency, double coarse) {
   if (!std::isfinite(wrapped_phase + coarse)) return std::numeric_limits<double>::quiet_NaN();
-
   return unwrapped_coordinate(wrapped_phase, fringe_order(wrapped_phase, frequency, coarse),
                               frequency);
 }
@@ -169,14 +164,12 @@ HeldCalibration calibrated(const fs::path& folder, const std::optional<fs::path>
   held.findings.insert(held.findings.end(), found.findings.begin(), found.findings.end());
 
   if (report_folder) held.write(fs::path(*report_folder) / "report.html");
-
   return held;
 }
 
 std::vector<std::string> names_of(const std::vector<CalibratedPose>& poses) {
   std::vector<std::string> names;
   for (const CalibratedPose& pose : poses) names.push_back(pose.name);
-
   return names;
 }
 

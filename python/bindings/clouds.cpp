@@ -166,7 +166,6 @@ const HeldCloud::Points& HeldCloud::points() {
   const std::lock_guard lock(mutex_);
   // Joined once, however many threads ask for them.
   if (!std::exchange(has_points_, true)) join(cloud.x, cloud.y, cloud.z, points_);
-
   return points_;
 }
 

@@ -51,7 +51,6 @@ class SharedEngine {
 template <auto Compute>
 auto computed(SharedEngine& engine, const py::object& frames, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
-
   return unlocked([&] { return (engine.*Compute)(given.views); });
 }
 

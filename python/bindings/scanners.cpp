@@ -196,7 +196,6 @@ void bind_responses(py::module_& module) {
       "corrected",
       [](const MeasuredResponse& of, const py::array_t<double>& phases, int steps) {
         const PhaseCorrection correction = phase_correction(of.response, steps);
-
         return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(
             phases);
       },

@@ -15,7 +15,6 @@ namespace {
 FrameSet copied(const FrameViews& frames) {
   return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     std::vector<Image<Pixel>> images;
-
     for (const ImageView<const Pixel>& view : views) {
       images.emplace_back(view.size());
       for (int row = 0; row < view.height(); ++row) {

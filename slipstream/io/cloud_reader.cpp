@@ -25,7 +25,6 @@ std::vector<PointElement> read_ply_header(NumberReader& reader) {
   if (reader.line() != "ply") throw Error("it does not begin with 'ply'");
 
   std::vector<PointElement> elements;
-
   while (true) {
     const std::vector<std::string_view> words = words_of(reader.line());
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
@@ -52,7 +51,6 @@ StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
   StoredPoints stored;
 
   for (const PointElement& element : read_ply_header(reader)) read_element(element, reader, stored);
-
   return stored;
 }
 

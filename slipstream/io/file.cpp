@@ -30,7 +30,6 @@ bool replace_name(std::string* before, std::string* after) {
     std::string* there = before;
     if (place.compare_exchange_strong(there, after)) return true;
   }
-
   return false;
 }
 
@@ -53,7 +52,6 @@ bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
     if (written < 0) return false;
     rest = rest.subspan(static_cast<std::size_t>(written));
   }
-
   return true;
 }
 
@@ -127,7 +125,6 @@ std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest)
   std::vector<std::uint8_t> bytes(file.size());
 
   throw_if(!file.read(0, {bytes}), "{}: became shorter while it was read", path.string());
-
   return bytes;
 }
 

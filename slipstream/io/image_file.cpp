@@ -255,7 +255,6 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
   int used_bits = 0;
 
   std::vector<ReadFrames> pictures = read_at_once(paths, in_colour);
-
   for (std::size_t n = 0; n < paths.size(); ++n) {
     auto& [read, told, failure] = pictures[n];
     // The first failure in the order of the paths, whichever thread came first.
@@ -277,7 +276,6 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
   }
 
   if (frames.empty()) return loaded;
-
   throw_if(bits > 8 && frames.front().kind.bits == 8,
            "{}: an 8-bit picture, but the camera bits are set to {}", paths.front().string(), bits);
 

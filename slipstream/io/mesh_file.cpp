@@ -234,7 +234,6 @@ std::vector<std::array<float, components>> numbers_of(const json& document, cons
   const auto bytes = part(of_view, offset_in(accessor), count * sizeof(numbers[0]));
 
   if (count > 0) std::memcpy(numbers.data(), bytes.data(), bytes.size());
-
   return numbers;
 }
 

@@ -89,7 +89,6 @@ StoredMatrix entry_from(const pugi::xml_node& node) {
 /// Refuses two elements of one name, other than the items of a list. `text`: of the file.
 void require_unique_elements(const pugi::xml_node& parent, const std::string& text) {
   std::set<std::string> keys;
-
   for (const pugi::xml_node& node : parent.children()) {
     const bool is_item = node.type() != pugi::node_element || node.name() == std::string_view("_");
     if (is_item || keys.insert(node.name()).second) continue;
@@ -125,7 +124,6 @@ bool is_xml(const std::string& text) {
 /// Double-quoted YAML, on one line.
 std::string quoted(const std::string& text) {
   std::string quoted = "\"";
-
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
     quoted += static_cast<unsigned char>(c) < ' ' ? ' ' : c;

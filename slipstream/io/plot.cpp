@@ -288,7 +288,6 @@ PlotAxis round_axis(double low, double high, int count) {
   const auto steps = static_cast<int>(std::lround((axis.high - axis.low) / step));
 
   for (int i = 0; i <= steps; ++i) axis.marks.push_back(axis.low + i * step);
-
   return axis;
 }
 
@@ -296,7 +295,6 @@ std::vector<double> marks_between(double low, double high, int count) {
   std::vector<double> marks = round_axis(low, high, count).marks;
 
   std::erase_if(marks, [&](double mark) { return mark < low || mark > high; });
-
   return marks;
 }
 
@@ -310,7 +308,6 @@ PlotAxis decade_axis(double low, double high, int count) {
   const int step = std::max(1, (decades + count - 1) / count);
 
   for (int i = 0; i <= decades; i += step) axis.marks.push_back(axis.low + i);
-
   return axis;
 }
 

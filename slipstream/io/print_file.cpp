@@ -36,7 +36,6 @@ std::vector<Rectangle> dark_rectangles(const Image<std::uint8_t>& picture, doubl
   // One row more than the picture has, without runs, closes the last rectangles.
   for (int row = 0; row <= picture.height(); ++row) {
     std::map<std::pair<int, int>, int> runs;
-
     for (int column = 0; row < picture.height() && column < picture.width(); ++column) {
       if (picture(column, row) >= 128) continue;
 

@@ -144,7 +144,6 @@ bool Recorder::end_at_limit() {
 
 void Recorder::write_all() {
   std::vector<Pooled<Frame>> taken;
-
   try {
     while (true) {
       taken.clear();

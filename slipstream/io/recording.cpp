@@ -186,7 +186,6 @@ void require_valid_colours(const RecordingHeader& header) {
 
 void require_valid_header(const RecordingHeader& header) {
   require_valid(header.format);
-
   throw_if(!(header.frame_rate >= 0 && std::isfinite(header.frame_rate)),
            "frame rate {} Hz: expected 0 or more", header.frame_rate);
 
@@ -198,7 +197,6 @@ void require_valid_header(const RecordingHeader& header) {
 bool is_recording(const fs::path& path) {
   std::array<char, recording_magic.size()> begin{};
   std::error_code unknown;
-
   return fs::is_regular_file(path, unknown) &&
          InputFile(path, no_limit).read(0, {writable_bytes_of(begin)}) && begin == recording_magic;
 }

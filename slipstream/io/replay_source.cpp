@@ -87,7 +87,6 @@ std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequen
   Pool<Frame> pool(std::min(end - first, kept_cycles * cycle + 1), [] { return Frame(); });
 
   std::vector<Pooled<Frame>> found;
-
   for (std::uint64_t n = first; n < end; ++n) {
     Pooled<Frame> frame = pool.take();
     if (!frame) break;

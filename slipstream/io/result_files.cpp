@@ -47,7 +47,6 @@ void replace_all(std::string& path, std::string_view placeholder, std::string_vi
 fs::path identity(const fs::path& path) {
   std::error_code unknown;
   fs::path whole = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
-
   return unknown ? path : whole;
 }
 
@@ -108,7 +107,6 @@ std::vector<std::string> ResultFiles::written() const {
     paths.push_back(path);
     for (const auto& beside : files_beside(path)) paths.push_back(beside.string());
   }
-
   return paths;
 }
 
@@ -177,7 +175,6 @@ void DistinctFiles::add_input(const fs::path& path, int levels) {
   if (!inputs_.insert(identity(path)).second || !fs::is_directory(path, unknown)) return;
 
   ScanFiles scan;
-
   try {
     const fs::path description = path / "scan.yaml";
     inputs_.insert(identity(description));
@@ -322,7 +319,6 @@ std::vector<ListedScans> cut_into_shards(const std::vector<ListedScans>& scans, 
   for (const ListedScans& listed : scans) all += static_cast<double>(listed.cost);
 
   std::vector<ListedScans> pieces;
-
   for (const ListedScans& listed : scans) {
     const std::uint64_t count = scan_count(listed, every);
     const double cost = static_cast<double>(listed.cost) / static_cast<double>(count);

@@ -30,7 +30,6 @@ RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Ma
   }
 
   if (setting.values.empty()) refuse(mark, fmt::format("{}: the list is empty", name));
-
   return setting;
 }
 

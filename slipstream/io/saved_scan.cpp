@@ -53,7 +53,6 @@ void remove_other_frames(const fs::path& folder, const std::vector<fs::path>& na
   // Frames are numbered without gaps, so the first missing number ends the search.
   for (int n = 0;; ++n) {
     bool any = false;
-
     for (const char* ending : {"png", "tiff"}) {
       const fs::path name = folder / fmt::format("frame_{:02}.{}", n, ending);
       any |= std::ranges::find(names, name) != names.end() || fs::remove(name);
@@ -347,7 +346,6 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   write_scan_files(path / "scan.yaml", files);
 
   remove_other_frames(path, files.frames);
-
   return files;
 }
 
@@ -382,14 +380,12 @@ fs::path free_path(const fs::path& path) {
     free.replace_filename(
         fmt::format("{}-{}{}", path.stem().string(), copy, path.extension().string()));
   }
-
   return free;
 }
 
 fs::path path_named_by_time(const fs::path& parent, std::string_view what,
                             std::string_view ending) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-
   return free_path(parent /
                    fmt::format("{}-{:%Y%m%d-%H%M%S}{}", what, fmt::localtime(now), ending));
 }

@@ -18,7 +18,6 @@ SampledPictures sampled(const std::vector<fs::path>& pictures) {
   constexpr int places = 4096;
 
   SampledPictures levels;
-
   for (const fs::path& picture : pictures) {
     const FrameSet frame = read_frames({picture}).frames;
     const auto [width, height] = frame.size();
@@ -68,7 +67,6 @@ std::vector<std::pair<int, std::string>> likely_extra(const SampledPictures& lev
   };
 
   std::vector<std::pair<int, std::string>> extra;
-
   for (auto picture = levels.begin(); picture != levels.end(); ++picture) {
     const auto first = std::find_if(levels.begin(), picture,
                                     [&](const auto& before) { return alike(before, *picture); });

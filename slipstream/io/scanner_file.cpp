@@ -177,13 +177,11 @@ constexpr std::array<Layout, 11> layouts{{
 bool is_camera_pair(const Layout& layout, bool if_either) {
   const std::string_view second = layout.projector.matrix;
   const bool is_numbered = second.ends_with('2') || second.starts_with(of_projector);
-
   return second == layouts.back().projector.matrix || (if_either && is_numbered);
 }
 
 std::array<std::string_view, 10> names_of(const Layout& layout) {
   const auto& [camera, projector, rotation, translation] = layout;
-
   return {camera.matrix,    camera.distortion,    camera.width,    camera.height,
           projector.matrix, projector.distortion, projector.width, projector.height,
           rotation,         translation};
@@ -248,7 +246,6 @@ Eigen::Matrix<double, rows, columns> matrix_of(const StoredEntries& entries,
   require_present(entries, name);
 
   const std::vector<double>& values = numbers_of(entries, name);
-
   throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; expected {}x{}", name,
            values.size(), rows, columns);
 
@@ -340,7 +337,6 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
 
 bool names_geometry(std::string_view entry) {
   const auto is_in = [&](const auto& names) { return std::ranges::count(names, entry) > 0; };
-
   return is_in(projections) || std::ranges::any_of(layouts, [&](const Layout& layout) {
            return is_in(names_of(layout));
          });
@@ -443,7 +439,6 @@ Scanner scanner_of(const StoredEntries& entries, const std::string& name, bool p
     }
 
     if (has(entries, measured_entry)) scanner.measured = entries.at(measured_entry).text;
-
     return scanner;
   });
 }
@@ -490,7 +485,6 @@ std::vector<fs::path> scanner_files(const fs::path& path) {
 fs::path scanner_in(const fs::path& folder, const fs::path& path) {
   const std::vector<fs::path> files = scanner_files(folder / path);
   if (files.size() == 1) return files[0];
-
   return fmt::format("{},{}", files[0].string(), (folder / files[1]).string());
 }
 

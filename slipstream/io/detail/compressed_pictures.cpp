@@ -262,7 +262,6 @@ bool read_tiles(TIFF* tiff, Picture& picture, std::size_t frames) {
   if (TIFFTileSize64(tiff) != line * static_cast<std::size_t>(height)) return false;
 
   std::vector<std::uint8_t> tile(line * static_cast<std::size_t>(height));
-
   for (int y = 0; y < size.height; y += height) {
     for (int x = 0; x < size.width; x += width) {
       if (TIFFReadTile(tiff, tile.data(), static_cast<std::uint32_t>(x),
@@ -326,7 +325,6 @@ std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
   } while (TIFFReadDirectory(tiff) == 1);
 
   require(memory.fault.front() == 0, memory);
-
   throw_if(hidden && directory == 1,
            "an ImageJ stack with one directory for all pages; save each page as a file");
 

@@ -33,7 +33,6 @@ std::size_t bmp_line(std::uint64_t columns, std::uint64_t bits) {
 bool is_grey(Bytes palette) {
   bool grey = palette.size() == 4 * std::size_t{256};
   for (std::size_t i = 0; i < palette.size(); ++i) grey &= i % 4 == 3 || palette[i] == i / 4;
-
   return grey;
 }
 
@@ -286,7 +285,6 @@ std::vector<std::uint8_t> npy_file_of(const PictureView& picture) {
 bool decode_jpeg(Bytes bytes, Image<std::uint8_t>& grey) {
   const Decoder decoder(tjInitDecompress(), tjDestroy);
   const auto [width, height] = grey.size();
-
   return size_in(bytes, decoder) == grey.size() &&
          tjDecompress2(decoder.get(), bytes.data(), bytes.size(), grey.begin(), width, 0, height,
                        TJPF_GRAY, TJFLAG_LIMITSCANS) == 0;

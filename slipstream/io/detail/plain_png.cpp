@@ -65,7 +65,6 @@ int closest(int left, int above, int corner) {
 template <std::size_t pixel, class Predict>
 void add_predicted(std::span<std::uint8_t> row, const std::uint8_t* above, Predict predict) {
   std::array<std::uint8_t, pixel> left{}, corner{};
-
   for (std::size_t i = 0; i < row.size(); i += pixel) {
     for (std::size_t c = 0; c < pixel; ++c) {
       left[c] = static_cast<std::uint8_t>(row[i + c] + predict(left[c], above[i + c], corner[c]));

@@ -98,7 +98,6 @@ int index_from(double number) {
 
 std::vector<std::string_view> words_of(std::string_view line, const char* separators) {
   std::vector<std::string_view> words;
-
   while (true) {
     const std::size_t start = line.find_first_not_of(separators);
     if (start == std::string_view::npos) return words;
@@ -129,7 +128,6 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
 
   for (std::size_t i = 0; i < element.count; ++i) {
     StoredPoint point;
-
     for (std::size_t k = 0; k < targets.size(); ++k) {
       const std::vector<double> numbers = read_property(element.properties[k], reader);
 

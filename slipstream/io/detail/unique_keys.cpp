@@ -16,7 +16,6 @@ void require_unique_keys(const YAML::Node& node, std::size_t& left, int depth = 
   --left;
 
   std::set<std::string> keys;
-
   for (const auto& item : node) {
     const YAML::Node key = node.IsMap() ? item.first : YAML::Node();
     if (key.IsScalar()) add_key(keys, key.Scalar(), key.Mark().line + 1);

@@ -48,12 +48,10 @@ std::vector<std::string> names_of_columns(std::size_t count, bool coloured) {
 /// The largest of a line's fourth to sixth words if they are whole numbers up to 255; otherwise -1.
 int colour_level(const std::vector<std::string_view>& words) {
   int largest = words.size() < 6 ? -1 : 0;
-
   for (std::size_t k = 3; k < 6 && largest >= 0; ++k) {
     const auto level = number_in<std::uint8_t>(words[k]);
     largest = level ? std::max<int>(largest, *level) : -1;
   }
-
   return largest;
 }
 

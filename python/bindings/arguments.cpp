@@ -28,7 +28,6 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
   }
 
   throw_if(sizeof(Pixel) != 2 && bits != 8, "frames: expected 16-bit pixels, got {} bits", bits);
-
   return {views, bits};
 }
 

@@ -260,7 +260,6 @@ void take_described(Keywords& keywords, Settings& settings) {
 template <class Settings>
 Settings settings_from(const py::kwargs& given) {
   Keywords keywords(given);
-
   Settings settings;
   take(keywords, settings);
 

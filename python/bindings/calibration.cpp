@@ -39,7 +39,6 @@ py::object calibrated_gamma(const py::iterable& scans, double minimum_modulation
   const auto found = unlocked([&] { return calibrate_gamma(average, minimum_modulation); });
 
   const MeasuredResponse response = found_response(found);
-
   return results("response"_a = response, "gamma"_a = response.gamma,
                  "standard_error"_a = response.standard_error, "steps"_a = found.steps,
                  "misfit"_a = found.misfit);

@@ -97,7 +97,6 @@ void add_images(py::class_<Held, std::shared_ptr<Held>>& held, const char* name,
                 const More&... more) {
   add(held, name, [member](const py::object& self) {
     const auto& of = self.cast<const Held&>();
-
     if constexpr (std::is_same_v<Held, HeldCloud>) {
       return array_of(of.cloud.*member, self);
     } else {
@@ -197,7 +196,6 @@ void bind_clouds(py::module_& module) {
         const Image<float> sure = quality ? image_from(*quality) : Image<float>();
 
         auto unwrapped = unlocked([&] { return unwrap_in_space(wrapped, sure, method); });
-
         return results("phase"_a = array_from(std::move(unwrapped.phase)),
                        "region"_a = array_from(std::move(unwrapped.region)));
       },

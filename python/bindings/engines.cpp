@@ -17,7 +17,6 @@ class SharedEngine {
   explicit SharedEngine(const EngineSetup& setup) : first_(setup) {}
 
   [[nodiscard]] const EngineSetup& setup() const { return first_.setup(); }
-
   std::shared_ptr<Engine> engine() { return engines_.take(first_); }
 
   std::shared_ptr<HeldCloud> cloud(const FrameViews& frames) {

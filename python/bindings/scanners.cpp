@@ -47,7 +47,6 @@ std::vector<std::array<std::string, 3>> described_settings() {
 
 Sequence sequence_from(const Strategy& strategy, const std::string& axis, const py::kwargs& given) {
   Sequence sequence{.strategy = strategy};
-
   Keywords keywords(given);
   keywords.take("projector", sequence.projector, "alpha_p", sequence.light.alpha_p, "beta_p",
                 sequence.light.beta_p, "marker", sequence.marker, "exposures", sequence.exposures,
@@ -81,7 +80,6 @@ py::array patterns_of(const Sequence& sequence, int bits) {
 
 py::list designs(const py::kwargs& given) {
   StrategyGoal goal;
-
   Keywords keywords(given);
   keywords.take("frames", goal.frames, "coordinate_sigma", goal.coordinate_sigma, "alpha",
                 goal.alpha, "noise_variance", goal.noise_variance, "success", goal.success,
@@ -99,7 +97,6 @@ py::list designs(const py::kwargs& given) {
 
 void take(Keywords& keywords, Lens& lens, const std::string& device) {
   std::vector<double> distortion;
-
   keywords.need((device + "_matrix").c_str(), lens.intrinsic);
   keywords.take((device + "_distortion").c_str(), distortion);
   keywords.need((device + "_size").c_str(), lens.size);
@@ -109,7 +106,6 @@ void take(Keywords& keywords, Lens& lens, const std::string& device) {
 
 Scanner scanner_from(const py::kwargs& given) {
   Keywords keywords(given);
-
   Scanner scanner;
   take(keywords, scanner.camera, "camera");
   take(keywords, scanner.projector, "projector");
@@ -125,7 +121,6 @@ Scanner scanner_from(const py::kwargs& given) {
 template <auto Device>
 void add_lens(py::class_<Scanner>& scanner, const std::string& device) {
   const auto distortion = [](const Scanner& of) { return (of.*Device).distortion.coefficients; };
-
   add(scanner, (device + "_matrix").c_str(), within(Device, &Lens::intrinsic),
       (device + "_distortion").c_str(), distortion, (device + "_size").c_str(),
       within(Device, &Lens::size));

@@ -95,7 +95,6 @@ py::object frame_at(const py::object& self, int n) {
 
 void bind_findings(py::module_& module) {
   py::class_<Finding> finding(module, "Finding");
-
   add(
       finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
       "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; }, "evidence",

@@ -22,7 +22,6 @@ struct Extra {
 
 std::vector<Extra> extras_of(const CloudExtras& extras) {
   std::vector<Extra> all;
-
   if (const Normals* normals = extras.normals) {
     all.push_back({"nx", "normal_x", normals->x});
     all.push_back({"ny", "normal_y", normals->y});

@@ -226,7 +226,6 @@ void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> part
 /// The system calls take 0 bytes, as the first time, to mean everything.
 void OutputFile::pass_on() {
   const auto before = static_cast<off_t>(passed_on_), now = static_cast<off_t>(written_);
-
   const bool done =
       ::sync_file_range(descriptor_, before, now - before, SYNC_FILE_RANGE_WRITE) == 0 &&
       ::sync_file_range(descriptor_, 0, before, SYNC_FILE_RANGE_WRITE_AND_WAIT) == 0;

@@ -32,7 +32,6 @@ constexpr std::array<std::pair<std::string_view, ReadPicture>, 4> picture_format
 /// Null if the bytes are not a picture.
 ReadPicture reader_of(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-
   const auto* const format = std::ranges::find_if(
       picture_formats, [&](const auto& known) { return text.starts_with(known.first); });
   if (format == picture_formats.end()) return nullptr;
@@ -334,7 +333,6 @@ std::vector<fs::path> with_pages(const std::vector<fs::path>& paths) {
   std::vector<fs::path> all;
   for (const fs::path& path : paths) {
     const std::vector<int> pages = pages_in(path);
-
     if (pages.size() < 2) {
       all.push_back(path);
       continue;

@@ -345,7 +345,6 @@ StoredPoints glb_points(std::span<const std::uint8_t> bytes) {
            "it is not binary glTF 2.0");
 
   const auto text = chunk(bytes, glb_header, json_chunk);
-
   try {
     return points_in(json::parse(text.begin(), text.end()),
                      chunk(bytes, glb_header + chunk_header + text.size(), binary_chunk));

@@ -293,14 +293,12 @@ PlotAxis round_axis(double low, double high, int count) {
 
 std::vector<double> marks_between(double low, double high, int count) {
   std::vector<double> marks = round_axis(low, high, count).marks;
-
   std::erase_if(marks, [&](double mark) { return mark < low || mark > high; });
   return marks;
 }
 
 PlotAxis decade_axis(double low, double high, int count) {
   PlotAxis axis{std::floor(std::log10(low) + 1e-9), std::ceil(std::log10(high) - 1e-9), {}};
-
   if (axis.high <= axis.low) axis.high = axis.low + 1;
 
   // Every second, third ... decade, for at most `count` steps.

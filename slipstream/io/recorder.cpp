@@ -24,7 +24,6 @@ FileLimit file_limit_from(const std::string& text) {
            text);
 
   FileLimit limit{.ring = parts[3].matched};
-
   if (times.contains(unit)) limit.seconds = number * times.at(unit);
   if (sizes.contains(unit)) limit.bytes = static_cast<std::uint64_t>(number * sizes.at(unit));
 
@@ -81,7 +80,6 @@ Recorder::~Recorder() {
 
 bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
   Pooled<Frame> kept;
-
   std::unique_lock lock(mutex_);
   room_.wait_for(lock, patience, [&] { return status_.ended || (kept = pool_.take()); });
   if (status_.ended) return false;

@@ -215,7 +215,6 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
            largest_text);
 
   const std::string white = pixels_of(header.white);
-
   std::string texts = scan + scanner + white;
   texts.resize(aligned(texts.size()), '\0');  // aligns the first record
   header_size_ = sizeof(FileHeader) + texts.size();

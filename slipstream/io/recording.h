@@ -77,7 +77,6 @@ class RecordingReader {
   explicit RecordingReader(const std::filesystem::path& path);
 
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
-
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
   /// Whether the recording was ended by finish().

@@ -75,7 +75,6 @@ std::optional<std::uint64_t> number_from(std::string_view text, std::uint64_t ot
 
 ListedScans listed_from(std::string_view line) {
   ListedScans scans{.path = std::string(take_until(line, '\t'))};
-
   const std::string_view windows = take_until(line, '\t');
   if (!windows.empty()) scans.windows = window_range_from(windows);
 
@@ -226,7 +225,6 @@ void DistinctFiles::add_output(const fs::path& path) {
 
 void DistinctFiles::add_output_folder(const fs::path& path) {
   const fs::path folder = identity(path);
-
   const auto clashes = [&](const fs::path& input) {
     return input.parent_path() == folder &&
            (is_image_file(input) || input.filename() == "scanner.yaml");

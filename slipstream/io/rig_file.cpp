@@ -22,7 +22,6 @@ RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Ma
   std::replace(name.begin(), name.end(), '_', '-');
 
   RigSetting setting{.name = name, .line = mark.line + 1};
-
   if (!node.IsSequence()) {
     setting.values.push_back(text_of(node, name, mark));
   } else {

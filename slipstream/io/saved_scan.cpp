@@ -70,7 +70,6 @@ FrameSet white_of(const ScanFiles& files) {
 /// The frames as captured; grey pictures in pattern order.
 Scan taken_scan(const ScanFiles& files) {
   Scan scan{.sequence = files.sequence};
-
   if (files.recording) {
     scan.frames = recorded_frames(files);
     scan.sequence.marker = false;  // the cycle contains no marker frame

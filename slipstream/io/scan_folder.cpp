@@ -53,13 +53,11 @@ class YamlMap {
 
   void read_number(const std::string& key, double& number) const {
     read(key, "a number", number);
-
     if (!std::isfinite(number)) refuse(fmt::format("{} is {}; it must be finite", key, number));
   }
 
   [[nodiscard]] int whole_number(const std::string& key, int least, int most) const {
     const int number = value<int>(key, "a whole number");
-
     if (number < least || number > most) {
       refuse(fmt::format("{} {} is out of range; expected {} to {}", key, number, least, most));
     }
@@ -269,7 +267,6 @@ void keep_window(ScanFiles& files) {
 
 ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {
   const RecordingHeader& header = recording->header();
-
   ScanFiles files{.path = path,
                   .described = header.sequence.has_value(),
                   .sequence = header.sequence.value_or(Sequence{}),
@@ -313,7 +310,6 @@ bool before_in_order(const fs::path& a, const fs::path& b) {
 
 ScanFiles read_scan_files(const fs::path& file) {
   ScanFiles scan = scan_files_from(read_text(file), file.string(), file.parent_path());
-
   scan.path = file.parent_path();
   scan.frames = with_pages(scan.frames);
   scan.described = true;
@@ -347,7 +343,6 @@ void require_as_taken(const Strategy& strategy) {
 
 std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   require_as_taken(scan.sequence.strategy);
-
   YAML::Emitter yaml;
 
   const auto put = [&](const std::string& key, const auto&... value) {

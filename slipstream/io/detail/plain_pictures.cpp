@@ -79,7 +79,6 @@ Picture read_bmp(Bytes bytes, std::size_t frames) {
   const auto rows = static_cast<std::uint64_t>(std::abs(std::int64_t{height}));
 
   require_readable(columns * rows, frames);
-
   require(header >= 40, ": unsupported header");
 
   constexpr std::uint32_t none = 0, by_masks = 3;  // of 32 bits, as a rule of blue, green and red

@@ -130,7 +130,6 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
     StoredPoint point;
     for (std::size_t k = 0; k < targets.size(); ++k) {
       const std::vector<double> numbers = read_property(element.properties[k], reader);
-
       if (const auto [field, share, packed] = targets[k]; field != nullptr) {
         point.*field += packed ? luminance_of_packed(numbers[0]) : share * numbers[0];
       }

@@ -78,7 +78,7 @@ BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
   std::vector<py::object> arrays = arrays_in(frames);
   FrameViews views;
 
-  // The first array's type is that of all.
+  // All arrays must have the first one's type.
   const py::object& first = arrays.front();
   if (py::isinstance<py::array_t<std::uint8_t>>(first)) {
     views = views_of<std::uint8_t>(arrays, bits.value_or(8));

@@ -50,7 +50,7 @@ py::object calibrated_noise(const py::iterable& scans) {
 
   const std::vector<NoiseMeasurement> all = unlocked([&] { return calibrate_noise(read); });
 
-  // Without scans of different intensity there is no line: the best measurement alone.
+  // Without a line over the grey levels: the most trusted measurement, and no gain.
   const NoiseLine line = noise_line(read).value_or(NoiseLine{.at_half = all.front().variance});
 
   py::list measurements;

@@ -163,6 +163,7 @@ void bind_cloud(py::module_& module) {
 
 const HeldCloud::Points& HeldCloud::points() {
   const std::lock_guard lock(mutex_);
+
   // Joined once, however many threads ask for them.
   if (!std::exchange(has_points_, true)) join(cloud.x, cloud.y, cloud.z, points_);
   return points_;
@@ -185,9 +186,10 @@ void bind_clouds(py::module_& module) {
       [](const fs::path& path, const ArrayOf<float>& map) { write_map(path, image_from(map)); },
       "path"_a, "map"_a);
 
-  // Unwraps a single wrapped phase from pixel to pixel, without a code.
   module.def(
       "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a);
+
+  // Unwraps a single wrapped phase from pixel to pixel, without a code.
   module.def(
       "unwrap_in_space",
       [](const ArrayOf<float>& phase, const std::optional<ArrayOf<float>>& quality,

@@ -74,7 +74,7 @@ std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool movi
                                  const std::string& gamma) {
   CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
 
-  // Also tells the checks whether the response is known.
+  // With the response, and with its estimate if gamma is measured in this scan itself.
   const GammaChoice choice = choose_response(scan, gamma);
   settings.photometry.response = choice.response;
   settings.blind = choice.blind;

@@ -471,7 +471,7 @@ std::vector<fs::path> images_in_folder(const fs::path& folder) {
     if (is_jpeg_file(entry.path())) jpegs.push_back(entry.path());
   }
 
-  // A folder of lossless pictures may also contain JPEGs that are no frames.
+  // A folder of lossless pictures may also contain JPEGs, such as photographs of the object.
   if (images.empty()) images = std::move(jpegs);
   throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
            folder.string());

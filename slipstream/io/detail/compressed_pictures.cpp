@@ -315,7 +315,7 @@ std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
   const bool hidden = hides_pages(tiff);
   int directory = 0;
 
-  // Directories of reduced copies and masks are no pages.
+  // Directories of reduced copies and masks do not count as pages.
   do {
     throw_if(directory == most, "has more than {} pages", most);
     if ((field<std::uint32_t>(tiff, TIFFTAG_SUBFILETYPE) & secondary) == 0) {

@@ -38,7 +38,7 @@ int line_of_second_document(const std::string& text) {
     after_marker |= marks && has_content;
     if (marks) line.erase(0, 3);
 
-    // Blank lines, comments and directives are no content.
+    // Blank lines, comments and directives do not count as content.
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == line.npos || line[first] == '#' || line.front() == '%') continue;
 

@@ -257,7 +257,7 @@ py::dict statistics_of(const Live& live) {
   const LiveStatistics of = live.statistics();
   py::dict told;
 
-  // Only numbers and words; other figures have their own attributes.
+  // Only figures that are a number or a text fit into this dict.
   const auto tell = [&](const std::string& name, const auto& figure, const auto&...) {
     using Figure = std::remove_cvref_t<decltype(figure)>;
     if constexpr (std::is_arithmetic_v<Figure> || std::is_same_v<Figure, std::string>) {

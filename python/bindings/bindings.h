@@ -84,7 +84,6 @@ py::dict dict_of(const Pairs& pairs) {
 
   // Keys from std::string or const char*.
   for (const auto& [name, value] : pairs) named[py::str(name)] = value;
-
   return named;
 }
 
@@ -128,7 +127,6 @@ py::object array_of(const ImageView<const Pixel>& image, const py::object& owner
 
   py::array array = array_over(image, owner);
   array.attr("flags").attr("writeable") = false;
-
   return array;
 }
 

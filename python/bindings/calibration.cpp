@@ -107,7 +107,6 @@ CalibrationBoard board_from(Keywords& keywords) {
                 board.marker_bits);
 
   board.kind = board_kind_named(kind);
-
   require_valid(board);
   return board;
 }

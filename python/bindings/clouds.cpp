@@ -87,7 +87,6 @@ py::dict counts_of(const HeldCloud& of) {
   for (std::size_t i = 0; i < validity_count; ++i) {
     counts[py::str(std::string(name_of(static_cast<Validity>(i))))] = all[i];
   }
-
   return counts;
 }
 

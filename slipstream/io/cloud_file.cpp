@@ -47,7 +47,6 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
         remark.begin(), remark.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
     lines += fmt::format("{} {}\n", mark, remark);
   }
-
   return lines;
 }
 
@@ -151,7 +150,6 @@ std::string xyz_file(const Cloud& cloud, const std::vector<Extra>& extras) {
 
     file += '\n';
   });
-
   return file;
 }
 

@@ -147,7 +147,6 @@ std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
     if (!file.read(at, {bytes})) break;
     before = checksum(bytes, before);
   }
-
   return before;
 }
 
@@ -331,7 +330,7 @@ GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& wait
     throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
   }
 
-  // Another process has the lock: waits for it. Other failures mean no locks on this file system.
+  // EWOULDBLOCK: another process has the lock. Any other failure: a file system without locks.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   waits();
   while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;

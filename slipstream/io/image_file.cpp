@@ -340,7 +340,6 @@ std::vector<fs::path> with_pages(const std::vector<fs::path>& paths) {
 
     for (const int page : pages) all.emplace_back(fmt::format("{}[{}]", path.string(), page));
   }
-
   return all;
 }
 
@@ -436,7 +435,6 @@ Image<HeightCurve> read_height_curves(const fs::path& path) {
 
     Image<HeightCurve> curves({numbers.width() / members, numbers.height()});
     std::copy(numbers.begin(), numbers.end(), reinterpret_cast<float*>(curves.begin()));
-
     require_valid(curves);
     return curves;
   });

@@ -148,7 +148,6 @@ json positions_of(const Surface& surface, Binary& binary) {
   json accessor = binary.accessor(positions, "VEC3", float32, vertex_buffer);
   accessor["min"] = {bounds.min().x(), bounds.min().y(), bounds.min().z()};
   accessor["max"] = {bounds.max().x(), bounds.max().y(), bounds.max().z()};
-
   return accessor;
 }
 

@@ -70,7 +70,6 @@ std::optional<StoredEntries> entries_from_yaml(std::string text) {
 
   StoredEntries entries;
   for (const auto& entry : root) entries[entry.first.Scalar()] = entry_from(entry.second);
-
   return entries;
 }
 

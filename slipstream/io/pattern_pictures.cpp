@@ -147,7 +147,6 @@ UniformLevels read_uniform_pictures(const fs::path& folder) {
     levels.values.push_back(level_in(picture));
     levels.intensities.push_back(mean);
   }
-
   return levels;
 }
 
@@ -160,7 +159,6 @@ std::vector<fs::path> write_uniform_pictures(const fs::path& folder, Size size, 
     written.push_back(folder / fmt::format("level_{:03}.png", level));
     write_image(written.back(), Image<std::uint8_t>(size, level));
   }
-
   return written;
 }
 

@@ -209,7 +209,6 @@ Canvas coloured(const Image<double>& map, const ValueRange& range, const ColourM
     const auto index = static_cast<std::size_t>(std::clamp(level, 0.0, 255.0) + 0.5);
     fill(picture, {column * side, row * side, {side, side}}, colours[index]);
   });
-
   return picture;
 }
 

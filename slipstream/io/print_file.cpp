@@ -150,7 +150,6 @@ std::vector<std::uint8_t> png_of(const Image<std::uint8_t>& picture, double mm_p
   // The signature and the header chunk: 8 and 25 bytes.
   constexpr std::ptrdiff_t header = 33;
   file.insert(file.begin() + header, chunk.begin(), chunk.end());
-
   return file;
 }
 

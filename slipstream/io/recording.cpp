@@ -151,7 +151,6 @@ std::string pixels_of(const FrameSet& white) {
       pixels.append(begin, end);
     }
   });
-
   return pixels;
 }
 
@@ -447,7 +446,6 @@ std::uint32_t RecordingReader::checksum(std::uint64_t first, std::uint64_t end,
     if (!file_.read(offset, {writable_bytes_of(header)})) break;
     sum = slipstream::checksum(bytes_of(header), sum);
   }
-
   return sum;
 }
 

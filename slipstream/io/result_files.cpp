@@ -137,7 +137,6 @@ ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan) {
     replace_all(filled.*file.path, "{name}", name);
     if (scan.window) replace_all(filled.*file.path, "{window}", fmt::format("{:06}", *scan.window));
   }
-
   return filled;
 }
 
@@ -210,7 +209,6 @@ void DistinctFiles::add_output(const fs::path& path) {
 
   throw_if(inputs_.contains(file) || (fills && std::ranges::any_of(inputs_, fills_to)),
            "{}: is an input and would be overwritten; use another name", path.string());
-
   throw_if(is_image_file(file) && picture_folders_.contains(file.parent_path()),
            "{}: is an input, as all pictures in that folder are; use another folder",
            path.string());
@@ -267,7 +265,6 @@ std::vector<ListedScans> scan_list_from(std::string_view text, const std::string
 
     naming(fmt::format("{}: line {}", name, number), [&] { scans.push_back(listed_from(line)); });
   }
-
   return scans;
 }
 
@@ -283,7 +280,6 @@ std::string text_of(const std::vector<ListedScans>& scans) {
 
     text += fmt::format("{}\t{}\t{}\t{}\n", path, range, cost, shard);
   }
-
   return text;
 }
 

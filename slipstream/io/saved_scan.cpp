@@ -29,7 +29,6 @@ FrameSet recorded_frames(const ScanFiles& files) {
 
   auto frames = window_at(recording, files.sequence, files.window);
   if (frames) return *std::move(frames);
-
   throw_if(files.window.has_value(),
            "{}: frames of window {} are missing or damaged; use another window",
            files.path.string(), files.window.value_or(0));
@@ -163,7 +162,6 @@ ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) 
   if (fs::is_directory(path)) {
     pattern_pictures(scan, frame_count(scan.sequence), "a scan with these steps");
   }
-
   return scan;
 }
 

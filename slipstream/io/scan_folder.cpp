@@ -61,7 +61,6 @@ class YamlMap {
     if (number < least || number > most) {
       refuse(fmt::format("{} {} is out of range; expected {} to {}", key, number, least, most));
     }
-
     return number;
   }
 
@@ -248,7 +247,6 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
            "--order '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
            "code,sinusoids",
            text);
-
   return order;
 }
 

@@ -59,7 +59,6 @@ std::optional<ColourMixture> mixture_of(const StoredEntries& entries) {
 
   ColourMixture mixture{};
   for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
-
   require_valid(mixture);
   return mixture;
 }
@@ -235,7 +234,6 @@ const std::vector<double>& numbers_of(const StoredEntries& entries, std::string_
   for (const double value : matrix.numbers) {
     throw_if(!std::isfinite(value), "{} contains {}; every number must be finite", name, value);
   }
-
   return matrix.numbers;
 }
 
@@ -331,7 +329,6 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
 
   // Validates the text by reading it.
   static_cast<void>(scanner_from(text, path.string()));
-
   return text;
 }
 
@@ -456,7 +453,6 @@ StoredEntries joined(StoredEntries first, const StoredEntries& second) {
   for (const auto& [name, entry] : second) {
     first.emplace((are_alike ? std::string(of_projector) : "") + name, entry);
   }
-
   return first;
 }
 
@@ -520,7 +516,6 @@ std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& s
 
   std::vector<std::string> names;
   for (const auto& [name, numbers] : kept) names.push_back(name);
-
   return names;
 }
 

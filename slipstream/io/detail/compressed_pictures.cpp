@@ -178,7 +178,6 @@ tmsize_t put(thandle_t handle, void* from, tmsize_t count) try {
   if (file.written.size() < file.at + bytes) file.written.resize(file.at + bytes);
   std::memcpy(&file.written[file.at], from, bytes);
   file.at += bytes;
-
   return count;
 } catch (const std::bad_alloc&) {
   return -1;
@@ -289,7 +288,6 @@ bool read_lines(TIFF* tiff, Picture& picture) {
       return false;
     }
   }
-
   return true;
 }
 

@@ -238,7 +238,6 @@ Picture read_npy(Bytes bytes) {
 
   const bool ends = end > 0 && header.ends_with('\n') &&
                     header.find_first_not_of(' ', static_cast<std::size_t>(end)) == length - 1U;
-
   throw_if((size != '4' && size != '8') || !ends,
            "not rows x columns of little-endian float32 or float64; convert it with "
            "numpy.ascontiguousarray(map, dtype='<f4')");
@@ -296,10 +295,8 @@ Picture read_jpeg(Bytes bytes, std::size_t frames) {
 
   Picture picture({size});
   picture.lossy = true;
-
   throw_if(size == Size{} || !decode_jpeg(bytes, std::get<Image<std::uint8_t>>(picture.samples)),
            "not a complete JPEG file of 8 bits");
-
   return picture;
 }
 

@@ -19,7 +19,6 @@ std::vector<double> read_property(const PointProperty& property, NumberReader& r
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     numbers.push_back(reader.number(property.type));
   }
-
   return numbers;
 }
 

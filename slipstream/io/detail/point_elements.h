@@ -49,7 +49,6 @@ class NumberReader {
 
     std::string_view line = take_until(text_, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);
-
     return line;
   }
 

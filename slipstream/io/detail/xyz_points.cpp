@@ -41,7 +41,6 @@ std::vector<std::string> names_of_columns(std::size_t count, bool coloured) {
   std::copy_n(place.begin(), std::min<std::size_t>(count, ours ? 4 : 3), names.begin());
   if (coloured) std::copy(colour.begin(), colour.end(), names.begin() + 3);
   if (ours && count >= 8) std::copy(sigma.begin(), sigma.end(), names.end() - 4);
-
   return names;
 }
 

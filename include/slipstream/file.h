@@ -19,16 +19,22 @@ namespace slipstream {
 
 /// Bytes of scan.yaml, a scanner file, a rig file or each text in a recording.
 inline constexpr std::uint64_t largest_text = std::uint64_t{1} << 20;
+
 /// Bytes of a picture file.
 inline constexpr std::uint64_t largest_picture_file = (std::uint64_t{2} << 30) - 1;
+
 /// Bytes of a cloud or mesh file.
 inline constexpr std::uint64_t largest_file = std::uint64_t{4} << 30;
+
 /// For recordings, which are read frame by frame.
 inline constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
+
 /// Pixels of a picture or of a recorded frame.
 inline constexpr std::uint64_t largest_picture = 160'000'000;
+
 /// Bytes of all frames of a scan.
 inline constexpr std::uint64_t largest_scan = std::uint64_t{4} << 30;
+
 /// Scans of one run, over all lists and window ranges.
 inline constexpr std::uint64_t most_scans = 10'000'000;
 
@@ -36,8 +42,10 @@ inline constexpr std::uint64_t most_scans = 10'000'000;
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
+
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
+
   ~Descriptor();
 
   operator int() const { return number_; }  // NOLINT(google-explicit-constructor)
@@ -55,6 +63,7 @@ class InputFile {
 
   /// Bytes at the time of opening.
   [[nodiscard]] std::uint64_t size() const { return size_; }
+
   /// Fills all parts from `offset` on; returns false if the file ends before. Throws WorldError if
   /// reading fails.
   [[nodiscard]] bool read(std::uint64_t offset,
@@ -72,11 +81,13 @@ std::span<const std::uint8_t> bytes_of(std::string_view text);
 /// The bytes of a file. Throws as InputFile.
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
                                     std::uint64_t largest = largest_file);
+
 /// Reads a text of at most largest_text bytes. Throws as InputFile.
 std::string read_text(const std::filesystem::path& path);
 
 /// CRC-32 as in zlib; `before`: the checksum of the preceding bytes.
 std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
+
 /// The same for a file's contents. Throws Error if the file is missing.
 std::uint32_t checksum_of_file(const std::filesystem::path& path, std::uint32_t before = 0);
 
@@ -95,28 +106,37 @@ class OutputFile {
                ///< synced while it grows, which bounds the page cache; a second one of the same
                ///< name, in any process, throws
   };
+
   /// Maximum of unsynced bytes with `over_time`, besides those of one write().
   static constexpr std::uint64_t most_unsynced = 64 << 20;
 
   explicit OutputFile(const std::filesystem::path& path, Writing writing = Writing::at_once);
+
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
+
   ~OutputFile();
 
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);
+
   /// Returns once the bytes so far, and the name, would survive a power failure.
   void sync();
+
   /// Syncs, closes and renames the file. Throws if the disk has failed before.
   void keep() { keep_together({this}); }
+
   /// Keeps files that belong together, in this order. After a failure none appears, and existing
   /// files stay.
   static void keep_together(std::initializer_list<OutputFile*> files);
+
   /// After a failure: keeps the first `size` bytes with `over_time`. With 0 or `at_once`, keeps
   /// nothing, and an existing file stays. Returns the failure as one line, with the path of the
   /// bytes if they are not under the file's own name.
   std::string give_up(std::uint64_t size);
+
   /// Number of leading bytes that would survive a power failure.
   [[nodiscard]] std::uint64_t synced() const { return synced_; }
+
   /// Closes and removes the file.
   void discard() noexcept;
 
@@ -136,6 +156,7 @@ class OutputFile {
   int claimed_ = -1;         ///< locked while this writes over time
   int disk_failure_ = 0;     ///< errno, which the system reports only once
   std::string failure_{};    ///< the first failure, without the path of the bytes
+
   /// Bytes in the file, handed to the disk, and synced.
   std::uint64_t written_ = 0, passed_on_ = 0, synced_ = 0;
 };
@@ -149,6 +170,7 @@ class GrowingFile {
 
   /// Truncates the file to `size` bytes.
   void cut(std::uint64_t size);
+
   /// If that fails, as on a full disk, part of the line may have been written.
   void append(std::string_view line);
 

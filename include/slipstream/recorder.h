@@ -28,8 +28,10 @@ class LimitedFile {
 
   /// Whether `bytes` exceed the limit, or the time is over.
   [[nodiscard]] bool is_full(std::uint64_t bytes) const;
+
   /// Renames the complete file and returns true if a new one is to begin. Throws if that fails.
   bool goes_on();
+
   /// "scan.slip: limit reached, recording stopped".
   [[nodiscard]] std::string message() const;
 
@@ -51,6 +53,7 @@ class Recorder {
   /// Throws as RecordingWriter.
   Recorder(const std::filesystem::path& path, const RecordingHeader& header,
            std::size_t memory = default_memory, const FileLimit& limit = {});
+
   ~Recorder();  ///< finishes; ignores errors
 
   /// Copies a frame of the header's format into the queue. Call from one thread. If the queue is
@@ -58,6 +61,7 @@ class Recorder {
   /// or the recording has ended.
   bool record(const Frame& frame,
               std::chrono::milliseconds patience = std::chrono::milliseconds(0));
+
   /// Writes the queued frames, marks the end and closes the file. Throws WorldError if the
   /// recording fails or has failed before.
   void finish();
@@ -78,10 +82,13 @@ class Recorder {
   LimitedFile file_;
   const RecordingHeader header_;
   std::optional<RecordingWriter> writer_;  ///< nullopt after the limit
+
   Pool<Frame> pool_;
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;  ///< frames are queued, or the recording has ended
   std::condition_variable room_;     ///< a frame was written, or the recording has ended
+
   std::vector<Pooled<Frame>> waiting_;
   Status status_;
   std::thread thread_;
@@ -105,9 +112,11 @@ class RecordedSource : public SourceOver {
 
   /// Sets the strategy of future recordings, if their header has a sequence. From any thread.
   void set_strategy(const Strategy& strategy);
+
   /// Records from the next frame on, after finishing a running recording. From any thread. Throws
   /// as Recorder.
   void record_to(const std::filesystem::path& path);
+
   /// Finishes the recording, if any. From any thread. Throws WorldError if it has failed.
   void finish_recording();
 

@@ -31,6 +31,7 @@ class RecordingWriter {
   /// file.
   RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header,
                   OutputFile::Writing writing = OutputFile::Writing::over_time);
+
   /// Closes the file. Without finish(), a file with frames written `over_time` reads as
   /// interrupted; otherwise an existing file stays.
   ~RecordingWriter();
@@ -40,16 +41,20 @@ class RecordingWriter {
   /// error states how many frames are on disk. Without frames, or `at_once`, an existing file
   /// stays.
   void append(const Frame& frame);
+
   /// Marks the end and closes the file. Without frames, an existing file stays. Throws WorldError
   /// if that fails.
   void finish();
+
   /// Frames in the file.
   [[nodiscard]] std::uint64_t count() const { return count_; }
+
   /// Bytes of a complete file with `frames` frames.
   [[nodiscard]] std::uint64_t size_of(std::uint64_t frames) const;
 
  private:
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);
+
   /// Whether an unfinished file stays.
   [[nodiscard]] bool keeps_frames() const {
     return count_ > 0 && writing_ == OutputFile::Writing::over_time;
@@ -73,8 +78,10 @@ class RecordingReader {
 
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
   [[nodiscard]] std::uint64_t count() const { return count_; }
+
   /// Whether the recording was ended by finish().
   [[nodiscard]] bool finished() const { return finished_; }
+
   /// Number of incomplete frames dropped from the end of an interrupted recording. If the last
   /// 256 MiB contain no complete frame, earlier ones are found by bisection.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -92,6 +99,7 @@ class RecordingReader {
  private:
   /// Returns the texts of the scan and of the scanner.
   std::pair<std::string, std::string> read_header();
+
   void find_end();
 
   std::filesystem::path path_;

@@ -16,13 +16,18 @@ struct ScanFiles {
   int bits = 0;                                 ///< of the camera; 0 if unknown
   std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
+
   std::shared_ptr<const RecordingReader> recording{};  ///< the open recording, or null
+
   /// Of a recording, see window_at; nullopt: first cycle. Of a folder of many frames, whose
   /// `frames` are then those of the window; nullopt: all.
   std::optional<std::uint64_t> window{};
+
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
+
   /// For colour pictures: a picture under uniform grey light, see unmixed.
   std::optional<std::filesystem::path> white{};
+
   /// The scan folder of a second camera for the same projector and time.
   std::optional<std::filesystem::path> second_camera{};
 };
@@ -49,14 +54,18 @@ void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 /// Overrides of a folder's or recording's description.
 struct ScanChanges {
   SequenceChanges sequence{};
+
   /// Frame index of each pattern, from 0, e.g. "2,0,1", or the kinds in order, e.g.
   /// "code,sinusoids". Empty: unchanged.
   std::string order{};
+
   /// The recording, if already open, e.g. for another window.
   std::shared_ptr<const RecordingReader> recording{};
+
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<std::filesystem::path> scanner{};
+
   /// Scan folder or recording of a second camera, and its scanner's file.
   std::optional<std::filesystem::path> second_camera{}, second_scanner{};
 };

@@ -14,15 +14,19 @@ template <class Pixel>
 FrameViews views_of(const std::vector<py::object>& frames, int bits) {
   constexpr auto pixel = static_cast<py::ssize_t>(sizeof(Pixel));
   Frames<Pixel> views;
+
   for (const py::object& of : frames) {
     if (!py::isinstance<py::array_t<Pixel>>(of)) throw Error("frames: arrays of different types");
+
     const auto frame = py::reinterpret_borrow<py::array>(of);
     throw_if(
         (frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0,
         "frames: the pixels of a row are not contiguous; pass numpy.ascontiguousarray(frames)");
+
     const Size size{static_cast<int>(frame.shape(1)), static_cast<int>(frame.shape(0))};
     views.emplace_back(static_cast<const Pixel*>(frame.data()), size, frame.strides(0) / pixel);
   }
+
   throw_if(sizeof(Pixel) != 2 && bits != 8, "frames: expected 16-bit pixels, got {} bits", bits);
   return {views, bits};
 }
@@ -31,12 +35,14 @@ std::vector<py::object> arrays_in(const py::object& frames) {
   std::vector<py::object> arrays;
   throw_if(py::isinstance<py::array>(frames) && frames.attr("ndim").cast<int>() != 3,
            "frames: expected one array of frames x rows x columns");
+
   for (const py::handle frame : frames) {
     const py::array array = py::array::ensure(frame);
     if (!array) throw py::error_already_set();
     if (array.ndim() != 2) throw Error("frames: expected arrays of rows x columns");
     arrays.push_back(array);
   }
+
   if (arrays.empty()) throw Error("frames: empty");
   return arrays;
 }
@@ -59,6 +65,7 @@ void translate(std::exception_ptr failure) try {
 
 Image<float> image_from(const ArrayOf<float>& array) {
   if (array.ndim() != 2) throw Error("expected an array of rows x columns");
+
   Image<float> image({static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))});
   for_each_pixel_in_order(image.size(),
                           [&](int column, int row) { image(column, row) = array.at(row, column); });
@@ -67,8 +74,11 @@ Image<float> image_from(const ArrayOf<float>& array) {
 
 BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
   if (py::isinstance<FrameSet>(frames)) return {{frames}, frames.cast<const FrameSet&>().views()};
+
   std::vector<py::object> arrays = arrays_in(frames);
   FrameViews views;
+
+  // All arrays must have the first one's type.
   const py::object& first = arrays.front();
   if (py::isinstance<py::array_t<std::uint8_t>>(first)) {
     views = views_of<std::uint8_t>(arrays, bits.value_or(8));
@@ -80,6 +90,7 @@ BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
     throw Error(fmt::format("frames: type {}; expected uint8, uint16 or float64",
                             py::str(first.attr("dtype")).cast<std::string>()));
   }
+
   return {std::move(arrays), std::move(views)};
 }
 
@@ -88,7 +99,9 @@ Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {
 }
 
 void Keywords::require_none_left() const {
+  // The keywords are described now; there is nothing to compute.
   if (described_) throw py::type_error("they are described");
+
   for (const auto& [name, value] : left_) {
     const auto word = name.cast<std::string>();
     throw py::type_error(
@@ -108,14 +121,19 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
   std::string backend = "fused", cue_rule(name_of(settings.cue_rule));
   bool raw = false;
   keywords.take("backend", backend, "cue_rule", cue_rule, "raw", raw);
+
   set_backend(settings, backend);
   settings.cue_rule = cue_rule_named(cue_rule);
+
   take_described(keywords, settings);
+
   if (raw) {  // settings without a keyword
     settings.clean = CleanSettings::none();
     settings.nearest = settings.nearest.value_or(0);
     settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
   }
+
+  // After `raw`, so that single cleaning settings override it.
   take_described(keywords, settings.clean);
 }
 
@@ -123,14 +141,19 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
 
 PYBIND11_MODULE(_slipstream, module) {
   using namespace slipstream::python;
+
   py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError);
   py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError);
   py::register_exception_translator(translate);
+
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
     if (most == 0) throw slipstream::Error("threads: 1 or more");
     return new tbb::global_control(tbb::global_control::max_allowed_parallelism, most);
   }));
+
   module.def("_document", &document);
+
+  // In this order: later parts use the types of earlier ones.
   bind_scanners(module);
   bind_scans(module);
   bind_clouds(module);
@@ -138,5 +161,6 @@ PYBIND11_MODULE(_slipstream, module) {
   bind_virtual_world(module);
   bind_calibration(module);
   bind_live(module);
+
   module.attr("__version__") = SLIPSTREAM_VERSION;
 }

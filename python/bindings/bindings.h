@@ -32,6 +32,7 @@ struct type_caster<slipstream::Size> {
     std::tie(value.width, value.height) = cast_op<std::pair<int, int>>(pair);
     return true;
   }
+
   static handle cast(slipstream::Size size, return_value_policy, handle) {
     return make_tuple(size.width, size.height).release();
   }
@@ -44,6 +45,7 @@ namespace py = pybind11;
 namespace fs = std::filesystem;
 using namespace py::literals;
 using Unlocked = py::call_guard<py::gil_scoped_release>;
+
 template <class Number>
 using ArrayOf = py::array_t<Number, py::array::forcecast>;
 
@@ -65,6 +67,7 @@ void add(Bound& bound, const char* name, Member member, const More&... more) {
   } else {
     bound.def_property_readonly(name, member);
   }
+
   if constexpr (sizeof...(more) > 0) add(bound, more...);
 }
 
@@ -78,6 +81,8 @@ auto within(Outer Owner::*outer, Inner Outer::*inner) {
 template <class Pairs>
 py::dict dict_of(const Pairs& pairs) {
   py::dict named;
+
+  // Keys from std::string or const char*.
   for (const auto& [name, value] : pairs) named[py::str(name)] = value;
   return named;
 }
@@ -103,6 +108,7 @@ py::array array_over(const ImageView<const Pixel>& image, const py::object& owne
   constexpr auto pixel = static_cast<py::ssize_t>(sizeof(Pixel));
   std::vector<py::ssize_t> shape{image.height(), image.width()};
   std::vector<py::ssize_t> strides{image.stride() * pixel, pixel};
+
   if constexpr (std::is_arithmetic_v<Pixel>) {
     return {py::dtype::of<Pixel>(), shape, strides, image.row(0), owner};
   } else if constexpr (std::is_enum_v<Pixel>) {
@@ -118,10 +124,12 @@ py::array array_over(const ImageView<const Pixel>& image, const py::object& owne
 template <class Pixel>
 py::object array_of(const ImageView<const Pixel>& image, const py::object& owner) {
   if (image.width() == 0) return py::none();
+
   py::array array = array_over(image, owner);
   array.attr("flags").attr("writeable") = false;
   return array;
 }
+
 template <class Pixel>
 py::object array_of(const Image<Pixel>& image, const py::object& owner) {
   return array_of(ImageView<const Pixel>(image), owner);
@@ -132,7 +140,10 @@ template <class Pixel>
 py::array array_from(Image<Pixel> image) {
   auto held = std::make_unique<Image<Pixel>>(std::move(image));
   const ImageView<const Pixel> view = *held;
+
+  // The array's owner deletes the image.
   const py::capsule owner(held.release(), [](void* of) { delete static_cast<Image<Pixel>*>(of); });
+
   return array_over(view, owner);
 }
 
@@ -173,6 +184,7 @@ class Keywords {
   void take(const char* name, Value& value, More&... more) {
     known_.emplace_back(name);
     if (described_) describe<Value>(name, py::cast(value));
+
     if (left_.contains(name)) {
       const py::object given = left_.attr("pop")(name);
       try {
@@ -181,10 +193,13 @@ class Keywords {
         refuse(name, given);
       }
     }
+
     if constexpr (sizeof...(more) > 0) take(more...);
   }
+
   /// Describes the keyword taken next by its setting.
   void explain(const Setting& setting) { help_ = setting.flag_clears ? "" : setting.help; }
+
   /// Takes a required keyword.
   template <class Value>
   void need(const char* name, Value& value) {
@@ -192,6 +207,7 @@ class Keywords {
     if (!left_.contains(name)) throw py::type_error(std::string(name) + " is missing");
     take(name, value);
   }
+
   /// Throws TypeError with a suggestion if any keyword is left, or after describing them.
   void require_none_left() const;
 
@@ -222,6 +238,7 @@ void take_described(Keywords& keywords, Settings& settings) {
   Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
     keywords.explain(setting);
+
     if constexpr (std::is_same_v<Value, std::optional<PointBox>>) {
       using Corner = std::array<double, 3>;
       std::optional<std::pair<Corner, Corner>> box;
@@ -243,6 +260,7 @@ Settings settings_from(const py::kwargs& given) {
   Keywords keywords(given);
   Settings settings;
   take(keywords, settings);
+
   keywords.require_none_left();
   return settings;
 }
@@ -257,6 +275,7 @@ class HeldCloud {
 
   /// X, Y, Z of each pixel side by side, made on first use. From any thread.
   const Points& points();
+
   /// Resets it for reuse.
   Cloud& fresh() {
     has_points_ = false;
@@ -285,6 +304,8 @@ class Reused {
   std::shared_ptr<Value> take(const Arguments&... arguments) {
     std::unique_ptr<Value> value;
     if (!free_->try_pop(value)) value = std::make_unique<Value>(arguments...);
+
+    // The deleter puts the value back; it shares the queue, so it may outlive this object.
     return {value.release(),
             [free = free_](Value* of) { free->try_push(std::unique_ptr<Value>(of)); }};
   }

@@ -21,6 +21,7 @@ FrameSet copied(const FrameViews& frames) {
         std::copy_n(view.row(row), view.width(), images.back().row(row));
       }
     }
+
     return FrameSet(std::move(images), frames.bits());
   });
 }
@@ -28,11 +29,14 @@ FrameSet copied(const FrameViews& frames) {
 Scan scan_from(const py::object& frames, const Sequence& sequence,
                const std::optional<Scanner>& scanner, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
+
   throw_if(given.views.count() != frame_count(sequence), "a scan of {} frames is given {}",
            frame_count(sequence), given.views.count());
+
   Scan scan{.frames = copied(given.views), .sequence = sequence};
   if (scanner)
     scan.scanner = completed(*scanner, "scanner", scan.frames.size(), sequence.projector);
+
   scan.exposures = sequence.exposures;
   return merged(std::move(scan));
 }
@@ -43,35 +47,48 @@ using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
 Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
                  std::optional<std::uint64_t> window) {
+  // 1. Overrides; a scanner may be a file or an object.
   ScanChanges changes{.order = order, .window = window, .bits = bits};
   if (sequence) changes.sequence = changes_to(*sequence);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
+
+  // 2. Reads the scan without the interpreter's lock.
   const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
+
   if (scanner && scanner->index() == 0) {
     scan.scanner = completed(std::get<Scanner>(*scanner), "scanner", scan.frames.size(),
                              scan.sequence.projector);
     scan.sequence.projector = scan.scanner->projector.size;
   }
+
+  // 3. Warns, which needs the lock again.
   const py::gil_scoped_acquire acquire;
   warn_of("", scan.warnings);
   for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
+
   return scan;
 }
 
 std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool moving,
                                  const std::string& gamma) {
   CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
+
+  // With the response, and with its estimate if gamma is measured in this scan itself.
   const GammaChoice choice = choose_response(scan, gamma);
   settings.photometry.response = choice.response;
   settings.blind = choice.blind;
+
   return check_and_repair(scan, settings).findings;
 }
 
 py::object frame_at(const py::object& self, int n) {
   const FrameViews frames = self.cast<const FrameSet&>().views();
+
+  // Negative indices count from the end, as in Python's lists.
   const int place = n < 0 ? n + frames.count() : n;
   if (place < 0 || place >= frames.count()) throw py::index_error("frame index out of range");
+
   return frames.visit(
       [&](const auto& views) { return array_of(views[static_cast<std::size_t>(place)], self); });
 }
@@ -82,7 +99,9 @@ void bind_findings(py::module_& module) {
       finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
       "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; }, "evidence",
       [](const Finding& of) { return dict_of(of.evidence); });
+
   finding.def("__str__", [](const Finding& of) { return text_of(of); });
+
   module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
              "moving"_a = false, "gamma"_a = "scanner", Unlocked());
 }
@@ -90,12 +109,15 @@ void bind_findings(py::module_& module) {
 /// None if the frame is damaged.
 py::object recorded_frame(const RecordingReader& of, std::uint64_t n) {
   if (n >= of.count()) throw py::index_error("frame index out of range");
+
   Frame frame;
   if (!unlocked([&] { return of.read(n, frame); })) return py::none();
+
   const FrameStamp& stamp = frame.stamp;
   py::array pixels =
       std::visit([](auto& image) { return array_from(std::move(image)); }, frame.pixels);
   pixels.attr("flags").attr("writeable") = false;
+
   return results("pixels"_a = pixels, "bits"_a = frame.bits, "sequence"_a = stamp.sequence,
                  "pattern_index"_a = stamp.pattern_index,
                  "device_time"_a = std::chrono::duration<double>(stamp.device_time).count());
@@ -103,12 +125,16 @@ py::object recorded_frame(const RecordingReader& of, std::uint64_t n) {
 
 py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
                      const py::kwargs& given) {
+  // 1. The virtual world, whose projector must be the sequence's.
   Keywords keywords(given);
   const VirtualWorld world = world_from(keywords);
   keywords.require_none_left();
+
   const Size projector = world.scanner.projector.size;
   if (sequence.projector == Size{}) sequence.projector = projector;
   if (sequence.projector != projector) throw Error("the sequence belongs to another projector");
+
+  // 2. Renders the frames.
   VirtualScan taken = unlocked([&] {
     require_shown(sequence);
     VirtualScan made =
@@ -116,10 +142,13 @@ py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
     if (path) save_virtual_scan(*path, sequence, world, made);
     return made;
   });
+
+  // 3. The scan and its ground truth.
   Scan scan = merged({.frames = std::move(taken.frames),
                       .sequence = sequence,
                       .scanner = as_calibrated(world),
                       .exposures = sequence.exposures});
+
   return results("scan"_a = std::move(scan), "depth"_a = array_from(std::move(taken.depth)),
                  "coordinate"_a = array_from(std::move(taken.coordinate)),
                  "reflectivity"_a = array_from(std::move(taken.reflectivity)));
@@ -136,6 +165,7 @@ void warn_of(const std::string& name, const std::vector<std::string>& lines) {
 
 void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool anyway) {
   if (!anyway) require_right(checked, name);
+
   for (const Finding& finding : checked.findings) warn_of(name, {text_of(finding)});
   warn_of(name, checked.repairs);
 }
@@ -144,13 +174,17 @@ std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma
   const bool loaded = !py::isinstance<Scan>(given);
   std::pair<Scan, std::string> checked(loaded ? Scan{} : given.cast<Scan>(), "scan");
   auto& [scan, name] = checked;
+
   if (loaded) name = given.cast<fs::path>().string();
+
   CheckedScan found = unlocked([&] {
     if (loaded) scan = load_frames(scan_files_in(name));
     return check_and_repair(scan);
   });
+
   if (loaded) warn_of(name, scan.warnings);
   if (of_gamma) found.findings = without_cause(std::move(found.findings), gamma_is_to_blame);
+
   refuse_or_warn(found, name, false);
   return checked;
 }
@@ -163,28 +197,36 @@ void bind_scans(py::module_& module) {
   py::class_<Scan, std::shared_ptr<Scan>> scan(module, "Scan");
   scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
            "bits"_a = py::none());
+
   scan.def_property(  // never removed: Python may hold it
       "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; },
       [](Scan& of, const Scanner& scanner) { of.scanner = scanner; });
+
   add(scan, "frames", &Scan::frames, "sequence", &Scan::sequence, "exposures", &Scan::exposures,
       "other_axis", &Scan::other_axis, "further_cameras", &Scan::further_cameras, "warnings",
       &Scan::warnings);
+
   scan.def(
       "save",
       [](const Scan& of, const fs::path& path) {
         save_scan(path, of.frames, of.sequence, of.scanner);
       },
       "path"_a, Unlocked());
+
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
              "window"_a = py::none());
+
   bind_findings(module);
+
   py::class_<RecordingReader> recording(module, "Recording");
   recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
   recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
+
   const auto in_header = [](auto member) {
     return [member](const RecordingReader& of) { return of.header().*member; };
   };
+
   add(recording, "finished", &RecordingReader::finished, "sequence",
       in_header(&RecordingHeader::sequence), "scanner", in_header(&RecordingHeader::scanner),
       "frame_rate", in_header(&RecordingHeader::frame_rate), "in_colour",
@@ -196,12 +238,17 @@ VirtualWorld world_from(Keywords& keywords) {
   std::optional<MeasuredResponse> response;
   std::array<double, 3> step{};
   double turn = 0;
+
   keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", of.scanner, "camera", of.camera,
                 "step", step, "turn", turn, "world", of.world, "response", response);
   take_described(keywords, of);
+
   if (response) of.response = response->response;
+
+  // The motion between frames: a step in mm and a turn about the y axis, given in degrees.
   of.motion.step = Eigen::Vector3d(step.data());
   of.motion.turn.y() = turn * std::numbers::pi / 180;
+
   return virtual_world(of);
 }
 

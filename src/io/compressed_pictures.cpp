@@ -38,6 +38,7 @@ struct FileInMemory {
 void take_png(png_structp png, png_bytep to, std::size_t count) {
   auto& file = *static_cast<FileInMemory*>(png_get_io_ptr(png));
   if (count > file.read.size() - file.at) png_error(png, "truncated");
+
   std::copy_n(file.read.data() + file.at, count, to);
   file.at += count;
 }
@@ -78,22 +79,31 @@ struct PngReader {
 bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
                    std::optional<Picture>& picture) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
+
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_read_info(png, info);
+
+  // The limit of pixels, before memory is allocated.
   const std::uint64_t columns = png_get_image_width(png, info);
   const std::uint64_t rows = png_get_image_height(png, info);
   require_readable(columns * rows, frames);
+
+  // Samples of at least 8 bits in the machine's byte order, without palette and alpha.
   png_set_palette_to_rgb(png);
   png_set_expand_gray_1_2_4_to_8(png);
   png_set_strip_alpha(png);
   if (std::endian::native == std::endian::little) png_set_swap(png);
   const int passes = png_set_interlace_handling(png);
   png_read_update_info(png, info);
+
   const Size size{static_cast<int>(columns), static_cast<int>(rows)};
   picture.emplace(PictureKind{size, png_get_channels(png, info), png_get_bit_depth(png, info)});
+
+  // An interlaced picture is refined in several passes over all rows.
   for (int row = 0; row < passes * size.height; ++row) {
     png_read_row(png, picture->row(row % size.height), nullptr);
   }
+
   png_read_end(png, nullptr);
   return true;
 }
@@ -101,17 +111,21 @@ bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
 /// Stops if libpng fails. Samples below 8 bits take one byte each.
 void write_png_rows(png_structp png, png_infop info, const PictureView& picture, int bits) {
   if (setjmp(png_jmpbuf(png)) != 0) return;
+
   const auto& [size, channels, bits_in_memory] = picture.kind;
   png_set_IHDR(png, info, static_cast<png_uint_32>(size.width),
                static_cast<png_uint_32>(size.height), bits,
                channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
+
   // Half the size of no compression, in a fifth of the time of the best.
   png_set_compression_level(png, 2);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, bits < 8 ? PNG_FILTER_NONE : PNG_FILTER_SUB);
+
   png_write_info(png, info);
   png_set_packing(png);
   if (std::endian::native == std::endian::little) png_set_swap(png);
+
   for (int row = 0; row < size.height; ++row) png_write_row(png, picture.row(row));
   png_write_end(png, nullptr);
 }
@@ -122,11 +136,15 @@ std::vector<std::uint8_t> png_of_depth(const PictureView& picture, int bits) {
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &memory, refuse_png, ignore_warning);
   png_infop info = png_create_info_struct(png);
   memory.is_full = info == nullptr;
+
   png_set_write_fn(png, &memory, put_png, nullptr);
   if (!memory.is_full) write_png_rows(png, info, picture, bits);
   png_destroy_write_struct(&png, &info);
+
+  // An exception is thrown only here, after libpng has returned.
   if (memory.is_full) throw std::bad_alloc();
   if (memory.fault.front() != 0) throw Error(std::string("not a PNG file: ") + memory.fault.data());
+
   return std::move(memory.written);
 }
 
@@ -138,11 +156,13 @@ tmsize_t take(thandle_t handle, void* to, tmsize_t count) try {
   FileInMemory& file = memory_of(handle);
   const std::uint64_t left = file.at < file.size() ? file.size() - file.at : 0;
   const std::uint64_t taken = std::min(left, static_cast<std::uint64_t>(count));
+
   if (file.input == nullptr) {  // while writing, libtiff reads back only its own directory
     if (taken > 0) std::memcpy(to, file.written.data() + file.at, taken);
   } else if (!file.input->read(file.at, {{static_cast<std::uint8_t*>(to), taken}})) {
     return -1;
   }
+
   file.at += taken;
   return static_cast<tmsize_t>(taken);
 } catch (...) {
@@ -153,6 +173,8 @@ tmsize_t take(thandle_t handle, void* to, tmsize_t count) try {
 tmsize_t put(thandle_t handle, void* from, tmsize_t count) try {
   FileInMemory& file = memory_of(handle);
   const auto bytes = static_cast<std::uint64_t>(count);
+
+  // libtiff also overwrites earlier parts.
   if (file.written.size() < file.at + bytes) file.written.resize(file.at + bytes);
   std::memcpy(&file.written[file.at], from, bytes);
   file.at += bytes;
@@ -179,11 +201,15 @@ Tiff open_tiff(FileInMemory& memory, const char* mode) {
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(
       TIFFOpenOptionsAlloc(), TIFFOpenOptionsFree);
   if (options == nullptr) throw std::bad_alloc();
+
+  // Keeps the first error and ignores warnings, instead of printing them.
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_fault, &memory);
   TIFFOpenOptionsSetWarningHandlerExtR(
       options.get(), [](TIFF*, void*, const char*, const char*, va_list) { return 1; }, nullptr);
+
   const auto close = [](thandle_t) { return 0; };
   const auto size = [](thandle_t handle) -> toff_t { return memory_of(handle).size(); };
+
   return {TIFFClientOpenExt("memory", mode, &memory, take, put, seek, close, size, nullptr, nullptr,
                             options.get()),
           TIFFClose};
@@ -200,14 +226,18 @@ Number field(TIFF* tiff, std::uint32_t tag) {
 PictureKind kind_of(TIFF* tiff, Size size) {
   const auto samples = field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL);
   const auto format = field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT);
+
   std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
   TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+
   const bool grey = samples == 1 && photometric == PHOTOMETRIC_MINISBLACK;
   const bool coloured = photometric == PHOTOMETRIC_RGB && (samples == 3 || samples == 4) &&
                         field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_CONTIG;
+
   const PictureKind kind{size, samples, field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE)};
   const bool whole = format == SAMPLEFORMAT_UINT && (kind.bits == 8 || kind.bits == 16);
   const bool real = format == SAMPLEFORMAT_IEEEFP && (kind.bits == 32 || kind.bits == 64);
+
   if ((whole && (grey || coloured)) || (real && grey)) return kind;
   throw Error("unsupported pixel type; expected grey of 8 or 16 bits, or float");
 }
@@ -216,6 +246,7 @@ PictureKind kind_of(TIFF* tiff, Size size) {
 Size size_of(TIFF* tiff, std::uint32_t width_tag, std::uint32_t height_tag, std::size_t frames) {
   const auto width = field<std::uint32_t>(tiff, width_tag);
   const auto height = field<std::uint32_t>(tiff, height_tag);
+
   require_readable(std::uint64_t{width} * height, frames);
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -223,10 +254,12 @@ Size size_of(TIFF* tiff, std::uint32_t width_tag, std::uint32_t height_tag, std:
 bool read_tiles(TIFF* tiff, Picture& picture, std::size_t frames) {
   const auto [width, height] = size_of(tiff, TIFFTAG_TILEWIDTH, TIFFTAG_TILELENGTH, frames);
   if (width < 1 || height < 1) return false;
+
   const PictureKind tile_kind{{width, height}, picture.kind.channels, picture.kind.bits};
   const Size size = picture.kind.size;
   const std::size_t line = tile_kind.row_bytes(), pixel = line / static_cast<std::size_t>(width);
   if (TIFFTileSize64(tiff) != line * static_cast<std::size_t>(height)) return false;
+
   std::vector<std::uint8_t> tile(line * static_cast<std::size_t>(height));
   for (int y = 0; y < size.height; y += height) {
     for (int x = 0; x < size.width; x += width) {
@@ -234,6 +267,8 @@ bool read_tiles(TIFF* tiff, Picture& picture, std::size_t frames) {
                        static_cast<std::uint32_t>(y), 0, 0) < 0) {
         return false;
       }
+
+      // Tiles at the right and lower edges reach beyond the picture.
       const std::size_t columns = static_cast<std::size_t>(std::min(width, size.width - x));
       for (int row = 0; row < std::min(height, size.height - y); ++row) {
         std::memcpy(picture.row(y + row) + static_cast<std::size_t>(x) * pixel,
@@ -241,11 +276,13 @@ bool read_tiles(TIFF* tiff, Picture& picture, std::size_t frames) {
       }
     }
   }
+
   return true;
 }
 
 bool read_lines(TIFF* tiff, Picture& picture) {
   if (TIFFScanlineSize64(tiff) != picture.kind.row_bytes()) return false;
+
   for (int row = 0; row < picture.kind.size.height; ++row) {
     if (TIFFReadScanline(tiff, picture.row(row), static_cast<std::uint32_t>(row), 0) < 0) {
       return false;
@@ -271,9 +308,12 @@ bool hides_pages(TIFF* tiff) {
 std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
   constexpr int most = 10'000;
   constexpr std::uint32_t secondary = FILETYPE_REDUCEDIMAGE | FILETYPE_MASK;
+
   std::vector<int> pages;
   const bool hidden = hides_pages(tiff);
   int directory = 0;
+
+  // Directories of reduced copies and masks do not count as pages.
   do {
     throw_if(directory == most, "has more than {} pages", most);
     if ((field<std::uint32_t>(tiff, TIFFTAG_SUBFILETYPE) & secondary) == 0) {
@@ -281,9 +321,11 @@ std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
     }
     ++directory;
   } while (TIFFReadDirectory(tiff) == 1);
+
   require(memory.fault.front() == 0, memory);
   throw_if(hidden && directory == 1,
            "an ImageJ stack with one directory for all pages; save each page as a file");
+
   return pages;
 }
 
@@ -297,12 +339,16 @@ std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
 
 Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames) {
   if (auto plain = read_plain_png(bytes, frames)) return *std::move(plain);
+
+  // All other PNG files, and the reason if one is damaged.
   FileInMemory memory{.read = bytes};
   const PngReader reader(memory);
   if (reader.info == nullptr) throw std::bad_alloc();
+
   std::optional<Picture> picture;
   throw_if(!read_png_rows(reader.png, reader.info, frames, picture), "incomplete PNG file: {}",
            memory.fault.data());
+
   return *std::move(picture);
 }
 
@@ -323,22 +369,29 @@ std::vector<int> tiff_pages(const InputFile& file) {
 }
 
 Picture read_tiff(const InputFile& file, std::optional<int> page, std::size_t frames) {
+  // 1. The page.
   FileInMemory memory{.input = &file};
   const Tiff tiff = open_tiff(memory, "rm");
   require(tiff != nullptr, memory);
+
   if (!page) {
     const std::vector<int> pages = pages_of(tiff.get(), memory);
     throw_if(pages.size() > 1, "has {} pages, expected one picture; name a page, as in FILE[0]",
              pages.size());
     page = pages.empty() ? 0 : pages.front();
   }
+
   throw_if(TIFFSetDirectory(tiff.get(), static_cast<tdir_t>(*page)) != 1, "has no page {}", *page);
+
+  // 2. Its size and pixels.
   const Size size = size_of(tiff.get(), TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, frames);
   require(size.width >= 1 && size.height >= 1, memory);
   Picture picture(kind_of(tiff.get(), size));
+
   require(TIFFIsTiled(tiff.get()) != 0 ? read_tiles(tiff.get(), picture, frames)
                                        : read_lines(tiff.get(), picture),
           memory);
+
   return picture;
 }
 
@@ -346,6 +399,8 @@ std::vector<std::uint8_t> tiff_file_of(const PictureView& picture) {
   FileInMemory memory;
   Tiff tiff = open_tiff(memory, "w");
   if (tiff == nullptr) throw std::bad_alloc();
+
+  // 1. The layout.
   const auto& [size, channels, bits] = picture.kind;
   const auto set = [&](std::uint32_t tag, auto value) { TIFFSetField(tiff.get(), tag, value); };
   set(TIFFTAG_IMAGEWIDTH, size.width);
@@ -355,10 +410,15 @@ std::vector<std::uint8_t> tiff_file_of(const PictureView& picture) {
   set(TIFFTAG_SAMPLEFORMAT, picture.kind.real() ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
   set(TIFFTAG_PHOTOMETRIC, channels == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
   set(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+
+  // Differences of neighbouring integer samples compress better.
   set(TIFFTAG_COMPRESSION, COMPRESSION_LZW);
   if (!picture.kind.real()) set(TIFFTAG_PREDICTOR, PREDICTOR_HORIZONTAL);
   set(TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff.get(), 0));
+
   if (memory.fault.front() != 0) give_up(tiff.get());
+
+  // 2. The rows.
   for (int row = 0; row < size.height; ++row) {
     // A predictor modifies the row passed to it.
     std::vector<std::uint8_t> line(picture.row(row), picture.row(row) + picture.kind.row_bytes());
@@ -366,8 +426,10 @@ std::vector<std::uint8_t> tiff_file_of(const PictureView& picture) {
       give_up(tiff.get());  // nothing else can fail for a file in memory
     }
   }
+
   tiff.reset();  // writes the directory
   if (memory.fault.front() != 0) throw std::bad_alloc();
+
   return std::move(memory.written);
 }
 

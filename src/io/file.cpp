@@ -87,12 +87,15 @@ InputFile::InputFile(const fs::path& path, std::uint64_t largest)
   const auto refuse = [&](const std::string& why) {
     throw Error(fmt::format("{}: {}", path.string(), why));
   };
+
   struct stat status {};
   if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
     refuse(errno == ENOENT ? "no such file" : std::strerror(errno));
   }
+
   if (S_ISDIR(status.st_mode)) refuse("is a folder; expected a file");
   if (!S_ISREG(status.st_mode)) refuse("is a device or a pipe; expected a file");
+
   size_ = static_cast<std::uint64_t>(status.st_size);
   if (size_ > largest) refuse(fmt::format("has {} bytes; limit {}", size_, largest));
 }
@@ -107,17 +110,20 @@ bool InputFile::read(std::uint64_t offset,
       if (got < 0) {
         throw WorldError(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)));
       }
+
       if (got == 0) return false;
       offset += static_cast<std::uint64_t>(got);
       rest = rest.subspan(static_cast<std::size_t>(got));
     }
   }
+
   return true;
 }
 
 std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest) {
   const InputFile file(path, largest);
   std::vector<std::uint8_t> bytes(file.size());
+
   throw_if(!file.read(0, {bytes}), "{}: became shorter while it was read", path.string());
   return bytes;
 }
@@ -134,6 +140,8 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before
 std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
   const InputFile file(path, no_limit);
   std::vector<std::uint8_t> bytes;
+
+  // 1 MiB at a time, so that a file of any size fits into memory.
   for (std::uint64_t at = 0; at < file.size(); at += bytes.size()) {
     bytes.resize(std::min(file.size() - at, std::uint64_t{1} << 20));
     if (!file.read(at, {bytes})) break;
@@ -149,24 +157,33 @@ void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes) {
 
 OutputFile::OutputFile(const fs::path& path, Writing writing)
     : path_(path), folder_(folder_of(path)), writing_(writing) {
+  // 1. Refuses to replace a folder, a device or a pipe.
   std::error_code unknown;
   const fs::file_status there = fs::symlink_status(path, unknown);
   if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_symlink(there)) {
     throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
   }
+
+  // 2. Written over time: under its own name if that is free.
   if (writing == Writing::over_time) {
     name_ = path.string();  // before the file exists, so that it is always removed
     descriptor_ = create(name_);
     if (descriptor_ < 0 && errno != EEXIST) fail(errno);
     claim();
   }
+
   if (descriptor_ >= 0) return;
+
+  // 3. Otherwise under a temporary name in the same folder, which a rename can replace.
   std::random_device random;
   const std::string own = path.filename().string().substr(0, 200);  // so that both names fit
   name_ = folder_of(path) / fmt::format("{}.{:08x}{:08x}.part", own, random(), random());
+
   remembered_ = writing == Writing::at_once && replace_name(nullptr, &name_);
   descriptor_ = create(name_);
+
   if (descriptor_ >= 0) return;
+
   const int reason = errno;
   discard();
   fail(reason);
@@ -184,6 +201,7 @@ void OutputFile::claim() {
   claimed_ = descriptor_ >= 0 ? ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0)
                               : ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (claimed_ < 0 || ::flock(claimed_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+
   ::close(claimed_);
   if (descriptor_ >= 0) ::close(descriptor_);
   throw WorldError(
@@ -195,7 +213,9 @@ void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> part
     if (!write_all(descriptor_, part)) fail(errno);
     written_ += part.size();
   }
+
   if (writing_ == Writing::at_once) return;
+
   if (written_ - passed_on_ >= passed_on_at_once) pass_on();
   if (written_ - synced_ >= most_unsynced) sync();
 }
@@ -208,8 +228,10 @@ void OutputFile::pass_on() {
   const bool done =
       ::sync_file_range(descriptor_, before, now - before, SYNC_FILE_RANGE_WRITE) == 0 &&
       ::sync_file_range(descriptor_, 0, before, SYNC_FILE_RANGE_WRITE_AND_WAIT) == 0;
+
   // The system reports a disk failure only once, so sync() would miss it.
   if (!done && (errno == EIO || errno == ENOSPC || errno == EDQUOT)) fail(disk_failure_ = errno);
+
   ::posix_fadvise(descriptor_, 0, before, POSIX_FADV_DONTNEED);
   passed_on_ = written_;
 }
@@ -222,18 +244,25 @@ void OutputFile::sync() {
 
 void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
   for (OutputFile* const file : files) file->finish();
+
   for (auto place = files.begin(); place != files.end(); ++place) {
     OutputFile& file = **place;
+
     // Of several, an existing file gets the temporary name, to be put back after a failure.
     file.swapped_ = files.size() > 1 && swap_names(file.name_, file.path_);
     if (file.swapped_ || ::rename(file.name_.c_str(), file.path_.c_str()) == 0) continue;
+
+    // A failure: undoes the renames so far, the last first.
     const int reason = errno;
     while (place != files.begin()) {
       const OutputFile& kept = **--place;
       if (!kept.swapped_ || !swap_names(kept.name_, kept.path_)) ::unlink(kept.path_.c_str());
     }
+
     file.fail(reason);
   }
+
+  // All files have their names: drops the previous ones and syncs the folders.
   for (OutputFile* const file : files) {
     if (file->swapped_) ::unlink(file->name_.c_str());
     file->let_go();
@@ -246,6 +275,7 @@ void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
 void OutputFile::finish() {
   if (!is_synced(descriptor_) && disk_failure_ == 0) disk_failure_ = errno;
   const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
+
   if (disk_failure_ != 0) fail(disk_failure_);
   if (!closed) fail(errno);
 }
@@ -255,8 +285,10 @@ std::string OutputFile::give_up(std::uint64_t size) {
     discard();
     return failure_;
   }
+
   // If this fails, readers still skip the incomplete rest.
   if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) written_ = size;
+
   try {
     keep();
     return failure_;
@@ -273,6 +305,7 @@ void OutputFile::discard() noexcept {
 
 void OutputFile::let_go() noexcept {
   while (remembered_ && !replace_name(&name_, nullptr)) ::pause();  // a handler exits the program
+
   remembered_ = false;
   name_.clear();
 }
@@ -281,6 +314,7 @@ void OutputFile::fail(int reason) {
   const std::string failure =
       fmt::format("cannot write {}: {}", path_.string(), std::strerror(reason));
   if (failure_.empty()) failure_ = failure;
+
   const bool stays = writing_ == Writing::over_time && !name_.empty() && name_ != path_;
   throw WorldError(failure + (stays ? "; the data before that are in " + name_ : ""));
 }
@@ -290,10 +324,13 @@ GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& wait
       descriptor_(
           ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666)) {
   require(descriptor_ >= 0);
+
   struct stat found {};
   if (::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
     throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
   }
+
+  // EWOULDBLOCK: another process has the lock. Any other failure: a file system without locks.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   waits();
   while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
@@ -318,6 +355,7 @@ void write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
     if (!written || std::fflush(stdout) != 0) throw WorldError("cannot write to standard output");
     return;
   }
+
   OutputFile file(path);
   file.write({bytes});
   file.keep();
@@ -336,6 +374,7 @@ void remove_temporary_files() noexcept {
 void make_folder(const fs::path& folder) {
   std::error_code failure;
   fs::create_directories(folder, failure);
+
   if (failure || !fs::is_directory(folder)) {
     throw WorldError(fmt::format("cannot create folder {}: {}", folder.string(),
                                  failure ? failure.message() : "a file has that name"));

@@ -35,8 +35,11 @@ ReadPicture reader_of(Bytes bytes) {
   const auto* const format = std::ranges::find_if(
       picture_formats, [&](const auto& known) { return text.starts_with(known.first); });
   if (format == picture_formats.end()) return nullptr;
+
+  // The first byte P alone is too little: a digit from 1 to 6 and a blank must follow.
   const bool is_pgm = text.size() > 2 && text[1] >= '1' && text[1] <= '6' &&
                       std::isspace(static_cast<unsigned char>(text[2])) != 0;
+
   return format->second == read_pgm && !is_pgm ? nullptr : format->second;
 }
 
@@ -45,6 +48,8 @@ bool is_tiff(const InputFile& file) {
   std::array<char, 4> first{};
   const bool read = file.size() > first.size() &&
                     file.read(0, {{reinterpret_cast<std::uint8_t*>(first.data()), first.size()}});
+
+  // The byte order, II (little-endian) or MM, and then 42 ('*'), or 43 ('+') for BigTIFF.
   const std::string_view magic(first.data(), first.size());
   return read &&
          (magic == "II*\0"sv || magic == "II+\0"sv || magic == "MM\0*"sv || magic == "MM\0+"sv);
@@ -60,9 +65,13 @@ PicturePlace place_of(const fs::path& path) {
   const std::string text = path.string();
   const std::size_t bracket = text.rfind('[');
   std::error_code unknown;
+
+  // A file whose name ends in brackets is that file.
   if (!text.ends_with(']') || bracket == text.npos || fs::exists(path, unknown)) return {path};
+
   const auto page =
       number_in<int>(std::string_view(text).substr(bracket + 1, text.size() - bracket - 2));
+
   return page && *page >= 0 ? PicturePlace{text.substr(0, bracket), page} : PicturePlace{path};
 }
 
@@ -79,15 +88,19 @@ std::vector<int> pages_in(const fs::path& path) try {
 Picture read_picture(const fs::path& path, std::size_t frames = 1) {
   const auto [name, page] = place_of(path);
   const InputFile file(name, largest_picture_file);
+
   return naming(path.string(), [&, page = page] {
     if (is_tiff(file)) return read_tiff(file, page, frames);
     throw_if(page.has_value(), "{} is not a TIFF file, which alone has pages", name.string());
+
     const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());
     const std::span bytes(memory.get(), file.size());
     if (!file.read(0, {bytes})) throw Error("became shorter while it was read");
+
     const ReadPicture read = reader_of(bytes);
     if (read == nullptr)
       throw Error("not a picture; expected a complete PNG, TIFF, BMP, PGM or JPEG file");
+
     return read(bytes, frames);
   });
 }
@@ -97,6 +110,7 @@ template <class Value>
 Picture each_pixel(const Picture& picture, const Value& value) {
   Picture pixels({picture.kind.size, 1, picture.kind.bits});
   pixels.used_bits = picture.used_bits;
+
   std::visit(
       [&]<class Sample>(Image<Sample>& image) {
         if constexpr (std::is_integral_v<Sample>) {
@@ -108,6 +122,7 @@ Picture each_pixel(const Picture& picture, const Value& value) {
         }
       },
       pixels.samples);
+
   return pixels;
 }
 
@@ -118,25 +133,32 @@ std::vector<Picture> frames_in(const fs::path& path, std::size_t count, bool in_
   Picture picture = read_picture(path, count);
   const PictureKind kind = picture.kind;
   std::vector<Picture> frames;
+
   naming(path.string(), [&] {
     throw_if(in_colour && picture.lossy, "a JPEG, which blurs the colours; use PNG, TIFF or BMP");
     throw_if(in_colour && kind.channels < 3,
              "a grey picture; so few pictures must be in colour, with one frame in each channel");
     if (kind.bits == 32) throw Error("unsupported pixels; frames are grey of 8 or 16 bits");
+
     for (int channel = 0; in_colour && channel < 3; ++channel) {
       frames.push_back(each_pixel(picture, [&](const auto* rgb) { return rgb[channel]; }));
     }
+
     if (!in_colour && kind.channels > 1) {
       warnings.push_back(fmt::format("{}: a colour picture, converted to grey", path.string()));
       picture = each_pixel(picture, [](const auto* rgb) {  // the weights of ITU-R BT.601
+        // 0.299, 0.587 and 0.114 in units of 2^-15, rounded by half a unit of the sum.
         constexpr std::uint32_t half = 1U << 14;
         return (9798U * rgb[0] + 19235U * rgb[1] + 3735U * rgb[2] + half) >> 15;
       });
     }
+
     if (!in_colour) frames.push_back(std::move(picture));
+
     require_scan_fits(count, frames.size() * frames.front().kind.row_bytes() *
                                  static_cast<std::size_t>(kind.size.height));
   });
+
   return frames;
 }
 
@@ -164,8 +186,10 @@ void write_picture(const fs::path& path, const PictureView& picture) {
            "{}: cannot write pictures with the ending '{}'; use .png, .tiff, .bmp or .pgm",
            path.string(), extension);
   const std::vector<std::uint8_t> bytes = writer(picture);
+
   throw_if(bytes.empty(), "{}: a {} file does not support such pixels; use .tiff", path.string(),
            extension);
+
   write_file(path, bytes);
 }
 
@@ -191,6 +215,7 @@ FrameSet frame_set_from(std::vector<Picture> frames, int bits) {
         for (Picture& frame : frames) {
           images.push_back(std::get<Image<Pixel>>(std::move(frame.samples)));
         }
+
         if constexpr (!std::is_same_v<Pixel, float>) return {std::move(images), bits};
         return {};  // frames are never 32-bit float
       },
@@ -207,15 +232,18 @@ struct ReadFrames {
 /// Reads pictures on all threads.
 std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in_colour) {
   std::vector<ReadFrames> pictures(paths.size());
+
   for_each_row(static_cast<int>(paths.size()), [&](int n) {
     const auto place = static_cast<std::size_t>(n);
     auto& [frames, warnings, failure] = pictures[place];
+
     try {
       frames = frames_in(paths[place], paths.size(), in_colour, warnings);
     } catch (...) {
       failure = std::current_exception();
     }
   });
+
   return pictures;
 }
 
@@ -224,15 +252,20 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
   LoadedFrames loaded;
   std::vector<Picture> frames;
   int used_bits = 0;
+
   std::vector<ReadFrames> pictures = read_at_once(paths, in_colour);
   for (std::size_t n = 0; n < paths.size(); ++n) {
     auto& [read, told, failure] = pictures[n];
+    // The first failure in the order of the paths, whichever thread came first.
     if (failure) std::rethrow_exception(failure);
+
     std::move(read.begin(), read.end(), std::back_inserter(frames));
     loaded.warnings.insert(loaded.warnings.end(), told.begin(), told.end());
+
     const PictureKind &kind = frames.back().kind, &first = frames.front().kind;
     loaded.lossy += frames.back().lossy ? 1 : 0;
     used_bits = std::max(used_bits, frames.back().used_bits);
+
     throw_if(kind.size != first.size,
              "{} is {}, but {} is {}; all frames of a scan must have one size", paths[n].string(),
              text_of(kind.size), paths.front().string(), text_of(first.size));
@@ -240,9 +273,11 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
              "{} and {} have different pixel types; a scan must have one type", paths[n].string(),
              paths.front().string());
   }
+
   if (frames.empty()) return loaded;
   throw_if(bits > 8 && frames.front().kind.bits == 8,
            "{}: an 8-bit picture, but the camera bits are set to {}", paths.front().string(), bits);
+
   loaded.frames = frame_set_from(std::move(frames), bits == 0 ? used_bits : bits);
   return loaded;
 }
@@ -250,12 +285,17 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
 std::string in_base64(const std::vector<std::uint8_t>& bytes) {
   constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
   std::string text;
+
+  // Three bytes become four digits of six bits each.
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const auto byte = [&](std::size_t k) { return i + k < bytes.size() ? bytes[i + k] : 0U; };
     const unsigned three = byte(0) << 16 | byte(1) << 8 | byte(2);
     for (const int shift : {18, 12, 6, 0}) text += digits[three >> shift & 63];
   }
+
+  // The last group is filled up with zeros, whose digits are replaced by =.
   const std::size_t missing = (3 - bytes.size() % 3) % 3;
   return text.replace(text.size() - missing, missing, missing, '=');
 }
@@ -297,6 +337,7 @@ std::vector<fs::path> with_pages(const std::vector<fs::path>& paths) {
       all.push_back(path);
       continue;
     }
+
     for (const int page : pages) all.emplace_back(fmt::format("{}[{}]", path.string(), page));
   }
   return all;
@@ -332,7 +373,10 @@ void write_image(const fs::path& path, const Image<Colour>& image) {
 void write_page(const fs::path& path, const Page& page) {
   const fs::path folder = fs::absolute(path).parent_path();
   make_folder(folder);
+
   for (const auto& [file, picture] : page.drawn()) write_image(folder / file, picture);
+
+  // Embeds the pictures, so that the page can be moved alone.
   std::string text = page.text();
   for (const std::string& file : page.files()) {
     const std::string source = "src=\"" + file + '"';
@@ -340,6 +384,7 @@ void write_page(const fs::path& path, const Page& page) {
     const auto at = text.find(source);
     if (at != std::string::npos) text.replace(at, source.size(), inside + '"');
   }
+
   write_file(path, text);
 }
 
@@ -384,8 +429,10 @@ void write_height_curves(const fs::path& path, const Image<HeightCurve>& curves)
 Image<HeightCurve> read_height_curves(const fs::path& path) {
   require_ending(path, "height calibration", {".npy"});
   const auto numbers = converted<float>(read_map(path));
+
   return naming(path.string(), [&] {
     if (numbers.width() % members != 0) throw Error("expected five numbers for each pixel");
+
     Image<HeightCurve> curves({numbers.width() / members, numbers.height()});
     std::copy(numbers.begin(), numbers.end(), reinterpret_cast<float*>(curves.begin()));
     require_valid(curves);
@@ -403,8 +450,10 @@ void write_colour_frames(const std::vector<fs::path>& paths, const FrameViews& f
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     const auto [width, height] = frames.size();
     Image<Pixel> samples({3 * width, height}, uninitialised);
+
     for (std::size_t n = 0; n < paths.size(); ++n) {
       for_each_pixel_in_order(samples.size(), [&](int i, int row) {
+        // Column i holds channel i % 3 of pixel i / 3.
         samples(i, row) = views[3 * n + static_cast<std::size_t>(i % 3)](i / 3, row);
       });
       write_picture(paths[n], PictureView(ImageView<const Pixel>(samples), 3));

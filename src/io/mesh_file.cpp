@@ -26,57 +26,75 @@ std::string ply_file(const Surface& surface) {
       "{}property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
       surface.vertices.size(), ply_intensity, surface.triangles.size());
+
+  // The vertices, with a double intensity and three equal colours.
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
     append_numbers(file, surface.vertices[i], double{surface.intensity[i]});
     file.append(3, static_cast<char>(grey_level(surface.intensity[i])));
   }
+
+  // The triangles, each with its number of corners.
   for (const auto& triangle : surface.triangles) {
     file += '\3';
     append_numbers(file, triangle);
   }
+
   return file;
 }
 
 std::string stl_file(const Surface& surface) {
+  // A header of 80 bytes, and the number of triangles.
   std::string file = "slipstream, camera frame, mm";
   file.resize(80);
   append_numbers(file, static_cast<std::uint32_t>(surface.triangles.size()));
+
+  // The normal, the corners and an unused word.
   for (const auto& [a, b, c] : surface.triangles) {
     const Eigen::Vector3f &first = surface.vertices[a], &second = surface.vertices[b],
                           &third = surface.vertices[c];
     append_numbers(file, (second - first).cross(third - first).normalized().eval(), first, second,
                    third, std::uint16_t{0});
   }
+
   return file;
 }
 
 std::string obj_file(const Surface& surface, const std::string& materials) {
   std::string file =
       fmt::format("# slipstream, camera frame, mm\nmtllib {}\nusemtl camera\n", materials);
+
   const auto out = std::back_inserter(file);
+
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
     const Eigen::Vector3f& at = surface.vertices[i];
     const float share = surface.intensity[i] / 255;
     fmt::format_to(out, "v {:.6f} {:.6f} {:.6f} {:.5f} {:.5f} {:.5f}\n", at.x(), at.y(), at.z(),
                    share, share, share);
   }
+
+  // OBJ measures the texture from the bottom.
   for (const Eigen::Vector2f& at : surface.texture) {
     fmt::format_to(out, "vt {:.7f} {:.7f}\n", at.x(), 1 - at.y());
   }
+
+  // Vertices and texture coordinates are counted from 1 and have the same numbers.
   for (const auto& [a, b, c] : surface.triangles) {
     fmt::format_to(out, "f {0}/{0} {1}/{1} {2}/{2}\n", a + 1, b + 1, c + 1);
   }
+
   return file;
 }
 
 void write_obj(const fs::path& path, const Surface& surface) {
   const std::vector<fs::path> beside = files_beside(path);
   const std::string picture = beside[0].filename().string();
+
   OutputFile texture(beside[0]), materials(beside[1]), object(path);
   texture.write({png_file_of(surface.picture)});
   materials.write(
       {bytes_of(fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", picture))});
   object.write({bytes_of(obj_file(surface, beside[1].filename().string()))});
+
   OutputFile::keep_together({&texture, &materials, &object});
 }
 
@@ -92,6 +110,7 @@ constexpr std::size_t glb_header = 12, chunk_header = 8;
 Eigen::Vector3f to_gltf(const Eigen::Vector3f& point) {
   return Eigen::Vector3f(point.x(), -point.y(), -point.z()) / 1000;
 }
+
 /// The binary part of the file, and its buffer views.
 struct Binary {
   std::string bytes;
@@ -101,8 +120,11 @@ struct Binary {
   std::size_t append(const void* data, std::size_t size, int target = 0) {
     views.push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", size}});
     if (target != 0) views.back()["target"] = target;
+
+    // glTF requires views that begin at a multiple of four bytes.
     bytes.append(static_cast<const char*>(data), size);
     bytes.resize((bytes.size() + 3) / 4 * 4);
+
     return views.size() - 1;
   }
 
@@ -118,8 +140,11 @@ struct Binary {
 json positions_of(const Surface& surface, Binary& binary) {
   std::vector<Eigen::Vector3f> positions(surface.vertices.size());
   std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(), to_gltf);
+
+  // glTF requires the bounds of positions.
   Eigen::AlignedBox3f bounds;
   for (const Eigen::Vector3f& position : positions) bounds.extend(position);
+
   json accessor = binary.accessor(positions, "VEC3", float32, vertex_buffer);
   accessor["min"] = {bounds.min().x(), bounds.min().y(), bounds.min().z()};
   accessor["max"] = {bounds.max().x(), bounds.max().y(), bounds.max().z()};
@@ -127,14 +152,19 @@ json positions_of(const Surface& surface, Binary& binary) {
 }
 
 json document_of(const Surface& surface, Binary& binary) {
+  // 1. The numbers, in the order in which the mesh below refers to them: 0 to 3.
   const json accessors{
       positions_of(surface, binary),
       binary.accessor(surface.texture, "VEC2", float32, vertex_buffer),
       binary.accessor(surface.intensity, "SCALAR", float32, vertex_buffer),
       binary.accessor(surface.triangles, "SCALAR", uint32, index_buffer),
   };
+
+  // 2. The texture, as a PNG.
   const std::vector<std::uint8_t> picture = png_file_of(surface.picture);
   const std::size_t picture_view = binary.append(picture.data(), picture.size());
+
+  // 3. The scene of one mesh. A rough surface without metal shows the texture as it is.
   return {
       {"asset", {{"version", "2.0"}, {"generator", "slipstream"}}},
       {"scene", 0},
@@ -188,15 +218,20 @@ std::vector<std::array<float, components>> numbers_of(const json& document, cons
                                                       std::span<const std::uint8_t> binary) {
   const json& accessor = document.at("accessors").at(count_of(accessor_at));
   const json& view = document.at("bufferViews").at(count_of(accessor.at("bufferView")));
+
   throw_if(accessor.at("componentType") != float32 || view.contains("byteStride"),
            "its vertices are not contiguous 32-bit float");
+
+  // The count is checked against the file before memory is allocated.
   std::vector<std::array<float, components>> numbers;
   const std::size_t count = count_of(accessor.at("count"));
   if (count > binary.size() / sizeof(numbers[0])) throw Error("it is truncated");
   numbers.resize(count);
+
   const auto offset_in = [](const json& of) { return count_of(of.value("byteOffset", json(0U))); };
   const auto of_view = part(binary, offset_in(view), count_of(view.at("byteLength")));
   const auto bytes = part(of_view, offset_in(accessor), count * sizeof(numbers[0]));
+
   if (count > 0) std::memcpy(numbers.data(), bytes.data(), bytes.size());
   return numbers;
 }
@@ -207,29 +242,36 @@ StoredPoints points_in(const json& document, std::span<const std::uint8_t> binar
     for (const json& primitive : mesh.at("primitives")) {
       const json& attributes = primitive.at("attributes");
       const auto positions = numbers_of<3>(document, attributes.at("POSITION"), binary);
+
       std::vector<std::array<float, 1>> intensity;
       if (attributes.contains("_INTENSITY")) {
         intensity = numbers_of<1>(document, attributes["_INTENSITY"], binary);
       }
       intensity.resize(positions.size());
+
       for (std::size_t i = 0; i < positions.size(); ++i) {
         const auto& [x, y, z] = positions[i];
+        // The reverse of to_gltf.
         stored.points.push_back({1000.0 * x, -1000.0 * y, -1000.0 * z, intensity[i][0]});
       }
     }
   }
+
   return stored;
 }
 
 std::string glb_file(const Surface& surface) {
+  // Chunks are padded to four bytes: the text with blanks, the numbers with zeros.
   Binary binary;
   std::string text = document_of(surface, binary).dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
+
   std::string file;
   const auto size_of = [](std::size_t bytes) { return static_cast<std::uint32_t>(bytes); };
   append_numbers(file, glb_magic, version,
                  size_of(glb_header + 2 * chunk_header + text.size() + binary.bytes.size()),
                  size_of(text.size()), json_chunk);
+
   file += text;
   append_numbers(file, size_of(binary.bytes.size()), binary_chunk);
   return file + binary.bytes;
@@ -240,9 +282,11 @@ std::string glb_file(const Surface& surface) {
 StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t header = 80, first = header + 4, of_triangle = 50, of_vector = 12;
   if (bytes.size() < first) throw Error("it is truncated");
+
   const auto count = number_at<std::uint32_t>(bytes, header);
   throw_if(bytes.size() - first != count * of_triangle,
            "its length does not match a binary STL with its number of triangles");
+
   std::vector<std::array<float, 3>> corners;
   for (std::size_t at = first; at < bytes.size(); at += of_triangle) {
     for (std::size_t k = 1; k < 4; ++k) {  // the first vector is the normal
@@ -250,10 +294,14 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
       if (std::isfinite(corner[0] + corner[1] + corner[2])) corners.push_back(corner);
     }
   }
+
+  // Neighbouring triangles share corners.
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+
   StoredPoints stored;
   for (const auto& [x, y, z] : corners) stored.points.push_back({.x = x, .y = y, .z = z});
+
   return stored;
 }
 
@@ -263,19 +311,23 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;
   std::string warning, error;
+
   constexpr bool triangulate = true, white_where_no_colour = false;
   throw_if(!tinyobj::LoadObj(&attributes, &shapes, &materials, &warning, &error, &stream, nullptr,
                              triangulate, white_where_no_colour),
            "it is not an OBJ file");
+
   StoredPoints stored;
   const auto& at = attributes.vertices;
   const bool coloured = attributes.colors.size() == at.size();
+
   for (std::size_t i = 0; i + 2 < at.size(); i += 3) {
     stored.points.push_back({.x = at[i],
                              .y = at[i + 1],
                              .z = at[i + 2],
                              .intensity = coloured ? 255 * attributes.colors[i + 1] : 0});
   }
+
   for (const tinyobj::shape_t& shape : shapes) {
     const auto& corners = shape.mesh.indices;
     for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
@@ -283,12 +335,14 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
           {corners[i].vertex_index, corners[i + 1].vertex_index, corners[i + 2].vertex_index});
     }
   }
+
   return stored;
 }
 
 StoredPoints glb_points(std::span<const std::uint8_t> bytes) {
   throw_if(count_at(bytes, 0) != glb_magic || count_at(bytes, 4) != version,
            "it is not binary glTF 2.0");
+
   const auto text = chunk(bytes, glb_header, json_chunk);
   try {
     return points_in(json::parse(text.begin(), text.end()),
@@ -312,8 +366,10 @@ void write_surface(const fs::path& path, const Surface& surface) {
   require_mesh_ending(path);
   throw_if(surface.triangles.empty(), "{}: no neighbouring points to make a mesh of",
            path.string());
+
   const std::string extension = lower_case_extension(path);
   if (extension == ".obj") return write_obj(path, surface);
+
   write_file(path, extension == ".ply"   ? ply_file(surface)
                    : extension == ".stl" ? stl_file(surface)
                                          : glb_file(surface));

@@ -41,6 +41,7 @@ std::optional<std::uint32_t> next_number(std::string_view& text) {
   while (!text.empty() && !std::isdigit(static_cast<unsigned char>(text[0]))) {
     text.remove_prefix(text[0] == '#' ? std::min(text.find('\n'), text.size()) : 1);
   }
+
   const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
   const auto number = number_in<std::uint32_t>(text.substr(0, digits));
   text.remove_prefix(digits);
@@ -53,6 +54,7 @@ using Decoder = std::unique_ptr<void, int (*)(tjhandle)>;
 Size size_in(Bytes bytes, const Decoder& decoder) {
   Size size;
   int sampling = 0, colours = 0;
+
   const int failed = tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &size.width,
                                          &size.height, &sampling, &colours);
   return failed == 0 ? size : Size{};
@@ -68,31 +70,43 @@ Picture read_bmp(Bytes bytes, std::size_t frames) {
     throw_if(!good, "not a complete BMP file{}", why);
   };
   require(bytes.size() >= bmp_header, "");
+
+  // 1. The header: places of the pixels, size and bits.
   const auto number = [&](std::size_t at) { return number_at<std::uint32_t>(bytes, at); };
   const std::size_t pixels = number(10), header = number(14);
   const auto height = static_cast<std::int32_t>(number(22));  // negative: top row first
   const std::uint32_t columns = number(18), bits = number_at<std::uint16_t>(bytes, 28);
   const auto rows = static_cast<std::uint64_t>(std::abs(std::int64_t{height}));
+
   require_readable(columns * rows, frames);
   require(header >= 40, ": unsupported header");
+
   constexpr std::uint32_t none = 0, by_masks = 3;  // of 32 bits, as a rule of blue, green and red
   require((bits == 8 || bits == 24 || bits == 32) && (number(30) == none || number(30) == by_masks),
           ": expected uncompressed pixels of 8, 24 or 32 bits");
+
   const std::size_t line = bmp_line(columns, bits);
   require(
       columns >= 1 && rows >= 1 && pixels <= bytes.size() && (bytes.size() - pixels) / line >= rows,
       ": truncated");
+
+  // 2. The palette, which follows the header.
   const std::size_t palette = 14 + header;
   const bool has_palette = bits == 8 && palette <= pixels;
   const Bytes colours = has_palette ? bytes.subspan(palette, pixels - palette) : Bytes{};
   const int channels = bits == 8 && (!has_palette || is_grey(colours)) ? 1 : 3;
+
+  // 3. The pixels, stored from the bottom row to the top unless the height is negative.
   const Size size{static_cast<int>(columns), static_cast<int>(rows)};
   Picture picture({size, channels});
+
   for (int row = 0; row < size.height; ++row) {
     const auto stored = static_cast<std::size_t>(height < 0 ? row : size.height - 1 - row);
     const std::uint8_t* from = bytes.data() + pixels + stored * line;
     std::uint8_t* to = picture.row(row);
+
     for (int column = 0; column < size.width; ++column, from += bits / 8, to += channels) {
+      // Colours are stored as blue, green, red; levels beyond the palette are black.
       const std::size_t colour = 4 * std::size_t{*from};
       if (channels == 1) {
         *to = *from;
@@ -105,22 +119,29 @@ Picture read_bmp(Bytes bytes, std::size_t frames) {
       }
     }
   }
+
   return picture;
 }
 
 std::vector<std::uint8_t> bmp_file_of(const PictureView& picture) {
   if (picture.kind.bits != 8) return {};
+
   const auto channels = static_cast<std::uint32_t>(picture.kind.channels);
   const std::uint32_t palette = channels == 1 ? 256 : 0, bits = 8 * channels;
   const std::uint32_t first = bmp_header + 4 * palette;
+
   const auto [width, height] = picture.kind.size;
   const std::size_t line = bmp_line(static_cast<std::uint64_t>(width), bits);
   const auto size = static_cast<std::uint32_t>(line * static_cast<std::size_t>(height));
+
+  // The file header of 14 bytes, the picture header of 40, and a grey palette.
   std::vector<std::uint8_t> bytes{'B', 'M'};
   append_numbers(bytes, first + size, 0U, first, 40U, width, height, std::uint16_t{1},
                  static_cast<std::uint16_t>(bits), 0U, size, 0U, 0U, palette, 0U);
   for (std::uint32_t level = 0; level < palette; ++level) append_numbers(bytes, level * 0x010101U);
+
   bytes.resize(first + size);
+
   for (int row = 0; row < height; ++row) {
     std::uint8_t* to = &bytes[first + static_cast<std::size_t>(height - 1 - row) * line];
     const std::uint8_t* pixel = picture.row(row);
@@ -128,30 +149,40 @@ std::vector<std::uint8_t> bmp_file_of(const PictureView& picture) {
       to = std::reverse_copy(pixel, pixel + channels, to);
     }
   }
+
   return bytes;
 }
 
 Picture read_pgm(Bytes bytes, std::size_t frames) {
+  // 1. The header: the kind, three numbers and one blank.
   std::string_view text = text_in(bytes);
   const char kind = text.size() > 1 ? text[1] : '\0';
   throw_if(kind == '1' || kind == '4', "a picture of one bit per pixel; expected grey levels");
   text.remove_prefix(std::min<std::size_t>(2, text.size()));
+
   const std::uint64_t columns = next_number(text).value_or(0), rows = next_number(text).value_or(0);
   const std::uint32_t levels = next_number(text).value_or(0);
   require_readable(columns * rows, frames);
+
   const bool binary = kind == '5' || kind == '6', coloured = kind == '3' || kind == '6';
   throw_if(columns * rows < 1 || levels < 1 || levels > 65535 || text.empty(),
            "not a complete PGM file");
   text.remove_prefix(1);
+
+  // 2. The size of the picture, checked against the file's before memory is allocated.
   const int bytes_each = levels > 255 ? 2 : 1;
   const PictureKind of{
       {static_cast<int>(columns), static_cast<int>(rows)}, coloured ? 3 : 1, 8 * bytes_each};
   const std::size_t numbers = columns * rows * (coloured ? 3 : 1);
+
   // In ASCII, each number takes at least two characters, except the last.
   throw_if(text.size() < (binary ? rows * of.row_bytes() : 2 * numbers - 1),
            "not a complete PGM file: truncated");
+
+  // 3. The levels, in ASCII or binary.
   Picture picture(of);
   picture.used_bits = std::max(8, static_cast<int>(std::bit_width(levels)));
+
   std::uint8_t* to = picture.row(0);
   for (std::size_t n = 0; n < numbers; ++n, to += bytes_each) {
     if (binary) {  // most significant first
@@ -161,29 +192,35 @@ Picture read_pgm(Bytes bytes, std::size_t frames) {
                "has a level above its highest, {}", levels);
       continue;
     }
+
     const auto number = next_number(text);
     if (!number || *number > levels) throw Error("not a complete PGM file: truncated");
     for (int i = 0; i < bytes_each; ++i) to[i] = static_cast<std::uint8_t>(*number >> (8 * i));
   }
+
   return picture;
 }
 
 std::vector<std::uint8_t> pgm_file_of(const PictureView& picture) {
   const auto& [size, channels, bits] = picture.kind;
   if (picture.kind.real() || channels != 1) return {};
+
   const std::string header =
       fmt::format("P5\n{} {}\n{}\n", size.width, size.height, bits == 8 ? 255 : 65535);
   std::vector<std::uint8_t> bytes(header.begin(), header.end());
+
   for (int row = 0; row < size.height; ++row) {
     const std::uint8_t* const line = picture.row(row);
     for (std::size_t i = 0; i < picture.kind.row_bytes(); ++i) {
       bytes.push_back(line[bits == 8 ? i : i ^ 1]);  // most significant first
     }
   }
+
   return bytes;
 }
 
 Picture read_npy(Bytes bytes) {
+  // 1. The header: a Python dictionary in the form that numpy.save writes.
   constexpr std::size_t longest_header = 1024;
   const std::string_view text = text_in(bytes);
   throw_if(text.size() < npy_preamble || !text.starts_with(npy_magic),
@@ -191,27 +228,36 @@ Picture read_npy(Bytes bytes) {
   const auto length = number_at<std::uint16_t>(bytes, npy_magic.size());
   throw_if(length > longest_header || text.size() < npy_preamble + length,
            "not a complete NumPy file");
+
   const std::string header(text.substr(npy_preamble, length));
   char size = '\0';
   int rows = 0, columns = 0, end = 0;
   std::sscanf(header.c_str(),
               "{'descr': '<f%c', 'fortran_order': False, 'shape': (%9d, %9d), }%n",  // NOLINT
               &size, &rows, &columns, &end);
+
   const bool ends = end > 0 && header.ends_with('\n') &&
                     header.find_first_not_of(' ', static_cast<std::size_t>(end)) == length - 1U;
   throw_if((size != '4' && size != '8') || !ends,
            "not rows x columns of little-endian float32 or float64; convert it with "
            "numpy.ascontiguousarray(map, dtype='<f4')");
+
+  // 2. The size.
   const std::int64_t pixels = rows < 0 || columns < 0 ? 0 : std::int64_t{rows} * columns;
   throw_if(pixels == 0 || pixels > static_cast<std::int64_t>(largest_picture),
            "declares {} pixels; expected 1 to {}", pixels, largest_picture);
+
   const Bytes numbers = bytes.subspan(npy_preamble + length);
   const PictureKind kind{{columns, rows}, 1, size == '4' ? 32 : 64};
   const std::size_t wanted = kind.row_bytes() * static_cast<std::size_t>(rows);
+
   throw_if(numbers.size() != wanted, "has {} bytes of numbers; its shape requires {}",
            numbers.size(), wanted);
+
+  // 3. The numbers.
   Picture picture(kind);
   std::memcpy(picture.row(0), numbers.data(), wanted);
+
   return picture;
 }
 
@@ -219,14 +265,18 @@ std::vector<std::uint8_t> npy_file_of(const PictureView& picture) {
   std::string header =
       fmt::format("{{'descr': '<f{}', 'fortran_order': False, 'shape': ({}, {}), }}",
                   picture.kind.bits / 8, picture.kind.size.height, picture.kind.size.width);
+
   constexpr std::size_t block = 64;  // the preamble is padded to a multiple of this
   header.append(block - 1 - (npy_preamble + header.size()) % block, ' ').push_back('\n');
+
   std::vector<std::uint8_t> bytes(npy_magic.begin(), npy_magic.end());
   append_numbers(bytes, static_cast<std::uint16_t>(header.size()));
   bytes.insert(bytes.end(), header.begin(), header.end());
+
   for (int row = 0; row < picture.kind.size.height; ++row) {
     bytes.insert(bytes.end(), picture.row(row), picture.row(row) + picture.kind.row_bytes());
   }
+
   return bytes;
 }
 
@@ -242,6 +292,7 @@ Picture read_jpeg(Bytes bytes, std::size_t frames) {
   const Size size = size_in(bytes, Decoder(tjInitDecompress(), tjDestroy));
   require_readable(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),
                    frames);
+
   Picture picture({size});
   picture.lossy = true;
   throw_if(size == Size{} || !decode_jpeg(bytes, std::get<Image<std::uint8_t>>(picture.samples)),

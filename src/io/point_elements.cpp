@@ -11,8 +11,10 @@ namespace {
 std::vector<double> read_property(const PointProperty& property, NumberReader& reader) {
   const double count = property.count_type ? reader.number(*property.count_type)
                                            : static_cast<double>(property.count);
+
   throw_if(!(count >= 0 && count <= static_cast<double>(reader.left().size())),
            "a list of {} numbers is longer than the file", count);
+
   std::vector<double> numbers;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     numbers.push_back(reader.number(property.type));
@@ -37,6 +39,7 @@ double luminance_of_packed(double number) {
   const auto rgb = size >= 1 && size < 0x1p32
                        ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number))
                        : std::bit_cast<std::uint32_t>(static_cast<float>(number));
+
   return weights[0] * (rgb >> 16 & 255U) + weights[1] * (rgb >> 8 & 255U) +
          weights[2] * (rgb & 255U);
 }
@@ -57,6 +60,8 @@ Target target_of(const PointProperty& property) {
       {"sigma_x", {&StoredPoint::sigma_x}},
       {"sigma_y", {&StoredPoint::sigma_y}},
       {"sigma_z", {&StoredPoint::sigma_z}}};
+
+  // A list or several numbers have no target.
   const auto found = targets.find(property.name);
   const bool one = !property.count_type && property.count == 1;
   return found == targets.end() || !one ? Target{} : found->second;
@@ -66,14 +71,19 @@ Target target_of(const PointProperty& property) {
 std::vector<Target> targets_of(const PointElement& element) {
   std::vector<Target> targets;
   bool has_intensity = false;
+
   for (const PointProperty& property : element.properties) {
     targets.push_back(target_of(property));
+
+    // Colours have a share below 1.
     const Target& target = targets.back();
     has_intensity |= target.field == &StoredPoint::intensity && target.share == 1;
   }
+
   for (Target& target : targets) {
     if (has_intensity && target.share != 1) target = {};
   }
+
   return targets;
 }
 
@@ -90,6 +100,7 @@ std::vector<std::string_view> words_of(std::string_view line, const char* separa
   while (true) {
     const std::size_t start = line.find_first_not_of(separators);
     if (start == std::string_view::npos) return words;
+
     line.remove_prefix(start);
     words.push_back(line.substr(0, line.find_first_of(separators)));
     line.remove_prefix(words.back().size());
@@ -103,13 +114,17 @@ std::size_t count_from(std::string_view text) {
 
 void read_element(const PointElement& element, NumberReader& reader, StoredPoints& stored) {
   if (element.properties.empty()) return;
+
   const std::vector<Target> targets = targets_of(element);
   const bool vertices = element.name == "vertex";
+
   const auto lacks = [&](double StoredPoint::*field) {
     return std::ranges::count(targets, field, &Target::field) == 0;
   };
+
   throw_if(vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z)),
            "its points have no x, y and z");
+
   for (std::size_t i = 0; i < element.count; ++i) {
     StoredPoint point;
     for (std::size_t k = 0; k < targets.size(); ++k) {
@@ -117,6 +132,7 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
       if (const auto [field, share, packed] = targets[k]; field != nullptr) {
         point.*field += packed ? luminance_of_packed(numbers[0]) : share * numbers[0];
       }
+
       const std::string& name = element.properties[k].name;
       const bool is_face = name == "vertex_indices" || name == "vertex_index";
       for (std::size_t n = 2; is_face && n < numbers.size(); ++n) {  // triangle fan
@@ -124,8 +140,10 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
             {index_from(numbers[0]), index_from(numbers[n - 1]), index_from(numbers[n])});
       }
     }
+
     if (vertices) stored.points.push_back(point);
   }
+
   stored.has_sigma |= vertices && !lacks(&StoredPoint::sigma_z);
 }
 

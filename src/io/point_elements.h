@@ -46,6 +46,7 @@ class NumberReader {
 
   std::string_view line() {
     if (text_.empty()) throw Error("it ends within its header");
+
     std::string_view line = take_until(text_, '\n');
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
@@ -53,6 +54,7 @@ class NumberReader {
 
   double number(NumberType type) {
     if (ascii_) return ascii_number();
+
     using R = NumberReader;  // in the order of NumberType
     static constexpr std::array<double (R::*)(), 10> by_type{
         &R::binary_number<std::int8_t>,  &R::binary_number<std::uint8_t>,
@@ -60,6 +62,7 @@ class NumberReader {
         &R::binary_number<std::int32_t>, &R::binary_number<std::uint32_t>,
         &R::binary_number<float>,        &R::binary_number<double>,
         &R::binary_number<std::int64_t>, &R::binary_number<std::uint64_t>};
+
     return (this->*by_type[static_cast<std::size_t>(type)])();
   }
 
@@ -67,8 +70,10 @@ class NumberReader {
   template <class Stored>
   double binary_number() {
     if (text_.size() < sizeof(Stored)) throw Error("it is truncated");
+
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(text_.data()), sizeof(Stored));
     text_.remove_prefix(sizeof(Stored));
+
     return static_cast<double>(big_endian_ ? number_at<Stored, std::endian::big>(bytes, 0)
                                            : number_at<Stored>(bytes, 0));
   }
@@ -77,9 +82,11 @@ class NumberReader {
     const std::size_t start = text_.find_first_not_of(" \t\r\n");
     if (start == std::string_view::npos) throw Error("it is truncated");
     text_.remove_prefix(start);
+
     const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
     const auto number = number_in<double>(word);
     throw_if(!number, "'{}' is not a number", word.substr(0, 20));
+
     text_.remove_prefix(word.size());
     return *number;
   }
@@ -123,8 +130,10 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes);
 
 /// The corners of the triangles of a binary STL file, each once, in unspecified order.
 StoredPoints stl_points(std::span<const std::uint8_t> bytes);
+
 /// The vertices and faces of an OBJ file; the intensity is the colours' luminance.
 StoredPoints obj_points(std::span<const std::uint8_t> bytes);
+
 /// The vertices of a binary glTF 2.0 file, in the camera's frame.
 StoredPoints glb_points(std::span<const std::uint8_t> bytes);
 

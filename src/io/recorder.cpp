@@ -13,24 +13,31 @@ namespace slipstream {
 FileLimit file_limit_from(const std::string& text) {
   static const std::map<std::string, double> sizes{{"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}},
       times{{"s", 1}, {"min", 60}, {"h", 3600}};
+
   std::smatch parts;
   const bool fits = std::regex_match(text, parts, std::regex("([0-9.]+)([A-Za-z]+)(,ring)?"));
   const std::string unit = parts[2].str();
   const double number = number_in<double>(parts[1].str()).value_or(0);
+
   throw_if(!fits || !(number > 0 && number <= 1e6) || sizes.count(unit) + times.count(unit) == 0,
            "--limit '{}': expected a size or time, e.g. 500MB, 20GB, 90s, 10min or 20GB,ring",
            text);
+
   FileLimit limit{.ring = parts[3].matched};
   if (times.contains(unit)) limit.seconds = number * times.at(unit);
   if (sizes.contains(unit)) limit.bytes = static_cast<std::uint64_t>(number * sizes.at(unit));
+
   return limit;
 }
 
 LimitedFile::LimitedFile(const std::filesystem::path& file, const FileLimit& limit)
     : path(file), limit_(limit) {
   if (!limit_.ring) return;
+
+  // A ring keeps two files, so each gets half the limit.
   limit_.bytes /= 2;
   limit_.seconds /= 2;
+
   const std::string name = path.stem().string() + "-before" + path.extension().string();
   before_ = free_path(path.parent_path() / name);
 }
@@ -42,6 +49,7 @@ bool LimitedFile::is_full(std::uint64_t bytes) const {
 
 bool LimitedFile::goes_on() {
   if (!limit_.ring) return false;
+
   std::filesystem::rename(path, before_);
   begun_ = std::chrono::steady_clock::now();
   return true;
@@ -75,17 +83,23 @@ bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
   std::unique_lock lock(mutex_);
   room_.wait_for(lock, patience, [&] { return status_.ended || (kept = pool_.take()); });
   if (status_.ended) return false;
+
   if (!kept) {
     ++status_.lost;
     return false;
   }
+
+  // Copies the pixels without the mutex: only this thread uses `kept`.
   lock.unlock();
   kept.fill() = frame;
+
   lock.lock();
   if (status_.ended) return false;
+
   waiting_.push_back(std::move(kept));
   lock.unlock();
   changed_.notify_one();
+
   return true;
 }
 
@@ -94,8 +108,11 @@ void Recorder::finish() {
     const std::lock_guard lock(mutex_);
     status_.ended = true;
   }
+
+  // The thread first writes the frames that wait.
   changed_.notify_one();
   if (thread_.joinable()) thread_.join();
+
   if (const std::string reason = status().error; !reason.empty()) throw WorldError(reason);
 }
 
@@ -108,11 +125,15 @@ Recorder::Status Recorder::status() const {
 bool Recorder::end_at_limit() {
   writer_->finish();
   writer_.reset();
+
   const bool goes_on = file_.goes_on();
   if (goes_on) writer_.emplace(file_.path, header_);
+
   const std::lock_guard lock(mutex_);
   status_.limited = file_.message();
   if (goes_on) return true;
+
+  // No new file: releases a thread that waits for room.
   status_.ended = true;
   waiting_.clear();
   room_.notify_one();
@@ -124,15 +145,19 @@ void Recorder::write_all() {
   try {
     while (true) {
       taken.clear();
+
+      // Takes all waiting frames at once, to keep the mutex only briefly.
       {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return !waiting_.empty() || status_.ended; });
         if (waiting_.empty()) break;
         taken.swap(waiting_);
       }
+
       for (Pooled<Frame>& frame : taken) {
         const std::uint64_t with_this = writer_->size_of(writer_->count() + 1);
         if (writer_->count() > 0 && file_.is_full(with_this) && !end_at_limit()) break;
+
         writer_->append(*frame);
         {
           // Frees its memory for the next frame. Under the mutex: otherwise a thread that has found
@@ -141,9 +166,11 @@ void Recorder::write_all() {
           ++status_.written;
           frame = {};
         }
+
         room_.notify_one();
       }
     }
+
     if (writer_) writer_->finish();
   } catch (const std::exception& failure) {
     const std::lock_guard lock(mutex_);

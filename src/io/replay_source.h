@@ -29,17 +29,21 @@ class ReplaySource : public FrameSource {
 
   /// Format, strategy and scanner of the recording or folder.
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
+
   /// "PATH: was interrupted; ..." if the recording is incomplete; otherwise empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
   [[nodiscard]] FrameFormat format() const override { return header_.format; }
   [[nodiscard]] bool has_own_pace() const override { return paced_; }
+
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override {}
+
   [[nodiscard]] SourceCounters counters() const override {
     return {.delivered = delivered_, .lost = damaged_};
   }
+
   [[nodiscard]] std::string state() const override { return {}; }
 
  private:
@@ -47,16 +51,20 @@ class ReplaySource : public FrameSource {
   void open_folder(const std::filesystem::path& folder);
   void open_pictures(const ScanFiles& files);
   void measure_round(const std::filesystem::path& path);
+
   /// Frame `index` with its original stamp; returns false if it is damaged.
   bool read(std::uint64_t index, Frame& frame) const;
+
   /// Reads the next frame into `ahead_`, stamped for this round; returns false at the end.
   bool read_ahead();
+
   [[nodiscard]] std::chrono::steady_clock::time_point due() const;
 
   ReplaySettings settings_;
   RecordingHeader header_;
   std::string warning_;
   bool paced_ = false;
+
   std::unique_ptr<RecordingReader> reader_;
   std::vector<Frame> frames_;                    ///< of a scan folder of one cycle
   std::vector<std::filesystem::path> pictures_;  ///< of a folder of more, read when due

@@ -53,13 +53,18 @@ fs::path identity(const fs::path& path) {
 /// Whether the output, its placeholders filled, may be that file.
 bool may_become(const fs::path& output, const fs::path& file) {
   if (output.extension() != file.extension()) return false;
+
+  // The output's name as a shell pattern: its own special characters are escaped, its placeholders
+  // become wildcards.
   std::string pattern;
   for (const char c : output.string()) {
     if (std::strchr("*?[\\", c) != nullptr) pattern += '\\';
     pattern += c;
   }
+
   replace_all(pattern, "{name}", "*");
   replace_all(pattern, "{window}", "[0-9][0-9][0-9][0-9][0-9][0-9]");
+
   return ::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0;
 }
 
@@ -72,11 +77,14 @@ ListedScans listed_from(std::string_view line) {
   ListedScans scans{.path = std::string(take_until(line, '\t'))};
   const std::string_view windows = take_until(line, '\t');
   if (!windows.empty()) scans.windows = window_range_from(windows);
+
   const auto cost = number_from(take_until(line, '\t'), 0),
              shard = number_from(take_until(line, '\t'), 0);
+
   constexpr std::uint64_t exact = std::uint64_t{1} << 53;  // in a double
   throw_if(scans.path.empty() || !cost || *cost > exact || !shard || !line.empty(),
            "expected PATH, A:B, COST and SHARD separated by tabs");
+
   scans.cost = *cost;
   scans.shard = *shard;
   return scans;
@@ -119,9 +127,11 @@ std::string text_of(const ScanName& scan) {
 }
 
 ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan) {
+  // The folder's name without a trailing slash, or the recording's without its ending.
   const fs::path folder = scan.path;
   const fs::path whole = fs::absolute(folder / "").parent_path();
   const std::string name = (fs::is_directory(whole) ? whole.filename() : whole.stem()).string();
+
   ResultFiles filled = files;
   for (const NamedFile& file : all_files) {
     replace_all(filled.*file.path, "{name}", name);
@@ -133,10 +143,13 @@ ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan) {
 void require_writable(const ResultFiles& files, const std::vector<ScanName>& scans) {
   if (!files.cloud.empty()) require_cloud_ending(files.cloud);
   if (!files.mesh.empty()) require_mesh_ending(files.mesh);
+
+  // Windows of one scan follow each other; their path is one input.
   DistinctFiles distinct;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (i == 0 || scans[i].path != scans[i - 1].path) distinct.add_input(scans[i].path);
   }
+
   for (const ScanName& scan : scans) {
     for (const auto& [name, path] : files_of_scan(files, scan).named()) distinct.add_output(path);
   }
@@ -147,20 +160,24 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
   if (!files.cloud.empty()) write_cloud(files.cloud, cloud, extras);
   if (!files.mesh.empty()) write_surface(files.mesh, surface_of(cloud));
   if (!files.depth.empty()) write_map(files.depth, cloud.z);
+
   for (const auto& [name, path, map] : all_files) {
     if (map != nullptr && !(files.*path).empty()) write_map(files.*path, maps.*map);
   }
+
   if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
 }
 
 void DistinctFiles::add_input(const fs::path& path, int levels) {
   std::error_code unknown;
   if (!inputs_.insert(identity(path)).second || !fs::is_directory(path, unknown)) return;
+
   ScanFiles scan;
   try {
     const fs::path description = path / "scan.yaml";
     inputs_.insert(identity(description));
     picture_folders_.insert(identity(path / "truth"));
+
     if (fs::exists(description, unknown)) {
       scan = read_scan_files(description);
     } else {
@@ -175,6 +192,8 @@ void DistinctFiles::add_input(const fs::path& path, int levels) {
     }
     return;
   }
+
+  // Every file that the scan reads is an input.
   for (const fs::path& frame : scan.frames) inputs_.insert(identity(file_of_page(frame)));
   if (scan.white) inputs_.insert(identity(*scan.white));
   if (scan.scanner) add_scanner(*scan.scanner);
@@ -183,18 +202,22 @@ void DistinctFiles::add_input(const fs::path& path, int levels) {
 
 void DistinctFiles::add_output(const fs::path& path) {
   if (path.empty()) return;
+
   const fs::path file = identity(path);
   const bool fills = file.string().find('{') != std::string::npos;
   const auto fills_to = [&](const fs::path& input) { return may_become(file, input); };
+
   throw_if(inputs_.contains(file) || (fills && std::ranges::any_of(inputs_, fills_to)),
            "{}: is an input and would be overwritten; use another name", path.string());
   throw_if(is_image_file(file) && picture_folders_.contains(file.parent_path()),
            "{}: is an input, as all pictures in that folder are; use another folder",
            path.string());
+
   throw_if(!outputs_.insert(file).second,
            "{}: two outputs would be written to it; use different names, such as with {{name}} for "
            "several scans",
            path.string());
+
   for (const fs::path& beside : files_beside(path)) add_output(beside);
 }
 
@@ -204,6 +227,7 @@ void DistinctFiles::add_output_folder(const fs::path& path) {
     return input.parent_path() == folder &&
            (is_image_file(input) || input.filename() == "scanner.yaml");
   };
+
   throw_if(inputs_.contains(folder) || std::ranges::any_of(inputs_, clashes),
            "{}: holds inputs that would be overwritten; use another folder", path.string());
 }
@@ -211,6 +235,7 @@ void DistinctFiles::add_output_folder(const fs::path& path) {
 void DistinctFiles::add_scanner(const fs::path& path) {
   const std::vector<fs::path> files = scanner_files(path);
   if (files.size() == 1) scanners_.insert(identity(path));
+
   for (const fs::path& file : files) add_input(file);
 }
 
@@ -221,10 +246,14 @@ void DistinctFiles::add_scanner_output(const fs::path& path) {
 WindowRange window_range_from(std::string_view text) {
   std::string_view rest = text;
   const auto first = number_from(take_until(rest, ':'), 0);
+
+  // A number without a colon is one window.
   const bool is_one = text.find(':') == std::string_view::npos;
   const auto end = is_one && first ? *first + 1 : number_from(rest, WindowRange::last);
+
   throw_if(text.empty() || !first || !end || *end <= *first,
            "'{}': expected a range of windows A:B, e.g. 0:100, 100: or :", text);
+
   return {*first, *end};
 }
 
@@ -233,6 +262,7 @@ std::vector<ListedScans> scan_list_from(std::string_view text, const std::string
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_until(text, '\n');
     if (line.empty()) continue;
+
     naming(fmt::format("{}: line {}", name, number), [&] { scans.push_back(listed_from(line)); });
   }
   return scans;
@@ -243,9 +273,11 @@ std::string text_of(const std::vector<ListedScans>& scans) {
   for (const auto& [path, windows, cost, shard] : scans) {
     throw_if(path.find_first_of("\t\n") != std::string::npos,
              "{}: a name in a list must not contain a tab or a line break", path);
+
     std::string range;
     if (windows) range = fmt::format("{}:", windows->first);
     if (windows && windows->end != WindowRange::last) range += std::to_string(windows->end);
+
     text += fmt::format("{}\t{}\t{}\t{}\n", path, range, cost, shard);
   }
   return text;
@@ -253,6 +285,8 @@ std::string text_of(const std::vector<ListedScans>& scans) {
 
 std::uint64_t scan_count(const ListedScans& scans, std::uint64_t every) {
   if (!scans.windows) return 1;
+
+  // Windows first, first + every and so on: rounded up.
   return (scans.windows->end - scans.windows->first - 1) / every + 1;
 }
 
@@ -262,36 +296,45 @@ std::vector<ScanName> scan_names(const std::vector<ListedScans>& scans, std::uin
     const std::uint64_t count = scan_count(listed, every);
     throw_if(count > most_scans - names.size(), "{}: more than {} scans; split the run",
              listed.path, most_scans);
+
     if (!listed.windows) names.push_back({listed.path});
     for (std::uint64_t i = 0; listed.windows && i < count; ++i) {
       names.push_back({listed.path, listed.windows->first + i * every});
     }
   }
+
   return names;
 }
 
 std::vector<ListedScans> cut_into_shards(const std::vector<ListedScans>& scans, std::uint64_t every,
                                          std::uint64_t shards) {
+  // `before`: the cost of all scans before the current one.
   double all = 0, before = 0;
   for (const ListedScans& listed : scans) all += static_cast<double>(listed.cost);
+
   std::vector<ListedScans> pieces;
   for (const ListedScans& listed : scans) {
     const std::uint64_t count = scan_count(listed, every);
     const double cost = static_cast<double>(listed.cost) / static_cast<double>(count);
+
     for (std::uint64_t i = 0; i < count; ++i, before += cost) {
       // A scan belongs to the shard that contains its middle.
       const double place = (before + cost / 2) / all * static_cast<double>(shards);
       const std::uint64_t shard = std::min(static_cast<std::uint64_t>(place) + 1, shards);
+
+      // A list's entry is cut where its shard changes.
       if (i == 0 || shard != pieces.back().shard) {
         pieces.push_back({.path = listed.path, .windows = listed.windows, .shard = shard});
         if (listed.windows) pieces.back().windows->first += i * every;
       }
+
       pieces.back().cost += static_cast<std::uint64_t>(cost);
       if (!listed.windows) continue;
       pieces.back().windows->end =
           std::min(listed.windows->end, listed.windows->first + (i + 1) * every);
     }
   }
+
   return pieces;
 }
 

@@ -18,26 +18,33 @@ std::string text_of(const YAML::Node& node, const std::string& setting, const YA
 }
 
 RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Mark& mark) {
+  // A setting has the name of its flag, but may be written with underscores.
   std::replace(name.begin(), name.end(), '_', '-');
+
   RigSetting setting{.name = name, .line = mark.line + 1};
   if (!node.IsSequence()) {
     setting.values.push_back(text_of(node, name, mark));
   } else {
     for (const YAML::Node& value : node) setting.values.push_back(text_of(value, name, mark));
   }
+
   if (setting.values.empty()) refuse(mark, fmt::format("{}: the list is empty", name));
   return setting;
 }
 
 std::vector<RigSetting> settings_in(const YAML::Node& root) {
   if (!root.IsMap()) refuse(root.Mark(), "expected a map of settings, e.g. source: virtual");
+
   std::vector<RigSetting> settings;
   std::set<std::string> names;
+
   const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
     settings.push_back(
         setting_from(text_of(key, "the name of a setting", key.Mark()), value, key.Mark()));
     add_key(names, settings.back().name, settings.back().line);
   };
+
+  // Settings may be grouped in maps; the groups' names mean nothing.
   for (const auto& entry : root) {
     if (!entry.second.IsMap()) {
       add(entry.first, entry.second);
@@ -45,6 +52,7 @@ std::vector<RigSetting> settings_in(const YAML::Node& root) {
     }
     for (const auto& inner : entry.second) add(inner.first, inner.second);
   }
+
   return settings;
 }
 
@@ -59,6 +67,7 @@ std::vector<RigSetting> rig_from(const std::string& text, const std::string& nam
     try {
       return settings_in(yaml_document(text));
     } catch (const YAML::Exception& exception) {
+      // The likely mistake: a colon that YAML takes for a nested map.
       const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
       refuse(exception.mark,
              "not YAML: " + exception.msg +

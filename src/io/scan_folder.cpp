@@ -70,10 +70,13 @@ class YamlMap {
                                         const char* wanted) const {
     std::vector<Value> values;
     if (!has(key)) return values;
+
     const YAML::Node list = node_[key];
     if (list.IsSequence()) {
       for (const auto& item : list) values.push_back(convert<Value>(item, key, wanted));
     }
+
+    // An empty list, or a value that is not a list.
     if (values.empty()) refuse(fmt::format("{} is not a list of {}", key, of));
     return values;
   }
@@ -122,40 +125,54 @@ constexpr std::array<std::pair<const char*, const char*>, 2> lengths{
 Strategy read_strategy(const YamlMap& map) {
   const std::set<std::string> others{"name",   "axis",   "alpha_p",       "beta_p",       "marker",
                                      "binary", "motion", "period_pixels", "stripe_pixels"};
+
+  // All other keys are settings of the strategy; make_strategy refuses unknown ones.
   StrategySettings settings;
   for (const std::string& key : map.keys()) {
     if (others.contains(key)) continue;
     settings[key] = map.value<std::string>(key, "a number, numbers with commas or a word");
   }
+
   return make_strategy(map.value<std::string>("name", "the name of a strategy"), settings);
 }
 
 Sequence read_sequence(const YamlMap& map) {
   constexpr int largest_side = 65536;
+
+  // 1. The strategy and the light of its patterns.
   const YamlMap strategy = map.map("strategy");
   Sequence sequence{.strategy = read_strategy(strategy)};
   strategy.read_number("alpha_p", sequence.light.alpha_p);
   strategy.read_number("beta_p", sequence.light.beta_p);
   require_valid(sequence.light);
+
+  // 2. How the patterns are shown.
   strategy.read("marker", "true or false", sequence.marker);
   strategy.read("binary", "true or false", sequence.binary);
+
   for (const auto& [key, setting] : lengths) {
     if (!strategy.has(key)) continue;
     sequence.lengths[setting] = strategy.value<std::string>(key, "numbers with commas");
   }
+
   if (strategy.has("motion")) sequence.motion = strategy.whole_number("motion", 0, 16);
+
   std::string axes = "x";
   strategy.read("axis", "x, y or both", axes);
   set_axes(sequence, axes);
+
+  // 3. The projector's size and the exposures, beside the strategy in the file.
   if (map.has("projector")) {
     const YamlMap projector = map.map("projector");
     projector.require_known_keys({"width", "height"});
     sequence.projector = {projector.whole_number("width", 1, largest_side),
                           projector.whole_number("height", 1, largest_side)};
   }
+
   if (map.has("exposures")) {
     sequence.exposures = map.list<double>("exposures", "numbers", "numbers");
   }
+
   require_mergeable(sequence);
   return sequence;
 }
@@ -163,17 +180,25 @@ Sequence read_sequence(const YamlMap& map) {
 ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
                           "scanner", "white", "second_camera"});
+
+  // Read only to refuse other versions of the file's layout.
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
+
   ScanFiles scan{.sequence = read_sequence(map)};
   if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
+
+  // A path in the file is relative to its folder.
   for (const std::string& frame : map.list<std::string>("frames", "files", "a name")) {
     scan.frames.push_back(folder / frame);
   }
+
   for (const auto& [key, wanted, file] : named_files) {
     if (!map.has(key)) continue;
     const fs::path path = map.value<std::string>(key, wanted);
+    // A scanner may be two files, separated by a comma.
     scan.*file = file == &ScanFiles::scanner ? scanner_in(folder, path) : folder / path;
   }
+
   return scan;
 }
 
@@ -188,20 +213,27 @@ std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
   const int patterns = frame_count(sequence.strategy);
   const std::vector<int> sinusoids = measuring_frames(sequence.strategy.layout());
   std::vector<int> shown(sinusoids), order(static_cast<std::size_t>(frame_count(sequence)));
+
+  // `shown` lists the patterns in the order of capture: the sinusoids, then the code.
   for (int n = 0; n < patterns; ++n) {
     if (!std::binary_search(sinusoids.begin(), sinusoids.end(), n)) shown.push_back(n);
   }
+
   throw_if(sinusoids.empty() || shown.size() == sinusoids.size(),
            "--order in words requires a strategy of sinusoids and a code; {} has only one of them",
            sequence.strategy.name());
+
   if (code_first) {
     std::rotate(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(sinusoids.size()),
                 shown.end());
   }
+
+  // Inverts that order in each cycle: pattern `pattern` of this cycle is frame n.
   for (int n = 0; n < frame_count(sequence); ++n) {
     const int pattern = shown[static_cast<std::size_t>(n % patterns)];
     order[static_cast<std::size_t>(n - n % patterns + pattern)] = n;
   }
+
   return order;
 }
 
@@ -209,6 +241,7 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
   if (text == "sinusoids,code" || text == "code,sinusoids") {
     return order_by_kind(text.starts_with("code"), sequence);
   }
+
   std::vector<int> order = numbers_in<int>(text, ',');
   throw_if(order.empty(),
            "--order '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
@@ -223,6 +256,8 @@ void keep_window(ScanFiles& files) {
   throw_if(*files.window >= count,
            "{}: the recording has {} windows, counted from 0; window {} does not exist",
            files.path.string(), count, *files.window);
+
+  // Windows begin one cycle apart; with motion frames, each reaches into the next one.
   const auto first = files.frames.begin() + static_cast<std::ptrdiff_t>(*files.window) *
                                                 frame_count(cycle_of(files.sequence));
   files.frames = std::vector<fs::path>(first, first + frame_count(files.sequence));
@@ -235,6 +270,7 @@ ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingRe
                   .sequence = header.sequence.value_or(Sequence{}),
                   .bits = header.format.bits,
                   .recording = std::move(recording)};
+
   if (header.scanner) files.scanner = path;
   return files;
 }
@@ -247,20 +283,26 @@ bool before_in_order(const fs::path& a, const fs::path& b) {
     const std::string name = path.filename().string();
     constexpr const char* digits = "0123456789";
     std::vector<int> key;
+
     for (std::size_t i = 0; i < name.size();) {
       const std::size_t end = std::min(name.find_first_not_of(digits, i), name.size());
       if (end == i) {
         key.push_back(name[i++]);
         continue;
       }
+
+      // Without leading zeros, more digits mean a larger number.
       i = std::min(name.find_first_not_of('0', i), end - 1);
       key.insert(key.end(), {'0', static_cast<int>(end - i)});
       key.insert(key.end(), name.begin() + static_cast<std::ptrdiff_t>(i),
                  name.begin() + static_cast<std::ptrdiff_t>(end));
       i = end;
     }
+
     return key;
   };
+
+  // Names with equal numbers, such as 1 and 01, compare as paths.
   return std::pair(key_of(a), a) < std::pair(key_of(b), b);
 }
 
@@ -269,6 +311,7 @@ ScanFiles read_scan_files(const fs::path& file) {
   scan.path = file.parent_path();
   scan.frames = with_pages(scan.frames);
   scan.described = true;
+
   throw_if(scan.frames.empty(), "{}: key 'frames' is missing", file.string());
   return scan;
 }
@@ -299,54 +342,77 @@ void require_as_taken(const Strategy& strategy) {
 std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   require_as_taken(scan.sequence.strategy);
   YAML::Emitter yaml;
+
   const auto put = [&](const std::string& key, const auto&... value) {
     yaml << YAML::Key << key << YAML::Value;
     (yaml << ... << value);
   };
+
   const auto name_of = [&](const fs::path& file) {
     return file.lexically_proximate(folder).string();
   };
+
   yaml << YAML::BeginMap;
   put("slipstream", 1);
+
+  // 1. The strategy and how it is shown, in one line.
   put("strategy", YAML::Flow, YAML::BeginMap);
+  // `in`: the lengths in projector pixels.
   const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion, in] =
       scan.sequence;
+
   put("name", strategy.name());
   for (const auto& [name, value] : strategy.settings()) put(name, value.text());
+
+  // Along one axis, the setting itself gives the same patterns.
   for (const auto& [key, setting] : lengths) {
     if (both_axes && in.contains(setting)) put(key, in.at(setting).text());
   }
+
   put("axis", std::string(axes_of(scan.sequence)));
   put("alpha_p", light.alpha_p);
   put("beta_p", light.beta_p);
+
+  // Defaults are left out.
   if (marker) put("marker", true);
   if (binary) put("binary", true);
   if (motion > 0) put("motion", motion);
   yaml << YAML::EndMap;
+
+  // 2. The exposures and the projector.
   if (exposures != Sequence{}.exposures) put("exposures", YAML::Flow, exposures);
+
   if (projector != Size{}) {
     put("projector", YAML::Flow, YAML::BeginMap);
     put("width", projector.width);
     put("height", projector.height);
     yaml << YAML::EndMap;
   }
+
+  // 3. The files.
   if (scan.bits != 0) put("bits", scan.bits);
+
   if (!scan.frames.empty()) {
     put("frames", YAML::BeginSeq);
     for (const fs::path& frame : scan.frames) yaml << name_of(frame);
     yaml << YAML::EndSeq;
   }
+
   for (const auto& [key, wanted, file] : named_files) {
     if (scan.*file) put(key, name_of(*(scan.*file)));
   }
+
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
 }
 
 std::uint64_t window_count(const ScanFiles& files) {
   if (files.recording) return window_count(*files.recording, files.sequence);
+
+  // The last cycle counts only if its motion frames follow.
   const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(files.sequence)));
   const auto motion = static_cast<std::uint64_t>(files.sequence.motion);
+
   return files.frames.size() < motion ? 0 : (files.frames.size() - motion) / cycle;
 }
 
@@ -354,19 +420,24 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(!files.described && !changes.sequence.strategy,
            "{}: {}; set the pattern strategy with --strategy", files.path.string(),
            files.frames.empty() ? "its patterns are unknown" : "no scan.yaml in it");
+
+  // The order and the window depend on the changed sequence.
   files.sequence = changed(files.sequence, changes.sequence);
   if (!changes.order.empty()) files.order = order_from(changes.order, files.sequence);
   files.window = changes.window;
   if (files.window && !files.recording) keep_window(files);
+
   files.bits = changes.bits.value_or(files.bits);
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
            "--camera-bits {} is out of range; expected 8 to 16", files.bits);
+
   if (changes.scanner) files.scanner = changes.scanner;
   if (changes.second_camera) files.second_camera = changes.second_camera;
 }
 
 ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files;
+
   if (changes.recording || is_recording(path)) {
     files = recorded_files(path, changes.recording ? changes.recording
                                                    : std::make_shared<const RecordingReader>(path));
@@ -379,6 +450,7 @@ ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
     files.path = path;
     files.frames = images_in_folder(path);
   }
+
   amend(files, changes);
   return files;
 }
@@ -389,15 +461,19 @@ bool is_scan_folder(const fs::path& folder) {
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
   throw_if(!fs::is_directory(folder), "{}: no such folder", folder.string());
+
   std::vector<fs::path> images, jpegs;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file() || is_hidden(entry.path())) continue;
     if (is_image_file(entry.path())) images.push_back(entry.path());
     if (is_jpeg_file(entry.path())) jpegs.push_back(entry.path());
   }
+
+  // A folder of lossless pictures may also contain JPEGs, such as photographs of the object.
   if (images.empty()) images = std::move(jpegs);
   throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
            folder.string());
+
   std::ranges::sort(images, before_in_order);
   return with_pages(images);
 }

@@ -16,11 +16,13 @@ using SampledPictures = std::vector<std::vector<double>>;
 
 SampledPictures sampled(const std::vector<fs::path>& pictures) {
   constexpr int places = 4096;
+
   SampledPictures levels;
   for (const fs::path& picture : pictures) {
     const FrameSet frame = read_frames({picture}).frames;
     const auto [width, height] = frame.size();
     std::vector<double>& of_picture = levels.emplace_back();
+
     frame.visit([&](const auto& views) {
       for (int i = 0; i < places; ++i) {
         const auto [x, y] = spread_place(i);
@@ -29,6 +31,7 @@ SampledPictures sampled(const std::vector<fs::path>& pictures) {
       }
     });
   }
+
   return levels;
 }
 
@@ -38,26 +41,38 @@ std::vector<std::pair<int, std::string>> likely_extra(const SampledPictures& lev
   constexpr double noise = 6, least_range = 4 * noise;  // grey levels
   constexpr double nearly_all = 0.95;
   constexpr std::size_t fewest = 100;
+
+  // 1. The darkest and the brightest level of each place over all pictures. A place is lit if they
+  // differ by more than noise.
   std::vector<std::size_t> lit;
   std::vector<double> darkest = levels.front(), brightest = darkest;
+
   for (std::size_t i = 0; i < darkest.size(); ++i) {
     for (const std::vector<double>& picture : levels) {
       darkest[i] = std::min(darkest[i], picture[i]);
       brightest[i] = std::max(brightest[i], picture[i]);
     }
+
     if (brightest[i] - darkest[i] >= least_range) lit.push_back(i);
   }
+
   if (lit.size() < fewest) return {};
+
+  // 2. Compares the pictures at the lit places. A pattern is neither the brightest nor the darkest
+  // at nearly all of them, and no two patterns are equal.
   const auto alike = [&](const std::vector<double>& a, const std::vector<double>& b) {
     const auto same = std::count_if(lit.begin(), lit.end(),
                                     [&](std::size_t i) { return std::abs(a[i] - b[i]) <= noise; });
     return static_cast<double>(same) >= nearly_all * static_cast<double>(lit.size());
   };
+
   std::vector<std::pair<int, std::string>> extra;
   for (auto picture = levels.begin(); picture != levels.end(); ++picture) {
     const auto first = std::find_if(levels.begin(), picture,
                                     [&](const auto& before) { return alike(before, *picture); });
+
     const int n = static_cast<int>(picture - levels.begin());
+
     if (alike(*picture, brightest)) {
       extra.emplace_back(n, "white");
     } else if (alike(*picture, darkest)) {
@@ -66,6 +81,7 @@ std::vector<std::pair<int, std::string>> likely_extra(const SampledPictures& lev
       extra.emplace_back(n, fmt::format("repeats frame {}", first - levels.begin()));
     }
   }
+
   return extra;
 }
 
@@ -73,15 +89,20 @@ std::vector<std::pair<int, std::string>> likely_extra(const SampledPictures& lev
 std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
   constexpr int most_named = 8;  // more are several scans
   const int count = static_cast<int>(pictures.size()), surplus = count - wanted;
+
   const auto extra = surplus <= most_named ? likely_extra(sampled(pictures))
                                            : std::vector<std::pair<int, std::string>>();
+
+  // An order is proposed only if exactly as many pictures are suspect as are too many.
   if (static_cast<int>(extra.size()) != surplus) {
     return fmt::format(
         "{} too many; leave them out with --order, or check --strategy, --steps and --low-steps{}",
         surplus, count < 2 * wanted ? "" : "; reconstruct --windows : takes them as a recording");
   }
+
   std::vector<int> order;
   std::vector<std::string> named;
+
   for (int n = 0; n < count; ++n) {
     if (named.size() < extra.size() && extra[named.size()].first == n) {
       named.push_back(fmt::format("{} ({})", n, extra[named.size()].second));
@@ -89,6 +110,7 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
       order.push_back(n);
     }
   }
+
   return fmt::format("{} too many, likely frame{} {}; try --order {}", surplus,
                      surplus == 1 ? "" : "s", fmt::join(named, ", "), fmt::join(order, ","));
 }
@@ -99,13 +121,18 @@ std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
                                        const std::string& what) {
   const std::vector<fs::path>& pictures = files.frames;
   const int count = static_cast<int>(pictures.size());
+
+  // Without an order, every picture is a pattern.
   if (count < wanted || (count > wanted && files.order.empty())) {
     throw Error(fmt::format(
         "{}: {} frames, but {} has {}{}", files.path.string(), count, what, wanted,
         count < wanted ? "; likely a frame is missing, or --strategy, --steps or --low-steps differ"
                        : ": " + about_surplus(pictures, wanted)));
   }
+
   if (files.order.empty()) return pictures;
+
+  // The order must list as many different pictures as there are patterns.
   const std::set<int> chosen(files.order.begin(), files.order.end());
   throw_if(static_cast<int>(files.order.size()) != wanted ||
                static_cast<int>(chosen.size()) != wanted || *chosen.begin() < 0 ||
@@ -114,8 +141,10 @@ std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
            "commas",
            files.path.string(), fmt::join(files.order, ","), count,
            count == wanted ? "each" : std::to_string(wanted), count - 1);
+
   std::vector<fs::path> ordered;
   for (const int n : files.order) ordered.push_back(pictures[static_cast<std::size_t>(n)]);
+
   return ordered;
 }
 

@@ -25,6 +25,7 @@ constexpr const char* mixture_entry = "colour_mixture";
 std::optional<double> number(const StoredEntries& entries, const char* name) {
   const auto found = entries.find(name);
   if (found == entries.end()) return std::nullopt;
+
   throw_if(found->second.numbers.size() != 1, "{} is not a number", name);
   return found->second.numbers[0];
 }
@@ -33,13 +34,17 @@ std::optional<MeasuredResponse> response_of(const StoredEntries& entries) {
   const std::optional<double> gamma = number(entries, gamma_entry);
   MeasuredResponse measured{.gamma = gamma.value_or(1),
                             .standard_error = number(entries, error_entry).value_or(0)};
+
+  // A measured curve has priority over its gamma.
   const bool has_values = entries.contains(values_entry), has_light = entries.contains(light_entry);
   throw_if(has_values != has_light, "{} and {} must both be present", values_entry, light_entry);
+
   if (has_values) {
     measured.response =
         response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
     return measured;
   }
+
   if (!gamma) return std::nullopt;
   measured.response = PowerLaw{*gamma};
   return measured;
@@ -48,8 +53,10 @@ std::optional<MeasuredResponse> response_of(const StoredEntries& entries) {
 std::optional<ColourMixture> mixture_of(const StoredEntries& entries) {
   const auto found = entries.find(mixture_entry);
   if (found == entries.end()) return std::nullopt;
+
   const auto& [rows, columns, numbers, text] = found->second;
   throw_if(rows != 3 || columns != 4, "{} is not a 3x4 matrix", mixture_entry);
+
   ColourMixture mixture{};
   for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
   require_valid(mixture);
@@ -63,36 +70,45 @@ StoredMatrix row_of(std::vector<double> numbers) {
 PhotometricCalibration photometric_calibration_of(const StoredEntries& entries) {
   PhotometricCalibration read{.response = response_of(entries),
                               .colour_mixture = mixture_of(entries)};
+
   PhotometricCalibration::for_each_setting(read, [&](const Setting& setting, auto& value) {
     if (const auto stored = number(entries, setting.name)) value = *stored;
   });
+
   require_valid(read);
   return read;
 }
 
 StoredEntries entries_of(const PhotometricCalibration& calibration) {
   StoredEntries entries;
+
   PhotometricCalibration::for_each_setting(
       calibration, [&](const Setting& setting, const std::optional<double>& value) {
         if (value) entries[setting.name] = row_of({*value});
       });
+
+  // The gain describes the noise variance and means nothing without it.
   if (!calibration.noise_variance) entries.erase("noise_gain");
+
   if (const auto& mixture = calibration.colour_mixture) {
     StoredMatrix& stored = entries[mixture_entry] = {3, 4};
     for (const auto& row : *mixture) {
       stored.numbers.insert(stored.numbers.end(), row.begin(), row.end());
     }
   }
+
   if (!calibration.response) return entries;
   const auto& [response, gamma, standard_error] = *calibration.response;
   entries[gamma_entry] = row_of({gamma});
   entries[error_entry] = row_of({standard_error});
   // Empty entries are removed.
   entries[values_entry] = entries[light_entry] = {};
+
   if (const auto* curve = std::get_if<ResponseCurve>(&response)) {
     entries[values_entry] = row_of(curve->values);
     entries[light_entry] = row_of(curve->light);
   }
+
   return entries;
 }
 
@@ -111,33 +127,44 @@ struct Layout {
 constexpr std::string_view of_projector = "the projector's ";
 
 constexpr std::array<Layout, 11> layouts{{
+    // slipstream's own, which is also written.
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
      "rotation",
      "translation"},
+    // SLStudio.
     {{"Kc", "kc", "frameWidth", "frameHeight"},
      {"Kp", "kp", "screenResX", "screenResY"},
      "Rp",
      "Tp"},
+    // ProCamCalib.
     {{"cam_K", "cam_kc", "", ""}, {"proj_K", "proj_kc", "", ""}, "R", "T"},
+    // SLMaster.
     {{"M1", "D1", "S", ""}, {"M4", "D4", "", ""}, "Rlp", "Tlp"},
+    // OpenCV and MATLAB.
     {{"cameraMatrix1", "distCoeffs1", "", ""}, {"cameraMatrix2", "distCoeffs2", "", ""}, "R", "T"},
+    // OpenCV's stereo_calib.
     {{"M1", "D1", "", ""}, {"M2", "D2", "", ""}, "R", "T"},
+    // kamino410/procam-calibration.
     {{"cam_int", "cam_dist", "", "img_shape"},
      {"proj_int", "proj_dist", "", ""},
      "roration",  // so spelt by the tool
      "translation"},
+    // BingyaoHuang/single-shot-pro-cam-calib.
     {{"camK", "camKc", "camW", "camH"}, {"prjK", "prjKc", "prjW", "prjH"}, "R", "T"},
+    // sl_sensor, two files.
     {{"intrinsic_mat", "lens_distortion", "resolution_x", "resolution_y"},
      {"the projector's intrinsic_mat", "the projector's lens_distortion",
       "the projector's resolution_x", "the projector's resolution_y"},
      "extrinsic_rot",
      "extrinsic_trans"},
+    // camera_info of ROS, two files.
     {{"camera_matrix", "distortion_coefficients", "image_width", "image_height"},
      {"the projector's camera_matrix", "the projector's distortion_coefficients",
       "the projector's image_width", "the projector's image_height"},
      "",
      ""},
+    // slipstream's for two cameras; is_camera_pair expects it last.
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"second_camera_matrix", "second_camera_distortion", "second_camera_width",
       "second_camera_height"},
@@ -175,8 +202,10 @@ const Layout& layout_of(const StoredEntries& entries) {
     if (!has(entries, layout.camera.matrix) && !has(entries, layout.projector.matrix)) return 0;
     return std::ranges::count_if(names_of(layout), [&](auto name) { return has(entries, name); });
   };
+
   const Layout& best = *std::ranges::max_element(layouts, {}, count);
   if (count(best) > 0) return best;
+
   std::set<std::string_view> matrices{projections[0]};
   for (const Layout& layout : layouts) matrices.insert(layout.camera.matrix);
   throw Error(fmt::format("no camera matrix; expected one of {}", fmt::join(matrices, ", ")));
@@ -185,9 +214,11 @@ const Layout& layout_of(const StoredEntries& entries) {
 /// Throws Error with the likely cause if the entry is missing.
 void require_present(const StoredEntries& entries, std::string_view name) {
   if (has(entries, name)) return;
+
   const bool is_one_file = std::ranges::none_of(
       entries, [](const auto& entry) { return entry.first.starts_with(of_projector); });
   const bool is_in_second = has(entries, fmt::format("{}{}", of_projector, name));
+
   throw Error(fmt::format("{} is missing{}", name,
                           is_one_file && name.starts_with(of_projector)
                               ? "; name its file too: --scanner CAMERA,PROJECTOR"
@@ -199,6 +230,7 @@ void require_present(const StoredEntries& entries, std::string_view name) {
 const std::vector<double>& numbers_of(const StoredEntries& entries, std::string_view name) {
   const StoredMatrix& matrix = entries.at(std::string(name));
   throw_if(matrix.rows == 0, "{} is not a matrix of numbers", name);
+
   for (const double value : matrix.numbers) {
     throw_if(!std::isfinite(value), "{} contains {}; every number must be finite", name, value);
   }
@@ -210,9 +242,11 @@ template <int rows, int columns>
 Eigen::Matrix<double, rows, columns> matrix_of(const StoredEntries& entries,
                                                std::string_view name) {
   require_present(entries, name);
+
   const std::vector<double>& values = numbers_of(entries, name);
   throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; expected {}x{}", name,
            values.size(), rows, columns);
+
   const Eigen::Map<const Eigen::Vector<double, rows * columns>> numbers(values.data());
   return numbers.template reshaped<Eigen::RowMajor>(rows, columns);
 }
@@ -221,10 +255,12 @@ Eigen::Matrix<double, rows, columns> matrix_of(const StoredEntries& entries,
 std::vector<int> pixel_counts(const StoredEntries& entries, std::string_view name,
                               std::size_t count) {
   if (!has(entries, name)) return std::vector<int>(count, 0);
+
   const std::vector<double>& values = numbers_of(entries, name);
   const auto is_count = [](double value) {
     return value >= 1 && value <= 65536 && value == std::floor(value);
   };
+
   throw_if(values.size() != count || !std::all_of(values.begin(), values.end(), is_count),
            "{} is not {} of pixels", name, count == 1 ? "a number" : "two numbers");
   return {values.begin(), values.end()};
@@ -235,29 +271,35 @@ Size size_of(const StoredEntries& entries, const LensNames& names) {
   if (!height_first && !names.height.empty()) {
     return {pixel_counts(entries, names.width, 1)[0], pixel_counts(entries, names.height, 1)[0]};
   }
+
+  // One entry has both.
   const auto both = pixel_counts(entries, height_first ? names.height : names.width, 2);
   return height_first ? Size{both[1], both[0]} : Size{both[0], both[1]};
 }
 
 Lens lens_of(const StoredEntries& entries, const LensNames& names) {
   Lens lens{.intrinsic = matrix_of<3, 3>(entries, names.matrix), .distortion = {}, .size = {}};
+
   if (has(entries, names.distortion)) {
     const std::vector<double>& coefficients = numbers_of(entries, names.distortion);
     lens.distortion =
         naming(std::string(names.distortion), [&] { return make_distortion(coefficients); });
   }
+
   lens.size = size_of(entries, names);
   return lens;
 }
 
 StoredEntries entries_of(const Scanner& scanner) {
   StoredEntries entries = entries_of(scanner.photometry);
+
   const auto put = [&](std::string_view name, const auto& matrix) {
     const auto numbers = matrix.template reshaped<Eigen::RowMajor>();
     entries[std::string(name)] = {static_cast<int>(matrix.rows()),
                                   static_cast<int>(matrix.cols()),
                                   {numbers.begin(), numbers.end()}};
   };
+
   const auto put_lens = [&](const LensNames& names, const Lens& lens) {
     const auto& k = lens.distortion.coefficients;
     put(names.matrix, lens.intrinsic);
@@ -265,14 +307,18 @@ StoredEntries entries_of(const Scanner& scanner) {
     put(names.width, Eigen::Matrix<double, 1, 1>(lens.size.width));
     put(names.height, Eigen::Matrix<double, 1, 1>(lens.size.height));
   };
+
+  // The lenses and the pose, mm.
   const Layout& names = layouts.front();
   put_lens(names.camera, scanner.camera);
   put_lens(names.projector, scanner.projector);
   put(names.rotation, scanner.rotation);
   put(names.translation, scanner.translation);
+
   if (const auto& depths = scanner.calibrated_depths) {
     put(depths_entry, Eigen::RowVector2d(depths->nearest, depths->farthest));
   }
+
   if (!scanner.measured.empty()) entries[measured_entry] = {.text = scanner.measured};
   return entries;
 }
@@ -280,6 +326,8 @@ StoredEntries entries_of(const Scanner& scanner) {
 /// The text of a file for that path. Throws Error if read_scanner would.
 std::string text_of(const fs::path& path, const Scanner& scanner) {
   std::string text = new_storage(entries_of(scanner), lower_case_extension(path) == ".xml");
+
+  // Validates the text by reading it.
   static_cast<void>(scanner_from(text, path.string()));
   return text;
 }
@@ -295,6 +343,7 @@ bool names_geometry(std::string_view entry) {
 StoredEntries other_entries(const fs::path& path) {
   StoredEntries entries;
   if (!fs::exists(path)) return entries;
+
   try {
     entries = read_opencv_storage(path);
   } catch (const RepeatedKey&) {
@@ -302,10 +351,12 @@ StoredEntries other_entries(const fs::path& path) {
   } catch (const Error&) {
     return {};  // another kind of file; overwritten, as by write_scanner
   }
+
   std::erase_if(entries, [](const auto& entry) {
     return names_geometry(entry.first) || entry.first == measured_entry ||
            entry.first == depths_entry || entry.second.empty();
   });
+
   return entries;
 }
 
@@ -314,27 +365,36 @@ StoredEntries other_entries(const fs::path& path) {
 void set_rectified_pose(const StoredEntries& entries, Scanner& scanner) {
   const auto rectified = [&](std::string_view device) {
     const auto name = [&](const char* of) { return fmt::format("{}{}", device, of); };
+
+    // A fisheye model has other coefficients.
     if (const auto model = entries.find(name("distortion_model")); model != entries.end()) {
       const std::string& text = model->second.text;
       throw_if(text != "plumb_bob" && text != "rational_polynomial",
                "{} is {}; expected plumb_bob or rational_polynomial", model->first, text);
     }
+
     const auto projection = matrix_of<3, 4>(entries, name("projection_matrix"));
     const Eigen::Vector3d t = projection.leftCols<3>().inverse() * projection.col(3);
+
     return std::pair(matrix_of<3, 3>(entries, name("rectification_matrix")), t);
   };
+
   constexpr double mm_per_metre = 1000;
   const auto [to_rectified, camera] = rectified("");
   const auto [projector_to_rectified, projector] = rectified(of_projector);
+
+  // From the camera's frame over the rectified one to the projector's.
   const Eigen::Matrix3d from_rectified = projector_to_rectified.transpose();
   scanner.rotation = from_rectified * to_rectified;
   scanner.translation = mm_per_metre * from_rectified * (projector - camera);
+
   throw_if(scanner.translation.isZero(0),
            "the projection matrices have no baseline; calibrate both devices as a stereo pair");
 }
 
 /// The lenses and pose of a camera and a projector or, as a `pair`, a second camera.
 Scanner geometry_of(const StoredEntries& entries, bool pair) {
+  // 1. Projection matrices: the lenses and the pose are factors of them.
   if (has(entries, projections[0]) || has(entries, projections[1])) {
     const Size projector_size = size_of(entries, layouts.front().projector);
     const auto projector = matrix_of<3, 4>(entries, projections[1]);
@@ -342,20 +402,26 @@ Scanner geometry_of(const StoredEntries& entries, bool pair) {
     const auto camera = matrix_of<3, 4>(entries, projections[0]);
     return scanner_of(camera, camera_size, projector, projector_size);
   }
+
+  // 2. Lenses and pose as entries.
   const Layout& names = layout_of(entries);
   throw_if(pair != is_camera_pair(names, pair), "{}",
            pair ? "calibrates a projector, not a second camera"
                 : "calibrates two cameras and no projector; only slipstream reconstruct reads it, "
                   "for scans of both cameras");
+
   Scanner scanner;
   scanner.camera = lens_of(entries, names.camera);
   scanner.projector = lens_of(entries, names.projector);
+
   if (names.rotation.empty()) {
     set_rectified_pose(entries, scanner);
     return scanner;
   }
+
   scanner.rotation = matrix_of<3, 3>(entries, names.rotation);
   scanner.translation = matrix_of<3, 1>(entries, names.translation);
+
   return scanner;
 }
 
@@ -363,10 +429,12 @@ Scanner scanner_of(const StoredEntries& entries, const std::string& name, bool p
   return naming(name, [&] {
     Scanner scanner = geometry_of(entries, pair);
     scanner.photometry = photometric_calibration_of(entries);
+
     if (has(entries, depths_entry)) {
       const auto depths = matrix_of<1, 2>(entries, depths_entry);
       scanner.calibrated_depths = {depths[0], depths[1]};
     }
+
     if (has(entries, measured_entry)) scanner.measured = entries.at(measured_entry).text;
     return scanner;
   });
@@ -379,7 +447,9 @@ StoredEntries joined(StoredEntries first, const StoredEntries& second) {
   });
   const bool is_complete = std::ranges::any_of(
       layouts, [&](const Layout& layout) { return has(first, layout.projector.matrix); });
+
   throw_if(are_alike && is_complete, "the first is a complete scanner file; name it alone");
+
   for (const auto& [name, entry] : second) {
     first.emplace((are_alike ? std::string(of_projector) : "") + name, entry);
   }
@@ -390,6 +460,7 @@ StoredEntries entries_in(const fs::path& path) {
   const std::vector<fs::path> files = scanner_files(path);
   const StoredEntries first = read_opencv_storage(files[0]);
   if (files.size() == 1) return first;
+
   const StoredEntries second = read_opencv_storage(files[1]);
   return naming(path.string(), [&] { return joined(first, second); });
 }
@@ -400,7 +471,10 @@ std::vector<fs::path> scanner_files(const fs::path& path) {
   const std::string text = path.string();
   const std::size_t comma = text.find(',');
   std::error_code unknown;
+
+  // A file whose name has a comma is one file.
   if (comma == text.npos || fs::exists(path, unknown)) return {path};
+
   return {text.substr(0, comma), text.substr(comma + 1)};
 }
 
@@ -439,6 +513,7 @@ void write_scanner(const fs::path& path, const Scanner& scanner) {
 std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& scanner) {
   const StoredEntries kept = other_entries(path);
   write_file(path, with_entries(text_of(path, scanner), kept, path.string()));
+
   std::vector<std::string> names;
   for (const auto& [name, numbers] : kept) names.push_back(name);
   return names;
@@ -459,9 +534,12 @@ Response response_named(const std::string& text, const std::string& name) {
     require_gamma(*gamma, name);
     return PowerLaw{*gamma};
   }
+
   if (auto curve = curve_named(text)) return *std::move(curve);
+
   const auto measured = read_photometric_calibration(text).response;
   throw_if(!measured, "{}: has no gamma; add it with slipstream calibrate gamma", text);
+
   return measured->response;
 }
 

@@ -14,6 +14,7 @@ namespace {
 void require_unique_keys(const YAML::Node& node, std::size_t& left, int depth = 0) {
   if (left == 0 || depth == 64) return;
   --left;
+
   std::set<std::string> keys;
   for (const auto& item : node) {
     const YAML::Node key = node.IsMap() ? item.first : YAML::Node();
@@ -28,17 +29,23 @@ int line_of_second_document(const std::string& text) {
   std::istringstream lines(text);
   int number = 0;
   bool has_content = false, after_marker = false;
+
   for (std::string line; std::getline(lines, line);) {
     ++number;
+
     const bool marks = (line.starts_with("---") || line.starts_with("...")) &&
                        (line.size() == 3 || std::isspace(static_cast<unsigned char>(line[3])));
     after_marker |= marks && has_content;
     if (marks) line.erase(0, 3);
+
+    // Blank lines, comments and directives do not count as content.
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == line.npos || line[first] == '#' || line.front() == '%') continue;
+
     if (after_marker) return number;
     has_content = true;
   }
+
   return 0;
 }
 
@@ -53,6 +60,7 @@ YAML::Node yaml_document(const std::string& text) {
   if (const int line = line_of_second_document(text); line > 0) {
     throw RepeatedKey(fmt::format("line {}: a second YAML document begins", line));
   }
+
   YAML::Node document = YAML::Load(text);
   std::size_t left = text.size();
   require_unique_keys(document, left);

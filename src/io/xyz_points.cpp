@@ -13,6 +13,7 @@ namespace {
 std::vector<std::string> names_in(std::string_view line) {
   static const std::map<std::string, std::string> initials{
       {"r", "red"}, {"g", "green"}, {"b", "blue"}, {"i", "intensity"}};
+
   std::vector<std::string> names;
   for (const std::string_view word : words_of(line, " \t,;/#\"")) {
     std::string name(word);
@@ -20,6 +21,7 @@ std::vector<std::string> names_in(std::string_view line) {
     const auto initial = initials.find(name);
     names.push_back(initial == initials.end() ? name : initial->second);
   }
+
   const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
   return has("x") && has("y") && has("z") ? names : std::vector<std::string>();
 }
@@ -30,8 +32,12 @@ std::vector<std::string> names_of_columns(std::size_t count, bool coloured) {
   static constexpr std::array place{"x", "y", "z", "intensity"};
   static constexpr std::array colour{"red", "green", "blue"};
   static constexpr std::array sigma{"sigma_coordinate", "sigma_x", "sigma_y", "sigma_z"};
+
   std::vector<std::string> names(count);
+
+  // By write_cloud: the intensity, and then 3 columns of a normal, 4 of sigma, or both.
   const bool ours = !coloured && (count == 4 || count == 7 || count == 8 || count == 11);
+
   std::copy_n(place.begin(), std::min<std::size_t>(count, ours ? 4 : 3), names.begin());
   if (coloured) std::copy(colour.begin(), colour.end(), names.begin() + 3);
   if (ours && count >= 8) std::copy(sigma.begin(), sigma.end(), names.end() - 4);
@@ -51,44 +57,61 @@ int colour_level(const std::vector<std::string_view>& words) {
 }  // namespace
 
 StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
+  // 1. The lines as numbers.
   NumberReader lines(bytes);
   std::vector<std::string> names;
   std::vector<std::uint8_t> numbers;
+
   std::size_t columns = 0, points = 0, headers = 0;
   int lowest = 255, highest = 0;  // of the lines' colour levels
+
   for (std::size_t line_number = 1; !lines.left().empty(); ++line_number) {
     const std::string_view line = lines.line();
     const std::vector<std::string_view> words = words_of(line, " \t,;");
     if (words.empty()) continue;
+
     const bool comment = words[0].starts_with('#') || words[0].starts_with("//");
+
     // A line of names, or of the number of points.
     const bool header =
         columns == 0 && headers < 2 && (words.size() < 3 || !number_in<double>(words[0]));
+
     if (comment || header) {
       headers += comment ? 0 : 1;
       if (columns == 0 && names.empty()) names = names_in(line);
       continue;
     }
+
+    // The first line of numbers gives their count for all.
     if (columns == 0) columns = words.size();
     throw_if(words.size() != columns, "line {}: expected {} numbers, as in the first line",
              line_number, columns);
+
     for (const std::string_view word : words) {
       const auto number = number_in<double>(word);
       throw_if(!number, "line {}: '{}' is not a number", line_number, word.substr(0, 20));
       append_numbers(numbers, *number);
     }
+
     lowest = std::min(lowest, colour_level(words));
     highest = std::max(highest, colour_level(words));
     ++points;
   }
+
+  // 2. The columns' names, from a line of names or from their number.
   // Whole numbers that are all 0 or 1 are rather a normal.
   if (names.size() != columns) names = names_of_columns(columns, lowest >= 0 && highest > 1);
+
+  // 3. The same numbers as a binary element.
   PointElement element{.name = "vertex", .count = points, .properties = {}};
   for (const std::string& name : names) element.properties.push_back({name, NumberType::float64});
+
   NumberReader reader(numbers);
   reader.set_format("binary_little_endian");
+
   StoredPoints stored;
   read_element(element, reader, stored);
+
   return stored;
 }
 

@@ -272,7 +272,6 @@ void require_valid(const Layout& layout, std::string_view name) {
   throw_if(layout.frames < 1 || layout.bands.empty(),
            "{}: {} frames with {} bands; at least one of each is required", name, layout.frames,
            layout.bands.size());
-
   for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
   if (const auto require = layout.unwrapping->require) require(layout, name);
 }
@@ -296,7 +295,6 @@ Band phase_shifted_band(int frames, int first, int steps, double periods, int ch
 bool is_channel(const Band& band, const StepRun& run, int channel) {
   const Band wanted = phase_shifted_band(static_cast<int>(band.mean.size()), run.first, run.steps,
                                          band.periods, channel, 1, run.shifts);
-
   return are_near(band.cosine, wanted.cosine) && are_near(band.sine, wanted.sine) &&
          are_near(band.mean, wanted.mean);
 }
@@ -335,7 +333,6 @@ std::vector<int> step_counts(const Layout& layout) {
   for (const Band& band : layout.bands) {
     if (const auto run = bent_run(band)) counts.push_back(run->steps);
   }
-
   return counts;
 }
 

@@ -213,11 +213,9 @@ double FourierProfilometry::shape(int n, double y) const {
 
 Demodulation FourierProfilometry::demodulation() const {
   Demodulation how{.shown = pi_shift ? 2 : 1, .frames = sine_cosine_mean(frequency, low ? 0.5 : 1)};
-
   if (low) {
     for (const SpectralFrame& frame : sine_cosine_mean(*low, 0.5)) how.frames.push_back(frame);
   }
-
   return how;
 }
 

@@ -58,11 +58,9 @@ PatternSet pattern_alone(const PatternSet& patterns, int n) {
 
 PatternSet with_marker(PatternSet patterns, double shape) {
   const int marker = patterns.count++;
-
   patterns.shape = [patterned = patterns.shape, marker, shape](int n, double y, double across) {
     return n == marker ? shape : patterned(n, y, across);
   };
-
   return patterns;
 }
 
@@ -132,10 +130,8 @@ Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern) {
 
 std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size projector) {
   std::vector<Image<std::uint8_t>> patterns;
-
   for (int n = 0; n < set.count; ++n)
     patterns.push_back(in_8_bits(render_pattern(set, n, projector)));
-
   return patterns;
 }
 

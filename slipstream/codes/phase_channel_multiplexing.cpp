@@ -23,7 +23,6 @@ double carrier(int n, int steps) {
 double carrier_square(int steps) {
   double sum = 0;
   for (int n = 0; n < steps; ++n) sum += carrier(n, steps) * carrier(n, steps);
-
   return sum;
 }
 

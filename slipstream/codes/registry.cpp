@@ -31,7 +31,6 @@ std::string setting_names(const Coding& coding) {
   Coding::for_each_setting(coding, [&](const char* name, const char*, const auto&) {
     names += names.empty() ? name : fmt::format(", {}", name);
   });
-
   return names;
 }
 
@@ -77,10 +76,8 @@ std::string SettingValue::text_of(double number) {
 
 void SettingValue::read(std::vector<double>& values) const {
   values = numbers_in<double>(text_, ',');
-
   const bool finite =
       std::ranges::all_of(values, [](double number) { return std::isfinite(number); });
-
   throw_if(values.empty() || !finite, "'{}' is not a number or comma-separated numbers", text_);
 }
 
@@ -94,7 +91,6 @@ void SettingValue::read(std::vector<int>& values) const {
 double SettingValue::number() const {
   std::vector<double> numbers;
   read(numbers);
-
   throw_if(numbers.size() != 1, "'{}' is not a single number", text_);
   return numbers.front();
 }
@@ -230,7 +226,6 @@ std::string label_of(const Strategy& strategy) {
   for (const auto& [name, value] : strategy.settings()) {
     label += fmt::format(", {} {}", name, value.text());
   }
-
   return label;
 }
 

@@ -220,7 +220,6 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
 Sequence default_sequence(Size projector, const SequenceChanges& changes) {
   const Sequence sequence =
       changed({.strategy = default_strategy(), .projector = projector}, changes);
-
   require_shown(sequence);
   return sequence;
 }

@@ -53,7 +53,6 @@ Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     if (!belongs(column, row)) part.leave_out(column, row, Validity::outside_region);
   });
-
   return part;
 }
 
@@ -206,7 +205,6 @@ Repeatability repeatability(const Spread& spread) {
 double length_from(const std::string& text) {
   constexpr double longest = 1e6;
   const auto length = number_in<double>(text);
-
   throw_if(!length || !(*length > 0) || *length > longest, "'{}': expected a length, 0 to {:g} mm",
            text, longest);
   return *length;

@@ -28,7 +28,6 @@ Scene boxes_scene(const WorkingVolume& volume) {
   const double side = 0.32 * volume.extent;
   const Vector offset(0.27 * volume.extent, 0, 0.25 * volume.extent);
   const Box box{Vector::Constant(side)};
-
   return {Body{.shape = box, .pose = placed(volume.centre - offset, 15 * degree, 25 * degree)},
           Body{.shape = box, .pose = placed(volume.centre + offset, -10 * degree, -20 * degree)}};
 }

@@ -137,7 +137,6 @@ Rehearsal rehearsal(const VirtualWorld& world, const Sequence& sequence, const S
                    next = world.photometry](const std::string& scan) mutable {
     const VirtualScan taken = take_scan(world.scanner, scene_of.at(scan), patterns, next);
     ++next.seed;
-
     Cloud cloud;
     engine->cloud(taken.frames.views(), cloud);
     return cloud;

@@ -24,7 +24,6 @@ struct NearestHit {
     // Where the ray crosses each pair of the box's faces.
     const Eigen::Array3d a = (box.min() - ray.origin).array() * inverse;
     const Eigen::Array3d b = (box.max() - ray.origin).array() * inverse;
-
     const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
     return enter <= leave && leave > 0 && enter < hit.distance;
   }
@@ -203,7 +202,6 @@ MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
 
 std::optional<Hit> MeshTree::first_hit(const Ray& ray) const {
   NearestHit nearest{mesh_, ray};
-
   Eigen::BVIntersect(tree_->boxes, nearest);
   return std::isinf(nearest.hit.distance) ? std::nullopt : std::optional(nearest.hit);
 }
@@ -217,9 +215,7 @@ Texture veined_texture(double darkest, double brightest, double scale) {
     const Eigen::Vector3d q = p / scale;
     const double turbulence = std::sin(2.1 * q.x() + 1.3 * std::sin(1.7 * q.y())) +
                               std::sin(2.9 * q.y() + 1.1 * std::sin(2.3 * q.z() + q.x()));
-
     const double vein = std::abs(std::sin(1.5 * q.x() + q.y() + turbulence));
-
     return brightest - (brightest - darkest) * std::pow(1 - vein, 4);
   };
 }
@@ -234,7 +230,6 @@ Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel,
     const double row = p.y() / mm_per_pixel + grey->height() / 2.0 - 0.5;
     const double white = sharp ? grey_at(*grey, std::round(column), std::round(row))
                                : between_pixels(*grey, column, row);
-
     return dark + (bright - dark) * white / 255;
   };
 }

@@ -53,6 +53,7 @@ struct WorldSettings {
   std::optional<Scanner> scanner{};                 ///< default: example_scanner(camera)
   Size camera{640, 480};
   std::string world = "bench";
+
   // Override the world's values:
   std::optional<double> ambient{}, noise_variance{};
   std::optional<Response> response{};

@@ -282,8 +282,8 @@ std::vector<StrategyDesign> strategy_designs(const StrategyGoal& goal) {
       if (design.success < goal.success || !has_coordinate(layout)) continue;
       if (goal.coordinate_sigma && design.coordinate_sigma > *goal.coordinate_sigma) continue;
 
-      // The number of frames only grows here: if the noise is given, a design may replace the known
-      // one only with an equal number.
+      // The number of frames only grows in this loop. If the noise is given, a design replaces the
+      // known one only with an equal number.
       const auto [known, is_first] = best.try_emplace(strategy.name(), design);
       if (is_first) continue;
       const bool fewer = frame_count(known->second.strategy) == frames || !goal.coordinate_sigma;

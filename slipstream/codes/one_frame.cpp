@@ -31,7 +31,7 @@ Symbols without_repeats(std::size_t count, const Following& following, const Win
       left.push_back(std::move(next));
     }
 
-    // If none of them fits, go back by one position.
+    // If all have failed, go back by one position.
     if (left.back().empty()) {
       left.pop_back();
       if (const std::optional<int> last = window(found)) seen.erase(*last);
@@ -133,7 +133,7 @@ double grid_intensity(const SymbolGrid& grid, int n, double y, double across) {
     return grid.symbols[row * grid.columns + column];
   };
 
-  // Symbols: the one in whose cell the position lies.
+  // Symbols: the one whose cell contains the position.
   if (grid.rows() > 1) {
     const double u = y * grid.columns, v = across * grid.rows();
     const int column = place(u, grid.columns), row = place(v, grid.rows());
@@ -165,7 +165,7 @@ std::vector<SpectralFrame> sine_cosine_mean(double periods, double share) {
 
 Band sine_cosine_mean_band(int frames, int first, double periods, const Shifts& shifts) {
   const double turn = shifts.backwards ? -1 : 1;
-  // The frames show only half of B, which the factor 2 makes up for.
+  // The factor 2: these frames show only half of B.
   const double c = 2 * std::cos(shifts.origin), s = 2 * std::sin(shifts.origin);
 
   const std::vector<double> none(frames);

@@ -338,7 +338,7 @@ ShownSinusoid shown_in_frames(double periods, double share, const std::vector<do
   ShownSinusoid sinusoid{.periods = periods, .share = share};
   for (const double angle : degrees) {
     sinusoid.angle.push_back(angle * pi / 180);
-    // NaN, which differs from itself: not in this frame.
+    // NaN differs from itself: the sinusoid is not in this frame.
     sinusoid.shown.push_back(angle == angle);
   }
 

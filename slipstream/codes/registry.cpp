@@ -131,7 +131,7 @@ void Strategy::show(Demodulation grid) {
   shape_ = [grid = grid.grid](int n, double y, double across) {
     return grid_intensity(grid, n, y, across);
   };
-  // Extracted are sine, cosine and mean of each frequency in turn.
+  // The extracted frames are sine, cosine and mean of each frequency in turn.
   read_shape_ = [frames = grid.frames](int n, double y) {
     return sine_cosine_mean_shape(n % 3, frames[n].periods, y);
   };

@@ -18,7 +18,7 @@ std::vector<double> nearest_rising(const std::vector<double>& sequence) {
   std::vector<Run> runs;
   for (const double next : sequence) {
     runs.push_back({next, 1});
-    // A mean below the one before is merged with it, which may put this one out of order in turn.
+    // Merge a mean that is below the one before; the merged run may be out of order in turn.
     while (runs.size() > 1 && runs[runs.size() - 2].mean > runs.back().mean) {
       const Run last = runs.back();
       runs.pop_back();

@@ -158,7 +158,7 @@ std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
     return nearest_of(wrong_steps(layout, chain));
   };
 
-  // The best chain of any kind, and the best of those that are cyclic with a first sum's periods.
+  // The best chain of any kind, and the best one that is cyclic with its first sum's periods.
   const std::vector<PhaseSum> sums = beats(layout);
   std::vector<PhaseSum> any = surest_chain(layout, sums, std::nullopt), circle;
 
@@ -302,7 +302,7 @@ void require_single_frames(const Layout& layout, std::string_view name) {
            "{}: a run of steps and single frames of one sinusoid each are required", name);
   std::vector<int> shown(static_cast<std::size_t>(layout.frames));
 
-  // 1. Each frame is shown once.
+  // 1. Each frame shows exactly one sinusoid.
   for (int n = run->first; n < run->first + run->steps; ++n) ++shown[static_cast<std::size_t>(n)];
   for (const SingleFrame& one : layout.single_frames) ++shown[static_cast<std::size_t>(one.frame)];
   throw_if(std::ranges::count(shown, 1) != std::ssize(shown),

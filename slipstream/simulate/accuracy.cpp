@@ -92,7 +92,7 @@ std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Clo
     // The two spheres of a bar are each other's partner; a single sphere is its own.
     const FittedSphere &here = found[i], &other = found[found.size() - 1 - i];
     const Eigen::Vector3d rod = (other.centre - here.centre).normalized();  // 0 for one sphere
-    // Without steep points, and without those near the rod.
+    // Leave out steep points and points near the rod.
     const Cloud part = part_of(cloud, [&](int column, int row) {
       const Eigen::Vector3d point = position_at(cloud, column, row);
       return is_on_cap(here, point, 60 * degree) &&
@@ -386,7 +386,7 @@ Verdict verdict_of(const Accuracy& accuracy) {
     noise = random;
   }
 
-  // Random errors dominate up to a ratio of 1; above 3 the systematic ones are worth the effort.
+  // Random errors dominate up to a ratio of 1; above 3 a new calibration is worth it.
   const std::string figures = fmt::format(
       "systematic errors of up to {:.3f} mm beside random ones of {:.3f} mm", error, noise);
   if (accuracy.shapes.empty() || worst <= 1) return {"good", "Good: " + figures + "."};

@@ -144,7 +144,7 @@ WorkingVolume working_volume(const Scanner& scanner) {
 
   const double across = 1 - axis.z() * axis.z();
   double depth = across > 1e-6 ? (centre.z() - axis.z() * axis.dot(centre)) / across : 0;
-  // Axes that are parallel, or meet behind the camera, leave the depth open: take four baselines.
+  // If the axes are parallel, or meet behind the camera, assume a depth of four baselines.
   if (depth <= 0) depth = 4 * centre.norm();
 
   const Vector place(0, 0, depth);

@@ -239,7 +239,7 @@ Eigen::Affine3d Motion::at(double time) const {
   const double angle = turn.norm() * time;
   const Eigen::Vector3d swayed = sway.at(time);
 
-  // First own moves about the centre, then those of the carrier.
+  // The body's own motion about its centre comes first, then its carrier's motion.
   const Eigen::Affine3d own = Eigen::Translation3d(centre + time * step + vibration.at(time)) *
                               Eigen::AngleAxisd(angle, turn.normalized()) *
                               Eigen::AngleAxisd(swayed.norm(), swayed.normalized()) *

@@ -49,7 +49,7 @@ Vector head(double u, double v) {
 
 /// Neck, shoulders and foot: an oval that widens and narrows from top to bottom.
 Vector torso(double u, double v) {
-  // Two smooth steps: the neck widens to the shoulders, these narrow to the foot.
+  // Two smooth steps: the neck widens to the shoulders, which narrow to the foot.
   const double y = 0.15 - 0.65 * v;
   const double shoulder = 1 / (1 + std::exp((y + 0.085) * 42));
   const double foot = 1 / (1 + std::exp((y + 0.33) * 30));

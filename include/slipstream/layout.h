@@ -232,10 +232,12 @@ inline std::vector<double> half_phase_weights() {
 /// The run of steps whose first phase channel is this band (or its first sinusoid, with a carrier);
 /// nullopt for other weights. Its response can be corrected; N = 3, 4 and 6 have tables.
 std::optional<StepRun> step_run(const Band& band);
+
 /// Steps, in the frames or the cycle they come from, whose phase a nonlinear response distorts.
 inline std::optional<StepRun> bent_run(const Band& band) {
   return band.cycle ? band.cycle : step_run(band);
 }
+
 /// Whether the band is that phase channel of the run.
 bool is_channel(const Band& band, const StepRun& run, int channel);
 
@@ -248,22 +250,28 @@ std::vector<int> step_counts(const Layout& layout);
 
 /// Indices of the bands, from fewest periods to most.
 std::vector<std::size_t> coarse_to_fine(const Layout& layout);
+
 /// The band whose phase gives the coordinate.
 std::size_t measuring_band_index(const Layout& layout);
 inline const Band& measuring_band(const Layout& layout) {
   return layout.bands[measuring_band_index(layout)];
 }
+
 /// Frames whose grey levels matter: all except those of a code, which is only thresholded.
 std::vector<int> measuring_frames(const Layout& layout);
 
 /// Whether the frames alone determine the projector coordinate, and so the depth.
 bool has_coordinate(const Layout& layout);
+
 /// Whether decoding requires the ambient light: a cue in the DC channel.
 bool needs_ambient_light(const Layout& layout);
+
 /// The runs of phase steps of the bands, each once, in the order of the bands.
 std::vector<StepRun> step_runs(const Layout& layout);
+
 /// Most periods of a carrier; 0 if no pattern varies across the axis.
 double carrier_periods(const Layout& layout);
+
 /// Most periods across the field.
 inline double highest_frequency(const Layout& layout) {
   return measuring_band(layout).periods;

@@ -14,6 +14,7 @@ struct SymbolGrid {
   [[nodiscard]] int rows() const {
     return columns > 0 ? static_cast<int>(symbols.size()) / columns : 0;
   }
+
   friend bool operator==(const SymbolGrid&, const SymbolGrid&) = default;
 };
 
@@ -23,6 +24,7 @@ inline constexpr int stripe_window = 4, symbol_window = 3;
 /// A row of stripes, each lit in one or two of three channels (bits 1, 2 and 4), one shared with
 /// the next stripe; any stripe_window transitions are unique. Throws Error unless there are 8 to
 /// 256.
+
 SymbolGrid coloured_stripes(int stripes);
 /// Symbols 0 to 2 in which every square with side symbol_window is unique. Throws Error for a side
 /// below 8 or above 4096.
@@ -64,6 +66,7 @@ struct Demodulation {
 /// Sine, cosine and mean of a carrier along the axis, and their band from frame `first` on.
 std::vector<SpectralFrame> sine_cosine_mean(double periods, double share = 1);
 Band sine_cosine_mean_band(int frames, int first, double periods, const Shifts& shifts = {});
+
 /// The pattern that would show frame n of these three: in [0, 1].
 double sine_cosine_mean_shape(int n, double periods, double y, const Shifts& shifts = {});
 
@@ -85,8 +88,10 @@ struct FourierProfilometry {
     visit("low", "low frequency, periods across the field", self.low);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] double shape(int n, double y) const;
+
   /// Extracts sine, cosine and mean of each carrier.
   [[nodiscard]] Demodulation demodulation() const;
   [[nodiscard]] double read_shape(int n, double y) const;
@@ -111,8 +116,10 @@ struct CompositePattern {
     visit("carriers", "periods across the axis, one per step", self.carriers);
     visit("share", "modulation share of the high frequency; the cue gets the rest", self.share);
   }
+
   void require_valid() const;
   [[nodiscard]] double shape(int n, double y, double across) const;
+
   /// Extracts the N patterns of the low frequency and sine, cosine and mean of the high one.
   [[nodiscard]] Demodulation demodulation() const;
   [[nodiscard]] double read_shape(int n, double y) const;
@@ -127,6 +134,7 @@ struct CompositePattern {
 
 /// Decodes it as frames of one period and of `periods`, whose noise matches one edge or symbol.
 Demodulation read_as_fringes(int shown, double periods, SymbolGrid grid);
+
 /// The layout of such frames.
 Layout fringes_of(const Demodulation& grid);
 
@@ -140,7 +148,9 @@ struct DeBruijn {
   static void for_each_setting(auto& self, const auto& visit) {
     visit("stripes", "number of stripes across the projector field", self.stripes);
   }
+
   void require_valid() const {}  // checked by coloured_stripes
+
   /// With the slopes of half as many periods.
   [[nodiscard]] Demodulation demodulation() const {
     return read_as_fringes(3, stripes / 2.0, coloured_stripes(stripes));
@@ -158,7 +168,9 @@ struct SymbolArray {
     visit("columns", "number of symbols along the axis", self.columns);
     visit("rows", "number of symbols across the axis", self.rows);
   }
+
   void require_valid() const {}  // checked by symbol_array
+
   [[nodiscard]] Demodulation demodulation() const {
     return read_as_fringes(1, columns, symbol_array(columns, rows));
   }

@@ -54,9 +54,11 @@ void require_valid(const PatternLight& light);
 class PatternShape {
  public:
   PatternShape() = default;
+
   template <std::invocable<int, double> Along>
   PatternShape(Along along)  // NOLINT(google-explicit-constructor)
       : shape_([along = std::move(along)](int n, double y, double) { return along(n, y); }) {}
+
   template <std::invocable<int, double, double> OverField>
   PatternShape(OverField over_field)  // NOLINT(google-explicit-constructor)
       : shape_(std::move(over_field)) {}
@@ -85,9 +87,11 @@ struct PatternSet {
   [[nodiscard]] Axis axis_of(int n) const {
     return turn > 0 && n / turn % 2 == 1 ? across(axis) : axis;
   }
+
   [[nodiscard]] double exposure(int n) const {
     return std::cmp_less(n, exposures.size()) ? exposures[n] : 1;
   }
+
   /// I_n^p in grey levels of an 8-bit projector, not quantised.
   [[nodiscard]] double intensity(int n, double y, double across = 0) const {
     return light.alpha_p * shape(n, y, across) + light.beta_p;

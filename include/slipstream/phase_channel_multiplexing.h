@@ -29,9 +29,11 @@ struct PhaseChannelMultiplexing {
   /// Throws Error for settings out of range, or beyond Eq. (3.64), where unit-frequency PMP is as
   /// good.
   void require_valid() const;
+
   [[nodiscard]] double f_h() const { return high.value_or(steps == 3 ? 3 : steps == 4 ? 6 : 12); }
   [[nodiscard]] double c1() const { return share.value_or(steps == 3 ? 0.5 : 0.6); }
   [[nodiscard]] double c2() const { return 1 - c1(); }
+
   /// Reference of the cue for N = 3 and 4.
   [[nodiscard]] CueReference cue_reference() const;
 
@@ -58,8 +60,10 @@ struct PeriodCoded {
     visit("high", "high frequency, periods across the field", self.high);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] double shape(int n, double y) const;
+
   /// The mean includes the cue's light.
   [[nodiscard]] Layout layout() const;
 };

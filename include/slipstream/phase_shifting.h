@@ -91,6 +91,7 @@ struct PhaseMeasuring {
     visit("frequency", "periods across the projector field", self.frequency);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const { slipstream::require_valid(runs().front(), "pmp"); }
   [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, frequency, shifts, angles}}; }
   [[nodiscard]] Layout layout() const { return layout_of(runs(), Unwrapping::none); }
@@ -116,6 +117,7 @@ struct DualFrequency {
     visit("low", "low frequency, periods across the field", self.low);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] std::vector<Sinusoid> runs() const {
     return {{steps, high, shifts, angles}, {low_steps.value_or(steps), low, shifts, angles}};
@@ -143,6 +145,7 @@ struct MultiFrequency {
           self.unwrapping);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] std::vector<Sinusoid> runs() const;
   [[nodiscard]] Layout layout() const;
@@ -163,6 +166,7 @@ struct MicroPhaseShifting {
     visit("alternating", "invert every second single frame, from the first on", self.alternating);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] double shape(int n, double y) const;
   [[nodiscard]] Layout layout() const;
@@ -191,6 +195,7 @@ struct ModulatedPhaseShifting {
     visit("carrier", "periods of the carrier along the other axis", self.carrier);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
 };
@@ -211,6 +216,7 @@ struct OneSinusoid {
     visit("frequency", "periods across the projector field", self.frequency);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const {
     slipstream::require_valid(Sinusoid{.frequency = frequency}, Frames::name);
   }
@@ -223,6 +229,7 @@ struct TwoPlusOneFrames {
   static constexpr const char* name = "two-plus-one";
   static std::vector<double> degrees() { return {90, 0, std::numeric_limits<double>::quiet_NaN()}; }
 };
+
 /// 2+1: sine, cosine and mean (Wizinowich 1990; Zhang 2007). Only motion between two frames
 /// matters.
 using TwoPlusOne = OneSinusoid<TwoPlusOneFrames>;
@@ -231,6 +238,7 @@ struct FastThreeStepFrames {
   static constexpr const char* name = "fast-three-step";
   static std::vector<double> degrees() { return {120, 0, -120}; }
 };
+
 /// Shifts of -120, 0 and 120 degrees, as in fast three-step phase shifting (Huang and Zhang 2006):
 /// see PhaseMethod::intensity_ratio.
 using FastThreeStep = OneSinusoid<FastThreeStepFrames>;
@@ -257,6 +265,7 @@ struct TwoFrequency2N {
     visit("share", "modulation share of the high frequency; the cue gets the rest", self.share);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
 };
@@ -273,6 +282,7 @@ struct TwoFrequency4N {
     visit("periods", "periods of each sinusoid across the field", self.periods);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
 };
@@ -297,6 +307,7 @@ struct GrayCode {
     visit("plain", "plain binary code instead of a Gray code", self.plain);
     visit("least_first", "show the least significant bit first", self.least_first);
   }
+
   void require_valid() const;
   [[nodiscard]] Layout layout() const;
 };
@@ -315,6 +326,7 @@ struct ExclusiveOrGray {
     visit("base", "stripes XORed into all bits: 1 the narrowest, 2 the next", self.base);
     visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
   }
+
   void require_valid() const;
   [[nodiscard]] Layout layout() const;
 };
@@ -343,6 +355,7 @@ struct GrayPhase {
     visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
     visit_shifts(self.shifts, visit);
   }
+
   void require_valid() const;
   [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, periods, shifts, angles}}; }
   [[nodiscard]] Layout layout() const;

@@ -25,6 +25,7 @@ class SettingValue {
       : SettingValue(std::vector<double>(numbers.begin(), numbers.end())) {}
 
   [[nodiscard]] const std::string& text() const { return text_; }
+
   /// A single number. Throws Error if it is anything else.
   [[nodiscard]] double number() const;
 
@@ -51,6 +52,7 @@ using StrategySettings = std::map<std::string, SettingValue>;
 /// that is the default.
 template <class Coding>
 StrategySettings settings_from(const Coding& coding) {
+  // Every setting that has a value.
   const auto all = [](const Coding& of) {
     StrategySettings settings;
     Coding::for_each_setting(of, [&](const char* name, const char*, const auto& value) {
@@ -62,6 +64,8 @@ StrategySettings settings_from(const Coding& coding) {
     });
     return settings;
   };
+
+  // Empty, zero and false ones that are the default anyway are left out.
   StrategySettings settings = all(coding);
   const StrategySettings usual = all(Coding{});
   std::erase_if(settings, [&](const auto& setting) {
@@ -70,6 +74,7 @@ StrategySettings settings_from(const Coding& coding) {
         value == SettingValue(0) || value == SettingValue(false) || value == SettingValue();
     return nothing && usual.contains(name) && usual.at(name) == value;
   });
+
   return settings;
 }
 
@@ -102,20 +107,26 @@ class Strategy {
  public:
   /// Three-step PMP of one period.
   Strategy();
+
   /// Throws Error if the struct's settings or its layout are invalid.
   template <class Coding>
   requires requires(const Coding& coding) { coding.require_valid(); }
   Strategy(const Coding& coding)  // NOLINT(google-explicit-constructor)
       : name_(Coding::name), settings_(settings_from(coding)) {
     coding.require_valid();
+
     if constexpr (requires { coding.sinusoids(); }) {
+      // The frames show all sinusoids together; their weights are fitted.
       show(coding.sinusoids());
     } else if constexpr (requires { coding.layout(); }) {
+      // The coding knows its own layout, of the extracted frames if they are demodulated.
       layout_ = coding.layout();
       if constexpr (requires { coding.demodulation(); }) {
         demodulation_ = coding.demodulation();
         read_shape_ = [coding](int n, double y) { return coding.read_shape(n, y); };
       }
+
+      // Its patterns: a function of both coordinates or of one, runs of sinusoids, or a code alone.
       if constexpr (requires { coding.shape(0, 0.0, 0.0); }) {
         shape_ = [coding](int n, double y, double across) { return coding.shape(n, y, across); };
       } else if constexpr (requires { coding.shape(0, 0.0); }) {
@@ -126,17 +137,21 @@ class Strategy {
         show(std::vector<Sinusoid>{});
       }
     } else {
+      // A grid is decoded as fringes and needs only its demodulation.
       show(coding.demodulation());
     }
+
     require_valid(layout_, name_);
   }
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// The settings that make_strategy requires to make the same strategy again.
   [[nodiscard]] const StrategySettings& settings() const { return settings_; }
+
   /// Layout of the decoded frames: the displayed ones, or those that demodulation extracts.
   [[nodiscard]] const Layout& layout() const { return layout_; }
   operator const Layout&() const { return layout_; }  // NOLINT(google-explicit-constructor)
+
   /// How displayed frames become the decoded ones; nullopt if they are the same.
   [[nodiscard]] std::optional<Demodulation> demodulation() const {
     return read_ ? std::nullopt : demodulation_;
@@ -145,6 +160,7 @@ class Strategy {
   [[nodiscard]] Strategy read_as() const;
   /// Whether frames are, or were, separated by their spectra.
   [[nodiscard]] bool is_spectral() const { return demodulation_.has_value(); }
+
   /// Intensity of pattern n, in [0, 1], at projector coordinate y in [0, 1]; see PatternShape.
   [[nodiscard]] double shape(int n, double y, double across = 0) const {
     return shape_(n, y, across);
@@ -176,10 +192,12 @@ class Strategy {
 
 /// Frames of one scan.
 int frame_count(const Strategy& strategy);
+
 /// See the same functions for a Layout.
 inline bool has_coordinate(const Strategy& strategy) {
   return has_coordinate(strategy.layout());
 }
+
 double carrier_periods(const Strategy& strategy);
 
 /// Throws Error if the projector cannot resolve it: less than two pixels a period along the axis

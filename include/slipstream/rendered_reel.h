@@ -49,8 +49,10 @@ class RenderedReel {
   /// are rendered, above 0 to 1. Throws Error if scanner or photometry are invalid, or without
   /// frames or bits of the camera.
   explicit RenderedReel(ReelScript script, std::function<void(double)> progress = {});
+
   /// A reel that is there as a whole. Throws Error without frames, or if their formats differ.
   explicit RenderedReel(Reel reel);
+
   ~RenderedReel();  ///< ends the rendering
   RenderedReel(const RenderedReel&) = delete;
   RenderedReel& operator=(const RenderedReel&) = delete;
@@ -65,14 +67,17 @@ class RenderedReel {
   /// The frame at a position of the order; nullptr until it is rendered. Lasts as long as the reel.
   /// Throws what ended the rendering.
   [[nodiscard]] const Frame* at(std::size_t position) const;
+
   /// Waits for it; false if it is not rendered by then. Throws as `at`.
   bool wait_for(std::size_t position, Clock::time_point until) const;
+
   /// Whether all frames at positions from `first` to before `last` are rendered.
   [[nodiscard]] bool has(std::size_t first, std::size_t last) const;
 
  private:
   void render(const ReelScript& script, const std::function<void(double)>& progress,
               const std::stop_token& stop);
+
   /// The caller holds the mutex.
   [[nodiscard]] bool is_rendered(std::size_t position) const;
 
@@ -94,16 +99,20 @@ class ReelPlayer {
   explicit ReelPlayer(std::shared_ptr<const RenderedReel> reel) : reel_(std::move(reel)) {}
 
   [[nodiscard]] const RenderedReel& reel() const { return *reel_; }
+
   void restart() {
     position_ = 0;
     has_passed_enough_ = false;
   }
+
   /// The frame to show; nullptr until it is rendered.
   [[nodiscard]] const Frame* frame() const { return reel_->at(position_); }
   bool wait_for_frame(RenderedReel::Clock::time_point until) const {
     return reel_->wait_for(position_, until);
   }
+
   void advance(std::size_t frames = 1);
+
   /// Whether the last frame that a client needs has been shown or passed, see Reel::enough.
   [[nodiscard]] bool has_shown_enough() const { return has_passed_enough_ || is_last_needed(); }
 

@@ -119,6 +119,7 @@ struct Motion {
 
   /// Maps a point of the body at time 0 to its position at `time`, frames.
   [[nodiscard]] Eigen::Affine3d at(double time) const;
+
   [[nodiscard]] bool only_turns() const {
     return step.isZero(0) && vibration.amplitude.isZero(0) && breathing.amplitude == 0 &&
            sway.amplitude.isZero(0) && !carrier;

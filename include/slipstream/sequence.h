@@ -32,6 +32,7 @@ Sequence along(Sequence sequence, Axis axis);
 
 /// "x", "y", or "both" (along x, then along y).
 std::string_view axes_of(const Sequence& sequence);
+
 /// Sets the axes from such a word. Throws Error for any other.
 void set_axes(Sequence& sequence, std::string_view axes);
 
@@ -40,8 +41,10 @@ int frame_count(const Sequence& sequence);
 
 /// The patterns of a scan, for each exposure, with the optional marker last.
 PatternSet pattern_set(const Sequence& sequence);
+
 /// One cycle of the sequence: without motion frames.
 Sequence cycle_of(Sequence sequence);
+
 /// Frames after which the patterns repeat, including the marker.
 inline int cycle_length(const Sequence& sequence) {
   return frame_count(cycle_of(sequence)) + (sequence.marker ? 1 : 0);

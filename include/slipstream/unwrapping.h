@@ -58,6 +58,7 @@ struct UnwrappingWay {
   /// Every order of the measuring band is tried: against all bands, or all single frames.
   bool tries_orders = false;
   bool gives_coordinate = true;  ///< for any number of periods; otherwise for at most one
+
   /// Throws Error, beginning with `name`, unless the layout meets this method's needs; may be null.
   void (*require)(const Layout& layout, std::string_view name) = nullptr;
   /// See unwrapping_chain; null: the measuring band alone.
@@ -81,9 +82,11 @@ inline OrderSource order_source(const Layout& layout) {
 /// bands or, with Unwrapping::beats, the combinations least sensitive to noise, the first of at
 /// most one period. With other methods the measuring band alone.
 std::vector<PhaseSum> unwrapping_chain(const Layout& layout);
+
 /// Whether the coordinate is cyclic beyond the field with the period of the chain's first member,
 /// so that both ends of the field meet: all have whole multiples of its periods.
 bool is_circle(const Layout& layout);
+
 /// Weights of the bands' coordinates, which sum to 1: with Unwrapping::beats and likelihood their
 /// inverse variances (0 below a hundredth of the best); otherwise the measuring band alone.
 std::vector<double> band_weights(const Layout& layout);
@@ -104,6 +107,7 @@ constexpr double open_by_code(const Code& code, double periods) {
 /// One order before and one after in each step of the chain; with Unwrapping::likelihood one for
 /// each whole number of periods. Empty unless bands unwrap.
 std::vector<WrongOrder> wrong_orders(const Layout& layout);
+
 /// Margin of the nearest wrong order; infinite if there is none.
 double unwrapping_margin(const Layout& layout);
 

@@ -49,19 +49,23 @@ class VirtualCamera : public FrameSource {
   /// is not positive.
   explicit VirtualCamera(std::shared_ptr<const RenderedReel> reel,
                          std::optional<double> rate = std::nullopt);
+
   /// Frames of one format, which keep the pattern index of their stamps. Throws Error without
   /// frames, or if their formats differ.
   explicit VirtualCamera(Reel reel, std::optional<double> rate = std::nullopt)
       : VirtualCamera(std::make_shared<RenderedReel>(std::move(reel)), rate) {}
+
   /// Each frame once.
   explicit VirtualCamera(std::vector<Frame> loop, std::optional<double> rate = std::nullopt)
       : VirtualCamera(reel_of(std::move(loop)), rate) {}
 
   [[nodiscard]] FrameFormat format() const override { return player_.reel().format(); }
   [[nodiscard]] bool has_own_pace() const override { return rate_.has_value(); }
+
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override {}
+
   [[nodiscard]] SourceCounters counters() const override {
     return {.delivered = delivered_, .lost = lost_};
   }

@@ -18,6 +18,7 @@ struct Sharpness {
   [[nodiscard]] double at(double distance) const {
     return std::hypot(blur, defocus * (distance - 1));
   }
+
   friend bool operator==(const Sharpness&, const Sharpness&) = default;
 };
 
@@ -37,12 +38,14 @@ struct Physics {
   bool motion_blur = false;      ///< bodies move during the exposure, half of the frame time
   bool rolling_shutter = false;  ///< the last row is exposed almost a frame after the first
   double lens_residue = 0;       ///< largest error of any lens model, camera pixels
+
   // The sensor, by the model of EMVA 1288.
   double full_well = 0;           ///< electrons at full scale, for shot noise
   double read_noise = 0;          ///< standard deviation, electrons; requires full_well
   double row_noise = 0;           ///< standard deviation of a row's offset in a frame, grey levels
   double dark_spread = 0;         ///< of the pixels' offsets, constant over frames, grey levels
   double sensitivity_spread = 0;  ///< of the pixels' sensitivities, relative
+
   // Calibration boards.
   double board_bend = 0;     ///< mm by which the middle of a board bulges out
   double board_stretch = 0;  ///< relative stretch of the print along its rows

@@ -22,14 +22,14 @@ Scanner as_calibrated(const VirtualWorld& world);
 /// "ideal", "bench", "harsh".
 std::vector<std::string_view> world_names();
 
-/// Names of the optional effects: "shot-noise", "camera-blur" and so on.
+/// Names of the optional effects: "sensor-noise", "camera-blur" and so on.
 std::vector<std::string_view> effect_names();
 
 /// Light, optics and sensor by name, followed by comma-separated changes:
 ///   ideal   only the equations, with constant noise;
 ///   bench   a realistic lab: good projector and camera, in focus, a matt object;
 ///   harsh   all disturbances of a workshop at once.
-/// An effect's name adds it as in harsh, the prefix "no-" removes it: "ideal,shot-noise",
+/// An effect's name adds it as in harsh, the prefix "no-" removes it: "ideal,sensor-noise",
 /// "harsh,no-gloss". Throws Error for an unknown name.
 Photometry photometry_named(std::string_view text);
 
@@ -53,6 +53,7 @@ struct WorldSettings {
   std::optional<Scanner> scanner{};                 ///< default: example_scanner(camera)
   Size camera{640, 480};
   std::string world = "bench";
+
   // Override the world's values:
   std::optional<double> ambient{}, noise_variance{};
   std::optional<Response> response{};

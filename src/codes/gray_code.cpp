@@ -25,23 +25,31 @@ int frame_count(int bits, std::string_view reference) {
 /// The bits in frames from `first` on, out of `frames`.
 Code code_in_frames(int frames, int first, int bits, std::string_view reference) {
   Code code{.stripes = std::exp2(bits)};
+
+  // With inverses, each bit's frame is followed by its negative.
   const int apart = reference == "inverse" ? 2 : 1;
   for (int bit = 0; bit < bits; ++bit) {
     code.frames.push_back(first + apart * bit);
     if (apart == 2) code.inverses.push_back(first + apart * bit + 1);
   }
+
+  // The threshold is the mean of white and black, which follow the bits, or of all bits.
   if (apart == 2 || reference == "none") return code;
   code.reference.resize(frames);
   const auto begin = code.reference.begin() + first;
   if (reference == "white-black") std::fill_n(begin + bits, 2, 0.5);
   if (reference == "mean") std::fill_n(begin, bits, 1.0 / bits);
+
   return code;
 }
 
 /// The narrowest stripes as a band, for modulation and mean; its phase has no meaning.
 Layout layout_of(const Code& code, int frames) {
+  // The finest frame of a Gray code has two bright stripes, then two dark ones: four to a period.
   const std::vector<double> none(frames);
   Band band{.periods = code.stripes / 4, .cosine = none, .sine = none, .mean = code.reference};
+
+  // The mean is half of a bit and its inverse, the threshold, or the mean of all frames.
   const int narrowest = code.frames.back();
   if (!code.inverses.empty()) {
     band.mean = none;
@@ -49,8 +57,11 @@ Layout layout_of(const Code& code, int frames) {
   } else if (code.reference.empty()) {
     band.mean.assign(frames, 1.0 / frames);
   }
+
+  // The finest frame minus the mean: its amplitude is the modulation.
   for (std::size_t n = 0; n < band.mean.size(); ++n) band.cosine[n] = -band.mean[n];
   band.cosine[narrowest] += 1;
+
   return {.frames = frames,
           .bands = {std::move(band)},
           .code = code,
@@ -74,10 +85,13 @@ Layout GrayCode::layout() const {
   Code code = code_in_frames(frames, 0, bits, reference);
   code.stripes = stripes.value_or(code.stripes);
   code.gray = !plain;
+
+  // Bit 0, the most significant one, moves to the last frame.
   if (least_first) {
     std::ranges::reverse(code.frames);
     std::ranges::reverse(code.inverses);
   }
+
   return layout_of(code, frames);
 }
 
@@ -97,7 +111,9 @@ Layout ExclusiveOrGray::layout() const {
 void GrayPhase::require_valid() const {
   slipstream::require_valid(runs().front(), "gray-phase");
   const int shown = bits.value_or(bits_for(periods));
+  // Leaves room for the complementary bit.
   require_known(name, shown + 1, reference);
+
   throw_if(shown < bits_for(periods),
            "gray-phase: {} bits are too few for {:g} periods, which require {}", shown, periods,
            bits_for(periods));
@@ -106,12 +122,18 @@ void GrayPhase::require_valid() const {
 Layout GrayPhase::layout() const {
   const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
   const int first = runs().front().frames(), frames = first + frame_count(shown, reference);
+
   Layout layout{
       .frames = frames, .bands = {band_of(runs().front(), frames)}, .unwrapping = Unwrapping::code};
+
+  // A stripe per period, and twice the number of stripes for each further bit.
   layout.code = code_in_frames(frames, first, shown, reference);
   layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
+
+  // The mean of the sinusoid's frames also separates bright from dark.
   if (reference == "mean" || reference == "none")
     layout.code->reference = layout.bands.front().mean;
+
   return layout;
 }
 

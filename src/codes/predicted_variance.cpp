@@ -33,10 +33,14 @@ double phase_variance(const Band& band, double modulation, double noise_variance
 
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {
   const UnwrappingWay& way = *layout.unwrapping;
+  // A code alone: uniform over the width of a stripe.
   if (way.whole_stripes) return 1 / (12 * square(layout.code->stripes));
+
   if (way.coordinate_variance != nullptr) {
     return way.coordinate_variance(layout) * noise_variance / square(modulation);
   }
+
+  // Otherwise the weighted mean of the bands, whose noise is taken as independent.
   const std::vector<double> weights = band_weights(layout);
   double variance = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -44,6 +48,7 @@ double coordinate_variance(const Layout& layout, double modulation, double noise
     variance += square(weights[i]) *
                 coordinate_variance(phase_variance(band, modulation, noise_variance), band.periods);
   }
+
   return variance;
 }
 

@@ -18,6 +18,7 @@ int whole(double number) {
 /// Calls `visit` with every registered coding at its default settings.
 template <class Visit>
 void for_each_coding(const Visit& visit) {
+  // One call for each alternative of the variant.
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (visit(std::variant_alternative_t<I, KnownCodings>{}), ...);
   }
@@ -54,10 +55,13 @@ Strategy configured(Coding coding, const StrategySettings& settings) {
       set(target, wanted, value);
       found = true;
     });
+
+    // Some settings exist only without shifts: see visit_steps.
     throw_if(!found, "strategy {}{} has no setting '{}'; it has {}", Coding::name,
              settings.contains("shifts") && wanted != "shifts" ? " with shifts" : "", wanted,
              setting_names(coding));
   }
+
   return coding;
 }
 
@@ -106,6 +110,7 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
   layout_ = {.frames = static_cast<int>(sinusoids.front().angle.size()),
              .bands = fitted_bands(sinusoids, name_),
              .unwrapping = sinusoids.size() > 1 ? Unwrapping::hierarchical : Unwrapping::none};
+
   shape_ = [sinusoids = std::move(sinusoids)](int n, double y, double across) {
     return composite_intensity(sinusoids, n, y, across);
   };
@@ -113,6 +118,7 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
 
 void Strategy::show(std::vector<Sinusoid> runs) {
   if (runs.empty() && !layout_.code) return;
+  // The code's frames, if any, follow the sinusoids'.
   shape_ = [runs = std::move(runs), code = layout_.code](int n, double y) {
     const bool in_runs = !code || n < std::ranges::min(code->frames);
     return in_runs ? intensity_of(runs, n, y) : code_intensity(*code, n, y);
@@ -121,12 +127,15 @@ void Strategy::show(std::vector<Sinusoid> runs) {
 
 void Strategy::show(Demodulation grid) {
   layout_ = fringes_of(grid);
+
   shape_ = [grid = grid.grid](int n, double y, double across) {
     return grid_intensity(grid, n, y, across);
   };
+  // The extracted frames are sine, cosine and mean of each frequency in turn.
   read_shape_ = [frames = grid.frames](int n, double y) {
     return sine_cosine_mean_shape(n % 3, frames[n].periods, y);
   };
+
   demodulation_ = std::move(grid);
 }
 
@@ -136,6 +145,7 @@ Strategy Strategy::read_as() const {
     read.shape_ = read_shape_;
     read.read_ = true;
   }
+
   return read;
 }
 
@@ -145,6 +155,7 @@ Strategy Strategy::in_motion(int extra, int first) const {
   window.shape_ = [shape = shape_, first, N = layout_.frames](int n, double y, double across) {
     return shape((n + first) % N, y, across);
   };
+
   return window;
 }
 
@@ -155,27 +166,35 @@ int frame_count(const Strategy& strategy) {
 
 double carrier_periods(const Strategy& strategy) {
   double most = carrier_periods(strategy.layout());
+
   const auto demodulation = strategy.demodulation();
   if (!demodulation) return most;
+  // Each row of symbols counts as a period across the axis.
   if (demodulation->grid.rows() > 1) most = std::max<double>(most, demodulation->grid.rows());
+
   for (const SpectralFrame& frame : demodulation->frames) {
     if (frame.across) most = std::max(most, frame.periods);
   }
+
   return most;
 }
 
 void require_resolved(const Strategy& strategy, Axis axis, Size projector) {
   const int projector_length = length_along(axis, projector);
+
+  // A stripe of a code needs a pixel, a period two of them.
   const auto& code = strategy.layout().code;
   if (code && code->stripes > projector_length) {
     throw Error(fmt::format("{}: {} stripes are too narrow for {} projector pixels; at most {}",
                             strategy.name(), code->stripes, projector_length, projector_length));
   }
+
   const auto require_shown = [](const char* what, double periods, int length) {
     throw_if(2 * periods > length,
              "{} {} is too high for {} projector pixels; at most {} periods can be shown", what,
              periods, length, length / 2);
   };
+
   require_shown("frequency", highest_frequency(strategy), projector_length);
   require_shown("carrier", carrier_periods(strategy), length_along(across(axis), projector));
 }
@@ -197,6 +216,7 @@ std::vector<Strategy> strategies_beside(const Strategy& given) {
                             PhaseMeasuring{.steps = 3},
                             PhaseMeasuring{.steps = 4},
                             PhaseMeasuring{.steps = 6}};
+  // The given one may be among the others.
   all.erase(std::remove(all.begin() + 1, all.end(), given), all.end());
   return all;
 }
@@ -212,16 +232,22 @@ std::string label_of(const Strategy& strategy) {
 Strategy strategy_labelled(std::string_view label) {
   StrategySettings settings;
   const std::string_view name = label.substr(0, label.find(", "));
+
+  // Each setting follows a separator, ", ".
   for (std::string_view rest = label.substr(name.size()); !rest.empty();) {
     rest.remove_prefix(2);
     const std::string_view setting = rest.substr(0, rest.find(", "));
     rest.remove_prefix(setting.size());
+
+    // A name, a space and a value.
     const std::string_view word = setting.substr(0, setting.find(' '));
     throw_if(word.empty() || word.size() + 1 >= setting.size(),
              "'{}' in '{}' is not a setting; expected a name and a value, e.g. steps 4", setting,
              label);
+
     settings[std::string(word)] = std::string(setting.substr(word.size() + 1));
   }
+
   return make_strategy(name, settings);
 }
 
@@ -254,8 +280,12 @@ std::vector<SettingDescription> strategy_settings() {
       constexpr bool is_switch =
           std::is_same_v<Value, bool> || std::is_same_v<Value, std::optional<bool>>;
       constexpr bool is_word = std::is_same_v<Value, std::string>;
+
+      // Who has it, and the default there: "pmp 4".
       std::string owner(Coding::name);
       if (usual.contains(name)) owner += fmt::format(" {}", usual.at(name).text());
+
+      // A setting that several strategies share is listed once.
       const auto known = std::ranges::find(settings, name, &SettingDescription::name);
       if (known == settings.end()) {
         settings.push_back({name, help, owner, is_switch, is_word});
@@ -264,6 +294,7 @@ std::vector<SettingDescription> strategy_settings() {
       }
     });
   });
+
   return settings;
 }
 
@@ -272,6 +303,7 @@ Strategy make_strategy(std::string_view name, const StrategySettings& settings) 
   for_each_coding([&](const auto& coding) {
     if (coding.name == name) made = configured(coding, settings);
   });
+
   throw_if(!made, "strategy '{}' is unknown; expected one of: {}{}", name,
            fmt::join(strategy_names(), ", "), did_you_mean(name, strategy_names()));
   return *made;

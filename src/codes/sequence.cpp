@@ -16,12 +16,14 @@ void add_settings_in_pixels(const StrategySettings& lengths, int length,
   for (const auto& [name, value] : lengths) {
     throw_if(length == 0,
              "lengths in projector pixels require the projector size, e.g. --projector 1920x1080");
+
     std::vector<double> numbers;
     value.read(numbers);
     for (double& number : numbers) {
       throw_if(!(number > 0), "a length of {} projector pixels is out of range; above 0", number);
       number = std::max(1.0, length / number);
     }
+
     settings[name] = numbers;
   }
 }
@@ -37,15 +39,19 @@ Strategy with_settings(const Strategy& known, std::string_view name,
 }  // namespace
 
 Sequence along(Sequence sequence, Axis axis) {
+  // A length in pixels makes a different number of periods along the other axis.
   if (axis != sequence.axis && !sequence.lengths.empty()) {
     StrategySettings settings = sequence.strategy.settings();
     add_settings_in_pixels(sequence.lengths, length_along(axis, sequence.projector), settings);
     Strategy other = with_settings(sequence.strategy, sequence.strategy.name(), settings);
+
     throw_if(frame_count(other) != frame_count(sequence.strategy),
              "{}: lengths in projector pixels make {} frames along {}, not {}; set --bits",
              other.name(), frame_count(other), name_of(axis), frame_count(sequence.strategy));
+
     sequence.strategy = std::move(other);
   }
+
   sequence.axis = axis;
   sequence.both_axes = false;
   return sequence;
@@ -75,21 +81,28 @@ Sequence cycle_of(Sequence sequence) {
 
 PatternSet pattern_set(const Sequence& sequence) {
   PatternSet patterns = pattern_set(sequence.strategy, sequence.axis, sequence.light);
+
+  // Along both axes: the same number of patterns follows along the other one.
   PatternShape turned = patterns.shape;
   if (sequence.both_axes) {
     patterns.turn = patterns.count;
     turned = pattern_set(along(sequence, across(sequence.axis)).strategy, Axis::y, {}).shape;
   }
+
   patterns.shape = [shape = patterns.shape, turned, N = patterns.count](int n, double y,
                                                                         double across) {
     return (n / N % 2 == 0 ? shape : turned)(n % N, y, across);
   };
+
+  // All patterns with the first exposure, then all with the next.
   const int each = frame_count(sequence) / static_cast<int>(sequence.exposures.size());
   for (const double exposure : sequence.exposures) {
     patterns.exposures.insert(patterns.exposures.end(), each, exposure);
   }
+
   patterns.count = frame_count(sequence);
   patterns.binary = sequence.binary;
+
   return sequence.marker ? with_marker(std::move(patterns)) : patterns;
 }
 
@@ -106,19 +119,25 @@ void require_mergeable(const Sequence& sequence) {
   const std::vector<double>& exposures = sequence.exposures;
   const bool positive =
       std::ranges::all_of(exposures, [](double t) { return t > 0 && std::isfinite(t); });
+
   throw_if(exposures.empty() || exposures.size() > most || !positive,
            "exposures {} are out of range; expected 1 to {} numbers above 0",
            fmt::join(exposures, ", "), most);
+
+  // Motion windows run over repeated cycles of equal steps; motion_window refuses other layouts.
   if (sequence.motion != 0) {
     throw_if(exposures.size() > 1 || sequence.both_axes || sequence.marker,
              "motion compensation does not support several exposures, both axes or a marker");
+
     motion_window(sequence.strategy.layout(), sequence.motion);
   }
+
   throw_if(
       sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0),
       "{} does not support several exposures or motion compensation: each frame is decoded on its "
       "own",
       sequence.strategy.name());
+
   throw_if(
       exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout()),
       "{} with {} frames supports only one exposure: its cue requires the ambient light, which "
@@ -153,6 +172,8 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   StrategySettings settings = replaced ? StrategySettings{} : known.strategy.settings();
   Sequence sequence = known;
   if (replaced) sequence.lengths.clear();
+
+  // 1. Steps and shifts.
   const auto is_given = [&](const char* name) {
     return changes.settings.contains(name) && changes.settings.at(name);
   };
@@ -161,27 +182,37 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   for (const char* const name : {"steps", "low_steps"}) {
     if (is_given("shifts")) settings.erase(name);
   }
+
+  // 2. Other settings. A setting in pixels gives way to one that is given directly.
   for (const auto& [name, value] : changes.settings) {
     if (!value) continue;
     settings[name] = *value;
     sequence.lengths.erase(name);
   }
+
+  // 3. Lengths in projector pixels. Their periods depend on the axis and the projector's size.
   if (changes.stripe_pixels) sequence.lengths["stripes"] = *changes.stripe_pixels;
   if (changes.period_pixels) sequence.lengths["periods"] = *changes.period_pixels;
+
   if (changes.axes) set_axes(sequence, *changes.axes);
   if (sequence.projector == Size{}) sequence.projector = first.projector;
   sequence.projector = changes.projector.value_or(sequence.projector);
+
   add_settings_in_pixels(sequence.lengths, length_along(sequence.axis, sequence.projector),
                          settings);
   sequence.strategy =
       with_settings(known.strategy, changes.strategy.value_or(known.strategy.name()), settings);
+
+  // 4. How the patterns are shown and seen.
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);
   sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
   require_valid(sequence.light);
+
   sequence.exposures = changes.exposures.value_or(known.exposures);
   sequence.marker = known.marker || changes.marker;
   sequence.binary = known.binary || changes.binary;
   sequence.motion = changes.motion.value_or(known.motion);
+
   require_mergeable(sequence);
   return sequence;
 }

@@ -34,15 +34,20 @@ double turn(double angle, double phase_noise) {
 double margin(const Layout& layout, const PhaseSum& coarse, const PhaseSum& fine) {
   const double ratio = fine.periods / coarse.periods;
   const auto factor = [&](std::size_t i) { return ratio * coarse.of[i] - fine.of[i]; };
+
+  // Variance of the fine phase minus its prediction from the coarse one.
   double variance = 0;
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
     variance += factor(i) * factor(i) * phase_noise(layout.bands[i]);
   }
+
+  // The likeliest noise that turns this difference by pi: each band's part of it, in deviations.
   double square = 0;
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
     const double noise = phase_noise(layout.bands[i]);
     square += turn(pi * factor(i) * noise / variance, noise);
   }
+
   return std::sqrt(square);
 }
 
@@ -53,6 +58,8 @@ std::vector<PhaseSum> beats(const Layout& layout) {
   constexpr double least_periods = 0.02;
   const PhaseSum measuring = band_alone(layout, measuring_band_index(layout));
   std::vector<PhaseSum> sums{{std::vector<int>(layout.bands.size()), 0}};
+
+  // Add the bands one after another, with every factor.
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
     const std::vector<PhaseSum> before = sums;
     for (int factor = -most_factor; factor <= most_factor; ++factor) {
@@ -60,15 +67,19 @@ std::vector<PhaseSum> beats(const Layout& layout) {
       for (PhaseSum sum : before) {
         sum.of[i] = factor;
         sum.periods += factor * layout.bands[i].periods;
+
         int counted = 0;
         for (const int of : sum.of) counted += std::abs(of);
         if (counted <= most_bands) sums.push_back(std::move(sum));
       }
     }
   }
+
+  // A sum of hardly any periods gives no position; one as fine as the measuring band is not needed.
   std::erase_if(sums, [&](const PhaseSum& sum) {
     return sum.periods < least_periods || sum.periods >= measuring.periods;
   });
+
   std::ranges::stable_sort(sums, {}, &PhaseSum::periods);
   sums.push_back(measuring);
   return sums;
@@ -89,29 +100,40 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> s
   };
   if (!repeats(sums.back())) return {};
   std::erase_if(sums, [&](const PhaseSum& sum) { return !repeats(sum); });
+
+  // The best way to each sum: its worst margin, the sum before it and the number of steps.
   struct Way {
     double surest = 0;
     std::size_t from = 0;
     int steps = 0;
   };
   std::vector<Way> ways(sums.size());
+
+  // Sums of at most one period start a chain.
   for (std::size_t fine = 0; fine < sums.size(); ++fine) {
     if (sums[fine].periods <= circle_of.value_or(1) + chain_rounding) {
       ways[fine] = {infinity, fine, 0};
     }
+
+    // All others continue the chain of a coarser sum: the one with the best margin or, at equal
+    // margins, the shortest.
     for (std::size_t coarse = 0; coarse < fine; ++coarse) {
       if (ways[coarse].surest == 0 || ways[fine].surest == infinity) continue;
       const double surest = std::min(ways[coarse].surest, margin(layout, sums[coarse], sums[fine]));
       const Way way{surest, coarse, ways[coarse].steps + 1};
+
       const bool shorter =
           way.surest > ways[fine].surest - chain_rounding && way.steps < ways[fine].steps;
       if (way.surest > ways[fine].surest + chain_rounding || shorter) ways[fine] = way;
     }
   }
+
+  // Follow the best way back from the measuring band.
   if (ways.back().surest == 0) return {};
   std::size_t at = sums.size() - 1;
   std::vector<PhaseSum> chain{sums[at]};
   for (; ways[at].from != at; at = ways[at].from) chain.insert(chain.begin(), sums[ways[at].from]);
+
   return chain;
 }
 
@@ -135,8 +157,11 @@ std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   const auto surest_of = [&](const std::vector<PhaseSum>& chain) {
     return nearest_of(wrong_steps(layout, chain));
   };
+
+  // The best chain of any kind, and the best one that is cyclic with its first sum's periods.
   const std::vector<PhaseSum> sums = beats(layout);
   std::vector<PhaseSum> any = surest_chain(layout, sums, std::nullopt), circle;
+
   for (const PhaseSum& first : sums) {
     if (first.periods > 1 + chain_rounding) break;
     std::vector<PhaseSum> chain = surest_chain(layout, sums, first.periods);
@@ -144,6 +169,7 @@ std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
     if (circle.empty() || surest_of(chain) > surest_of(circle) + chain_rounding)
       circle = std::move(chain);
   }
+
   return !circle.empty() && surest_of(circle) >= worth * surest_of(any) ? circle : any;
 }
 
@@ -152,20 +178,28 @@ std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
   const double f_h = measuring_band(layout).periods;
   std::vector<WrongOrder> wrong;
   for (int k = 1; k < f_h; ++k) {
+    // How far the band's phase k measuring periods away is from the phase here.
     const auto apart = [&](const Band& band) {
       const double turns = band.periods * k / f_h;
       return 2 * pi * (turns - std::round(turns));
     };
+
+    // A small shift of the coordinate explains part of these phases: its least-squares value.
     double along = 0, length = 0, square = 0;
     for (const Band& band : layout.bands) {
       along += apart(band) * band.periods / phase_noise(band);
       length += band.periods * band.periods / phase_noise(band);
     }
+
+    // Noise must cover half of the rest.
     for (const Band& band : layout.bands) {
       square += turn((apart(band) - along / length * band.periods) / 2, phase_noise(band));
     }
+
+    // There are such coordinates on both sides, except near the ends of the field.
     wrong.push_back({std::sqrt(square), 2 * (f_h - k) / f_h});
   }
+
   return wrong;
 }
 
@@ -173,17 +207,22 @@ std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
 double single_frames_variance(const Layout& layout) {
   constexpr int places = 509;
   const std::vector<SingleFrame> frames = frames_of_sinusoids(layout);
+
   double sum = 0;
   for (int i = 0; i < places; ++i) {
     const double y = (i + 0.5) / places;
+    // Normal equations of the mean, the modulation and y, with a row per frame.
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
     for (const SingleFrame& shown : frames) {
       const double a = two_pi * shown.periods * y + shown.origin;
       const Eigen::Vector3d row(1, std::cos(a), -two_pi * shown.periods * std::sin(a));
       products += row * row.transpose();
     }
+
+    // The variance of y.
     sum += products.inverse()(2, 2);
   }
+
   return sum / places;
 }
 
@@ -262,10 +301,14 @@ void require_single_frames(const Layout& layout, std::string_view name) {
   throw_if(!has_single_frames(layout, infinity) || !run,
            "{}: a run of steps and single frames of one sinusoid each are required", name);
   std::vector<int> shown(static_cast<std::size_t>(layout.frames));
+
+  // 1. Each frame shows exactly one sinusoid.
   for (int n = run->first; n < run->first + run->steps; ++n) ++shown[static_cast<std::size_t>(n)];
   for (const SingleFrame& one : layout.single_frames) ++shown[static_cast<std::size_t>(one.frame)];
   throw_if(std::ranges::count(shown, 1) != std::ssize(shown),
            "{}: each frame must be either a step or one single frame", name);
+
+  // 2. No shift by whole periods of the band leaves all single frames as they are.
   const double f = layout.bands.front().periods;
   for (int k = 1; k < f; ++k) {
     const bool repeats = std::ranges::all_of(layout.single_frames, [&](const SingleFrame& single) {
@@ -283,6 +326,7 @@ void require_cue(const Layout& layout, std::string_view name) {
   } else if (layout.bands.size() != 2 || layout.bands[1].periods != 1) {
     throw Error(fmt::format("{}: voting requires a cue or a second band of 1 period", name));
   }
+
   const double f_h = layout.bands[0].periods;
   throw_if(f_h != std::floor(f_h), "{}: {} periods are not a whole number", name, f_h);
 }
@@ -291,15 +335,19 @@ constexpr UnwrappingWay none_way{.name = "none",
                                  .order_source = OrderSource::bands,
                                  .gives_coordinate = false,
                                  .least_periods = fewest_periods};
+
 constexpr UnwrappingWay hierarchical_way{.name = "hierarchical",
                                          .order_source = OrderSource::bands,
                                          .require = require_hierarchy,
                                          .chain = chain_of_bands,
                                          .least_periods = fewest_periods};
+
 constexpr UnwrappingWay surfaces_way{
     .name = "surfaces", .order_source = OrderSource::surface, .require = require_surfaces};
+
 constexpr UnwrappingWay vote_way{
     .name = "vote", .order_source = OrderSource::neighbours, .require = require_cue};
+
 constexpr UnwrappingWay beats_way{
     .name = "heterodyne",
     .order_source = OrderSource::pixel,
@@ -307,26 +355,31 @@ constexpr UnwrappingWay beats_way{
     .require = require_beats,
     .chain = chain_of_beats,
     .least_periods = [](const Layout& layout) { return chain_of_beats(layout).front().periods; }};
+
 constexpr UnwrappingWay likelihood_way{.name = "number-theory",
                                        .order_source = OrderSource::pixel,
                                        .weighs_bands = true,
                                        .tries_orders = true,
                                        .require = require_unlike,
                                        .wrong_orders = wrong_likelihoods};
+
 constexpr UnwrappingWay code_way{.name = "code",
                                  .order_source = OrderSource::pixel,
                                  .reads_code = true,
                                  .require = require_code_of_periods};
+
 constexpr UnwrappingWay code_alone_way{.name = "code-alone",
                                        .order_source = OrderSource::pixel,
                                        .reads_code = true,
                                        .whole_stripes = true,
                                        .require = require_code};
+
 constexpr UnwrappingWay single_frames_way{.name = "single-frames",
                                           .order_source = OrderSource::pixel,
                                           .tries_orders = true,
                                           .require = require_single_frames,
                                           .coordinate_variance = single_frames_variance};
+
 }  // namespace
 
 constinit const Unwrapping Unwrapping::none{none_way};
@@ -352,20 +405,26 @@ bool is_circle(const Layout& layout) {
 }
 
 std::vector<double> band_weights(const Layout& layout) {
+  // Without weighing, the measuring band alone.
   std::vector<double> weights(layout.bands.size());
   const std::size_t measuring = measuring_band_index(layout);
   weights[measuring] = 1;
   if (!layout.unwrapping->weighs_bands) return weights;
+
+  // Inverse variances of y, relative to the best band. Bands below a hundredth are left out.
   const auto precision = [](const Band& band) {
     return band.periods * band.periods / phase_noise(band);
   };
+
   const double best = precision(layout.bands[measuring]);
   double sum = 0;
+
   for (std::size_t i = 0; i < weights.size(); ++i) {
     const double share = precision(layout.bands[i]) / best;
     weights[i] = share < 0.01 ? 0 : share;
     sum += weights[i];
   }
+
   for (double& weight : weights) weight /= sum;
   return weights;
 }
@@ -377,6 +436,7 @@ std::vector<SingleFrame> frames_of_sinusoids(const Layout& layout) {
   for (int n = run.first; n < run.first + run.steps; ++n) {
     frames.push_back({n, band.periods, -std::atan2(band.sine[n], band.cosine[n])});
   }
+
   frames.insert(frames.end(), layout.single_frames.begin(), layout.single_frames.end());
   return frames;
 }

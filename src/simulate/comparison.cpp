@@ -13,6 +13,8 @@ double distance_to_surfaces(const Cloud& cloud, int column, int row, const Virtu
   const Eigen::Vector3d point = position_at(cloud, column, row);
   const std::vector<PlacedBody> bodies = placed_at(world.scene, 0);
   double nearest = std::numeric_limits<double>::infinity();
+
+  // Rays at quarter pixels.
   for (double y = row - 1.5; y <= row + 1.5; y += 0.25) {
     for (double x = column - 1.5; x <= column + 1.5; x += 0.25) {
       const Ray ray{Eigen::Vector3d::Zero(), ray_through(world.scanner.camera, {x, y})};
@@ -20,6 +22,7 @@ double distance_to_surfaces(const Cloud& cloud, int column, int row, const Virtu
       if (surface) nearest = std::min(nearest, (surface->point - point).norm());
     }
   }
+
   return nearest;
 }
 
@@ -31,6 +34,7 @@ double repeatability(const Cloud& first, const Cloud& second) {
     const double difference = std::abs(double{first.z.begin()[i]} - double{second.z.begin()[i]});
     if (std::isfinite(difference)) differences.push_back(difference);
   }
+
   if (differences.empty()) return 0;
   return deviation_from_median(median(std::move(differences))) / std::sqrt(2.0);
 }
@@ -47,23 +51,29 @@ double milliseconds_of(Engine& engine, const FrameSet& frames, Cloud cloud) {
   constexpr int times = 5;
   using Clock = std::chrono::steady_clock;
   double fastest = std::numeric_limits<double>::infinity();
+
   for (int i = 0; i < times; ++i) {
     const Clock::time_point start = Clock::now();
     engine.cloud(frames, cloud);
     const std::chrono::duration<double, std::milli> taken = Clock::now() - start;
     fastest = std::min(fastest, taken.count());
   }
+
   return fastest;
 }
 
 /// The world's scanner with an ideal calibration.
 Scanner fully_calibrated(const VirtualWorld& world) {
   Scanner scanner = as_calibrated(world);
+
+  // Response and gamma as if they had been measured.
   const Response& response = world.photometry.response;
   if (is_linear(response)) return scanner;
   const auto* const law = std::get_if<PowerLaw>(&response);
+
   scanner.photometry.response.emplace(
       MeasuredResponse{.response = response, .gamma = law != nullptr ? law->gamma : 1});
+
   return scanner;
 }
 
@@ -71,14 +81,18 @@ ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
                         const ReconstructSettings& settings) {
   const PatternSet patterns = pattern_set(sequence);
   Engine engine(fully_calibrated(world), sequence, settings);
+
   const VirtualScan scan = take_scan(world.scanner, world.scene, patterns, world.photometry);
   ComparedSequence result;
   Maps maps;
   engine.cloud_and_maps(scan.frames, result.cloud, maps);
   const Uncertainty sigma = engine.uncertainty(result.cloud, maps, scan.frames);
+
   result.errors =
       cloud_errors(result.cloud, sigma, maps.coordinate, sequence.strategy.layout(), scan, world);
   result.decode_ms = milliseconds_of(engine, scan.frames, result.cloud);
+
+  // A second scan differs only in its noise.
   if (!is_moving(world.scene)) {
     Photometry again = world.photometry;
     ++again.seed;
@@ -86,6 +100,7 @@ ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
     engine.cloud(take_again(scan, patterns, again), second);
     result.repeatability = repeatability(result.cloud, second);
   }
+
   return result;
 }
 
@@ -98,26 +113,34 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
   CloudErrors errors;
   std::size_t lit = 0, measured = 0, on_surface = 0, within_5 = 0, flying = 0, wrong = 0;
   double squares = 0, predicted_squares = 0, normalised_squares = 0;
+
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     const double y = truth.coordinate(column, row);
     if (std::isfinite(y)) ++lit;
     if (cloud.validity(column, row) != Validity::valid) return;
+
+    // The point counts as wrong if its coordinate is off by half a period or more.
     ++errors.points;
     if (std::isfinite(y)) ++measured;
     if (std::abs(coordinate(column, row) - y) * periods >= 0.5) ++wrong;
+
     const double z = cloud.z(column, row), sigma = uncertainty.z(column, row);
     // Prefer the pixel's own surface within noise: the nearest one would understate the error on
     // slopes.
     const double own = z - truth.depth(column, row);
     const double error =
         std::abs(own) <= 5 * sigma ? own : nearest_error(z, truth.depth, column, row);
+
     if (std::abs(error) <= 5 * sigma) {
       ++within_5;
       normalised_squares += std::pow(error / sigma, 2);
     }
+
+    // Far from the depth seen here, it may still lie on a surface nearby: at a steep edge, say.
     const double limit = std::max(5 * sigma, 1.0);
     const double off = std::abs(error) <= limit ? std::abs(error)
                                                 : distance_to_surfaces(cloud, column, row, world);
+
     if (off > limit) {
       ++flying;
     } else {
@@ -126,32 +149,41 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
       predicted_squares += sigma * sigma;
     }
   });
+
+  // Empty sets count as 0.
   const auto share = [](std::size_t part, std::size_t whole) {
     return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
   };
+
   errors.completeness = share(measured, lit);
+
   const auto root_mean = [](double sum, std::size_t count) {
     return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
   };
+
   errors.rms = root_mean(squares, on_surface);
   errors.predicted = root_mean(predicted_squares, on_surface);
   errors.normalised_rms = root_mean(normalised_squares, within_5);
   errors.beyond_5 = share(errors.points - within_5, errors.points);
   errors.flying = share(flying, errors.points);
   errors.wrong_order = share(wrong, errors.points);
+
   return errors;
 }
 
 std::vector<ComparedSequence> compare(const VirtualWorld& world,
                                       const std::vector<Sequence>& sequences,
                                       const ReconstructSettings& settings) {
+  // The longest sequence gets the shortest exposures, so that all take the same time.
   int fewest = std::numeric_limits<int>::max();
   for (const Sequence& sequence : sequences) fewest = std::min(fewest, frame_count(sequence));
+
   std::vector<ComparedSequence> all;
   for (const Sequence& sequence : sequences) {
     const double share = static_cast<double>(fewest) / frame_count(sequence);
     all.push_back(judged(with_exposure(world, share), sequence, settings));
   }
+
   return all;
 }
 

@@ -40,6 +40,7 @@ class HandBuilder {
 
   void add(Mesh mesh, const Motion& motion) {
     for (Vector& vertex : mesh.vertices) vertex *= size_;
+
     scene_.push_back(Body{.shape = std::make_shared<const MeshTree>(std::move(mesh)),
                           .pose = pose_,
                           .texture = uniform_texture(0.75),
@@ -51,6 +52,7 @@ class HandBuilder {
   void add(const Digit& digit, std::shared_ptr<const Motion> carrier) {
     constexpr double bend = 16 * degree;  // of each joint, in the middle of its swing
     const Vector axis = digit.direction.cross(Vector::UnitZ()).normalized();
+
     const double thinner = 0.25 * digit.radius / static_cast<double>(digit.lengths.size());
 
     LimbEnd joint{digit.root, digit.radius};

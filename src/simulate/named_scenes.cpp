@@ -33,19 +33,24 @@ Scene boxes_scene(const WorkingVolume& volume) {
 }
 
 Scene statue_scene(const Scanner& scanner, const WorkingVolume& volume) {
+  // The statue before a wall.
   Scene scene = scene_with_mesh(statue(), scanner);
   scene.front().texture = veined_texture(0.35, 0.85, 0.2 * volume.extent);
+
   const Vector behind = volume.centre + Vector(0, 0, 0.45 * volume.extent);
   scene.push_back(Body{.shape = Board{8 * volume.extent, 8 * volume.extent},
                        .pose = placed(behind),
                        .texture = uniform_texture(0.45),
                        .shading = Shading::lambertian,
                        .fixed = true});
+
   return scene;
 }
 
 Scene hand_scene(const WorkingVolume& volume) {
   Scene scene = hand(0.72 * volume.extent, placed(volume.centre, upright));
+
+  // A white box behind it, for contrast.
   const Vector box = volume.extent * Vector(0.9, 0.8, 0.3);
   scene.push_back(
       Body{.shape = Box{box},
@@ -53,6 +58,7 @@ Scene hand_scene(const WorkingVolume& volume) {
            .texture = uniform_texture(0.85),
            .shading = Shading::lambertian,
            .fixed = true});
+
   return scene;
 }
 
@@ -66,20 +72,25 @@ Scene fish_scene(const Scanner& scanner, const WorkingVolume& volume) {
   const double length = 0.95 * volume.extent;
   Scene scene = scene_with_mesh(fish(), scanner, length);
   scene.front().texture = fish_paint(length);
+
+  // The grey board that it lies on.
   const Vector behind = volume.centre + Vector(0, 0, 0.09 * length);
   scene.push_back(Body{.shape = Board{8 * volume.extent, 8 * volume.extent},
                        .pose = placed(behind),
                        .texture = uniform_texture(0.5),
                        .shading = Shading::lambertian,
                        .fixed = true});
+
   return scene;
 }
 
 Scene contrast_scene(const WorkingVolume& volume) {
   const double side = 4 * volume.extent;
+  // From 0.02 to 1 across the view: equal ratios at equal distances.
   const Texture wedge = [scale = 0.6 * volume.extent](const Vector& p) {
     return 0.02 * std::pow(50, std::clamp(p.x() / scale + 0.5, 0.0, 1.0));
   };
+
   return {Body{.shape = Board{side, side}, .pose = placed(volume.centre), .texture = wedge},
           Body{.shape = Sphere{0.2 * volume.extent},
                .pose = placed(volume.centre),
@@ -95,12 +106,14 @@ bool in_picture(const Lens& lens, const Eigen::Vector3d& point) {
 
 bool seen_whole(const Scanner& scanner, const Eigen::Isometry3d& pose, double width,
                 double height) {
+  // Its corners, the middles of its sides and its centre.
   bool seen = true;
   for_each_pixel_in_order({3, 3}, [&](int x, int y) {
     const Vector point = pose * Vector((0.5 * x - 0.5) * width, (0.5 * y - 0.5) * height, 0);
     seen = seen && in_picture(scanner.camera, point) &&
            in_picture(scanner.projector, in_projector_frame(scanner, point));
   });
+
   return seen;
 }
 
@@ -112,9 +125,11 @@ Eigen::Isometry3d pose_number(int i, const WorkingVolume& volume, double shift) 
   const double nearness = 1 + 0.12 * std::cos(2.1 * i);
   const double spin = 12 * degree * std::sin(1.3 * i);
   const double move_direction = golden_angle * i * 2 + 0.7;
+
   const auto sideways = [](double direction) {
     return Eigen::Vector3d(std::cos(direction), std::sin(direction), 0);
   };
+
   return Eigen::Translation3d(volume.centre * nearness + shift * sideways(move_direction)) *
          Eigen::AngleAxisd(lean, sideways(lean_direction)) *
          Eigen::AngleAxisd(spin, Eigen::Vector3d::UnitZ());
@@ -126,9 +141,12 @@ WorkingVolume working_volume(const Scanner& scanner) {
   // The point of the camera's axis (0, 0, z) nearest to the projector's axis.
   const Vector centre = projector_centre(scanner);
   const Vector axis = scanner.rotation.row(2);
+
   const double across = 1 - axis.z() * axis.z();
   double depth = across > 1e-6 ? (centre.z() - axis.z() * axis.dot(centre)) / across : 0;
+  // If the axes are parallel, or meet behind the camera, assume a depth of four baselines.
   if (depth <= 0) depth = 4 * centre.norm();
+
   const Vector place(0, 0, depth);
   const double extent = std::min(visible_extent(scanner.camera, depth),
                                  visible_extent(scanner.projector, (place - centre).norm()));
@@ -170,6 +188,7 @@ std::vector<std::string_view> scene_names() {
 
 Scene scene_named(std::string_view name, const Scanner& scanner) {
   const WorkingVolume volume = working_volume(scanner);
+
   if (name == "board") {
     const Board board{4 * volume.extent, 4 * volume.extent};
     return {Body{.shape = board, .pose = placed(volume.centre, -12 * degree, 20 * degree)}};
@@ -182,18 +201,23 @@ Scene scene_named(std::string_view name, const Scanner& scanner) {
   if (name == "hand") return hand_scene(volume);
   if (name == "angel") return angel_scene(scanner, volume);
   if (name == "fish") return fish_scene(scanner, volume);
+
   throw Error(fmt::format("scene '{}' is not known; expected one of: {}{}", name,
                           fmt::join(scene_names(), ", "), did_you_mean(name, scene_names())));
 }
 
 Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size) {
   const WorkingVolume volume = working_volume(scanner);
+
+  // The mesh's largest side fills the volume, or has the given size.
   Eigen::AlignedBox3d bounds;
   for (const Vector& vertex : mesh.vertices) bounds.extend(vertex);
   const double largest_side = bounds.isEmpty() ? 0 : bounds.sizes().maxCoeff();
   if (!(largest_side > 0)) throw Error("the mesh has no extent");
+
   const double scale = (size > 0 ? size : 0.95 * volume.extent) / largest_side;
   for (Vector& vertex : mesh.vertices) vertex = scale * (vertex - bounds.center());
+
   return {Body{.shape = std::make_shared<const MeshTree>(std::move(mesh)),
                .pose = placed(volume.centre, upright),
                .shading = Shading::lambertian}};
@@ -203,19 +227,24 @@ std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, do
                                            double height) {
   const WorkingVolume volume = working_volume(scanner);
   std::vector<Eigen::Isometry3d> poses;
+
   for (int i = 0; i < count; ++i) {
     throw_if(!seen_whole(scanner, pose_number(i, volume, 0), width, height),
              "a board of {:.4g}x{:.4g} mm does not fit into the scanner's view of about {:.4g} mm; "
              "use a smaller one",
              width, height, volume.extent);
+
+    // As far from the middle as the view allows, to a 4096th of its extent.
     double near_middle = 0, too_far = volume.extent;
     for (int halving = 0; halving < 12; ++halving) {
       const double shift = (near_middle + too_far) / 2;
       const bool seen = seen_whole(scanner, pose_number(i, volume, shift), width, height);
       (seen ? near_middle : too_far) = shift;
     }
+
     poses.push_back(pose_number(i, volume, near_middle));
   }
+
   return poses;
 }
 
@@ -223,6 +252,7 @@ Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel,
                    const Scanner& scanner) {
   constexpr double dark = 0.08, bright = 0.85;
   constexpr double blur = 0.5;  // camera pixels
+
   const double mm_of_camera_pixel =
       working_volume(scanner).centre.z() / scanner.camera.intrinsic(0, 0);
   return {
@@ -232,12 +262,15 @@ Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel,
 }
 
 Body misprinted(Body sheet, const Physics& physics) {
+  // A stretched print has its points farther out along X.
   if (physics.board_stretch != 0) {
     const double share = 1 / (1 + physics.board_stretch);
     sheet.texture = [print = sheet.texture, share](const Eigen::Vector3d& p) {
       return print(Eigen::Vector3d(share * p.x(), p.y(), p.z()));
     };
   }
+
+  // A parabola along X whose ends stay in place and whose middle bulges towards the camera.
   if (physics.board_bend != 0) {
     const Board flat = std::get<Board>(sheet.shape);
     Mesh mesh;
@@ -248,6 +281,7 @@ Body misprinted(Body sheet, const Physics& physics) {
     });
     sheet.shape = std::make_shared<const MeshTree>(std::move(mesh));
   }
+
   return sheet;
 }
 

@@ -14,6 +14,7 @@ constexpr double blur_step = 0.5;  // pixels, between profiles
 Profile sharp_profile(const PatternSet& patterns, int n, int length, const Photometry& photometry) {
   Profile profile;
   for (int place = 0; place < length * places; ++place) {
+    // Exact light, or light that is constant over each pixel and set at its centre.
     if (!photometry.physics.projector_pixels) {
       const double pixel = (place + 0.5) / places - 0.5;
       profile.push_back(responded(patterns.intensity(n, pixel / length), photometry));
@@ -24,17 +25,20 @@ Profile sharp_profile(const PatternSet& patterns, int n, int length, const Photo
       profile.push_back(responded(std::round(patterns.intensity(n, y)), photometry));
     }
   }
+
   return profile;
 }
 
 /// `deviation`: in places, above 0. Dark beyond the ends.
 Profile blurred(const Profile& sharp, double deviation) {
   const int reach = static_cast<int>(std::ceil(4 * deviation));
+
   Profile weights;
   for (int i = -reach; i <= reach; ++i) {
     weights.push_back(std::exp(-0.5 * i * i / (deviation * deviation)));
   }
   const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
+
   const int size = static_cast<int>(sharp.size());
   Profile result(sharp.size(), 0);
   for (int place = 0; place < size; ++place) {
@@ -43,6 +47,7 @@ Profile blurred(const Profile& sharp, double deviation) {
     for (int i = from; i <= to; ++i) sum += weights[i - place + reach] * sharp[i];
     result[static_cast<std::size_t>(place)] = sum / all;
   }
+
   return result;
 }
 
@@ -62,9 +67,12 @@ class BlurredPattern {
       const double last = static_cast<double>(profiles_[0].size()) - 1;
       return profiles_[0][static_cast<std::size_t>(std::clamp(place, 0.0, last))];
     }
+
+    // Between the profiles with the next smaller and the next larger blur.
     const auto lower = std::min(static_cast<std::size_t>(blur / blur_step), profiles_.size() - 1);
     const double sharper = profile_at(profiles_[lower], place);
     if (lower + 1 == profiles_.size()) return sharper;
+
     const double steps = static_cast<double>(lower),
                  share = (std::pow(blur / blur_step, 2) - steps * steps) / (2 * steps + 1);
     return std::lerp(sharper, profile_at(profiles_[lower + 1], place), share);
@@ -89,17 +97,22 @@ struct PixelShares {
 
 PixelShares shares_about(double place, double deviation, int length) {
   if (deviation == 0) return {std::clamp(static_cast<int>(std::lround(place)), 0, length - 1), {1}};
+
+  // The Gaussian's integral over each pixel, to four standard deviations on both sides.
   const int first = std::max(static_cast<int>(std::lround(place - 4 * deviation)), 0);
   const int last = std::min(static_cast<int>(std::lround(place + 4 * deviation)), length - 1);
+
   const auto up_to = [&](double edge) {
     return std::erf((edge - place) / (std::numbers::sqrt2 * deviation)) / 2;
   };
+
   PixelShares result{.first = first};
   for (double i = first, before = up_to(first - 0.5); i <= last; ++i) {
     const double after = up_to(i + 0.5);
     result.shares.push_back(after - before);
     before = after;
   }
+
   return result;
 }
 
@@ -108,11 +121,13 @@ double blurred_at(const Image<double>& picture, const Eigen::Vector2d& place, do
   const PixelShares across = shares_about(place.x(), deviation, picture.width());
   const PixelShares down = shares_about(place.y(), deviation, picture.height());
   double sum = 0;
+
   for (std::size_t i = 0; i < down.shares.size(); ++i) {
     const double* const row = picture.row(down.first + static_cast<int>(i)) + across.first;
     sum +=
         down.shares[i] * std::inner_product(across.shares.begin(), across.shares.end(), row, 0.0);
   }
+
   return sum;
 }
 
@@ -136,9 +151,11 @@ ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photom
   for (std::size_t level = 0; level < light_of.size(); ++level) {
     light_of[level] = responded(static_cast<double>(level), photometry);
   }
+
   Image<double> light(picture.size());
   std::ranges::transform(picture, light.begin(),
                          [&](std::uint8_t level) { return light_of[level]; });
+
   return [light = std::move(light)](const LitSample& sample) {
     return spread_light(sample, [&](double blur) { return blurred_at(light, sample.pixel, blur); });
   };
@@ -147,16 +164,22 @@ ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photom
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen) {
   const Axis axis = patterns.axis_of(n);
+
+  // The widest blur of any sample says how many blurred profiles are needed.
   double widest = 0;
   for (const auto& row : seen.samples) {
     for (const LitSample& sample : row) {
       widest = std::max(widest, std::hypot(sample.blur, sample.spread));
     }
   }
+
+  // Patterns of pixels, and blurred ones that vary in both directions, need the whole picture.
   const bool exact = !photometry.physics.projector_pixels && widest == 0;
   if (patterns.binary || (patterns.carrier && !exact)) {
     return light_of_picture(in_8_bits(render_pattern(patterns, n, projector)), photometry);
   }
+
+  // Without blur and pixels, the light of a sample's exact position.
   if (exact) {
     return [=](const LitSample& sample) {
       const double y = coordinate_along(axis, sample.pixel, projector);
@@ -164,8 +187,11 @@ ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector
       return responded(patterns.intensity(n, y, x), photometry);
     };
   }
+
+  // Otherwise a profile along the axis is enough, blurred in steps.
   const int length = length_along(axis, projector);
   BlurredPattern pattern(sharp_profile(patterns, n, length, photometry), widest);
+
   return [=, pattern = std::move(pattern)](const LitSample& sample) {
     const double pixel = axis == Axis::x ? sample.pixel.x() : sample.pixel.y();
     const double place = (pixel + 0.5) * places;

@@ -27,15 +27,18 @@ bool is_seen(const Scanner& scanner, const Vector& centre, double side) {
     if (!is_in_picture(scanner.camera, point)) return false;
     if (!is_in_picture(scanner.projector, in_projector_frame(scanner, point))) return false;
   }
+
   return true;
 }
 
 /// Side, mm, of the largest cube that both fully see.
 double measured_cube(const Scanner& scanner) {
   const WorkingVolume volume = working_volume(scanner);
+  // Shrinks by a hundredth until it fits.
   for (double side = volume.extent; side > volume.extent / 20; side *= 0.99) {
     if (is_seen(scanner, volume.centre, side)) return side;
   }
+
   throw Error("camera and projector see no common volume; check rotation and translation");
 }
 
@@ -43,11 +46,14 @@ double measured_cube(const Scanner& scanner) {
 Scene ball_bar(const Artefacts& artefacts, const Eigen::Isometry3d& pose) {
   const double radius = artefacts.diameters[0] / 2, reach = *artefacts.distance / 2;
   Scene scene;
+
   for (const double x : {-reach, reach}) {
     scene.push_back({.shape = Sphere{radius}, .pose = pose * Eigen::Translation3d(x, 0, 0)});
   }
+
   const double width = 0.6 * radius;
   scene.push_back({.shape = Box{{2 * reach, width, width}}, .pose = pose});
+
   return scene;
 }
 
@@ -77,10 +83,14 @@ void add_bars(Rehearsal& test, Scenes& scenes, const Vector& centre, double side
   const double diagonal = std::sqrt(3) * side;
   test.artefacts.diameters = {0.1 * diagonal, 0.1 * diagonal};
   test.artefacts.distance = 0.35 * diagonal;
+
+  // Farthest that a sphere's centre may be from the middle plane of the cube.
   const double free = (side - test.artefacts.diameters[0]) / 2;
+
   for (const auto& [middle, direction] : bar_positions) {
     const Eigen::Isometry3d pose = Eigen::Translation3d(centre + free * middle) *
                                    Eigen::Quaterniond::FromTwoVectors(Vector::UnitX(), direction);
+
     test.artefacts.spheres.push_back(fmt::format("ball bar {}", test.artefacts.spheres.size() + 1));
     scenes[test.artefacts.spheres.back()] = ball_bar(test.artefacts, pose);
   }
@@ -88,13 +98,17 @@ void add_bars(Rehearsal& test, Scenes& scenes, const Vector& centre, double side
 
 void add_planes(Rehearsal& test, Scenes& scenes, const Vector& centre, double side) {
   const double length = 0.5 * std::sqrt(3) * side;
+
   for (const auto& [depth, about_x, about_y] : plane_positions) {
     const Eigen::Isometry3d pose = Eigen::Translation3d(centre + Vector(0, 0, depth * side)) *
                                    Eigen::AngleAxisd(about_y * degree, Vector::UnitY()) *
                                    Eigen::AngleAxisd(about_x * degree, Vector::UnitX());
+
     test.artefacts.planes.push_back(fmt::format("plane {}", test.artefacts.planes.size() + 1));
     scenes[test.artefacts.planes.back()] = {Body{.shape = Board{length, length}, .pose = pose}};
   }
+
+  // One plane again and again, for the repeatability.
   constexpr int repeats = 10;
   for (int i = 0; i < repeats; ++i) {
     test.artefacts.repeated.push_back(fmt::format("repeat {}", i + 1));
@@ -108,13 +122,17 @@ Rehearsal rehearsal(const VirtualWorld& world, const Sequence& sequence, const S
                     const ReconstructSettings& settings) {
   const double side = measured_cube(world.scanner);
   const Vector centre = working_volume(world.scanner).centre;
+
   Rehearsal test;
   Scenes scenes;
   add_bars(test, scenes, centre, side);
   add_planes(test, scenes, centre, side);
   test.artefacts.diagonal = std::sqrt(3) * side;
+
   const auto engine = std::make_shared<Engine>(calibrated, sequence, settings);
   const PatternSet patterns = pattern_set(sequence);
+
+  // Simulates a scan whenever its cloud is needed, each time with other noise.
   test.cloud_of = [=, scene_of = std::move(scenes),
                    next = world.photometry](const std::string& scan) mutable {
     const VirtualScan taken = take_scan(world.scanner, scene_of.at(scan), patterns, next);
@@ -123,6 +141,7 @@ Rehearsal rehearsal(const VirtualWorld& world, const Sequence& sequence, const S
     engine->cloud(taken.frames.views(), cloud);
     return cloud;
   };
+
   return test;
 }
 

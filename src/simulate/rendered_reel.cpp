@@ -28,14 +28,17 @@ void render(const ReelScript& script, const Moment& moment, const std::stop_toke
     light.seed += k;
 
     Frame frame;
+    // Frames of one moment share the rays of the first.
     if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
       seen = take_scan(script.scanner, moment.scene, pattern, light, moment.time, stop);
       frame = first_frame(seen->frames);
     }
+
     frame.stamp.sequence = k;
     frame.stamp.pattern_index = static_cast<int>(script.patterns[k]);
+
     if (stop.stop_requested()) return;
     take(k, std::move(frame));
   }
@@ -52,6 +55,7 @@ Reel rendered(const ReelScript& script) {
     render(script, moment, {},
            [&](std::size_t k, Frame frame) { reel.frames[k] = std::move(frame); });
   }
+
   return reel;
 }
 
@@ -64,6 +68,7 @@ RenderedReel::RenderedReel(ReelScript script, std::function<void(double)> progre
       enough_(script.enough),
       frames_(script.patterns.size()),
       is_rendered_(script.patterns.size(), false) {
+  // Renders in the background; a failure is kept for the reader to receive.
   thread_ = std::jthread([this, script = std::move(script),
                           progress = std::move(progress)](const std::stop_token& stop) {
     let_others_go_first();
@@ -73,6 +78,7 @@ RenderedReel::RenderedReel(ReelScript script, std::function<void(double)> progre
       const std::lock_guard lock(mutex_);
       failure_ = std::current_exception();
     }
+
     changed_.notify_all();
   });
 }
@@ -83,6 +89,7 @@ RenderedReel::RenderedReel(Reel reel)
       frames_(std::move(reel.frames)),
       is_rendered_(frames_.size(), true) {
   throw_if(frames_.empty(), "a virtual camera needs at least one frame");
+
   format_ = frames_.front().format();
   for (const Frame& frame : frames_) {
     throw_if(frame.format() != format_,
@@ -95,6 +102,7 @@ RenderedReel::~RenderedReel() = default;
 void RenderedReel::render(const ReelScript& script, const std::function<void(double)>& progress,
                           const std::stop_token& stop) {
   std::size_t count = 0;
+  // A frame is in place before it is marked as rendered.
   const auto take = [&](std::size_t k, Frame frame) {
     frames_[k] = std::move(frame);
     const std::lock_guard lock(mutex_);

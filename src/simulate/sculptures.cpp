@@ -18,18 +18,23 @@ double bump(const Vector& direction, const Vector& centre, double width, double 
 /// Distance of the head's surface from its centre in a direction.
 double head_radius(const Vector& d) {
   double radius = 1;
+  // The face.
   radius += 0.30 * bump(d, {0, -0.12, 1}, 0.11, 0.17);     // nose
   radius += 0.06 * bump(d, {0, 0.02, 1}, 0.07, 0.22);      // its bridge
   radius += 0.07 * bump(d, {0, 0.28, 0.95}, 0.45, 0.09);   // brow
   radius += 0.12 * bump(d, {0, -0.78, 0.75}, 0.22, 0.16);  // chin
   radius -= 0.05 * bump(d, {0, -0.44, 0.9}, 0.17, 0.03);   // mouth
   radius += 0.05 * bump(d, {0, -0.52, 0.9}, 0.15, 0.05);   // lower lip
+
+  // Eyes, cheeks and ears on both sides.
   for (const double side : {-1.0, 1.0}) {
     radius -= 0.12 * bump(d, {side * 0.32, 0.08, 0.95}, 0.15, 0.10);  // eye socket
     radius += 0.05 * bump(d, {side * 0.31, 0.07, 0.95}, 0.07, 0.05);  // eye
     radius += 0.06 * bump(d, {side * 0.48, -0.22, 0.85}, 0.2, 0.2);   // cheek
     radius += 0.16 * bump(d, {side, -0.02, -0.02}, 0.10, 0.22);       // ear
   }
+
+  // Hair from the forehead to the neck, in strands.
   const double hair = std::clamp((d.y() - 0.25 + 0.6 * std::min(-d.z(), 0.4)) * 6, 0.0, 1.0);
   return radius + hair * (0.07 + 0.025 * std::sin(26 * std::atan2(d.x(), d.y() + 0.4)));
 }
@@ -44,13 +49,18 @@ Vector head(double u, double v) {
 
 /// Neck, shoulders and foot: an oval that widens and narrows from top to bottom.
 Vector torso(double u, double v) {
+  // Two smooth steps: the neck widens to the shoulders, which narrow to the foot.
   const double y = 0.15 - 0.65 * v;
   const double shoulder = 1 / (1 + std::exp((y + 0.085) * 42));
   const double foot = 1 / (1 + std::exp((y + 0.33) * 30));
+
   const double width = 0.085 + 0.27 * shoulder - 0.13 * foot;
   const double depth = 0.085 + 0.09 * shoulder - 0.03 * foot;
+
+  // Folds that fade towards the foot.
   const double angle = 2 * pi * u;
   const double folds = 1 + 0.03 * shoulder * (1 - foot) * std::sin(15 * angle + 9 * y);
+
   return {folds * width * std::sin(angle), y, folds * depth * std::cos(angle) - 0.02};
 }
 
@@ -69,12 +79,16 @@ Vector angel_head(double u, double v) {
 
 /// Neck, shoulders and a robe that widens to its hem in deepening pleats.
 Vector robe(double u, double v) {
+  // The neck widens to the shoulders, and the robe below them to its hem.
   const double y = 0.27 - 0.77 * v;
   const double shoulder = 1 / (1 + std::exp((y - 0.2) * 60));
   const double skirt = std::clamp((0.1 - y) / 0.6, 0.0, 1.0);
   const double radius = 0.035 + 0.085 * shoulder + 0.12 * std::pow(skirt, 1.5);
+
+  // Pleats that deepen to the hem.
   const double angle = 2 * pi * u;
   const double pleats = 1 + 0.07 * skirt * std::sin(16 * angle + 3 * y);
+
   return {pleats * radius * std::sin(angle), y, 0.75 * pleats * radius * std::cos(angle)};
 }
 
@@ -163,6 +177,7 @@ Mesh angel() {
     append_limb(mesh, elbow, wrist);
     append_limb(mesh, wrist, fingers);
   }
+
   return mesh;
 }
 
@@ -173,6 +188,7 @@ Mesh fish() {
   append_surface(mesh, 20, 60, back_fin);
   append_surface(mesh, 30, 20, side_fin);
   append_ellipsoid(mesh, {-0.36, 0.035, 0.082}, {0.027, 0.027, 0.02});
+
   return mesh;
 }
 
@@ -184,6 +200,7 @@ Texture fish_paint(double length) {
     const double scales = std::abs(std::sin(45 * (x + y)) * std::sin(45 * (x - y)));
     const double bands = 0.5 + 0.5 * std::sin(30 * x + 4 * y);
     const double back = 1 / (1 + std::exp((0.06 - y) * 60));
+
     return std::clamp(0.45 + 0.2 * scales + 0.25 * bands - 0.15 * back, 0.3, 0.9);
   };
 }

@@ -31,11 +31,13 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner,
   const bool in_field = pixel.x() >= -0.5 && pixel.x() < projector.size.width - 0.5 &&
                         pixel.y() >= -0.5 && pixel.y() < projector.size.height - 0.5;
   if (!in_field) return std::nullopt;
+
   if (!projector.distortion.is_zero()) {
     // Far outside the field, the lens model folds back into it.
     const Vector ray = ray_through(projector, pixel);
     if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;
   }
+
   if (in_shadow(bodies, surface.point, centre)) return std::nullopt;
   return pixel;
 }
@@ -43,8 +45,10 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner,
 /// Offset from the pixel's centre, pixels. A golden-section lattice spreads the rays evenly in
 /// columns and rows.
 Eigen::Vector2d ray_offset(int ray, int rays) {
+  // The step has no divisor in common with the number of rays, so each ray gets its own row.
   int step = std::max(1, static_cast<int>(std::lround(rays / std::numbers::phi)));
   while (std::gcd(step, rays) != 1) ++step;
+
   const Eigen::Vector2d place(ray, ray * step % rays);
   return (place + Eigen::Vector2d(0.5, 0.5)) / rays - Eigen::Vector2d(0.5, 0.5);
 }
@@ -79,6 +83,7 @@ struct Onlooker {
   [[nodiscard]] std::optional<Met> along(const Eigen::Vector2d& pixel) const {
     const Vector direction = ray_through(scanner.camera, pixel + residue(pixel));
     if (!direction.allFinite()) return std::nullopt;
+
     const Ray ray{Vector::Zero(), direction};
     return at_row_of(pixel, [&](const auto& placed) { return met(ray, placed); });
   }
@@ -86,13 +91,16 @@ struct Onlooker {
   /// Adds the light that other surfaces reflect onto a pixel's surface.
   void add_bounces(const Eigen::Vector2d& pixel, const SurfacePoint& from,
                    std::vector<LitSample>& samples) const {
+    // Each pixel has a direction of its own, from which its rays turn on evenly.
     const auto key = static_cast<std::uint64_t>(pixel.y() * 65536 + pixel.x());
     const double turn = uniform(key);
+
     at_row_of(pixel, [&](const auto& placed) {
       for (int i = 0; i < physics.bounces; ++i) {
         const double u = (i + 0.5) / physics.bounces;
         const Vector direction = diffuse_direction(from.normal, u, turn + i / std::numbers::phi);
         const std::optional<Met> other = met({from.point + 1e-4 * from.normal, direction}, placed);
+
         if (!other || !other->light) continue;
         samples.push_back(*other->light);
         samples.back().strength *= from.alpha / physics.bounces;
@@ -125,6 +133,8 @@ struct Onlooker {
     if (surface.shading == Shading::lambertian) {
       alpha *= std::max(0.0, surface.normal.dot(to_light));
     }
+
+    // The highlight, where the normal is half way between the light and the eye.
     const Vector half_way = (to_light + (eye - surface.point).normalized()).normalized();
     return std::clamp(alpha, 0.0, 1.0) +
            (surface.gloss + physics.gloss) *
@@ -135,8 +145,11 @@ struct Onlooker {
                                        const std::vector<PlacedBody>& placed) const {
     const std::optional<SurfacePoint> surface = first_surface(placed, ray);
     if (!surface) return std::nullopt;
+
     const double distance = (surface->point - light).norm();
     Met result{*surface, reflectivity(*surface, ray.origin)};
+
+    // Lit by the projector: with fall-off, its lens's loss, its blur and the spread in the surface.
     const double share = physics.fall_off ? std::pow(bright_distance / distance, 2) : 1;
     if (const auto pixel = lighting_pixel(scanner, placed, *surface)) {
       const double lens_loss = 1 - physics.vignetting * off_centre(*pixel, scanner.projector.size);
@@ -144,6 +157,7 @@ struct Onlooker {
                       physics.projector.at(distance / working_distance),
                       physics.translucency * scanner.projector.intrinsic(0, 0) / distance};
     }
+
     return result;
   }
 };
@@ -165,20 +179,27 @@ bool is_even(MetByCentres& met, int column, int row) {
   constexpr double bend = 2e-4;  // of the depth, from pixel to pixel
   constexpr double contrast = 0.02;
   const std::optional<Met>& here = met.at(column, row);
+
   const auto beside = [&](int right, int down) -> const std::optional<Met>& {
     return met.at(column + right, row + down);
   };
+
+  // Lit or not like the centre, with about the same reflectivity.
   const auto alike = [&](const std::optional<Met>& other) {
     if (!here || !other) return !here && !other;
     return here->light.has_value() == other->light.has_value() &&
            std::abs(here->reflectivity - other->reflectivity) < contrast;
   };
+
+  // Two opposite neighbours with the centre between them: flat within the bend.
   const auto straight = [&](const std::optional<Met>& one, const std::optional<Met>& other) {
     if (!alike(one) || !alike(other)) return false;
     if (!here) return true;
     const double depth = here->surface.point.z();
     return std::abs(one->surface.point.z() + other->surface.point.z() - 2 * depth) < bend * depth;
   };
+
+  // In all four directions: across, down and both diagonals.
   return straight(beside(-1, 0), beside(1, 0)) && straight(beside(0, -1), beside(0, 1)) &&
          straight(beside(-1, -1), beside(1, 1)) && straight(beside(-1, 1), beside(1, -1));
 }
@@ -186,6 +207,7 @@ bool is_even(MetByCentres& met, int column, int row) {
 void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, double& albedo,
                       std::vector<LitSample>& samples) {
   albedo = 0;
+
   for (int ray = 0; ray < onlooker.photometry.rays; ++ray) {
     const auto met = onlooker.along(pixel + ray_offset(ray, onlooker.photometry.rays));
     if (!met) continue;
@@ -207,6 +229,7 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
       const int reach = static_cast<int>(std::ceil(4 * sigma));
       weight.resize(reach + 1);
       for (int i = 0; i <= reach; ++i) weight[i] = std::exp(-0.5 * i * i / (sigma * sigma));
+
       double sum = 0, weights = 0;
       for (int i = -reach; i <= reach; ++i) {
         const int x = std::clamp(column + i * right, 0, picture.width() - 1);
@@ -214,9 +237,11 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
         sum += weight[std::abs(i)] * picture(x, y);
         weights += weight[std::abs(i)];
       }
+
       result(column, row) = sum / weights;
     }
   });
+
   return result;
 }
 
@@ -224,6 +249,7 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
 
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time, const std::stop_token& stop) {
+  // 1. The surface that each pixel's centre ray meets.
   const Size size = scanner.camera.size;
   const Onlooker onlooker{scanner, scene, photometry, time};
   MetByCentres met{size, std::vector<std::optional<Met>>(size.width * size.height)};
@@ -231,14 +257,19 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
     if (stop.stop_requested()) return;
     met.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
   });
+
+  // 2. The light of each pixel, from one ray on even surfaces and from several elsewhere.
   SeenScene seen{size};
   for_each_row(size.height, [&](int row) {
     if (stop.stop_requested()) return;
     std::vector<LitSample>& samples = seen.samples[row];
+
     for (int column = 0; column < size.width; ++column) {
       const Eigen::Vector2d pixel(column, row);
       const std::size_t before = samples.size();
       const std::optional<Met>& centre = met.at(column, row);
+
+      // The ground truth is at the pixel's centre.
       if (centre) {
         seen.depth(column, row) = centre->surface.point.z();
         seen.reflectivity(column, row) = seen.albedo(column, row) = centre->reflectivity;
@@ -247,17 +278,21 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
           seen.lit_row(column, row) = centre->light->pixel.y();
         }
       }
+
       const double depth = seen.depth(column, row) / onlooker.working_place.z();
       seen.blur(column, row) = photometry.physics.camera.at(std::isnan(depth) ? 1 : depth);
+
       if (photometry.rays > 1 && !is_even(met, column, row)) {
         add_mean_of_rays(onlooker, pixel, seen.albedo(column, row), samples);
       } else if (centre && centre->light) {
         samples.push_back(*centre->light);
       }
+
       if (centre) onlooker.add_bounces(pixel, centre->surface, samples);
       seen.sample_count(column, row) = static_cast<int>(samples.size() - before);
     }
   });
+
   return seen;
 }
 
@@ -267,6 +302,7 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
   const Size size = seen.size;
   // A frequency that is incommensurable with any number of steps.
   const double flicker = 1 + physics.flicker * std::sin(2.4 * n + 1);
+
   Image<double> frame(size);
   for_each_row(size.height, [&](int row) {
     auto sample = seen.samples[row].begin();
@@ -274,14 +310,17 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
       const double from_middle = (2.0 * column - size.width) / size.width;
       const double beta = photometry.ambient * (1 + physics.ambient_gradient * from_middle);
       double sum = (seen.albedo(column, row) + 1) * beta;
+
       for (int i = 0; i < seen.sample_count(column, row); ++i, ++sample) {
         sum += sample->strength * light(*sample);
       }
+
       const double lens_loss =
           1 - physics.vignetting * off_centre(Eigen::Vector2d(column, row), size);
       frame(column, row) = exposure * flicker * lens_loss * sum;
     }
   });
+
   if (physics.camera == Sharpness{}) return frame;
   return blurred(blurred(frame, seen.blur, 1, 0), seen.blur, 0, 1);
 }

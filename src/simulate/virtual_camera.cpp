@@ -14,6 +14,7 @@ Frame first_frame(const FrameSet& exposed) {
       std::copy_n(views[0].row(0), image.pixel_count(), image.begin());
     }
   });
+
   return frame;
 }
 
@@ -27,6 +28,7 @@ std::optional<Scene> at_rest(Scene scene, double time) {
     body.pose = Eigen::Isometry3d(moved.matrix()) * body.pose;
     body.motion = {};
   }
+
   return scene;
 }
 
@@ -76,6 +78,7 @@ ReelScript looped_scene(const Scanner& scanner, const Scene& scene, const Patter
     if (!round && n > 0 && count - n > n) moment.frames.push_back(count - n);
     script.moments.push_back(std::move(moment));
   }
+
   return script;
 }
 
@@ -92,6 +95,7 @@ ReelScript moved_board(const VirtualWorld& world, Body sheet,
            "a moving board requires at least one pose, one set of patterns and one cycle");
   ReelScript script{.scanner = world.scanner, .photometry = world.photometry};
   script.photometry.rays = 1;  // a printed sheet already has soft edges
+
   for (const PatternSet& set : sets) {
     for (int n = 0; n < set.count; ++n) script.cycle.push_back(pattern_alone(set, n));
   }
@@ -127,6 +131,7 @@ ReelScript moved_board(const VirtualWorld& world, Body sheet,
       script.patterns.push_back(k);
     }
   }
+
   return script;
 }
 
@@ -149,15 +154,20 @@ std::optional<VirtualCamera::Clock::time_point> VirtualCamera::wait_until(Clock:
   if (!rate_) return now;
   const double taken = std::chrono::duration<double>(now - pace_start_).count() * *rate_;
   const double behind = std::floor(taken) - static_cast<double>(sequence_) - waiting_frames;
+
+  // Frames that no longer fit into the buffer are lost.
   if (behind > 0) {
     sequence_ += static_cast<std::uint64_t>(behind);
     lost_ += static_cast<std::uint64_t>(behind);
     player_.advance(static_cast<std::size_t>(behind));
   }
+
   const std::chrono::duration<double> due(static_cast<double>(sequence_ + 1) / *rate_);
   const Clock::time_point whole = pace_start_ + std::chrono::duration_cast<Clock::duration>(due);
+
   // A sleep may end early by a tick of the system's clock.
   while (Clock::now() < std::min(whole, end)) std::this_thread::sleep_until(std::min(whole, end));
+
   if (whole > end) return std::nullopt;
   return whole;
 }

@@ -14,20 +14,24 @@ namespace fs = std::filesystem;
 Mesh read_mesh(const std::filesystem::path& path) {
   require_ending(path, "mesh format", {".ply", ".obj"});
   StoredPoints stored = read_points(path);
+
   Mesh mesh{.vertices = {}, .triangles = std::move(stored.triangles)};
   for (const auto& point : stored.points) mesh.vertices.emplace_back(point.x, point.y, point.z);
   throw_if(mesh.triangles.empty(), "{}: no triangles; expected a complete PLY or OBJ mesh",
            path.string());
+
   const std::string name = path.string();
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
     throw_if(!vertex.allFinite(), "{}: a vertex is not finite", name);
   }
+
   for (const auto& triangle : mesh.triangles) {
     for (const int corner : triangle) {
       throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh.vertices.size(),
                "{}: a triangle refers to vertex {} of {}", name, corner, mesh.vertices.size());
     }
   }
+
   return mesh;
 }
 
@@ -36,6 +40,7 @@ ScanFiles save_virtual_scan(const fs::path& path, const Sequence& sequence,
   ScanFiles files = save_scan(path, taken.frames, sequence, as_calibrated(world), std::nullopt,
                               taken.in_colour, taken.white);
   if (is_recording(path)) return files;
+
   const fs::path truth = path / "truth";
   make_folder(truth);
   write_map(truth / "depth.tiff", taken.depth);
@@ -51,12 +56,15 @@ std::vector<std::string> save_board_scans(const fs::path& folder, const Sequence
   const fs::path scanner_file = folder / "scanner.yaml";
   make_folder(folder);
   write_scanner(scanner_file, world.scanner);
+
   Photometry photometry = world.photometry;
   photometry.rays = 1;  // a printed sheet already has soft edges
   std::vector<std::string> names;
+
   for (const Eigen::Isometry3d& pose : poses) {
     sheet.pose = pose;
     names.push_back(fmt::format("board{:02}", names.size() + 1));
+
     for (const Axis axis : {Axis::x, Axis::y}) {
       const Sequence of_axis = along(sequence, axis);
       const FrameSet frames =
@@ -66,6 +74,7 @@ std::vector<std::string> save_board_scans(const fs::path& folder, const Sequence
     }
     saved();
   }
+
   return names;
 }
 

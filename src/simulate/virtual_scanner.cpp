@@ -14,12 +14,14 @@ template <class Pixel>
 std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures, int bits) {
   const double full_scale = (1 << bits) - 1;
   std::vector<Image<Pixel>> frames;
+
   for (const Image<double>& exposure : exposures) {
     Image<Pixel>& frame = frames.emplace_back(exposure.size());
     std::ranges::transform(exposure, frame.begin(), [&](double intensity) {
       return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
     });
   }
+
   return frames;
 }
 
@@ -43,6 +45,7 @@ std::vector<Image<double>> mixed(const std::vector<ImageView<const double>>& lig
     const Eigen::Vector3d point = std::isnan(depth)
                                       ? Eigen::Vector3d::Zero()
                                       : Eigen::Vector3d(depth * ray_through(camera, {column, row}));
+
     for (std::size_t c = 0; c < channels; ++c) {
       double sum = 0;
       for (std::size_t p = 0; p < channels; ++p) {
@@ -51,6 +54,7 @@ std::vector<Image<double>> mixed(const std::vector<ImageView<const double>>& lig
       picture[c](column, row) = kept(devices.paint, point, c) * sum;
     }
   });
+
   return picture;
 }
 
@@ -62,11 +66,13 @@ std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
                              const std::stop_token& stop) {
   const bool blurred = photometry.physics.motion_blur && is_moving(scene);
   const int times = blurred ? 4 : 1;
+
   std::vector<SeenScene> seen;
   for (int i = 0; i < times; ++i) {
     const double later = blurred ? exposed_for * (i + 0.5) / times : 0;
     seen.push_back(look(scanner, scene, photometry, time + later, stop));
   }
+
   return seen;
 }
 
@@ -78,14 +84,19 @@ void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& phot
   const double constant = photometry.noise_variance + std::pow(level * physics.read_noise, 2);
   const bool differing = physics.dark_spread > 0 || physics.sensitivity_spread > 0;
   if (constant == 0 && level == 0 && physics.row_noise == 0 && !differing) return;
+
   const Size size = frames.front().size();
   for_each_row(size.height, [&](int row) {
     const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(size.width);
+
+    // The row's own offset in each frame.
     std::vector<double> of_row(frames.size(), 0);
     for (std::size_t i = 0; i < frames.size() && physics.row_noise != 0; ++i) {
       const std::uint64_t number = static_cast<std::uint64_t>(n) + i + of_rows;
       of_row[i] = physics.row_noise * gaussian(photometry.seed, number, first);
     }
+
+    // The pixel's own sensitivity and offset, equal in all frames.
     for (int column = 0; column < size.width; ++column) {
       const std::uint64_t pixel = first + static_cast<std::uint64_t>(column);
       double sensitivity = 1, offset = 0;
@@ -93,10 +104,13 @@ void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& phot
         sensitivity += physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
         offset = physics.dark_spread * gaussian(0, of_offsets, pixel);
       }
+
+      // Shot noise grows with the light.
       for (std::size_t i = 0; i < frames.size(); ++i) {
         const std::uint64_t number = static_cast<std::uint64_t>(n) + i;
         double& intensity = frames[i](column, row);
         intensity = intensity * sensitivity + offset;
+
         const double shot = level * std::max(intensity, 0.0);
         intensity += of_row[i] + std::sqrt(constant + shot) *
                                      gaussian(photometry.seed, number, pixel);  // (3.10)
@@ -115,12 +129,16 @@ void require_valid(const Photometry& photometry) {
   const int bits = photometry.bits.value_or(8);
   require_in_range(std::abs(photometry.ambient) <= 255, "ambient light", photometry.ambient,
                    "-255 to 255");
+
   const auto* const law = std::get_if<PowerLaw>(&photometry.response);
   const double gamma = law != nullptr ? law->gamma : 1;
   require_in_range(gamma >= 0.1 && gamma <= 20, "gamma", gamma, "0.1 to 20");
+
   require_in_range(photometry.noise_variance >= 0 && photometry.noise_variance <= 255.0 * 255,
                    "noise variance", photometry.noise_variance, "0 to 255^2");
+
   require_in_range(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
+
   require_in_range(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays,
                    "1 to 256");
 }
@@ -129,12 +147,16 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
                       const Photometry& photometry, double time, const std::stop_token& stop) {
   require_valid(scanner);
   require_valid(photometry);
+
   const Size projector = scanner.projector.size;
   std::vector<SeenScene> seen = looks(scanner, scene, photometry, time, stop);
   const auto first = std::make_shared<const SeenScene>(seen.front());
+
+  // 1. The frames. With motion blur each is the mean of several moments.
   std::vector<Image<double>> exposures;
   for (int n = 0; n < patterns.count; ++n) {
     if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n, stop);
+
     Image<double> frame(scanner.camera.size);
     for (const SeenScene& now : seen) {
       const auto light = projected_light(patterns, n, projector, photometry, now);
@@ -143,15 +165,21 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
       std::ranges::transform(frame, exposure, frame.begin(),
                              [=](double sum, double more) { return sum + share * more; });
     }
+
     exposures.push_back(std::move(frame));
   }
+
   add_noise(exposures, 0, photometry);
+
+  // 2. The truth half way through the exposures.
   const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
   const double middle = time + 0.5 * (patterns.count - 1 + exposure);
   const SeenScene truth =
       middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle, stop) : *first;
+
   Image<double> coordinate = patterns.axis == Axis::x ? truth.lit_column : truth.lit_row;
   for (double& position : coordinate) position /= length_along(patterns.axis, projector);
+
   return {digitised(std::move(exposures), photometry.bits),
           truth.depth,
           std::move(coordinate),
@@ -163,12 +191,14 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
                     const Photometry& photometry) {
   require_valid(photometry);
+
   std::vector<Image<double>> exposures;
   for (int n = 0; n < patterns.count; ++n) {
     exposures.push_back(
         exposed(*scan.seen, photometry, n, patterns.exposure(n),
                 projected_light(patterns, n, scan.projector, photometry, *scan.seen)));
   }
+
   add_noise(exposures, 0, photometry);
   return digitised(std::move(exposures), photometry.bits);
 }
@@ -179,10 +209,14 @@ VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const P
            "{} patterns in colour; expected a multiple of 3", patterns.count);
   if (is_moving(scene)) throw Error("a scene in colour must be static; remove its motion");
   require_in_range(devices.paint >= 0 && devices.paint <= 1, "paint", devices.paint, "0 to 1");
+
+  // 1. The light of each projector colour alone, neither rounded nor with constant noise.
   Photometry light = photometry;
   light.bits.reset();
   light.noise_variance = 0;
   VirtualScan scan = take_scan(scanner, scene, patterns, light);
+
+  // 2. The camera's channels of each picture: three patterns mixed, with the sensor's noise.
   const auto seen_in_colour = [&](const FrameSet& lights, int first_noise) {
     std::vector<Image<double>> exposures;
     lights.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
@@ -192,15 +226,20 @@ VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const P
               mixed({frames[n], frames[n + 1], frames[n + 2]}, scan, scanner.camera, devices);
           std::move(picture.begin(), picture.end(), std::back_inserter(exposures));
         }
+
         add_noise(exposures, first_noise, photometry);
       }
     });
+
     return digitised(std::move(exposures), photometry.bits);
   };
+
+  // The white picture has noise of its own.
   scan.white =
       seen_in_colour(take_again(scan, white_pattern(patterns.light), light), patterns.count);
   scan.frames = seen_in_colour(scan.frames, 0);
   scan.in_colour = true;
+
   return scan;
 }
 

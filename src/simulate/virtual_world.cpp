@@ -18,6 +18,7 @@ Photometry ideal() {
 Photometry bench() {
   return {.ambient = 5,
           .rays = 16,
+          // Optics, light and motion.
           .physics = {.projector_pixels = true,
                       .projector = {.blur = 0.6, .defocus = 4},
                       .camera = {.blur = 0.5, .defocus = 2},
@@ -25,6 +26,7 @@ Photometry bench() {
                       .fall_off = true,
                       .ambient_gradient = 0.3,
                       .motion_blur = true,
+                      // Sensor.
                       .full_well = 10000,
                       .read_noise = 3,
                       .row_noise = 0.05,
@@ -36,11 +38,13 @@ Photometry harsh() {
   return {.ambient = 15,
           .response = PowerLaw{2.2},
           .rays = 16,
+          // Optics.
           .physics = {.projector_pixels = true,
                       .projector = {.blur = 1, .defocus = 10},
                       .camera = {.blur = 0.9, .defocus = 6},
                       .vignetting = 0.5,
                       .fall_off = true,
+                      // Surfaces, ambient light and motion.
                       .gloss = 0.4,
                       .translucency = 1,
                       .bounces = 32,
@@ -49,11 +53,13 @@ Photometry harsh() {
                       .motion_blur = true,
                       .rolling_shutter = true,
                       .lens_residue = 0.1,
+                      // Sensor.
                       .full_well = 5000,
                       .read_noise = 15,
                       .row_noise = 0.3,
                       .dark_spread = 0.5,
                       .sensitivity_spread = 0.01,
+                      // Calibration boards.
                       .board_bend = 0.3,
                       .board_stretch = 0.002}};
 }
@@ -110,6 +116,7 @@ const auto& entry_named(const Entries& entries, std::string_view name, std::stri
   for (const auto& entry : entries) {
     if (entry.name == name) return entry;
   }
+
   const std::vector<std::string_view> names = names_of(entries);
   throw Error(fmt::format("{} '{}' is not known; expected one of: {}{}", kind, name,
                           fmt::join(names, ", "), did_you_mean(name, names)));
@@ -122,18 +129,25 @@ Scanner as_calibrated(const VirtualWorld& world) {
   PhotometricCalibration& known = scanner.photometry;
   const Photometry& light = world.photometry;
   const Physics& physics = light.physics;
+
+  // Rounding to the camera's grey levels adds noise.
   const double step = light.bits ? 255.0 / ((1 << *light.bits) - 1) : 0;
   double variance = light.noise_variance + quantisation_variance * step * step;
+
   known.ambient = light.ambient;
   known.noise_gain = 0;
+
+  // Read noise, and shot noise at half of full scale.
   if (physics.full_well > 0) {
     known.noise_gain = 255 / physics.full_well;
     variance += std::pow(known.noise_gain * physics.read_noise, 2) + known.noise_gain * 127.5;
   }
   variance += physics.row_noise * physics.row_noise;
   known.noise_variance = variance > 0 ? std::optional(variance) : std::nullopt;
+
   const double depth = working_volume(scanner).centre.z();
   scanner.calibrated_depths = {0.75 * depth, 1.25 * depth};
+
   return scanner;
 }
 
@@ -147,20 +161,26 @@ std::vector<std::string_view> effect_names() {
 
 Photometry photometry_named(std::string_view text) {
   Photometry photometry = entry_named(worlds, take_until(text, ','), "world").photometry();
+
+  // Then the effects: each as in the harsh world or, with no-, as in the ideal one.
   while (!text.empty()) {
     std::string_view name = take_until(text, ',');
     const bool out = name.starts_with("no-");
     if (out) name.remove_prefix(3);
+
     entry_named(effects, name, "effect").take(photometry, out ? ideal() : harsh());
   }
+
   return photometry;
 }
 
 Scanner second_scanner(const Scanner& first) {
   constexpr double past_the_projector = 1.6;
   const Eigen::Vector3d centre = past_the_projector * projector_centre(first);
+
   // From the first camera's frame to the second's.
   const Eigen::Matrix3d turn = looking_along(working_volume(first).centre - centre);
+
   Scanner second = first;
   second.rotation = first.rotation * turn.transpose();
   second.translation = in_projector_frame(first, centre);
@@ -171,11 +191,13 @@ Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& 
   Eigen::Isometry3d to_second = Eigen::Isometry3d::Identity();
   to_second.linear() = second.rotation.transpose() * first.rotation;
   to_second.translation() = second.rotation.transpose() * (first.translation - second.translation);
+
   Scene seen = scene;
   for (Body& body : seen) {
     body.pose = to_second * body.pose;
     body.motion = moved_by(to_second, body.motion);
   }
+
   return seen;
 }
 
@@ -197,19 +219,25 @@ VirtualWorld virtual_world(const WorldSettings& settings) {
   VirtualWorld world{
       .scanner = settings.scanner ? *settings.scanner : example_scanner(settings.camera),
       .photometry = photometry_named(settings.world)};
+
   Photometry& photometry = world.photometry;
   photometry.ambient = settings.ambient.value_or(photometry.ambient);
   photometry.response = settings.response.value_or(photometry.response);
   photometry.rays = settings.rays.value_or(photometry.rays);
   photometry.bits = settings.bits;
   photometry.seed = settings.seed;
+
+  // A given noise replaces the sensor's own.
   if (settings.noise_variance) {
     photometry.noise_variance = *settings.noise_variance;
     photometry.physics.full_well = photometry.physics.row_noise = 0;
   }
+
   world.scene = settings.mesh
                     ? scene_with_mesh(read_mesh(*settings.mesh), world.scanner, settings.mesh_size)
                     : scene_named(settings.scene, world.scanner);
+
+  // All bodies that are not fixed move together, on top of their own motion.
   Motion motion = settings.motion;
   motion.centre = working_volume(world.scanner).centre;
   for (Body& body : world.scene) {
@@ -218,6 +246,7 @@ VirtualWorld virtual_world(const WorldSettings& settings) {
     const Eigen::Isometry3d shift(Eigen::Translation3d(settings.shift));
     if (!body.fixed) body.motion = carried_by(motion, moved_by(shift, body.motion));
   }
+
   return world;
 }
 

@@ -157,7 +157,7 @@ void make_grey(Frame& frame) {
             sums(i + 1, 0) = a + 2 * b + c + (std::max({a, b, c}) >= full ? clipped : 0);
           }
 
-          // Weights 1 2 1 along the row, 16 in total with rounding.
+          // Weights 1 2 1 along the row: 16 in total, hence the rounded division.
           sums(0, 0) = sums(std::min(2, width), 0);
           sums(width + 1, 0) = sums(std::max(width - 1, 1), 0);
           for (int i = 0; i < width; ++i) {

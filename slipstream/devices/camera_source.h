@@ -100,7 +100,6 @@ class CameraSource : public FrameSource, public CameraControls {
     auto& setting = which == CameraControl::exposure ? settings_.exposure
                     : which == CameraControl::gain   ? settings_.gain
                                                      : settings_.frame_rate;
-
     setting = which == CameraControl::exposure ? value / 1e3 : value;
   }
 

@@ -61,7 +61,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
         return arrival;
       }
 
-      // The new connection counts its resent packets from 0 again.
+      // Lost. The next connection counts its resent packets from 0 again.
       if (connection_->is_lost() || steady_clock::now() - last_heard_ > longest_silence()) {
         resent_before_ += resent_.exchange(0);
         bury(lose());

@@ -32,10 +32,10 @@ void main() {
 
 /// A grey picture has one channel, read as three.
 template <class Pixel>
-
 opengl::Resource texture_of(const Image<Pixel>& pattern) {
   constexpr bool is_grey = std::is_same_v<Pixel, std::uint8_t>;
   static_assert(is_grey || sizeof(Pixel) == 3);
+
   opengl::Resource texture = opengl::make_texture();
   glBindTexture(GL_TEXTURE_2D, *texture);
   // Rows have no padding, whatever their width.

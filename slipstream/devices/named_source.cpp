@@ -29,7 +29,7 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
 
   const auto& [scanner, scene, photometry] = *request.world;
 
-  // 1. The patterns: a virtual projector shows what its own field resolves.
+  // 1. The patterns, for the virtual projector's field.
   NamedSource opened;
   opened.sequence = default_sequence(scanner.projector.size, request.sequence);
   opened.sequence.marker |= request.marker;
@@ -54,7 +54,7 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
     }
   }
 
-  // 3. Play it. Calibration parameters are known as a calibration would find them.
+  // 3. Play it back, with the scanner as a calibration would find it.
   opened.frames = std::make_unique<VirtualCamera>(
       std::move(reel), request.rate == 0.0 ? std::nullopt : request.rate);
   opened.scanner = as_calibrated(*request.world);
@@ -84,7 +84,6 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   opened.white = header.white;
 
   opened.frames = std::move(replay);
-
   return opened;
 }
 

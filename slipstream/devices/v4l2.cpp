@@ -201,7 +201,7 @@ class V4l2Stream {
   ~V4l2Stream() { stop(); }
 
   void start() {
-    // 1. Request buffers of the driver.
+    // 1. Request buffers from the driver.
     auto request = cleared<v4l2_requestbuffers>();
     request.count = v4l2_buffer_count;
     request.memory = V4L2_MEMORY_MMAP;
@@ -224,7 +224,8 @@ class V4l2Stream {
 
   void stop() {
     if (buffers_.empty()) return;
-    // Unmapping must come before the driver frees its buffers, by a request for 0 of them.
+
+    // Buffers must be unmapped before the driver frees them, which a request for 0 buffers does.
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     device_->control(VIDIOC_STREAMOFF, &type);
     for (const std::span<std::uint8_t> buffer : buffers_) {
@@ -323,14 +324,14 @@ class V4l2Stream {
         if (errno == EINVAL) continue;
         fail("frames");
       }
-      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another size
+      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another format
 
       const Size size{static_cast<int>(format.fmt.pix.width),
                       static_cast<int>(format.fmt.pix.height)};
       throw_if(size != wanted.size, "camera {} has no frame size {}; the nearest is {}", name_,
                text_of(wanted.size), text_of(size));
 
-      // 3. Rows may be padded. Some drivers report too short rows; use the least possible then.
+      // 3. Rows may be padded, but cannot be shorter than their pixels.
       layout_ = layout;
       const auto tight = static_cast<std::size_t>(frames.size.width * layout.bytes);
       row_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, tight);

@@ -157,7 +157,7 @@ void make_grey(Frame& frame) {
             sums(i + 1, 0) = a + 2 * b + c + (std::max({a, b, c}) >= full ? clipped : 0);
           }
 
-          // Weights 1 2 1 along the row: 16 in total, hence the rounded division.
+          // Weights 1 2 1 along the row: 16 in total, so divide by 16 and round.
           sums(0, 0) = sums(std::min(2, width), 0);
           sums(width + 1, 0) = sums(std::max(width - 1, 1), 0);
           for (int i = 0; i < width; ++i) {
@@ -198,6 +198,7 @@ std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSe
 
 std::vector<CameraDescription> list_cameras() {
   std::vector<CameraDescription> cameras;
+  // Names that open_camera() takes begin with the scheme.
   for (const auto& [scheme, list] :
        {std::pair{"aravis:", &list_genicam_cameras}, std::pair{"v4l2:", &list_v4l2_cameras}}) {
     for (CameraDescription& camera : list()) {
@@ -205,6 +206,7 @@ std::vector<CameraDescription> list_cameras() {
       cameras.push_back(std::move(camera));
     }
   }
+
   return cameras;
 }
 

@@ -159,7 +159,7 @@ void GigeControlSockets::answer(std::chrono::nanoseconds longest_wait, const Ans
 std::vector<std::pair<int, sockaddr_in>> udp_sockets() {
   std::vector<std::pair<int, sockaddr_in>> sockets;
   std::error_code gone;
-  // Every open file of the process; getsockopt fails for those that are not sockets.
+  // Every open file of the process; getsockopt fails unless it is a socket.
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
     const int descriptor = number_in<int>(entry.path().filename().string()).value_or(-1);
     sockaddr_in address{};
@@ -191,8 +191,10 @@ bool pass_pictures_only(const PictureStream& stream) {
   };
 
   // The last field is an offset. Jumps count instructions skipped if true and if false.
-  std::array<sock_filter, 31> lines{{{load_word, 0, 0, sender},
+  std::array<sock_filter, 31> lines{{// Drop packets from other senders.
+                                     {load_word, 0, 0, sender},
                                      {if_equal, 0, 28, stream.camera},
+                                     // 16-bit numbers: A = the trailer's number - this packet's.
                                      {set_offset, 0, 0, udp + 8},
                                      {load_byte, 0, 0, kind},
                                      {if_set, 5, 0, long_numbers},
@@ -201,25 +203,30 @@ bool pass_pictures_only(const PictureStream& stream) {
                                      {negate, 0, 0, 0},
                                      {add, 0, 0, trailer_number(8)},
                                      {go_on, 0, 0, 5},
+                                     // Extended numbers: the same.
                                      {set_offset, 0, 0, udp + 20},
                                      {load_word, 0, 0, udp + 16},
                                      {if_set, 17, 0, negative},
                                      {negate, 0, 0, 0},
                                      {add, 0, 0, trailer_number(20)},
+                                     // Drop packets after the trailer, and those without content.
                                      {if_set, 14, 0, negative},
                                      {keep, 0, 0, 0},
                                      {load_length, 0, 0, 0},
                                      {if_beyond_offset, 0, 11, 0},
+                                     // Pass a trailer, and pixels before the trailer's number.
                                      {load_byte, 0, 0, kind},
                                      {mask, 0, 0, kinds},
                                      {if_equal, 7, 0, trailer},
                                      {if_equal, 0, 2, pixels},
                                      {load_kept, 0, 0, 0},
                                      {if_equal, 5, 4, 0},
+                                     // Pass a whole leader of a picture.
                                      {if_equal, 0, 4, leader},
                                      {load_byte_there, 0, 0, leader_bytes - 1},
                                      {load_half_there, 0, 0, 2},
                                      {if_equal, 0, 1, picture},
+                                     // Pass; drop.
                                      {give, 0, 0, 0xffffffff},
                                      {give, 0, 0, 0}}};
 

@@ -39,7 +39,7 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
 
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
 
-  // 2. Render what the camera sees, in the background.
+  // 2. Render the camera's frames, in the background.
   require_valid(photometry);
   request.before_rendering();
   auto reel = std::make_shared<RenderedReel>(

@@ -462,10 +462,12 @@ std::unique_ptr<FrameSource> open_v4l2_camera(
 std::vector<CameraDescription> list_v4l2_cameras() {
   constexpr int most = 64;
   std::vector<CameraDescription> cameras;
+
   for (int number = 0; number < most; ++number) {
     const std::string path = fmt::format("/dev/video{}", number);
     try {
       const auto capability = camera_of(*open_video_device(path));
+      // Devices without pictures, e.g. a camera's metadata, are skipped.
       if (!capability) continue;
       cameras.push_back({.name = std::to_string(number),
                          .vendor = text_of(capability->driver),
@@ -476,6 +478,7 @@ std::vector<CameraDescription> list_v4l2_cameras() {
     } catch (const WorldError&) {  // no such device, or no permission
     }
   }
+
   return cameras;
 }
 

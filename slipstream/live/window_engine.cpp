@@ -20,12 +20,14 @@ constexpr double least_moving = 0.01;
 /// LiveCheck as a copyable function.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
   const bool known = has_geometry(setup.scanner);
+
   const auto check = std::make_shared<LiveCheck>(
       merged_sequence(setup.sequence), known ? std::optional(setup.scanner) : std::nullopt,
       setup.scanner.camera.size,
       CheckSettings{.minimum_modulation = setup.settings.minimum_modulation,
                     .moving = true,
                     .photometry = setup.scanner.photometry});
+
   return [check](const FrameViews& window) { return check->look(window); };
 }
 

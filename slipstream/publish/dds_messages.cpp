@@ -34,6 +34,7 @@ template <class Copy>
 ddsi_serdata* read_data(const ddsi_sertype* type, ddsi_serdata_kind kind, std::size_t size,
                         Copy copy) noexcept {
   if (size < 4 || size > longest_read) return nullptr;
+
   try {
     const auto message = std::make_shared<RosMessage>(size);
     copy(std::span(*message));

@@ -64,7 +64,7 @@ class Records {
       channel.topic = record.text();
       channel.encoding = record.text();
     } else if (opcode == message) {
-      // The channel says on which topic, and by its schema, of which type the message is.
+      // The channel has the message's topic, and by its schema the type.
       const auto channel = channels_.find(record.get<std::uint16_t>());
       if (channel == channels_.end()) throw Error("a message has no channel");
       const auto& [schema, topic, encoding] = channel->second;
@@ -300,11 +300,14 @@ McapWriter::~McapWriter() {
 /// Writes a complete chunk.
 void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts) {
   if (!file_) throw WorldError(fmt::format("{}: is closed", path_.string()));
+
   try {
     file_->write(parts);
   } catch (const WorldError&) {
+    // The file ends with its last complete chunk.
     throw WorldError(std::exchange(file_, nullptr)->give_up(chunk_count_ == 0 ? 0 : offset_));
   }
+
   for (const auto part : parts) offset_ += part.size();
 }
 

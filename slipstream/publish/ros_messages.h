@@ -199,12 +199,14 @@ template <class Work>
 void add_outcome(Cdr& answer, const Work& work) {
   std::string text;
   bool success = false;
+
   try {
     text = work();
     success = true;
   } catch (const std::exception& error) {
     text = error.what();
   }
+
   answer.add(static_cast<std::uint8_t>(success)).add_text(text);
 }
 

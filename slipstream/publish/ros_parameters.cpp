@@ -73,7 +73,7 @@ Wish read_wish(CdrReader& request) {
 /// Sets all or none, as far as a camera can be set back.
 void change_all(const PublishedRun& run, const std::vector<Wish>& wishes) {
   const Settings before = run.settings();
-  // Check all before the first change; if a camera refuses one nevertheless, undo the others.
+  // Check all before the first change; if a camera still refuses one, undo the others.
   for (const auto& [name, value] : wishes) require_settable(before, name, value);
 
   for (std::size_t done = 0; done < wishes.size(); ++done) {

@@ -291,8 +291,10 @@ void add_transport(Features& features) {
   features.begin_category("TransportLayerControl");
   features.add("Integer", "PayloadSize", scan3d::payload_size, "RO");
   features.show("Integer", "TLParamsLocked", "<Value>0</Value><Min>0</Min><Max>1</Max>");
+
   features.add("Integer", "GevHeartbeatTimeout", heartbeat_timeout, "RW");
   features.add("Integer", "GevSCPD", packet_delay, "RW");
+
   features.part("Integer", "GevSCPSPacketSize", "<LSB>31</LSB><MSB>16</MSB>",
                 fmt::format("<Min>{}</Min><Max>{}</Max><Inc>4</Inc>", smallest_gige_packet,
                             largest_gige_packet));
@@ -422,6 +424,8 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
 void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,
                 GigePart& part) {
   const auto write = [&](auto value_at) { write_values(part.bytes, region, value_at); };
+
+  // Intensity and validity in 8 bits; points as depths in steps, depths in mm, or x, y, z in mm.
   switch (part.pixels) {
     case GigePixels::mono8:
       return write([&](int x, int y) { return grey_level(cloud.intensity(x, y)); });

@@ -91,10 +91,12 @@ int web_step(Size camera) {
 std::string web_rays(const Lens& camera) {
   std::vector<float> rays;
   const int step = web_step(camera.size);
+
   for_each_pixel_in_order(thinned(camera.size, step), [&](int column, int row) {
     const Eigen::Vector3d ray = ray_through(camera, {step * column, step * row});
     rays.insert(rays.end(), {static_cast<float>(ray.x()), static_cast<float>(ray.y())});
   });
+
   return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
 }
 

@@ -46,12 +46,15 @@ class BoundedQueue {
   std::optional<Value> push_over_oldest(Value value) {
     std::unique_lock lock(mutex_);
     if (closed_) return std::nullopt;
+
     std::optional<Value> overwritten;
     if (waiting_ == places_.size()) overwritten = take_oldest();
+
     places_[(first_ + waiting_) % places_.size()] = std::move(value);
     ++waiting_;
     lock.unlock();
     filled_.notify_one();
+
     return overwritten;
   }
 
@@ -67,6 +70,7 @@ class BoundedQueue {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, [&] { return closed_ || waiting_ > 0; });
     if (waiting_ == 0) return std::nullopt;
+
     Value value = take_oldest();
     lock.unlock();
     room_.notify_one();
@@ -87,6 +91,7 @@ class BoundedQueue {
     const std::lock_guard lock(mutex_);
     return waiting_;
   }
+
   [[nodiscard]] std::size_t capacity() const { return places_.size(); }
 
  private:
@@ -121,13 +126,16 @@ class CloudFollower {
             failed(std::current_exception());
           }
         }) {}
+
   ~CloudFollower() { finish(); }
 
   /// Queues a cloud. True if that dropped the oldest one in a full queue.
   bool follow(const Pooled<LiveCloud>& cloud) {
     return waiting_.push_over_oldest(cloud).has_value();
   }
+
   [[nodiscard]] std::size_t waiting() const { return waiting_.waiting(); }
+
   /// Processes the waiting clouds and ends the thread.
   void finish() {
     waiting_.close();

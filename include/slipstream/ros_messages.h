@@ -34,6 +34,7 @@ class Cdr {
     std::memcpy(&message_[at], &number, sizeof number);
     return *this;
   }
+
   /// A count or a length.
   Cdr& add_count(std::size_t count) { return add(static_cast<std::uint32_t>(count)); }
   Cdr& add_text(std::string_view text) {
@@ -42,12 +43,14 @@ class Cdr {
     message_.push_back(0);
     return *this;
   }
+
   /// Seconds and nanoseconds.
   Cdr& add_time(std::uint64_t nanoseconds) {
     constexpr std::uint64_t second = 1'000'000'000;
     add(static_cast<std::int32_t>(nanoseconds / second));
     return add(static_cast<std::uint32_t>(nanoseconds % second));
   }
+
   /// Appends a list of this many bytes; fill it before appending more.
   std::span<std::uint8_t> add_bytes(std::size_t count) {
     add_count(count);
@@ -65,20 +68,24 @@ class ByteReader {
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
+
   std::span<const std::uint8_t> take(std::uint64_t count) {
     if (count > left()) throw Error("it ends too soon");
     at_ += count;
     return bytes_.subspan(at_ - count, count);
   }
+
   template <class Number>
   Number get() {
     return number_at<Number>(take(sizeof(Number)), 0);
   }
+
   /// A text after its 32-bit length.
   std::string_view text() {
     const auto letters = take(get<std::uint32_t>());
     return {reinterpret_cast<const char*>(letters.data()), letters.size()};
   }
+
   /// Skips to the next multiple of `size` from the beginning.
   void align(std::size_t size) { take((size - at_ % size) % size); }
 
@@ -97,12 +104,15 @@ class CdrReader : private ByteReader {
     align(sizeof(Number));
     return ByteReader::get<Number>();
   }
+
   std::uint32_t count() { return get<std::uint32_t>(); }
+
   std::string_view text() {
     align(4);
     const std::string_view text = ByteReader::text();
     return text.substr(0, text.find('\0'));
   }
+
   /// A list of numbers of this many bytes each.
   std::span<const std::uint8_t> list(std::size_t size = 1) {
     const std::uint64_t numbers = count();
@@ -124,6 +134,7 @@ struct RosType {
   std::string name;
   std::string definition;
 };
+
 RosType point_cloud_type();
 RosType image_type();
 
@@ -145,6 +156,7 @@ struct CloudTopic {
   /// Writes the cloud's message, reusing its memory.
   void (*write)(const PublishedCloud& published, RosMessage& message);
 };
+
 /// "image": the cloud's intensity as mono8; without a scanner, the window's first frame.
 CloudTopic image_topic();
 /// "points": write_point_cloud, with the uncertainty, if known and if not sent `alone`.
@@ -161,6 +173,7 @@ CloudTopic camera_info_topic();
 /// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z.
 void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
+
 /// sensor_msgs/msg/Image: a camera's frame, mono8 or mono16.
 void write_image(const Frame& frame, const RosHeader& header, RosMessage& message);
 /// sensor_msgs/msg/Image of a cloud's intensity, mono8.
@@ -186,12 +199,14 @@ template <class Work>
 void add_outcome(Cdr& answer, const Work& work) {
   std::string text;
   bool success = false;
+
   try {
     text = work();
     success = true;
   } catch (const std::exception& error) {
     text = error.what();
   }
+
   answer.add(static_cast<std::uint8_t>(success)).add_text(text);
 }
 

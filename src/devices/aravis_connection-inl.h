@@ -41,10 +41,12 @@ class AravisConnection {
     } else {
       camera_.reset(arv_camera_new(name.empty() ? nullptr : name.c_str(), &error));
     }
+
     if (!camera_) {
       throw WorldError(fmt::format("camera {} does not answer: {}", name_,
                                    error != nullptr ? error->message : "no camera was found"));
     }
+
     watch();
     set_up(settings);
   }
@@ -54,10 +56,13 @@ class AravisConnection {
     const auto fail = [&](const GError* error) {
       throw WorldError(fmt::format("camera {} gives no frames: {}", name_, error->message));
     };
+
     constexpr int buffers = 32;
     // Room for a few frames: otherwise the kernel drops packets while the receiving thread waits to
     // run.
     constexpr int socket_buffer_bytes = 4 << 20;
+
+    // 1. Create the stream, which binds its socket.
     g_autoptr(GError) error = nullptr;
     stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, &error));
     if (!stream_) fail(error);
@@ -65,13 +70,18 @@ class AravisConnection {
       g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                    "socket-buffer-size", socket_buffer_bytes, nullptr);
     }
+
+    // 2. Hand over buffers of a whole frame.
     const std::uint32_t payload = arv_camera_get_payload(camera_.get(), &error);
     if (error != nullptr) fail(error);
     // Before any buffer exists: until then no packet is parsed.
     if (ARV_IS_GV_STREAM(stream_.get())) limit_stream(payload);
+
     for (int i = 0; i < buffers; ++i) {
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
     }
+
+    // 3. Start the camera.
     arv_camera_start_acquisition(camera_.get(), &error);
     if (error != nullptr) fail(error);
   }
@@ -91,10 +101,12 @@ class AravisConnection {
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const {
     const ControlCalls& calls = calls_of(which);
     g_autoptr(GError) error = nullptr;
+
     ControlValue found{.value = calls.get(camera_.get(), &error)};
     if (error != nullptr) return std::nullopt;
     calls.bounds(camera_.get(), &found.least, &found.most, &error);
     if (error != nullptr || !(found.least < found.most)) return std::nullopt;
+
     return ControlValue{calls.unit * found.value, calls.unit * found.least,
                         calls.unit * found.most};
   }
@@ -102,6 +114,7 @@ class AravisConnection {
   void set_control(CameraControl which, double value) {
     const ControlCalls& calls = calls_of(which);
     set(fmt::format(fmt::runtime(calls.name), value), calls.set, value / calls.unit);
+    // The frame rate may follow from the exposure, so read it again.
     if (period_seconds_ > 0) ask_period();
   }
 
@@ -117,6 +130,7 @@ class AravisConnection {
 
   /// True once control is lost: another client owns the camera, or it stopped answering.
   [[nodiscard]] bool is_lost() const { return *lost_; }
+
   [[nodiscard]] Size size() const { return size_; }
   /// The number of the first frame after start().
   [[nodiscard]] std::uint64_t first_number() const {
@@ -126,6 +140,7 @@ class AravisConnection {
   [[nodiscard]] std::chrono::duration<double> period() const {
     return std::chrono::duration<double>(period_seconds_);
   }
+
   [[nodiscard]] std::uint64_t resent_packets() const {
     if (!stream_ || !ARV_IS_GV_STREAM(stream_.get())) return 0;
     return arv_stream_get_info_uint64_by_name(stream_.get(), "n_resent_packets");
@@ -155,11 +170,13 @@ class AravisConnection {
          {arv_camera_get_gain, arv_camera_get_gain_bounds, arv_camera_set_gain, 1, "a gain of {}"},
          {arv_camera_get_frame_rate, arv_camera_get_frame_rate_bounds, arv_camera_set_frame_rate, 1,
           "{} frames per second"}}};
+
     return calls.at(static_cast<std::size_t>(which));
   }
 
   static GObjectPointer<GInetAddress> inet_address(GSocketAddress* address) {
     if (address == nullptr || !G_IS_INET_SOCKET_ADDRESS(address)) return nullptr;
+
     GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
     return GObjectPointer<GInetAddress>(
         static_cast<GInetAddress*>(g_object_ref(static_cast<gpointer>(inet))));
@@ -200,17 +217,23 @@ class AravisConnection {
   /// read-only, such as the mode of a fixed output.
   [[nodiscard]] std::string set_node(const CameraNode& wanted) const {
     ArvGcFeatureNode* const found = node(wanted.name);
+
     const std::string what = wanted.name + " = " + wanted.value;
+
     if (ARV_IS_GC_COMMAND(found)) {
       set(what, [&](ArvCamera*, GError** error) {
         arv_gc_command_execute(ARV_GC_COMMAND(found), error);
       });
       return "executed";
     }
+
     if (wanted.value == value_of(found)) return wanted.value;
+
     set(what, [&](ArvCamera*, GError** error) {
       arv_gc_feature_node_set_value_from_string(found, wanted.value.c_str(), error);
     });
+
+    // Some cameras accept a value and round or ignore it.
     std::string read = value_of(found);
     throw_if(!same_value(wanted.value, read), "camera {}: {} was set to {} but reads back as {}",
              name_, wanted.name, wanted.value, read.empty() ? "nothing" : read);
@@ -220,14 +243,17 @@ class AravisConnection {
   /// Nodes of the settings' strobe, then their own.
   [[nodiscard]] std::vector<CameraNode> nodes_of(const CameraSettings& settings) const {
     const auto us = [](double seconds) { return fmt::format("{:g}", seconds * 1e6); };
+
     std::vector<CameraNode> nodes;
     if (!settings.strobe.empty()) {
+      // The line as an output. A line that is high while active may lack an inverter.
       nodes.insert(nodes.end(), {{"LineSelector", settings.strobe}, {"LineMode", "Output"}});
       const bool may_invert =
           arv_camera_is_feature_available(camera_.get(), "LineInverter", nullptr) != 0;
       if (settings.strobe_inverted || may_invert) {
         nodes.push_back({"LineInverter", settings.strobe_inverted ? "true" : "false"});
       }
+
       // Long enough for an opto-isolated output, short against a frame.
       constexpr double pulse = 500e-6;
       if (settings.strobe_delay) {
@@ -236,15 +262,20 @@ class AravisConnection {
                                    {"TimerDelay", us(*settings.strobe_delay)},
                                    {"TimerDuration", us(pulse)}});
       }
+      // The source comes last, once its timer is set up.
       nodes.push_back({"LineSource", settings.strobe_delay ? "Timer1Active" : "ExposureActive"});
     }
+
     nodes.insert(nodes.end(), settings.nodes.begin(), settings.nodes.end());
     return nodes;
   }
 
   void set_up(const CameraSettings& settings) {
+    // A plain UDP socket, to which limit_stream() can attach its filter.
     arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
     set("continuous frames", arv_camera_set_acquisition_mode, ARV_ACQUISITION_MODE_CONTINUOUS);
+
+    // 1. Region and pixels.
     if (const auto& region = settings.region) {
       set(fmt::format("the region {},{} {}x{}", region->x, region->y, region->size.width,
                       region->size.height),
@@ -252,6 +283,8 @@ class AravisConnection {
     }
     const std::string pixel_format = pixel_format_of(settings);
     set("pixels as " + pixel_format, arv_camera_set_pixel_format_from_string, pixel_format.c_str());
+
+    // 2. Free-running or triggered.
     if (settings.trigger.empty()) {
       arv_camera_clear_triggers(camera_.get(), nullptr);  // fails on a camera without triggers
       if (settings.frame_rate) set_control(CameraControl::frame_rate, *settings.frame_rate);
@@ -259,12 +292,17 @@ class AravisConnection {
     } else {
       set("the trigger " + settings.trigger, arv_camera_set_trigger, settings.trigger.c_str());
     }
+
+    // 3. Nodes, then exposure and gain.
     for (const CameraNode& wanted : nodes_of(settings)) {
       const std::string read = set_node(wanted);
       if (settings.node_set) settings.node_set({wanted.name, read});
     }
+
     if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
     if (settings.gain) set_control(CameraControl::gain, *settings.gain);
+
+    // 4. Packets of the network, and the region that the camera really has.
     if (arv_camera_is_gv_device(camera_.get()) != 0) {
       if (settings.packet_size > 0) {
         set(fmt::format("packets of {} bytes", settings.packet_size), arv_camera_gv_set_packet_size,
@@ -275,6 +313,7 @@ class AravisConnection {
         arv_camera_gv_auto_packet_size(camera_.get(), &ignored);
       }
     }
+
     int x = 0, y = 0;
     set("to report its region", arv_camera_get_region, &x, &y, &size_.width, &size_.height);
   }
@@ -283,6 +322,8 @@ class AravisConnection {
     using Lost = std::shared_ptr<std::atomic<bool>>;
     const auto handler = [](ArvDevice*, gpointer lost) { *static_cast<Lost*>(lost)->get() = true; };
     const auto forget = [](gpointer lost, GClosure*) { delete static_cast<Lost*>(lost); };
+
+    // The handler keeps its own share of the flag and deletes it when it is disconnected.
     auto kept = std::make_unique<Lost>(lost_);
     g_signal_connect_data(arv_camera_get_device(camera_.get()), "control-lost",
                           reinterpret_cast<GCallback>(+handler), kept.release(), +forget,
@@ -292,12 +333,14 @@ class AravisConnection {
   /// Limits the stream to packets that Aravis can handle, see pass_pictures_only.
   void limit_stream(std::uint32_t payload) {
     constexpr int least_packet = 100;
+
     // The camera's address, in host byte order.
     const GObjectPointer<GInetAddress> inet = address().device;
     std::uint32_t camera = 0;
     if (inet && g_inet_address_get_native_size(inet.get()) == sizeof(camera)) {
       std::memcpy(&camera, g_inet_address_to_bytes(inet.get()), sizeof(camera));
     }
+
     g_autoptr(GError) error = nullptr;
     const int packet = arv_camera_gv_get_packet_size(camera_.get(), &error);
     if (error != nullptr || packet < least_packet ||

@@ -36,10 +36,13 @@ void unpack_bits(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> p
   const std::uint32_t mask = (1U << bits) - 1;
   std::uint32_t held = 0;
   int held_bits = 0;
+
   for (std::uint16_t& pixel : pixels) {
+    // Take in bytes above the bits held, until they make a pixel.
     for (; held_bits < bits; held_bits += 8) {
       held |= static_cast<std::uint32_t>(*bytes++) << held_bits;
     }
+
     pixel = static_cast<std::uint16_t>(held & mask);
     held >>= bits;
     held_bits -= bits;
@@ -51,6 +54,7 @@ void unpack_bits(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> p
 void unpack_pairs(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
   const int low_bits = bits - 8;
   const int mask = (1 << low_bits) - 1;
+
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const std::uint8_t* pair = bytes + i / 2 * 3;
     const int high = i % 2 == 0 ? pair[0] : pair[2];
@@ -120,10 +124,12 @@ std::size_t bytes_of(PixelFormat format, std::size_t values) {
 
 bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& frame) {
   if (auto* image = std::get_if<Image<std::uint8_t>>(&frame.pixels)) {
+    // 8-bit pixels are copied as they are.
     if (bytes.size() < image->pixel_count()) return false;
     std::copy_n(bytes.begin(), image->pixel_count(), image->begin());
     return true;
   }
+
   auto& image = std::get<Image<std::uint16_t>>(frame.pixels);
   if (bytes.size() < bytes_of(format, image.pixel_count())) return false;
   describe(format).unpack(bits_of(format), bytes.data(), {image.begin(), image.pixel_count()});
@@ -133,19 +139,25 @@ bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& fram
 void make_grey(Frame& frame) {
   constexpr std::uint32_t clipped = 1 << 24;  // exceeds any sum of values
   const std::uint32_t full = (1U << frame.bits) - 1;
+
   std::visit(
       [&]<class Pixel>(Image<Pixel>& image) {
         const Image<Pixel> mosaic = image;
         const int width = image.width(), last = image.height() - 1;
         Image<std::uint32_t> sums(Size{width + 2, 1});  // of three rows, mirrored at the ends
+
         for (int row = 0; row <= last; ++row) {
           const Pixel* const above = mosaic.row(row > 0 ? row - 1 : std::min(1, last));
           const Pixel* const here = mosaic.row(row);
           const Pixel* const below = mosaic.row(row < last ? row + 1 : std::max(last - 1, 0));
+
+          // Weights 1 2 1 down the columns; a clipped value lifts the sum above any other.
           for (int i = 0; i < width; ++i) {
             const std::uint32_t a = above[i], b = here[i], c = below[i];
             sums(i + 1, 0) = a + 2 * b + c + (std::max({a, b, c}) >= full ? clipped : 0);
           }
+
+          // Weights 1 2 1 along the row: 16 in total, so divide by 16 and round.
           sums(0, 0) = sums(std::min(2, width), 0);
           sums(width + 1, 0) = sums(std::max(width - 1, 1), 0);
           for (int i = 0; i < width; ++i) {
@@ -174,9 +186,11 @@ std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSe
   const std::string what = name.substr(std::min(scheme.size() + 1, name.size()));
   if (scheme == "aravis") return open_genicam_camera(what, settings);
   throw_if(scheme != "v4l2", "camera '{}' is unknown; one of aravis:NAME, v4l2:NUMBER", name);
+
   const auto number = number_in<int>(what);
   throw_if(!number || *number < 0, "source v4l2:{}: expected a number, e.g. v4l2:0 for /dev/video0",
            what);
+
   const std::string path = fmt::format("/dev/video{}", *number);
   return open_v4l2_camera(
       path, [path] { return open_video_device(path); }, settings);
@@ -184,6 +198,7 @@ std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSe
 
 std::vector<CameraDescription> list_cameras() {
   std::vector<CameraDescription> cameras;
+  // Names that open_camera() takes begin with the scheme.
   for (const auto& [scheme, list] :
        {std::pair{"aravis:", &list_genicam_cameras}, std::pair{"v4l2:", &list_v4l2_cameras}}) {
     for (CameraDescription& camera : list()) {
@@ -191,6 +206,7 @@ std::vector<CameraDescription> list_cameras() {
       cameras.push_back(std::move(camera));
     }
   }
+
   return cameras;
 }
 

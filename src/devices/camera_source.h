@@ -32,11 +32,16 @@ class FrameCount {
   /// The count of the frame with this camera number. A number more than `far` below the last, or
   /// below `first`, means that the camera restarted; begin() is then called here.
   std::uint64_t operator()(std::uint64_t number) {
+    // 1. A large step back: the camera restarted.
     if (step_to(number) < -far || unwrapped_ + step_to(number) < 0) {
       begin(number >= first_ && number < first_ + far ? first_ : number);
     }
+
+    // 2. Count on across the wrap of its 16-bit numbers.
     unwrapped_ += step_to(number);
     last_ = number;
+
+    // 3. Frames skipped are missing, but not those before the first.
     const std::uint64_t count = start_ + static_cast<std::uint64_t>(unwrapped_);
     if (none_yet_) expected_ = count;
     none_yet_ = false;
@@ -44,11 +49,13 @@ class FrameCount {
       missing_ += count - expected_;
       expected_ = count + 1;
     }
+
     return count;
   }
 
   /// Frames lost after the first one; earlier ones fall into the connection setup.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
+
   /// A larger step back means a restarted camera, not a late frame.
   static constexpr int far = 1000;
 
@@ -85,8 +92,10 @@ class CameraSource : public FrameSource, public CameraControls {
     const std::shared_ptr<Connection> connection = shared_connection();
     return connection ? connection->control(which) : std::nullopt;
   }
+
   void set_control(CameraControl which, double value) final {
     if (const auto connection = shared_connection()) connection->set_control(which, value);
+    // Remembered for the next connection. Exposures are ms here, s in the settings.
     const std::lock_guard lock(mutex_);
     auto& setting = which == CameraControl::exposure ? settings_.exposure
                     : which == CameraControl::gain   ? settings_.gain
@@ -97,6 +106,7 @@ class CameraSource : public FrameSource, public CameraControls {
   [[nodiscard]] SourceCounters counters() const override {
     return {.delivered = delivered_, .lost = lost_, .resent = 0, .reconnects = reconnects_};
   }
+
   [[nodiscard]] std::string state() const final {
     const std::lock_guard lock(mutex_);
     return state_;
@@ -122,10 +132,12 @@ class CameraSource : public FrameSource, public CameraControls {
     const std::lock_guard lock(mutex_);
     return connection_;
   }
+
   [[nodiscard]] CameraSettings settings_now() const {
     const std::lock_guard lock(mutex_);
     return settings_;
   }
+
   /// Marks the camera as lost and returns its connection.
   std::shared_ptr<Connection> lose() {
     const std::lock_guard lock(mutex_);
@@ -133,12 +145,14 @@ class CameraSource : public FrameSource, public CameraControls {
                          name_.empty() ? "(the first found)" : name_);
     return std::exchange(connection_, nullptr);
   }
+
   void regain(std::shared_ptr<Connection> found) {
     const std::lock_guard lock(mutex_);
     connection_ = std::move(found);
     state_.clear();
     ++reconnects_;
   }
+
   /// The index of a received frame, from the camera's own number.
   std::uint64_t count(std::uint64_t number) {
     const std::uint64_t sequence = count_(number);

@@ -19,6 +19,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
  public:
   AravisSource(const std::string& name, const CameraSettings& settings)
       : AravisSource(name, settings, std::make_shared<AravisConnection>(name, settings)) {}
+
   ~AravisSource() override { AravisSource::stop(); }
 
   void start() override {
@@ -45,18 +46,22 @@ class AravisSource final : public CameraSource<AravisConnection> {
 
   Arrival next(Frame& frame, milliseconds timeout) override {
     if (!connection_) return seek(timeout);
+
     const steady_clock::time_point end = steady_clock::now() + timeout;
     // Waits in short steps, so that a lost camera is noticed early.
     do {
       const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
       GObjectPointer<ArvBuffer> buffer =
           connection_->pop(std::clamp<milliseconds>(left, 0ms, 50ms));
+
       if (buffer) {
         last_heard_ = steady_clock::now();
         const Arrival arrival = take(*buffer, frame);
         connection_->push(std::move(buffer));
         return arrival;
       }
+
+      // Lost. The next connection counts its resent packets from 0 again.
       if (connection_->is_lost() || steady_clock::now() - last_heard_ > longest_silence()) {
         resent_before_ += resent_.exchange(0);
         bury(lose());
@@ -89,6 +94,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
   [[nodiscard]] static Size frame_size(Size picture, PixelFormat format) {
     return {values_of(format) * picture.width, picture.height};
   }
+
   [[nodiscard]] bool fits(Size picture) const {
     return frame_size(picture, settings_.pixel_format) == format_.size;
   }
@@ -108,13 +114,16 @@ class AravisSource final : public CameraSource<AravisConnection> {
       // complete.
       return first_frame_ ? Arrival::nothing : Arrival::damaged;
     }
+
     const Size size{arv_buffer_get_image_width(&buffer), arv_buffer_get_image_height(&buffer)};
     std::size_t bytes = 0;
     const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(&buffer, &bytes));
     if (!fits(size) || data == nullptr) return Arrival::damaged;
+
     if (frame.format() != format_) frame = Frame(format_);
     if (!unpack(settings_.pixel_format, {data, bytes}, frame)) return Arrival::damaged;
     if (!settings_.mosaic.empty()) make_grey(frame);
+
     frame.stamp = {.sequence = count_number(arv_buffer_get_frame_id(&buffer)),
                    .pattern_index = std::nullopt,
                    .device_time = std::chrono::nanoseconds(arv_buffer_get_timestamp(&buffer)),
@@ -127,14 +136,17 @@ class AravisSource final : public CameraSource<AravisConnection> {
     if (first_frame_ && number > connection_->first_number() + FrameCount::far) {
       count_.begin(number);
     }
+
     first_frame_ = false;
     return count(number);
   }
 
   /// Closes the connection on another thread: closing a lost camera takes seconds.
   void bury(std::shared_ptr<AravisConnection> connection) {
+    // Forget those that have finished.
     std::erase_if(burials_,
                   [](const auto& done) { return done.wait_for(0s) == std::future_status::ready; });
+
     burials_.push_back(
         std::async(std::launch::async, [gone = std::move(connection)]() mutable { gone.reset(); }));
   }
@@ -144,7 +156,9 @@ class AravisSource final : public CameraSource<AravisConnection> {
     if (!seeking_.valid()) {
       seeking_ = std::async(std::launch::async, [this] { return connect_again(); });
     }
+
     if (seeking_.wait_for(timeout) != std::future_status::ready) return Arrival::nothing;
+
     if (std::shared_ptr<AravisConnection> found = seeking_.get()) {
       regain(std::move(found));
       begin();
@@ -184,6 +198,7 @@ std::unique_ptr<FrameSource> open_genicam_camera(const std::string& name,
 
 std::vector<CameraDescription> list_genicam_cameras() {
   const auto text = [](const char* value) { return std::string(value == nullptr ? "" : value); };
+
   arv_update_device_list();
   std::vector<CameraDescription> cameras;
   for (unsigned int i = 0; i < arv_get_n_devices(); ++i) {
@@ -194,6 +209,7 @@ std::vector<CameraDescription> list_genicam_cameras() {
                        .address = text(arv_get_device_address(i)),
                        .protocol = text(arv_get_device_protocol(i))});
   }
+
   return cameras;
 }
 

@@ -28,15 +28,21 @@ in_addr broadcast_of(const std::string& address) {
   const auto host_of = [](const sockaddr* end) {
     return reinterpret_cast<const sockaddr_in*>(end)->sin_addr.s_addr;
   };
+
+  // All interfaces of this machine.
   ifaddrs* first = nullptr;
   ::getifaddrs(&first);
   const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> all(first, &::freeifaddrs);
+
   for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
     const bool has_address = each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET;
     if (!has_address || host_of(each->ifa_addr) != host.s_addr) continue;
+
+    // Its broadcast address has all host bits set; without host bits, use the general one.
     const in_addr broadcast{host.s_addr | ~host_of(each->ifa_netmask)};
     return broadcast.s_addr == host.s_addr ? in_addr{INADDR_BROADCAST} : broadcast;
   }
+
   // All of 127.x.x.x can be bound, but clients find a camera only by an interface's own address.
   const bool loopback = address.starts_with("127.");
   throw WorldError(
@@ -68,11 +74,13 @@ UdpSocket::UdpSocket(in_addr host, std::uint16_t port, bool shared)
     : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   const int share = shared ? 1 : 0;
   ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &share, sizeof(share));
+
   sockaddr_in at{};
   at.sin_family = AF_INET;
   at.sin_port = htons(port);
   at.sin_addr = host;
   if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return;
+
   const std::string reason = std::strerror(errno);
   if (descriptor_ >= 0) ::close(descriptor_);
   throw WorldError(
@@ -96,6 +104,8 @@ std::vector<std::uint8_t> UdpSocket::receive(sockaddr_in& from) const {
   const ssize_t length =
       ::recvfrom(descriptor_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_TRUNC,
                  reinterpret_cast<sockaddr*>(&from), &size);
+
+  // MSG_TRUNC returns the full length, so that a packet cut to the buffer is noticed.
   const bool fits = length >= 0 && static_cast<std::size_t>(length) <= packet.size();
   packet.resize(fits ? static_cast<std::size_t>(length) : 0);
   return packet;
@@ -108,6 +118,7 @@ void UdpSocket::send(std::span<const std::uint8_t> packet, const sockaddr_in& to
 
 void UdpSocket::send_whole(std::span<const std::uint8_t> packet, const sockaddr_in& to) const {
   for (const int cut : {IP_PMTUDISC_DO, IP_PMTUDISC_WANT}) {
+    // The ban on fragments holds for this packet only.
     ::setsockopt(descriptor_, IPPROTO_IP, IP_MTU_DISCOVER, &cut, sizeof(cut));
     if (cut == IP_PMTUDISC_DO) send(packet, to);
   }
@@ -126,15 +137,20 @@ void GigeControlSockets::answer(std::chrono::nanoseconds longest_wait, const Ans
   std::transform(sockets_.begin(), sockets_.end(), waiting.begin(), [](const UdpSocket& socket) {
     return pollfd{.fd = socket.descriptor(), .events = POLLIN, .revents = 0};
   });
+
   const timespec wait{.tv_sec = 0, .tv_nsec = std::max(0L, longest_wait.count())};
   if (::ppoll(waiting.data(), waiting.size(), &wait, nullptr) <= 0) return;
+
   for (const UdpSocket& socket : sockets_) {
     sockaddr_in from{};
     const auto packet = socket.receive(from);
+    // Only the camera's own address takes commands other than discovery.
     constexpr std::uint16_t discovery = 0x02;
     const bool is_discovery =
         packet.size() >= 4 && number_at<std::uint16_t, std::endian::big>(packet, 2) == discovery;
+
     if (&socket != &sockets_.front() && !is_discovery) continue;
+
     const auto answered = answer(packet, from);
     if (!answered.empty()) sockets_.front().send(answered, from);
   }
@@ -143,33 +159,42 @@ void GigeControlSockets::answer(std::chrono::nanoseconds longest_wait, const Ans
 std::vector<std::pair<int, sockaddr_in>> udp_sockets() {
   std::vector<std::pair<int, sockaddr_in>> sockets;
   std::error_code gone;
+  // Every open file of the process; getsockopt fails unless it is a socket.
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", gone)) {
     const int descriptor = number_in<int>(entry.path().filename().string()).value_or(-1);
     sockaddr_in address{};
     int type = 0;
     socklen_t size = sizeof(type), length = sizeof(address);
+
     if (::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM &&
         ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &length) == 0 &&
         address.sin_family == AF_INET) {
       sockets.emplace_back(descriptor, address);
     }
   }
+
   return sockets;
 }
 
 bool pass_pictures_only(const PictureStream& stream) {
+  // Offsets count from the UDP header; SKF_NET_OFF reaches the IPv4 header before it, with the
+  // sender's address at byte 12.
   constexpr auto sender = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
   constexpr std::uint32_t udp = 8, kind = udp + 4, long_numbers = 0x80, kinds = 0x7f;
   constexpr std::uint32_t leader = 1, trailer = 2, pixels = 3, picture = 1, leader_bytes = 36;
   constexpr std::uint32_t negative = 0x80000000;
+
   // The trailer follows all picture packets, which are numbered from 1.
   const auto trailer_number = [&](std::uint32_t header) {
     const std::uint32_t each = stream.packet_size - 20 - udp - header;  // 20: IPv4 header
     return (stream.picture_bytes + each - 1) / each + 1;
   };
+
   // The last field is an offset. Jumps count instructions skipped if true and if false.
-  std::array<sock_filter, 31> lines{{{load_word, 0, 0, sender},
+  std::array<sock_filter, 31> lines{{// Drop packets from other senders.
+                                     {load_word, 0, 0, sender},
                                      {if_equal, 0, 28, stream.camera},
+                                     // 16-bit numbers: A = the trailer's number - this packet's.
                                      {set_offset, 0, 0, udp + 8},
                                      {load_byte, 0, 0, kind},
                                      {if_set, 5, 0, long_numbers},
@@ -178,27 +203,34 @@ bool pass_pictures_only(const PictureStream& stream) {
                                      {negate, 0, 0, 0},
                                      {add, 0, 0, trailer_number(8)},
                                      {go_on, 0, 0, 5},
+                                     // Extended numbers: the same.
                                      {set_offset, 0, 0, udp + 20},
                                      {load_word, 0, 0, udp + 16},
                                      {if_set, 17, 0, negative},
                                      {negate, 0, 0, 0},
                                      {add, 0, 0, trailer_number(20)},
+                                     // Drop packets after the trailer, and those without content.
                                      {if_set, 14, 0, negative},
                                      {keep, 0, 0, 0},
                                      {load_length, 0, 0, 0},
                                      {if_beyond_offset, 0, 11, 0},
+                                     // Pass a trailer, and pixels before the trailer's number.
                                      {load_byte, 0, 0, kind},
                                      {mask, 0, 0, kinds},
                                      {if_equal, 7, 0, trailer},
                                      {if_equal, 0, 2, pixels},
                                      {load_kept, 0, 0, 0},
                                      {if_equal, 5, 4, 0},
+                                     // Pass a whole leader of a picture.
                                      {if_equal, 0, 4, leader},
                                      {load_byte_there, 0, 0, leader_bytes - 1},
                                      {load_half_there, 0, 0, 2},
                                      {if_equal, 0, 1, picture},
+                                     // Pass; drop.
                                      {give, 0, 0, 0xffffffff},
                                      {give, 0, 0, 0}}};
+
+  // Attach it to the socket that receives the stream.
   const sock_fprog program{static_cast<unsigned short>(lines.size()), lines.data()};
   const auto sockets = udp_sockets();
   const auto socket = std::ranges::find_if(

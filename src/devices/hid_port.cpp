@@ -50,8 +50,10 @@ class OpenedPort final : public HidPort {
 std::vector<std::pair<Controller, std::string>> list_controllers() {
   std::vector<std::pair<Controller, std::string>> found;
   for (const Controller controller : {Controller::dlpc350, Controller::dlpc900}) {
+    // 0x0451 is Texas Instruments' USB vendor number.
     hid_device_info* const all = ::hid_enumerate(0x0451, static_cast<std::uint16_t>(controller));
     for (const hid_device_info* each = all; each != nullptr; each = each->next) {
+      // Only the first interface of a device; -1 stands for an unknown number.
       if (each->interface_number <= 0) found.emplace_back(controller, each->path);
     }
     ::hid_free_enumeration(all);

@@ -34,6 +34,7 @@ class FileDevice : public VideoDevice {
   }
   FileDevice(const FileDevice&) = delete;
   FileDevice& operator=(const FileDevice&) = delete;
+
   ~FileDevice() override { ::close(descriptor_); }
 
   int control(unsigned long request, void* argument) override {
@@ -110,9 +111,12 @@ std::chrono::nanoseconds time_of(const timeval& time) {
 std::optional<v4l2_capability> camera_of(VideoDevice& device) {
   v4l2_capability capability{};
   if (device.control(VIDIOC_QUERYCAP, &capability) != 0) return std::nullopt;
+
+  // A driver with several devices lists the capabilities of this one separately.
   const std::uint32_t capabilities = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
                                          ? capability.device_caps
                                          : capability.capabilities;
+
   constexpr std::uint32_t wanted = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   return (capabilities & wanted) == wanted ? std::optional(capability) : std::nullopt;
 }
@@ -138,6 +142,7 @@ void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pix
                Image<Pixel>& image) {
   for (int row = 0; row < image.height(); ++row, bytes += row_bytes) {
     Pixel* to = image.row(row);
+    // Without bytes in between, a row is copied whole; otherwise every first byte of a pixel.
     if (pixel_bytes == sizeof(Pixel)) {
       std::memcpy(to, bytes, static_cast<std::size_t>(image.width()) * sizeof(Pixel));
       continue;
@@ -163,15 +168,18 @@ FrameFormat format_from(const CameraSettings& settings) {
            "--pixel-format {}: not available on v4l2 cameras; use Mono8, Mono10, Mono12, RGB8 or "
            "MJPG, or BayerRG8 and so on",
            pixel_format_of(settings));
+
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   throw_if(region.x != 0 || region.y != 0,
            "--region {}x{}+{}+{}: v4l2 cameras have a size but no region offset; give e.g. 640x480",
            region.size.width, region.size.height, region.x, region.y);
+
   throw_if(!settings.trigger.empty() || !settings.strobe.empty(),
            "{} {}: v4l2 cameras have no trigger",
            settings.strobe.empty() ? "--trigger" : "--strobe",
            settings.strobe.empty() ? settings.trigger : settings.strobe);
   throw_if(!settings.nodes.empty(), "--feature: v4l2 cameras have no GenICam nodes");
+
   if (settings.gain) (void)whole_gain(*settings.gain);
   return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
 }
@@ -183,18 +191,23 @@ class V4l2Stream {
              const CameraSettings& settings)
       : name_(std::move(name)), device_(std::move(device)) {
     throw_if(!camera_of(*device_), "{} is not a streaming camera", name_);
+
     set_format(format, settings);
     if (settings.frame_rate) set_rate(*settings.frame_rate);
     if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
     if (settings.gain) set_control(CameraControl::gain, *settings.gain);
   }
+
   ~V4l2Stream() { stop(); }
 
   void start() {
+    // 1. Request buffers from the driver.
     auto request = cleared<v4l2_requestbuffers>();
     request.count = v4l2_buffer_count;
     request.memory = V4L2_MEMORY_MMAP;
     require(VIDIOC_REQBUFS, &request, "buffers");
+
+    // 2. Map each and hand it over to be filled.
     for (std::uint32_t i = 0; i < request.count; ++i) {
       v4l2_buffer buffer = empty_buffer(i);
       require(VIDIOC_QUERYBUF, &buffer, "buffers");
@@ -203,12 +216,16 @@ class V4l2Stream {
       buffers_.push_back({static_cast<std::uint8_t*>(memory), buffer.length});
       require(VIDIOC_QBUF, &buffer, "buffers");
     }
+
+    // 3. Start the stream.
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     require(VIDIOC_STREAMON, &type, "a stream");
   }
 
   void stop() {
     if (buffers_.empty()) return;
+
+    // Buffers must be unmapped before the driver frees them, which a request for 0 buffers does.
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     device_->control(VIDIOC_STREAMOFF, &type);
     for (const std::span<std::uint8_t> buffer : buffers_) {
@@ -225,6 +242,7 @@ class V4l2Stream {
     if (which == CameraControl::frame_rate) return std::nullopt;
     const auto& [id, _, manual, unit] =
         which == CameraControl::exposure ? exposure_control : gain_control;
+
     v4l2_queryctrl range{};
     range.id = id;
     v4l2_control now{id, 0};
@@ -233,14 +251,17 @@ class V4l2Stream {
         device_->control(VIDIOC_G_CTRL, &now) != 0) {
       return std::nullopt;
     }
+
     return ControlValue{unit * now.value, unit * range.minimum, unit * range.maximum};
   }
 
   void set_control(CameraControl which, double value) const {
     if (which == CameraControl::frame_rate) return;
+
     const bool is_exposure = which == CameraControl::exposure;
     const auto& [id, automatic, manual, unit] = is_exposure ? exposure_control : gain_control;
     const double steps = is_exposure ? std::round(value / unit) : whole_gain(value);
+    // Automatic mode off first: it would overwrite the value. Not every camera has one.
     put_control(*device_, automatic, manual);
     throw_if((is_exposure && !(steps >= 1 && steps <= std::numeric_limits<int>::max())) ||
                  !put_control(*device_, id, static_cast<int>(steps)),
@@ -252,11 +273,13 @@ class V4l2Stream {
   /// nullopt if the camera is gone.
   std::optional<Arrival> fetch(Frame& frame, milliseconds timeout) {
     if (!device_->wait(timeout)) return Arrival::nothing;
+
     v4l2_buffer buffer = empty_buffer(0);
     if (device_->control(VIDIOC_DQBUF, &buffer) != 0) {
       if (errno == EAGAIN) return Arrival::nothing;
       return std::nullopt;
     }
+
     const Arrival arrival = take(buffer, frame);
     if (device_->control(VIDIOC_QBUF, &buffer) != 0) return std::nullopt;
     return arrival;
@@ -273,20 +296,25 @@ class V4l2Stream {
   [[noreturn]] void fail(std::string_view what) const {
     throw WorldError(fmt::format("camera {} gives no {}: {}", name_, what, std::strerror(errno)));
   }
+
   void require(unsigned long request, void* argument, std::string_view what) const {
     if (device_->control(request, argument) != 0) fail(what);
   }
 
   void set_format(const FrameFormat& frames, const CameraSettings& settings) {
+    // 1. The pixels per row: colour frames hold three values per pixel side by side.
     const PixelFormat pixels = settings.pixel_format;
     const int values = values_of(pixels);
     const bool compressed = pixels == PixelFormat::mjpg;
     const FrameFormat wanted{{frames.size.width / values, frames.size.height}, frames.bits};
+
+    // 2. Try the layouts with these bits in order of preference, until the driver takes one.
     for (const PixelLayout& layout : layouts) {
       if (layout.bits != wanted.bits || layout.values != values ||
           layout.mosaic != settings.mosaic || (layout.code == V4L2_PIX_FMT_MJPEG) != compressed) {
         continue;
       }
+
       auto format = cleared<v4l2_format>();
       format.fmt.pix.width = static_cast<std::uint32_t>(wanted.size.width);
       format.fmt.pix.height = static_cast<std::uint32_t>(wanted.size.height);
@@ -296,16 +324,20 @@ class V4l2Stream {
         if (errno == EINVAL) continue;
         fail("frames");
       }
-      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another size
+      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another format
+
       const Size size{static_cast<int>(format.fmt.pix.width),
                       static_cast<int>(format.fmt.pix.height)};
       throw_if(size != wanted.size, "camera {} has no frame size {}; the nearest is {}", name_,
                text_of(wanted.size), text_of(size));
+
+      // 3. Rows may be padded, but cannot be shorter than their pixels.
       layout_ = layout;
       const auto tight = static_cast<std::size_t>(frames.size.width * layout.bytes);
       row_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, tight);
       return;
     }
+
     throw Error(fmt::format("camera {} has no {} frames with {} bits ({})", name_,
                             values == 1 ? "grey" : "colour", wanted.bits,
                             compressed                 ? "MJPG"
@@ -317,10 +349,12 @@ class V4l2Stream {
   void set_rate(double rate) const {
     throw_if(!(rate > 0 && rate < 1e6), "camera {}: rate {} Hz; expected a positive rate", name_,
              rate);
+
     auto parameters = cleared<v4l2_streamparm>();
     constexpr std::uint32_t precision = 1000;
     parameters.parm.capture.timeperframe = {
         precision, static_cast<std::uint32_t>(std::lround(rate * precision))};
+
     throw_if(device_->control(VIDIOC_S_PARM, &parameters) != 0,
              "camera {} refused a rate of {} Hz: {}", name_, rate, std::strerror(errno));
   }
@@ -329,11 +363,15 @@ class V4l2Stream {
     if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.index >= buffers_.size()) {
       return Arrival::damaged;
     }
+
     const std::span<const std::uint8_t> bytes = buffers_[buffer.index];
     const auto pixel_bytes = static_cast<std::size_t>(layout_.bytes);
     const Size size = frame.format().size;
+
+    // The last row may lack its padding.
     const std::size_t needed = row_bytes_ * static_cast<std::size_t>(size.height - 1) +
                                pixel_bytes * static_cast<std::size_t>(size.width);
+
     if (layout_.code == V4L2_PIX_FMT_MJPEG) {
 #ifdef SLIPSTREAM_IO
       const auto jpeg = bytes.first(std::min<std::size_t>(buffer.bytesused, bytes.size()));
@@ -348,6 +386,7 @@ class V4l2Stream {
                  frame.pixels);
       if (!layout_.mosaic.empty()) make_grey(frame);
     }
+
     frame.stamp = {.sequence = buffer.sequence,
                    .pattern_index = std::nullopt,
                    .device_time = time_of(buffer.timestamp),
@@ -423,10 +462,12 @@ std::unique_ptr<FrameSource> open_v4l2_camera(
 std::vector<CameraDescription> list_v4l2_cameras() {
   constexpr int most = 64;
   std::vector<CameraDescription> cameras;
+
   for (int number = 0; number < most; ++number) {
     const std::string path = fmt::format("/dev/video{}", number);
     try {
       const auto capability = camera_of(*open_video_device(path));
+      // Devices without pictures, e.g. a camera's metadata, are skipped.
       if (!capability) continue;
       cameras.push_back({.name = std::to_string(number),
                          .vendor = text_of(capability->driver),
@@ -437,6 +478,7 @@ std::vector<CameraDescription> list_v4l2_cameras() {
     } catch (const WorldError&) {  // no such device, or no permission
     }
   }
+
   return cameras;
 }
 

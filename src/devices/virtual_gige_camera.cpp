@@ -27,6 +27,7 @@ std::string with_lines(std::string description) {
   using enum GigeRegister;
   constexpr const char* line = R"(<pIndex Offset="16">LineNumber</pIndex>)";
   constexpr const char* us = "<Min>0</Min><Max>1000000</Max>";
+
   const std::string nodes =
       R"(<Category Name="DigitalIOControl"><pFeature>LineSelector</pFeature>
 <pFeature>LineMode</pFeature><pFeature>LineSource</pFeature><pFeature>LineInverter</pFeature>
@@ -54,6 +55,8 @@ std::string with_lines(std::string description) {
 <EnumEntry Name="ExposureStart"><Value>1</Value></EnumEntry>)") +
       feature("Float", "TimerDelay", timer_delay, "", us) +
       feature("Float", "TimerDuration", timer_duration, "", us);
+
+  // Insert each addition before a place in Aravis' text.
   for (const auto& [place, text] :
        {std::pair{"<pFeature>TransportLayerControl", "<pFeature>DigitalIOControl</pFeature>\n"},
         std::pair{"<pValue>TriggerSourceRegister",
@@ -61,15 +64,18 @@ std::string with_lines(std::string description) {
         std::pair{"</RegisterDescription>", nodes.c_str()}}) {
     description.insert(std::min(description.find(place), description.size()), text);
   }
+
   return description;
 }
 
 /// Registers and description of Aravis' fake camera, read from its own server, with lines.
 std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr host, Size sensor) {
+  // 1. Aravis' camera with our serial number, address and sensor size.
   const GObjectPointer<ArvFakeCamera> camera(arv_fake_camera_new(serial.c_str()));
   const GObjectPointer<GInetAddress> address(
       g_inet_address_new_from_bytes(reinterpret_cast<const guint8*>(&host), G_SOCKET_FAMILY_IPV4));
   arv_fake_camera_set_inet_address(camera.get(), address.get());
+
   const auto [width, height] = sensor;
   for (const auto& [at, pixels] : {std::pair{ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width},
                                    std::pair{ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height},
@@ -78,29 +84,38 @@ std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr 
     arv_fake_camera_write_register(camera.get(), static_cast<guint32>(at),
                                    static_cast<guint32>(pixels));
   }
+
+  // 2. Its registers, and its description with our lines.
   constexpr std::uint32_t last = 4;  // it refuses reads that reach its end
   std::vector<std::uint8_t> memory(ARV_FAKE_CAMERA_MEMORY_SIZE);
   arv_fake_camera_read_memory(camera.get(), 0, ARV_FAKE_CAMERA_MEMORY_SIZE - last, memory.data());
+
   std::size_t size = 0;
   const char* plain = arv_fake_camera_get_genicam_xml(camera.get(), &size);
   const std::string description = with_lines({plain, size});
+
+  // 3. The register with the description's place, and the description after the registers.
   constexpr std::ptrdiff_t place_of_description = 0x200;  // defined by the standard
   const std::string place = fmt::format("Local:slipstream.xml;{:x};{:x}",
                                         ARV_FAKE_CAMERA_MEMORY_SIZE, description.size());
   std::copy_n(place.c_str(), place.size() + 1, memory.begin() + place_of_description);
+
   memory.insert(memory.end(), description.begin(), description.end());
   memory.resize((memory.size() + 3) / 4 * 4);  // clients read four bytes at a time
+
   return memory;
 }
 
 VirtualGigeCamera::Reels valid(VirtualGigeCamera::Reels reels, const std::string& serial) {
   if (reels.empty()) throw Error("a virtual camera needs at least one reel");
+
   for (const auto& reel : reels) {
     throw_if(reel->format() != reels.front()->format() || reel->format().bits != 8,
              "the virtual GigE camera needs 8-bit frames of one size");
   }
   throw_if(serial.empty() || serial.size() > 15,
            "serial number of {} letters, '{}'; expected 1 to 15", serial.size(), serial);
+
   return reels;
 }
 
@@ -123,7 +138,10 @@ VirtualGigeCamera::~VirtualGigeCamera() {
 /// holds the mutex.
 std::size_t VirtualGigeCamera::shown_in(std::size_t k) const {
   using enum GigeRegister;
+
   if (wiring_ == Wiring::in_step) return k;
+
+  // A free-running camera sees whatever the projector shows now.
   if (wiring_ == Wiring::trigger) {
     const bool free = control_.read(trigger_mode) == 0;
     const auto shown = (steady_clock::now() - started_) / projector_period_;
@@ -145,6 +163,7 @@ bool VirtualGigeCamera::has_picture() const {
 
 /// The picture of frame k since the client's start; nullptr if it is not rendered yet.
 const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t k, std::size_t shown) {
+  // A new client gets the next reel, once one has seen enough of this.
   if (k == 0) {
     if (seen_whole_ && reel_ + 1 < reels_.size()) {
       ++reel_;
@@ -153,10 +172,12 @@ const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t k, std::size_t
     player_ = ReelPlayer(reels_[reel_]);
     player_shows_ = 0;
   }
+
   if (shown < player_shows_) {  // the client or the wiring has changed what triggers what
     player_.restart();
     player_shows_ = 0;
   }
+
   player_.advance(shown - player_shows_);
   player_shows_ = shown;
   seen_whole_ |= player_.has_shown_enough();
@@ -170,15 +191,19 @@ const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t k, std::size_t
 void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k, std::size_t shown) {
   constexpr std::size_t largest_number = 65535;
   const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
+
   const Image<std::uint8_t> seen = view_ ? view_() : Image<std::uint8_t>();
   const Image<std::uint8_t>* const shown_picture = view_ ? &seen : picture(k, shown);
   if (shown_picture == nullptr) return;  // lost, as if the projector were dark
+
   const GigeBlock block = block_of(*shown_picture, stream, number);
   for_each_packet(block, [&, is_first = k == 0](auto packet) mutable {
     const bool lost = std::uniform_real_distribution()(random_) < packet_loss_;
     if (!lost) stream_socket_.send(packet, stream.to);
+    // 5 ms for the client to enlarge its buffer.
     if (std::exchange(is_first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   });
+
   ++sent_;
 }
 
@@ -187,30 +212,38 @@ void VirtualGigeCamera::run() {
   constexpr std::chrono::nanoseconds idle = std::chrono::milliseconds(50);
   constexpr std::uint32_t line_1_triggers = 2;
   constexpr std::chrono::microseconds trigger_period{40'000};  // limit for software triggers
+
   steady_clock::time_point due = steady_clock::now();
   for (std::size_t k = 0; !is_ending_;) {
+    // 1. Decide whether a frame is due: free-running, by software or by the projector's pulse.
     std::unique_lock lock(mutex_);
     const auto stream = control_.stream(steady_clock::now());
     const bool is_pulsed = stream && wiring_ == Wiring::trigger && !stream->is_free &&
                            control_.read(trigger_source) == line_1_triggers;
     const bool is_ready = stream && (stream->is_free || stream->is_triggered || is_pulsed);
     const bool is_due = is_ready && has_picture() && steady_clock::now() >= due;
+
     if (is_due) control_.write(software_trigger, 0);
     if (!stream) {  // a new client sees the first frame
       k = pulses_ = 0;
       started_ = steady_clock::now();
     }
+
+    // 2. The pattern seen in it. Its exposure sends a pulse if Line1 is an output with a source.
     const std::size_t shown = is_due ? shown_in(k) : 0;
     const auto period = is_pulsed ? projector_period_ : trigger_period;
     if (is_due && control_.read(line_register(line_mode, 1)) == 1 &&
         control_.read(line_register(line_source, 1)) != 0) {
       ++pulses_;
     }
+
+    // 3. Send the frame without the lock, then answer the client until the next is due.
     lock.unlock();
     if (is_due) {
       send(*stream, k++, shown);
       due = std::max(due + (stream->is_free ? stream->period : period), steady_clock::now());
     }
+
     control_sockets_.answer(
         is_ready && has_picture() ? std::min(due - steady_clock::now(), idle) : idle,
         [this](auto packet, const sockaddr_in& from) {

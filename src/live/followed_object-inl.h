@@ -23,6 +23,7 @@ class FollowedObject {
     if (cloud->cloud.z.empty()) return;  // no scanner
     const bool track_missed = track_follower_ && track_follower_->follow(cloud);
     const bool model_missed = model_follower_ && model_follower_->follow(cloud);
+
     const std::lock_guard lock(mutex_);
     if (track_missed) ++track_missed_;
     if (model_missed) ++model_statistics_.missed;
@@ -52,18 +53,23 @@ class FollowedObject {
   /// Mean time of the cloud's frames, s, by the device's clock if it has one.
   static double seconds_of(const LiveCloud& cloud) {
     using Seconds = std::chrono::duration<double>;
+
     double sum = 0;
     for (const Pooled<Frame>& frame : cloud.frames) {
       const FrameStamp& stamp = frame->stamp;
       const bool has_clock = stamp.device_time.count() != 0;
       sum += Seconds(has_clock ? stamp.device_time : stamp.host_time.time_since_epoch()).count();
     }
+
     return sum / static_cast<double>(cloud.frames.size());
   }
 
   void track(const LiveCloud& cloud) {
     ObjectTracker next = *tracker_;  // only this thread changes it
+
+    // Fit without the lock, so that queries need not wait for it.
     next.look(cloud.cloud, seconds_of(cloud));
+
     const std::lock_guard lock(mutex_);
     tracker_ = std::move(next);
   }
@@ -71,9 +77,11 @@ class FollowedObject {
   void take_in(const LiveCloud& cloud) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point start = Clock::now();
+
     const std::lock_guard model_lock(model_mutex_);
     (void)model_->add(cloud.cloud, seconds_of(cloud));
     const std::chrono::duration<double, std::milli> taken = Clock::now() - start;
+
     const std::lock_guard lock(mutex_);
     model_milliseconds_ += taken.count();
     model_statistics_.views = model_->views();
@@ -88,8 +96,10 @@ class FollowedObject {
   std::uint64_t track_missed_ = 0;
   ModelStatistics model_statistics_;
   double model_milliseconds_ = 0;
+
   mutable std::mutex model_mutex_;  ///< guards the model
   std::optional<ObjectModel> model_;
+
   std::optional<CloudFollower> track_follower_, model_follower_;
 };
 

@@ -28,9 +28,13 @@ LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetu
                            const LiveSettings& settings)
     : source_(std::move(source)), format_(source_->format()), settings_(settings) {
   require_valid(format_);
+
   plan_ = plan_for(setup);
+
+  // Reconstruct black frames once, so that each cloud has its memory before the first frame.
   const auto count = static_cast<std::size_t>(frame_count(setup.sequence));
   const std::vector<Pooled<Frame>> black(count, frames_->take());
+
   clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
     LiveCloud cloud;
     cloud.frames = black;
@@ -44,7 +48,10 @@ std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
   const Size camera = setup.scanner.camera.size;
   throw_if(camera != format_.size, "frames are {}, the scanner's camera has {}; both must agree",
            text_of(format_.size), text_of(camera));
+
   auto plan = std::make_shared<WindowEngine>(setup, settings_);
+
+  // A setup that needs more frames gets a new pool; otherwise the present one is kept.
   const std::size_t needed = frames_needed(settings_, setup.sequence);
   throw_if(needed > largest_run / byte_count(format_),
            "a run needs {} frames of {} pixels; the limit is {} bytes", needed, text_of(camera),
@@ -53,6 +60,7 @@ std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
     frame_count_ = needed;
   }
+
   plan->frames = frames_;
   return plan;
 }

@@ -32,6 +32,7 @@ class LiveRun {
         finished_(stage_places),
         followed_(settings, plan_->setup().scanner.camera,
                   [this](std::exception_ptr failure) { fail(std::move(failure)); }) {
+    // One thread per stage. An exception in any of them ends the whole run.
     try {
       for (const auto stage :
            {&LiveRun::capture, &LiveRun::make_windows, &LiveRun::reconstruct, &LiveRun::show}) {
@@ -49,19 +50,24 @@ class LiveRun {
       throw;
     }
   }
+
   ~LiveRun() { stop(); }
 
   void stop() {
+    // The stages finish the frames captured so far, each closing the queue behind it.
     stopping_ = true;
     for (std::thread& thread : threads_) {
       if (thread.joinable()) thread.join();
     }
+
     followed_.finish();
     const std::lock_guard lock(mutex_);
+    // From here on, rates refer to the time of the stop.
     if (!end_) end_ = Clock::now();
   }
 
   [[nodiscard]] bool capturing() const { return capturing_; }
+
   void change(std::shared_ptr<WindowEngine> plan) {
     const std::lock_guard lock(mutex_);
     plan_ = std::move(plan);
@@ -81,11 +87,14 @@ class LiveRun {
     statistics.windows_lost = windows_lost_;
     statistics.windows_skipped = windows_skipped_;
     statistics.resynchronisations = resynchronisations_;
+
     const Clock::time_point now = locked(end_).value_or(Clock::now());
     statistics.seconds = std::chrono::duration<double>(now - start_).count();
     statistics.clouds_per_second = static_cast<double>(statistics.clouds) / statistics.seconds;
+
     statistics.latency = cloud_latency_.latency();
     statistics.screen_latency = screen_latency_.latency();
+
     const auto add = [&](const char* name, const StageMeter& meter, std::size_t waiting,
                          std::size_t capacity) {
       StageStatistics& stage = statistics.stages.emplace_back(meter.statistics(now));
@@ -97,11 +106,14 @@ class LiveRun {
     add("window", window_meter_, captured_.waiting(), captured_.capacity());
     add("reconstruct", reconstruct_meter_, windows_.waiting(), windows_.capacity());
     add("show", show_meter_, finished_.waiting(), finished_.capacity());
+
     statistics.source_state = source_.state();
     followed_.add_to(statistics);
+    // Everything about the newest cloud under one lock, so that it belongs together.
     Pooled<LiveCloud> newest;
     {
       const std::lock_guard lock(mutex_);
+
       statistics.findings = findings_.current();
       statistics.fallback_reason = fallback_reason_;
       newest = newest_;
@@ -142,26 +154,36 @@ class LiveRun {
     const auto enough = [this] {
       return settings_.most_frames && frames_captured_ >= *settings_.most_frames;
     };
+
+    // Without the source's own pace, reading waits for room; otherwise frames are overwritten.
     while (!stopping_ && !enough() && (paced_ || captured_.wait_for_room())) {
       Pooled<Frame> frame = free_frame();
       if (!frame && !paced_) break;
       Frame& filled = frame ? frame.fill() : spare;
+
       Arrival arrival = source_.next(filled, notice);
       if (arrival == Arrival::ended) break;
+
+      // A frame of another size cannot join a window.
       if (arrival == Arrival::frame && filled.format() != format_) {
         filled = Frame(format_);
         arrival = Arrival::damaged;
       }
       if (arrival == Arrival::damaged) sequence_.damaged();
+
+      // Count gaps and repetitions by sequence number; a repeated frame is dropped.
       const bool came = arrival == Arrival::frame;
       const bool repeated = came && !sequence_.look(filled.stamp.sequence);
       frames_lost_ = sequence_.lost();
       if (repeated) ++frames_repeated_;
       if (!came || repeated) continue;
+
+      // A frame in the spare buffer has no place in the pool and is lost.
       ++frames_captured_;
       if (!frame) ++frames_overwritten_;
       if (frame) pass_on(std::move(frame));
     }
+
     capturing_ = false;
     captured_.close();
   }
@@ -171,7 +193,10 @@ class LiveRun {
     std::optional<PatternWindows> windows;
     std::uint64_t lost_before = 0, resynchronised_before = 0, restarts = 0;
     std::vector<Pooled<Frame>> window;
+
     while (auto captured = captured_.pop()) {
+      // 1. Apply changed settings. Other patterns need a new PatternWindows, whose counts start at
+      // 0; the totals go on from their present values.
       if (auto wanted = locked(plan_); wanted != current) {
         const auto patterns_of = [](const Sequence& shown) {
           return std::tie(shown.strategy, shown.axis, shown.exposures);
@@ -182,37 +207,52 @@ class LiveRun {
           resynchronised_before = resynchronisations_;
           windows.emplace(pattern_cycle(sequence), settings_.indexing, format_.size);
         }
+
         current = std::move(wanted);
       }
+
+      // 2. Put the frame in its place in the pattern order.
       if (captured->restarts != restarts) {
         restarts = captured->restarts;
         windows->restart();
       }
+
       if (!windows->put(captured->frame)) ++frames_repeated_;
       captured.reset();
+
       resynchronisations_ = resynchronised_before + windows->resynchronisations();
+
+      // 3. Pass on each window that the frame completes, unless reconstruction cannot keep up.
       while (windows->next(window)) {
         Pooled<LiveCloud> cloud = cloud_unless_behind(windows->first_pattern());
         if (!cloud) {
           ++windows_skipped_;
           continue;
         }
+
         LiveCloud& filled = cloud.fill();
         std::swap(filled.frames, window);
         window.clear();
         filled.first_pattern = windows->first_pattern();
+
+        // Frames may come out of order: latency counts from the highest sequence number.
         const auto newest = std::ranges::max_element(
             filled.frames, {}, [](const auto& frame) { return frame->stamp.sequence; });
         filled.newest = (*newest)->stamp;
+
         window_meter_.done(filled.newest.host_time);
         windows_.push_when_room({std::move(cloud), current});
       }
+
       windows_lost_ = lost_before + windows->lost();
     }
+
+    // The source has ended, so incomplete windows are lost.
     if (windows) {
       windows->finish();
       windows_lost_ = lost_before + windows->lost();
     }
+
     windows_.close();
   }
 
@@ -220,13 +260,18 @@ class LiveRun {
     while (auto window = windows_.pop()) {
       LiveCloud& cloud = window->cloud.fill();
       WindowEngine& engine = *window->reconstruct;
+
+      // Check the frames once per cycle.
       if (engine.is_due(cloud)) {
         std::vector<Finding> findings = engine.look(cloud);
         const std::lock_guard lock(mutex_);
         findings_.replace(std::move(findings), cloud.newest.sequence);
       }
+
       cloud.cleaned = engine.reconstruct(cloud);
       cloud_latency_.add(Clock::now() - cloud.newest.host_time);
+
+      // With two cameras, clouds come from the matcher, so the engine's fallback does not matter.
       std::string backend = engine.used->backend_for(engine.views);
       std::string failure = engine.match ? "" : engine.used->fallback_reason();
       {
@@ -234,9 +279,11 @@ class LiveRun {
         backend_ = std::move(backend);
         fallback_reason_ = std::move(failure);
       }
+
       reconstruct_meter_.done(cloud.newest.host_time);
       finished_.push_when_room(std::move(window->cloud));
     }
+
     finished_.close();
   }
 
@@ -244,8 +291,10 @@ class LiveRun {
     while (auto cloud = finished_.pop()) {
       {
         const std::lock_guard lock(mutex_);
+        // For display, see newest(): only windows in pattern order.
         if ((*cloud)->first_pattern == 0) newest_ = *cloud;
       }
+
       followed_.follow(*cloud);
       if (settings_.on_cloud) settings_.on_cloud(*cloud);
       show_meter_.done((*cloud)->newest.host_time);
@@ -256,10 +305,13 @@ class LiveRun {
   void fail(std::exception_ptr failure) {
     {
       const std::lock_guard lock(mutex_);
+      // The first failure is the cause; later ones only follow from it.
       if (!failure_) failure_ = std::move(failure);
     }
+
     stopping_ = true;
     capturing_ = false;
+    // Closed queues wake the stages that wait for values or room.
     captured_.close();
     windows_.close();
     finished_.close();
@@ -271,10 +323,12 @@ class LiveRun {
     const std::lock_guard lock(mutex_);
     return value;
   }
+
   /// A frame to fill; empty if all are in use.
   Pooled<Frame> free_frame() {
     const std::shared_ptr<Pool<Frame>> frames = locked(plan_)->frames;
     if (!paced_) return wait_for(*frames, {});
+
     Pooled<Frame> frame = frames->take();
     if (!frame && captured_.drop_oldest()) {
       ++frames_overwritten_;
@@ -290,10 +344,12 @@ class LiveRun {
     const auto is_behind = [&, most = first_pattern == 0 ? 2U : 1U] {
       return paced_ && 4 * captured_.waiting() >= most * captured_.capacity();
     };
+
     while (paced_ && !stopping_ && windows_.waiting() == windows_.capacity()) {
       if (is_behind()) return {};
       std::this_thread::sleep_for(look_again);
     }
+
     return wait_for(*clouds_, cloud_patience, is_behind);
   }
 
@@ -310,6 +366,7 @@ class LiveRun {
       Pool<Value>& pool, Clock::duration patience,
       const std::function<bool()>& gives_up = [] { return false; }) const {
     Pooled<Value> value = pool.take();
+
     std::optional<Clock::time_point> given_up;
     while (!value && !gives_up() && (!given_up || Clock::now() < *given_up)) {
       if (stopping_ && !given_up) given_up = Clock::now() + patience;
@@ -323,6 +380,7 @@ class LiveRun {
   const LiveSettings& settings_;
   const FrameFormat format_;
   const bool paced_;
+
   const Clock::time_point start_ = Clock::now();
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
@@ -342,12 +400,15 @@ class LiveRun {
 
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> capturing_ = true;
+
   SequenceWatch sequence_;  ///< used by the capture stage
   std::atomic<std::uint64_t> frames_captured_ = 0, frames_lost_ = 0, frames_overwritten_ = 0,
                              frames_repeated_ = 0, windows_lost_ = 0, windows_skipped_ = 0,
                              resynchronisations_ = 0;
+
   StageMeter capture_meter_, window_meter_, reconstruct_meter_, show_meter_;
   LatencyHistogram cloud_latency_, screen_latency_;
+
   std::vector<std::thread> threads_;
 };
 

@@ -20,12 +20,14 @@ constexpr double least_moving = 0.01;
 /// LiveCheck as a copyable function.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
   const bool known = has_geometry(setup.scanner);
+
   const auto check = std::make_shared<LiveCheck>(
       merged_sequence(setup.sequence), known ? std::optional(setup.scanner) : std::nullopt,
       setup.scanner.camera.size,
       CheckSettings{.minimum_modulation = setup.settings.minimum_modulation,
                     .moving = true,
                     .photometry = setup.scanner.photometry});
+
   return [check](const FrameViews& window) { return check->look(window); };
 }
 
@@ -45,25 +47,35 @@ LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   ScanSamples::Effort effort = few;
   effort.least_range = least_range(settings_);
   samples_.take(window, effort);
+
   // A frame that is 5 % brighter leaves a residual of 0.012 and more.
   constexpr double most_residual = 0.011;
+
   fit_.moving = settings_.moving;
   fit_.frames = judge_(samples_, order_);
+
   Suspicion raised;
   raised[0] = fit_.frames.residual > std::max(most_residual, harmless_residual_);
   raised[1] = !fit_.bands_agree();
   raised[2] = !fit_.no_seam();
+
+  // A frame that lost half its light: something covers the projector or the camera, for example.
   constexpr double much = 0.5;  // of a frame's light since the last good check
   for (std::size_t n = 0; n < right_sums_.size(); ++n) {
     if (samples_.sums()[n] < much * right_sums_[n]) raised[3] = true;
   }
+
   return raised;
 }
 
 std::vector<Finding> LiveCheck::look(const FrameViews& window) {
+  // 1. Sample a few pixels; brightness that raises no suspicion becomes the new reference.
   const bool first = checked_ == Clock::time_point{};
   const Suspicion raised = suspicion(window);
   if (!raised.any()) right_sums_.assign(samples_.sums().begin(), samples_.sums().end());
+
+  // 2. Decide whether the full check is needed: to see if a known problem changed, or because of
+  // a suspicion that was not cleared before. The first frames always get it.
   const Clock::time_point now = Clock::now();
   if (!findings_.empty()) {
     if (suspected_.any() && !raised.any()) {
@@ -75,12 +87,15 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
     harmless_ &= raised;
     if (!first && harmless_ == raised) return {};
   }
+
+  // 3. Run the full check.
   findings_ = check_frames(window, sequence_, scanner_, settings_).findings;
   checked_ = now;
   suspected_ = raised;
   // A suspicion that the full check clears, such as motion, does not start it again.
   if (findings_.empty()) {
     harmless_ = raised;
+    // A margin of 30 %, since the residual varies from window to window.
     harmless_residual_ = 1.3 * fit_.frames.residual;
   }
   return findings_;
@@ -103,16 +118,21 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
   const bool paired = settings.second_camera.has_value();
   engines.emplace_back(paired ? of_one_camera(setup) : setup);
   if (!check) check = live_check(engines.front().setup());
+
+  // The pair is matched by one PhaseMatcher; its first camera's engine serves the checks.
   if (paired) {
     match.emplace(setup.scanner, *settings.second_camera, setup.sequence, setup.settings);
     return;
   }
+
+  // With motion frames, a window may begin with any pattern: one engine for each first pattern.
   EngineSetup later = setup;
   const int starts = setup.sequence.motion > 0 ? cycle_length(setup.sequence) : 1;
   for (int first = 1; first < starts; ++first) {
     later.sequence = merged_sequence(setup.sequence, first);
     engines.emplace_back(later);
   }
+
   if (settings.motion_when_seen && setup.sequence.motion > 0) {
     later.sequence = cycle_of(setup.sequence);
     still.emplace(later);
@@ -121,18 +141,24 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
   if (match) return match_cameras(window);
+
   used = &engines[static_cast<std::size_t>(window.first_pattern)];
+
+  // Without a scanner there are no points.
   if (!has_geometry(setup().scanner)) {
     if (!window.cloud.z.empty()) window.cloud = Cloud();
     return {};
   }
   view_window(window.frames, views);
+
+  // While nothing moves, the middle cycle alone is enough.
   const int extra = setup().sequence.motion;
   if (still && used->moving_share(views) < least_moving) {
     used = &*still;
     window.motion = 0;
     return still->cloud(middle_cycle(views, window.first_pattern, extra), window.cloud);
   }
+
   window.motion = extra;
   return used->cloud(views, window.cloud);
 }
@@ -141,13 +167,17 @@ ValidityCounts WindowEngine::match_cameras(LiveCloud& window) {
   used = &engines.front();
   view_window(window.frames, views);
   view_second(window.frames, second_views);
+
   if (second_views.size().width == 0) {  // no picture has come yet
     window.cloud = Cloud(views.size());
     return {};
   }
+
+  // The matcher writes into its result: lend it the window's cloud, so that memory is reused.
   std::swap(window.cloud, matched.cloud);
   match->run(views, second_views, matched, window.first_pattern);
   std::swap(window.cloud, matched.cloud);
+
   window.motion = whole.sequence.motion;
   return matched.cleaned;
 }
@@ -156,8 +186,10 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
   const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
   if (window.first_pattern != 0) return false;   // the check takes frames in pattern order
   if (!looked || newest < *looked) return true;  // the first, or the source restarted its count
+
   // With lost frames, the window that ends a cycle may never come: use another one.
   const bool ends_cycle = window.frames.back()->stamp.sequence == newest;
+  // Half a cycle of patience before a window that ends elsewhere will do.
   return newest - *looked >= (ends_cycle ? cycle : cycle + cycle / 2);
 }
 
@@ -165,10 +197,14 @@ std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
   if (!match) return check(engines.front().merged(views));
+
+  // Check the first camera by itself, then the agreement between both cameras.
   const int count = frame_count(engines.front().setup().sequence);
   std::vector<Finding> findings = check(engines.front().merged(views.part(0, count)));
+
   if (matched.agreement && matched.agreement->phase_shift != 0)
     findings.push_back(wrong_origin(whole.sequence.strategy, matched.agreement->phase_shift));
+
   return findings;
 }
 

@@ -32,6 +32,7 @@ std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
   const auto kind = std::ranges::find(kinds, called, &SinkKind::name);
   throw_if(kind == kinds.end(), "--publish {}: unknown kind of sink{}; {}", name,
            did_you_mean(called, kinds | std::views::transform(&SinkKind::name)), sink_forms());
+
   if (what.size() < 2) throw Error(fmt::format("--publish {}: expected {}", name, (*kind)->form));
   return {**kind, what.substr(1)};
 }
@@ -46,6 +47,8 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
     throw Error(fmt::format("there is no setting '{}' now{}; available: {}", name,
                             did_you_mean(name, names), fmt::join(names, ", ")));
   }
+
+  // A number.
   const auto& [_, help, unit, now, choices, least, most, state] = *setting;
   if (choices.empty()) {
     const auto number = number_in<double>(value);
@@ -53,6 +56,8 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
     throw Error(fmt::format("{} '{}': expected a number from {:g} to {:g}{}{}", name, value, least,
                             most, unit.empty() ? "" : " ", unit));
   }
+
+  // A choice.
   if (std::ranges::count(choices, value) > 0) return;
   throw Error(fmt::format("{} '{}': expected one of: {}{}", name, value, fmt::join(choices, "; "),
                           did_you_mean(value, choices)));
@@ -88,6 +93,7 @@ struct Publisher::Outlet {
         sink(std::move(opened)),
         follower(
             [this](const Pooled<LiveCloud>& cloud) {
+              // At the first cloud, since it concerns this thread.
               if (published == 0) let_others_go_first();
               if (follower.waiting() == 0) late = false;
               sink->put(cloud, late);
@@ -156,6 +162,7 @@ void Publisher::tell(const std::function<void(const std::string&)>& say,
                      const std::function<void(const std::string&)>& warn) {
   for (const auto& outlet : outlets_) {
     const auto [name, published, dropped, error] = outlet->statistics();
+
     for (const std::string& line : outlet->sink->news()) say(fmt::format("{}: {}", name, line));
     if (!error.empty()) {
       if (std::exchange(outlet->told_error, true)) continue;

@@ -34,6 +34,7 @@ template <class Copy>
 ddsi_serdata* read_data(const ddsi_sertype* type, ddsi_serdata_kind kind, std::size_t size,
                         Copy copy) noexcept {
   if (size < 4 || size > longest_read) return nullptr;
+
   try {
     const auto message = std::make_shared<RosMessage>(size);
     copy(std::span(*message));
@@ -50,8 +51,11 @@ void copy_fragments(const nn_rdata* fragment, std::span<std::uint8_t> to) {
     const std::size_t begin = fragment->min,
                       end = std::min<std::size_t>(fragment->maxp1, to.size());
     if (end <= done || begin > done) continue;
+
+    // Copy only bytes that no earlier fragment had.
     const unsigned char* bytes = NN_RMSG_PAYLOADOFF(fragment->rmsg, NN_RDATA_PAYLOAD_OFF(fragment));
     std::memcpy(to.data() + done, bytes + (done - begin), end - done);
+
     done = end;
   }
 }
@@ -61,6 +65,8 @@ ddsi_serdata_ops make_data_operations() {
   make.get_size = [](const ddsi_serdata* data) {
     return static_cast<std::uint32_t>(message_of(data).size());
   };
+
+  // Received bytes become a message: from fragments, or from pieces of one packet.
   make.from_ser = [](const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragments,
                      std::size_t size) {
     return read_data(type, kind, size,
@@ -75,9 +81,13 @@ ddsi_serdata_ops make_data_operations() {
       }
     });
   };
+
+  // Samples are shared messages and are never copied.
   make.from_sample = [](const ddsi_sertype* type, ddsi_serdata_kind kind, const void* sample) {
     return make_data(type, kind, *static_cast<const SharedMessage*>(sample));
   };
+
+  // Sending: a copy, or a reference that keeps the message alive.
   make.to_ser = [](const ddsi_serdata* data, std::size_t offset, std::size_t size, void* to) {
     std::memcpy(to, message_of(data).data() + offset, size);
   };
@@ -88,15 +98,18 @@ ddsi_serdata_ops make_data_operations() {
     return ddsi_serdata_ref(data);
   };
   make.to_ser_unref = [](ddsi_serdata* data, const ddsrt_iovec_t*) { ddsi_serdata_unref(data); };
+
   make.to_sample = [](const ddsi_serdata* data, void* sample, void**, void*) {
     *static_cast<SharedMessage*>(sample) = static_cast<const MessageData*>(data)->message;
     return true;
   };
+
   make.free = [](ddsi_serdata* data) { delete static_cast<MessageData*>(data); };
   make.print = [](const ddsi_sertype*, const ddsi_serdata*, char* text, std::size_t) {
     *text = 0;
     return std::size_t{0};
   };
+
   // Messages have no key: all belong to one instance.
   make.eqkey = [](const ddsi_serdata*, const ddsi_serdata*) { return true; };
   make.from_keyhash = [](const ddsi_sertype* type, const ddsi_keyhash*) {
@@ -116,14 +129,17 @@ ddsi_serdata_ops make_data_operations() {
 
 ddsi_sertype_ops make_type_operations() {
   ddsi_sertype_ops make{};
+
   make.version = ddsi_sertype_v0;
   make.free = [](ddsi_sertype* type) {
     ddsi_sertype_fini(type);
     delete type;
   };
+
   // Types are compared by name.
   make.equal = [](const ddsi_sertype*, const ddsi_sertype*) { return true; };
   make.hash = [](const ddsi_sertype*) { return std::uint32_t{0}; };
+
   // For loaned samples, which are not used here.
   make.zero_samples = [](const ddsi_sertype*, void*, std::size_t) {};
   make.realloc_samples = [](void**, const ddsi_sertype*, void*, std::size_t, std::size_t) {};
@@ -143,10 +159,13 @@ dds_entity_t create_message_topic(dds_entity_t participant, const std::string& n
                                   const std::string& type) {
   static const ddsi_sertype_ops type_operations = make_type_operations();
   static const ddsi_serdata_ops data_operations = make_data_operations();
+
   auto* made = new ddsi_sertype();
   ddsi_sertype_init_flags(made, type.c_str(), &type_operations, &data_operations,
                           DDSI_SERTYPE_FLAG_TOPICKIND_NO_KEY);
   made->allowed_data_representation = DDS_DATA_REPRESENTATION_FLAG_XCDR1;
+
+  // On success the topic owns the type.
   const dds_entity_t topic =
       dds_create_topic_sertype(participant, name.c_str(), &made, nullptr, nullptr, nullptr);
   if (topic < 0) ddsi_sertype_unref(made);

@@ -71,38 +71,52 @@ class GenicamSink final : public CloudSink {
         control_(scan3d_memory(address, run_, settings_, stream_socket_.port()), writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
         thread_([this] { serve(); }) {}
+
   ~GenicamSink() override { finish(); }
 
   bool wants(const LiveCloud& cloud) override {
     if (is_sending_) return false;
+
     const std::unique_lock lock(mutex_, std::try_to_lock);
     return !lock || stream_for(cloud);  // must not block the thread that makes clouds
   }
 
   void put(const Pooled<LiveCloud>& cloud, bool /*alone*/) override {
+    // 1. Read the client's settings; this cloud uses up its trigger.
     std::unique_lock lock(mutex_);
     const auto stream = stream_for(*cloud);
     if (!stream) return;
+
     due_ = std::max(due_ + stream->period, steady_clock::now() + stream->period / 2);
     control_.change(software_trigger, 0);
+    // Mode 2 is a single cloud.
     if (control_.read(acquisition_mode) == 2) control_.change(acquisition, 0);
+
     const Packing packing = this->packing();
     if (packing.parts.empty()) return;
+
     const auto next = next_block(packing.is_multipart);
     lock.unlock();
+
+    // 2. Write the block without the lock, which the client's commands need.
     is_sending_ = true;
+
     GigeBlock& block = next->block;
     block.time = cloud->newest.host_time.time_since_epoch();
     block.region = stream->region;
     block.packet_bytes = stream->packet_bytes;
+
     block.parts.resize(packing.parts.size());
     for (std::size_t i = 0; i < block.parts.size(); ++i) {
       std::tie(block.parts[i].component, block.parts[i].pixels) = packing.parts[i];
       write_part(cloud->cloud, stream->region, packing, block.parts[i]);
     }
+
+    // 3. Send it; from now on its packets can be sent again on request.
     lock.lock();
     sent_ = {next, std::move(sent_[0])};
     lock.unlock();
+
     send(block, *stream);
     is_sending_ = false;
   }
@@ -115,23 +129,30 @@ class GenicamSink final : public CloudSink {
  private:
   void serve() {
     auto looked = steady_clock::now() - between_checks;
+
+    // The first answer already needs the registers that depend on others.
     std::unique_lock at_the_start(mutex_);
     refresh();
     at_the_start.unlock();
+
     while (!is_ending_) {
       if (run_.settings && steady_clock::now() - looked >= between_checks) {
         look_at_settings();
         looked = steady_clock::now();
       }
+
       sockets_.answer(50ms, [this](auto packet, const sockaddr_in& from) {
+        // The lock is held for the command alone, not while packets are sent again.
         std::unique_lock lock(mutex_);
         auto answer = control_.answer(packet, from, steady_clock::now());
         refresh();
         const auto resend = control_.take_resend();
         lock.unlock();
+
         if (resend) send_again(*resend);
         return answer;
       });
+
       end_recording();
     }
   }
@@ -140,6 +161,7 @@ class GenicamSink final : public CloudSink {
   void end_recording() try {
     const std::lock_guard lock(mutex_);
     if (!recorded_by_ || control_.ended_controls(steady_clock::now()) == *recorded_by_) return;
+
     recorded_by_.reset();
     run_.change("record", "off");
   } catch (const std::exception&) {  // the recording reports it
@@ -151,19 +173,26 @@ class GenicamSink final : public CloudSink {
       return change_setting(
           (static_cast<std::uint32_t>(which) - static_cast<std::uint32_t>(setting)) / 4, value);
     }
+
+    // Side effects: a trigger counts from now on, and blocks are numbered from 1 for a new port.
     if (which == software_trigger) triggered_ = steady_clock::now();
     if (which == stream_port) number_ = 0;
+
+    // Registers without an entry in `bounds`: those of the standard can be written at any time, the
+    // rest only while not streaming, and have rules of their own.
     const auto bound = std::ranges::find(bounds, which, &Bounds::which);
     const bool is_of_every_camera = which >= heartbeat_timeout && which < component_selector &&
                                     which != packet_size && which != stream_configuration;
     const bool is_free = bound == bounds.end() ? is_of_every_camera : bound->while_sending;
     if (!is_free && control_.read(acquisition) != 0) return access_denied;
+
     const auto within = [&](std::uint32_t least, std::uint32_t most) {
       return value >= least && value <= most ? success : invalid_parameter;
     };
     if (bound != bounds.end()) return within(bound->least, bound->most);
     if (is_of_every_camera) return success;
 
+    // Region: position and size together stay within the sensor.
     const auto room = [&](GigeRegister all, GigeRegister other) {
       return control_.read(all) - control_.read(other);
     };
@@ -171,6 +200,8 @@ class GenicamSink final : public CloudSink {
     if (which == height) return within(1, room(sensor_height, top));
     if (which == left) return within(0, room(sensor_width, width));
     if (which == top) return within(0, room(sensor_height, height));
+
+    // Stream.
     if (which == packet_size) {
       value &= ~(fire_test_packet | is_test_whole);
       return within(smallest_gige_packet, largest_gige_packet);
@@ -178,15 +209,19 @@ class GenicamSink final : public CloudSink {
     if (which == stream_configuration) {
       return (value & ~gige_multipart) == 0 ? success : invalid_parameter;
     }
+
+    // Points: output mode and pixel format depend on each other. Other components have one format.
     if (which == output_mode) {
       return choose(value == projected_c           ? GigePixels::coord3d_c32f
                     : value == calibrated_abc_grid ? GigePixels::coord3d_abc32f
                                                    : GigePixels::mono8);
     }
     if (which == pixel_format) return choose(static_cast<GigePixels>(value));
+
     if (which == at(pixel_format, 1) || which == at(pixel_format, 2)) {
       return value == control_.read(which) ? success : invalid_parameter;
     }
+
     return accept_steps(which, std::bit_cast<float>(value));
   }
 
@@ -195,6 +230,7 @@ class GenicamSink final : public CloudSink {
     const bool has_steps = pixels == GigePixels::coord3d_c16;
     const bool has_axes = pixels == GigePixels::coord3d_abc32f;
     if (!has_steps && !has_axes && pixels != GigePixels::coord3d_c32f) return invalid_parameter;
+
     control_.change(pixel_format, static_cast<std::uint32_t>(pixels));
     control_.change(output_mode, has_axes ? calibrated_abc_grid : projected_c);
     control_.change(at(coordinate_scale, depth), bits_of(has_steps ? DepthScale().scale : 1));
@@ -206,11 +242,14 @@ class GenicamSink final : public CloudSink {
 
   /// Updates settings changed by any sink or the viewer. A removed setting keeps its value.
   void look_at_settings() try {
+    // Before the lock, since the run may wait for its camera.
     const std::vector<RunSetting> all = run_.settings();
     const std::lock_guard lock(mutex_);
+
     for (std::uint32_t i = 0; i < settings_.size(); ++i) {
       const auto now = std::ranges::find(all, settings_[i].name, &RunSetting::name);
       if (now == all.end()) continue;
+
       const auto choice = std::ranges::find(now->choices, now->value);
       control_.write(at(setting, i),
                      now->choices.empty()
@@ -223,12 +262,16 @@ class GenicamSink final : public CloudSink {
   GigeStatus change_setting(std::uint32_t i, std::uint32_t value) {
     if (i >= settings_.size()) return invalid_address;
     const RunSetting& setting = settings_[i];
+    // A register has a choice's index or the bits of a float.
     const double number = std::bit_cast<float>(value);
     if (!setting.choices.empty() && value >= setting.choices.size()) return invalid_parameter;
+
     try {
       run_.change(setting.name, setting.choices.empty()
                                     ? fmt::format("{:.6g}", number / feature_scale(setting))
                                     : setting.choices[value]);
+
+      // Remember who switched recording on, to end it when that client leaves.
       if (setting.name == "record") {
         const bool starts = value == 1 && control_.read(at(scan3d::setting, i)) == 0;
         if (starts) recorded_by_ = control_.ended_controls(steady_clock::now());
@@ -244,8 +287,10 @@ class GenicamSink final : public CloudSink {
   [[nodiscard]] GigeStatus accept_steps(GigeRegister which, float number) const {
     const bool has_steps =
         control_.read(pixel_format) == static_cast<std::uint32_t>(GigePixels::coord3d_c16);
+
     const bool is_scale = which == at(coordinate_scale, depth);
     if (!has_steps || (!is_scale && which != at(coordinate_offset, depth))) return access_denied;
+
     return std::isfinite(number) && (number > 0 || !is_scale) ? success : invalid_parameter;
   }
 
@@ -253,29 +298,40 @@ class GenicamSink final : public CloudSink {
     const auto number = [&](GigeRegister which) {
       return std::bit_cast<float>(control_.read(at(which, depth)));
     };
+
     Packing packing{.parts = {},
                     .depth = {number(coordinate_scale), number(coordinate_offset)},
                     .is_multipart = (control_.read(stream_configuration) & gige_multipart) != 0};
+
+    // Without multi-part blocks only the first enabled component is sent.
     for (std::uint32_t i = 0; i < scan3d_components.size(); ++i) {
       if (control_.read(at(component_enable, i)) == 0) continue;
       packing.parts.emplace_back(scan3d_components[i],
                                  static_cast<GigePixels>(control_.read(at(pixel_format, i))));
       if (!packing.is_multipart) break;
     }
+
     return packing;
   }
 
   /// Updates registers that depend on the written one.
   void refresh() {
+    // Size of a block, bytes.
     std::size_t bytes = 0;
     for (const auto& [component, pixels] : packing().parts) bytes += bytes_per_pixel(pixels);
     control_.change(payload_size, static_cast<std::uint32_t>(bytes) * control_.read(width) *
                                       control_.read(height));
+
+    // The principal point moves with the region.
     control_.change(principal_u, bits_of(run_.camera.intrinsic(0, 2) - control_.read(left)));
     control_.change(principal_v, bits_of(run_.camera.intrinsic(1, 2) - control_.read(top)));
+
+    // The client wants a test packet, to find the largest size that the network passes.
     const std::uint32_t size = control_.read(packet_size);
     if ((size & fire_test_packet) == 0) return;
     control_.change(packet_size, size & ~fire_test_packet);
+
+    // IPv4 and UDP headers.
     constexpr std::size_t outer_heads = 28;
     if (const auto to = control_.stream_target()) {
       stream_socket_.send_whole(std::vector<std::uint8_t>((size & 0xffff) - outer_heads), *to);
@@ -288,10 +344,13 @@ class GenicamSink final : public CloudSink {
     const auto to = control_.stream_target();
     const auto sent = sent_;
     lock.unlock();
+
     if (!to) return;
+
     std::vector<std::uint8_t> packet;
     for (const auto& each : sent) {
       if (!each || each->block.number != asked.block) continue;
+
       const std::size_t count = packet_count(each->block);
       for (std::size_t i = asked.first; i <= asked.last && i < count; ++i) {
         if (each->sent_again++ >= count) return;
@@ -300,6 +359,7 @@ class GenicamSink final : public CloudSink {
       }
       return;
     }
+
     write_missing_packet(asked, packet);
     stream_socket_.send(packet, *to);
   }
@@ -310,10 +370,13 @@ class GenicamSink final : public CloudSink {
     const auto now = steady_clock::now();
     const auto stream = control_.stream(now);
     if (control_.silent_clients() > 0) tell("disconnected a silent client");
+
     if (!stream || (!stream->is_free && !stream->is_triggered)) return std::nullopt;
+
     const auto early = stream->period / 4;  // tolerates jitter of clouds
     const bool is_due =
         stream->is_free ? now + early >= due_ : cloud.frames.front()->stamp.host_time >= triggered_;
+
     return is_due ? stream : std::nullopt;
   }
 
@@ -321,8 +384,11 @@ class GenicamSink final : public CloudSink {
   std::shared_ptr<SentBlock> next_block(bool is_multipart) {
     auto next = std::exchange(sent_[1], nullptr);
     if (!next || next.use_count() > 1) next = std::make_shared<SentBlock>();
+
+    // Without parts, block numbers have 16 bits and skip 0.
     constexpr std::uint64_t most_of_16_bits = 65535;
     number_ = is_multipart ? number_ + 1 : number_ % most_of_16_bits + 1;
+
     next->block.number = number_;
     next->block.is_multipart = is_multipart;
     next->sent_again = 0;
@@ -330,6 +396,8 @@ class GenicamSink final : public CloudSink {
   }
 
   void send(const GigeBlock& block, const GigeStream& stream) const {
+    // Delay between packets: evenly over half the period, at 50 to 400 MB/s, but no less than the
+    // client wishes. A block takes a second at most.
     const std::size_t count = packet_count(block);
     using Seconds = std::chrono::duration<double>;
     const auto packets = static_cast<double>(count),
@@ -339,11 +407,13 @@ class GenicamSink final : public CloudSink {
         stream.packet_delay, Seconds(std::clamp(even.count(), bytes / fastest, bytes / slowest))));
     const auto step = std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::min(asked, longest_block / packets));
+
     auto due = steady_clock::now();
     std::vector<std::uint8_t> packet;
     for (std::size_t i = 0; i < count && !is_ending_; ++i) {
       write_packet(block, i, packet);
       stream_socket_.send(packet, stream.to);
+
       const auto now = steady_clock::now();
       // Clients enlarge their buffers at the first packet.
       due = std::max(due, now - most_behind) + (i == 0 && block.number == 1 ? first_pause : step);

@@ -53,6 +53,7 @@ class Records {
   void take(std::uint8_t opcode, std::span<const std::uint8_t> content) {
     ByteReader record(content);
     if (opcode == chunk) return take_chunk(record);
+
     if (opcode == schema) {
       const auto number = record.get<std::uint16_t>();
       types_[number] = record.text();
@@ -63,9 +64,11 @@ class Records {
       channel.topic = record.text();
       channel.encoding = record.text();
     } else if (opcode == message) {
+      // The channel has the message's topic, and by its schema the type.
       const auto channel = channels_.find(record.get<std::uint16_t>());
       if (channel == channels_.end()) throw Error("a message has no channel");
       const auto& [schema, topic, encoding] = channel->second;
+
       const auto message_number = record.get<std::uint32_t>();
       const auto time = record.get<std::uint64_t>();
       record.get<std::uint64_t>();  // publish time
@@ -85,11 +88,14 @@ class Records {
   };
 
   void take_chunk(ByteReader& chunk) {
+    // 1. The chunk's head.
     chunk.take(8 + 8);  // time range
     const auto size = chunk.get<std::uint64_t>();
     const auto sum = chunk.get<std::uint32_t>();
     const std::string_view compression = chunk.text();
     std::span<const std::uint8_t> content = chunk.take(chunk.get<std::uint64_t>());
+
+    // 2. Unpack it, after a check that the stated size is possible: the file is not trusted.
     if (compression == "zstd") {
       throw_if(size > largest_record || size / most_times_smaller > content.size(),
                "a chunk states an impossible size");
@@ -102,7 +108,10 @@ class Records {
           fmt::format("its chunks are compressed by {}; only zstd or no compression can be read",
                       compression.substr(0, 32)));
     }
+
+    // 3. Take its records. A checksum of 0 means that there is none.
     if (sum != 0 && checksum(content) != sum) throw Error("a chunk is damaged");
+
     for (ByteReader records(content); records.left() > 0;) {
       const auto opcode = records.get<std::uint8_t>();
       const auto record = records.take(records.get<std::uint64_t>());
@@ -119,22 +128,28 @@ class Records {
 bool read_records(const InputFile& file, Records& records) {
   std::array<std::uint8_t, 8> begin{};
   if (!file.read(0, {begin}) || begin != magic) throw Error("not an MCAP file");
+
   Bytes content;
   for (std::uint64_t offset = begin.size();;) {
+    // Opcode and length.
     std::array<std::uint8_t, 1 + 8> head{};
     if (!file.read(offset, {head})) return false;
     ByteReader reader(head);
     const auto opcode = reader.get<std::uint8_t>();
     const auto length = reader.get<std::uint64_t>();
     offset += head.size();
+
     if (opcode == data_end || opcode == footer) return true;
     if (length > file.size() - offset) return false;  // an incomplete last record
+
+    // Records of other kinds, such as indices, are skipped.
     if ((opcode >= schema && opcode <= chunk) || opcode == attachment) {
       if (length > largest_record) throw Error("has a record larger than 1 GiB");
       content.resize(length);
       if (!file.read(offset, {content})) return false;
       records.take(opcode, content);
     }
+
     offset += length;
   }
 }
@@ -146,23 +161,29 @@ class McapClouds {
       : run_(run), writer_(path) {
     add(image_topic());
     if (run_.statistics) statistics_ = add({"std_msgs/msg/String", "string data\n"}, "statistics");
+
     if (!run_.has_points) return;
     add(points_topic());
     add(camera_info_topic());
   }
 
   void put(const Pooled<LiveCloud>& cloud, bool alone) {
+    // With frames, unless the sink is too slow for them.
     const PublishedCloud published{*cloud, run_, alone};
     if (run_.sequence && !alone) put_frames(*cloud);
+
     for (const auto& [channel, topic] : topics_) {
       topic.write(published, message_);
       writer_.write(channel, published.header.time, message_);
     }
+
+    // Statistics once per second.
     if (run_.statistics && published.header.time >= next_statistics_) {
       Cdr(message_).add_text(run_.statistics());
       writer_.write(statistics_, published.header.time, message_);
       next_statistics_ = published.header.time + second;
     }
+
     writer_.end_message_group();
   }
 
@@ -175,24 +196,30 @@ class McapClouds {
   std::uint16_t add(const RosType& type, const std::string& topic) {
     return writer_.add_channel("/" + topic, type.name, type.definition);
   }
+
   void add(const CloudTopic& topic) { topics_.emplace_back(add(topic.type, topic.name), topic); }
 
   /// Frames as received, each on its pattern's topic; none right after a change of strategy.
   void put_frames(const LiveCloud& cloud) {
     const Sequence window = run_.sequence(), cycle = cycle_of(window);
     if (cloud.frames.size() != static_cast<std::size_t>(frame_count(window))) return;
+
     const auto patterns = static_cast<std::size_t>(frame_count(cycle));
     attach_scan(cycle, *cloud.frames.front());
+
+    // In the order of their capture, which in a window need not be the order of the patterns.
     std::map<std::uint64_t, std::pair<std::size_t, const Frame*>> in_time;
     for (std::size_t n = 0; n < cloud.frames.size(); ++n) {
       const std::size_t pattern = (static_cast<std::size_t>(cloud.first_pattern) + n) % patterns;
       in_time[cloud.frames[n]->stamp.sequence] = {pattern, &*cloud.frames[n]};
     }
+
     for (const auto& [number, frame] : in_time) {
       const auto& [pattern, picture] = frame;
       while (frames_.size() <= pattern) {
         frames_.push_back(add(image_type(), fmt::format("frames/{}", frames_.size())));
       }
+
       const std::uint64_t time = world_time(picture->stamp.host_time);
       write_image(*picture, {time, run_.frame_id}, message_);
       writer_.write(frames_[pattern], time, message_, static_cast<std::uint32_t>(number));
@@ -202,12 +229,15 @@ class McapClouds {
   /// Writes the sequence if it has changed.
   void attach_scan(const Sequence& sequence, const Frame& frame) {
     if (sequence == sequence_) return;
+
     const std::uint64_t time = world_time(frame.stamp.host_time);
     ScanFiles scan{.sequence = sequence, .bits = frame.bits};
+    // The scanner does not change, so attach it once.
     if (!run_.scanner.empty()) {
       scan.scanner = "scanner.yaml";
       if (!sequence_) writer_.attach("scanner.yaml", "application/yaml", time, run_.scanner);
     }
+
     writer_.attach("scan.yaml", "application/yaml", time, scan_yaml_of(scan, {}));
     sequence_ = sequence;
   }
@@ -228,14 +258,17 @@ class McapSink final : public DisjointCloudSink {
       : run_(std::move(run)), file_(path, run_.limit), clouds_(std::in_place, path, run_) {}
 
   void put(const Pooled<LiveCloud>& cloud, bool alone) override {
+    // A full file is completed; this cloud begins the next one, if the limit allows it.
     if (clouds_ && file_.is_full(clouds_->bytes())) {
       clouds_->finish();
       clouds_.reset();
       if (file_.goes_on()) clouds_.emplace(file_.path, run_);
       tell(file_.message());
     }
+
     if (clouds_) clouds_->put(cloud, alone);
   }
+
   void finish() override {
     if (clouds_) clouds_->finish();
   }
@@ -267,11 +300,14 @@ McapWriter::~McapWriter() {
 /// Writes a complete chunk.
 void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts) {
   if (!file_) throw WorldError(fmt::format("{}: is closed", path_.string()));
+
   try {
     file_->write(parts);
   } catch (const WorldError&) {
+    // The file ends with its last complete chunk.
     throw WorldError(std::exchange(file_, nullptr)->give_up(chunk_count_ == 0 ? 0 : offset_));
   }
+
   for (const auto part : parts) offset_ += part.size();
 }
 
@@ -281,10 +317,13 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
   Bytes of_schema, of_channel;
   append_record(of_schema, schema, number, schema_name, "ros2msg"sv, text);
   append_record(of_channel, channel, number, number, topic, "cdr"sv, metadata);
+
+  // Kept for the summary at the end, and written into the present chunk.
   append(schemas_, of_schema);
   append(channels_, of_channel);
   append(of_schema, of_channel);
   append(chunk_, of_schema);  // both or neither
+
   messages_[number] = 0;
   return number;
 }
@@ -294,9 +333,12 @@ void McapWriter::write(std::uint16_t number, std::uint64_t time,
   // Reserves all memory first, so that running out leaves no half message.
   const std::size_t head = 1 + 8 + 2 + 4 + 8 + 8, needed = chunk_.size() + head + content.size();
   if (needed > chunk_.capacity()) chunk_.reserve(std::max(needed, 2 * chunk_.capacity()));
+
+  // The index has the message's time, and its place in the chunk before compression.
   chunk_times_.take_in({time, time});
   index_[number].push_back({time, chunk_.size()});
   const auto counted = static_cast<std::uint32_t>(messages_[number]++);
+
   append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
   append(chunk_, number, own.value_or(counted), time, time, content);  // log and publish time
 }
@@ -306,9 +348,11 @@ void McapWriter::attach(const std::string& name, const std::string& media_type, 
   Bytes content, record;
   append(content, time, time, name, media_type, std::uint64_t{text.size()},
          std::span(text.data(), text.size()));
+
   append_record(record, attachment, content, checksum(content));
   append_record(attachment_indices_, attachment_index, offset_, std::uint64_t{record.size()}, time,
                 time, std::uint64_t{text.size()}, name, media_type);
+
   ++attachment_count_;
   put({record});
 }
@@ -319,15 +363,21 @@ void McapWriter::end_message_group() {
 
 void McapWriter::end_chunk() {
   if (index_.empty()) return;
+
+  // 1. Compress the messages.
   packed_.resize(ZSTD_compressBound(chunk_.size()));
   const std::size_t size =
       ZSTD_compress(packed_.data(), packed_.size(), chunk_.data(), chunk_.size(), compression);
   if (ZSTD_isError(size) != 0) throw WorldError(ZSTD_getErrorName(size));
+
+  // 2. The chunk's head.
   const auto& [start, end] = chunk_times_;
   const std::uint64_t packed = size, unpacked = chunk_.size(), offset = offset_;
   Bytes head, indices;
   append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
   append(head, start, end, unpacked, checksum(chunk_), "zstd"sv, packed);
+
+  // 3. After the chunk, an index of its messages for each channel.
   const std::uint64_t length = head.size() + size;
   std::map<std::uint16_t, std::uint64_t> begins;  // per channel index
   for (const auto& [number, places] : index_) {
@@ -336,9 +386,13 @@ void McapWriter::end_chunk() {
     append(indices, number, static_cast<std::uint32_t>(16 * places.size()));
     for (const auto& [time, place] : places) append(indices, time, place);
   }
+
+  // 4. Write it all, and note the chunk for the summary.
   put({head, {packed_.data(), size}, indices});
   append_record(chunk_indices_, chunk_index, start, end, offset, length, map_of(begins),
                 std::uint64_t{indices.size()}, "zstd"sv, packed, unpacked);
+
+  // 5. Begin the next chunk.
   ++chunk_count_;
   times_.take_in(std::exchange(chunk_times_, {}));
   index_.clear();
@@ -349,9 +403,13 @@ void McapWriter::finish() {
   if (!file_) return;  // the failure was reported before
   end_chunk();
   if (chunk_count_ == 0) return std::exchange(file_, nullptr)->discard();
+
+  // 1. End the data section.
   Bytes end;
   append_record(end, data_end, std::uint32_t{0});  // no checksum of the data section
   put({end});
+
+  // 2. The summary: each kind of record in a group, so that readers find them without the data.
   const std::uint64_t summary = offset_;
   Bytes records, offsets;
   // Position of each kind of record in the summary.
@@ -361,23 +419,28 @@ void McapWriter::finish() {
                   summary + records.size(), std::uint64_t{group.size()});
     append(records, group);
   };
+
   Bytes counts;
   std::uint64_t messages = 0;
   for (const auto& [number, count] : messages_) messages += count;
   append_record(counts, statistics, messages, static_cast<std::uint16_t>(messages_.size()),
                 static_cast<std::uint32_t>(messages_.size()), attachment_count_, metadata,
                 chunk_count_, times_.start, times_.end, map_of(messages_));
+
   add_group(schema, schemas_);
   add_group(channel, channels_);
   add_group(statistics, counts);
   add_group(chunk_index, chunk_indices_);
   add_group(attachment_index, attachment_indices_);
+
+  // 3. Positions of the groups, then the footer.
   // The footer's checksum covers everything from the summary to itself.
   const std::uint64_t offsets_at = summary + records.size();
   append(records, offsets);
   append_head(records, footer, 8 + 8 + 4);
   append(records, summary, offsets_at);
   append(records, checksum(records), magic);
+
   put({records});
   std::exchange(file_, nullptr)->keep();
 }

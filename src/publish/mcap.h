@@ -43,6 +43,7 @@ void append(std::vector<std::uint8_t>& record, const Values&... values) {
       record.insert(record.end(), value.begin(), value.end());
     }
   };
+
   (add(values), ...);
 }
 }  // namespace mcap

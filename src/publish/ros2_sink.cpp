@@ -63,14 +63,18 @@ bool bind_to_loopback(const std::vector<int>& sockets) {
 class Domain {
  public:
   Domain() {
+    // 1. The domain's number.
     const std::string asked = variable("ROS_DOMAIN_ID");
     const auto id = number_in<std::uint32_t>(asked.empty() ? "0" : asked);
     throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; expected a number from 0 to 232", asked);
+
     dds_set_log_sink(
         [](void* self, const dds_log_data_t* said) {
           static_cast<Domain*>(self)->hear({said->message, said->size});
         },
         this);
+
+    // 2. Configuration: the user's own, then ours.
     // These messages do not support shared memory.
     std::string config = "<SharedMemory><Enable>false</Enable></SharedMemory>";
     const std::string own = variable("CYCLONEDDS_URI");
@@ -82,18 +86,24 @@ class Domain {
     }
     config = fmt::format("{}{}<CycloneDDS><Domain>{}</Domain></CycloneDDS>", own,
                          own.empty() ? "" : ",", config);
+
+    // 3. Create the domain, and restrict the sockets that it opened.
     const std::vector<int> before = open_sockets();
     domain_ = dds_create_domain(*id, config.c_str());
     std::vector<int> opened = open_sockets();
     std::erase_if(opened, [&](int socket) { return std::ranges::count(before, socket) > 0; });
+
     if (local && !bind_to_loopback(opened)) {
       const std::string why = std::strerror(errno);
       leave();
       throw WorldError("ROS_LOCALHOST_ONLY: cannot bind to the loopback interface: " + why);
     }
+
+    // 4. Join it. ROS 2 recognises its nodes by the enclave.
     const Qos qos(dds_create_qos(), &dds_delete_qos);
     constexpr std::string_view is_of_ros = "enclave=/;";
     dds_qset_userdata(qos.get(), is_of_ros.data(), is_of_ros.size());
+
     participant_ = domain_ < 0 ? domain_ : dds_create_participant(*id, qos.get(), nullptr);
     if (participant_ < 0) {
       const std::vector<std::string> why = news();
@@ -104,14 +114,17 @@ class Domain {
                                    why.empty() ? dds_strretcode(-participant_) : why.back()));
     }
   }
+
   ~Domain() { leave(); }
 
   [[nodiscard]] dds_entity_t participant() const { return participant_; }
+
   void hear(std::string line) {
     line.erase(line.find_last_not_of('\n') + 1);
     const std::lock_guard lock(mutex_);
     if (heard_++ < most_news) news_.push_back(std::move(line));
   }
+
   std::vector<std::string> news() {
     const std::lock_guard lock(mutex_);
     return std::exchange(news_, {});
@@ -151,11 +164,13 @@ class MessageWriter {
     dds_get_publication_matched_status(writer_, &listeners);
     return listeners.current_count > 0;
   }
+
   template <class Write>
   void write(Write write_message) {
     if (message_.use_count() != 1) message_ = std::make_shared<RosMessage>();  // DDS still holds it
     write_message(*message_);
     pad(*message_);
+
     const SharedMessage message = message_;
     made(dds_write(writer_, &message), "a message");
   }
@@ -170,22 +185,28 @@ class Service {
  public:
   Service(dds_entity_t participant, const RosService& service) : answer_(service.answer) {
     const std::string& name = service.name;
+
     const Qos qos = quality(DDS_RELIABILITY_RELIABLE, 10);
     const auto topic = [&](const char* prefix, const char* ending, const char* type) {
       return made(
           create_message_topic(participant, prefix + name + ending, dds_name(service.type + type)),
           name);
     };
+
+    // ROS 2's names of a service: rq/ for requests, rr/ for replies.
     const dds_entity_t requests = topic("rq/", "Request", "_Request"),
                        answers = topic("rr/", "Reply", "_Response");
+
     dds_guid_t participant_id;
     dds_instance_handle_t number = 0;
     made(dds_get_guid(participant, &participant_id), name);
     made(dds_get_instance_handle(requests, &number), name);
+
     // Tells ROS 2 that this reader and writer belong to one service.
     const std::string id =
         fmt::format("serviceid={:02x}.{:x};", fmt::join(participant_id.v, "."), number);
     dds_qset_userdata(qos.get(), id.data(), id.size());
+
     reader_ = made(dds_create_reader(participant, requests, qos.get(), nullptr), name);
     writer_ = made(dds_create_writer(participant, answers, qos.get(), nullptr), name);
   }
@@ -205,10 +226,12 @@ class Service {
  private:
   void answer(const RosMessage& request) try {
     const auto message = std::make_shared<RosMessage>();
+
     CdrReader asked(request);
     Cdr answer(*message);
     answer.add(asked.get<std::uint64_t>());  // the client, over Cyclone DDS
     answer.add(asked.get<std::int64_t>());   // its number of the request
+
     answer_(asked, answer);
     pad(*message);
     const SharedMessage written = message;
@@ -223,10 +246,12 @@ class Service {
 class Ros2Sink final : public DisjointCloudSink {
  public:
   Ros2Sink(const std::string& name, PublishedRun run) : run_(std::move(run)), name_(name) {
+    // 1. Topics and services.
     add(image_topic());
     if (run_.has_points) {
       for (const auto& topic : {camera_info_topic(), depth_topic(), points_topic()}) add(topic);
     }
+
     add_trigger("capture", [this] { return run_.save(); });
     add_trigger("check", [this] { return check(); });
     if (run_.settings) {
@@ -234,17 +259,23 @@ class Ros2Sink final : public DisjointCloudSink {
         services_.emplace_back(participant_, service);
       }
     }
+
+    // 2. The serving thread waits for requests to any service, or for the end.
     waiting_ = made(dds_create_waitset(participant_), name);
     wake_ = made(dds_create_guardcondition(participant_), name);
     made(dds_waitset_attach(waiting_, wake_, 0), name);
+
     for (const Service& service : services_) {
       const dds_entity_t any =
           made(dds_create_readcondition(service.reader(), DDS_ANY_STATE), name);
       made(dds_waitset_attach(waiting_, any, 0), name);
     }
+
+    // 3. Announce the node and begin.
     tell_node();
     thread_ = std::thread([this] { serve(); });
   }
+
   ~Ros2Sink() override { Ros2Sink::finish(); }
 
   void put(const Pooled<LiveCloud>& cloud, bool alone) override {
@@ -260,6 +291,7 @@ class Ros2Sink final : public DisjointCloudSink {
     dds_set_guardcondition(wake_, true);
     if (thread_.joinable()) thread_.join();
   }
+
   std::vector<std::string> news() override { return domain_.news(); }
 
  private:
@@ -292,11 +324,13 @@ class Ros2Sink final : public DisjointCloudSink {
 
   [[nodiscard]] std::string check() const {
     std::vector<std::string> problems;
+    // Problems that last: the source's, and findings that have not ended.
     if (std::string trouble = run_.trouble(); !trouble.empty()) problems.push_back(trouble);
     const auto document = nlohmann::json::parse(run_.statistics());
     for (const auto& finding : document.value("findings", nlohmann::json::array())) {
       if (finding.at("end").is_null()) problems.push_back(finding.at("what").get<std::string>());
     }
+
     if (problems.empty()) return "OK: no problems found";
     throw Error(fmt::format("{}", fmt::join(problems, "; ")));
   }
@@ -305,11 +339,13 @@ class Ros2Sink final : public DisjointCloudSink {
   void tell_changes() try {
     if (!events_.is_heard()) return;
     std::vector<RunSetting> now = run_.settings();
+
     RosMessage event;
     const std::uint64_t time = world_time(std::chrono::steady_clock::now());
     if (write_parameter_event(name_, time, told_, now, event)) {
       events_.write([&](RosMessage& message) { message.swap(event); });
     }
+
     told_ = std::move(now);
   } catch (const std::exception&) {  // the camera is shutting down or there is no reader: try later
   }
@@ -320,12 +356,15 @@ class Ros2Sink final : public DisjointCloudSink {
     const std::size_t spare = variable("ROS_DISTRO") == "humble" ? 8 : 0;
     const std::string whole = fmt::format("/{}", name_);
     const std::size_t last = whole.rfind('/');
+
     dds_guid_t id;
     made(dds_get_guid(participant_, &id), name_);
+
     node_.write([&](RosMessage& message) {
       Cdr cdr(message);
       for (const std::uint8_t byte : id.v) cdr.add(byte);
       for (std::size_t i = 0; i < spare; ++i) cdr.add(std::uint8_t{0});
+      // One node, by namespace and name, with empty lists of readers and writers.
       cdr.add_count(1).add_text(whole.substr(0, std::max<std::size_t>(last, 1)));
       cdr.add_text(whole.substr(last + 1)).add_count(0).add_count(0);
     });

@@ -50,6 +50,7 @@ void write_picture(const Image<Pixel>& picture, std::string_view encoding, Grey 
   cdr.add_text(encoding).add(std::uint8_t{0});
   cdr.add_count(static_cast<std::size_t>(picture.width()) * sizeof(Level));
   std::uint8_t* at = cdr.add_bytes(picture.pixel_count() * sizeof(Level)).data();
+
   for (const Pixel pixel : picture) {
     const Level level = grey(pixel);
     std::memcpy(at, &level, sizeof level);
@@ -62,20 +63,26 @@ void write_camera_info(const Lens& lens, Size size, const RosHeader& header, Ros
   const auto any_from = [&](std::size_t first) {
     return std::ranges::any_of(std::span(D).subspan(first), [](double d) { return d != 0; });
   };
+
   // ROS's plumb_bob model has five coefficients, rational_polynomial eight; OpenCV also reads 12
   // and 14.
   const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
+
   Cdr cdr = begin_picture(message, header, size);
   cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial").add_count(count);
   for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
+
+  // K, R and P: the projection equals the intrinsics, since frames are not rectified.
   const auto add_rows = [&](const auto& matrix) {
     for (const double number : matrix.template reshaped<Eigen::RowMajor>()) cdr.add(number);
   };
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
   projection.leftCols<3>() = lens.intrinsic;
+
   add_rows(lens.intrinsic);
   add_rows(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));  // no rectifying rotation
   add_rows(projection);
+
   for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, full sensor
   cdr.add(std::uint8_t{0});
 }
@@ -146,27 +153,34 @@ void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& 
   const std::size_t fields = uncertainty == nullptr ? 4 : point_fields.size();
   const std::size_t point_bytes = fields * sizeof(float), points = cloud.z.pixel_count();
   const auto width = static_cast<std::size_t>(cloud.size().width);
+
+  // 1. The fields of a point, all floats.
   Cdr cdr = begin_picture(message, header, cloud.size());
   cdr.add_count(fields);
   for (std::uint32_t i = 0; i < fields; ++i) {
     cdr.add_text(point_fields[i].name).add(4 * i).add(float32).add(std::uint32_t{1});
   }
+
+  // 2. The points. ROS has metres.
   cdr.add(std::uint8_t{0}).add_count(point_bytes).add_count(width * point_bytes);
   std::uint8_t* at = cdr.add_bytes(points * point_bytes).data();
   for (std::size_t i = 0; i < points; ++i, at += point_bytes) {
     const std::array<float, 4> point{cloud.x.begin()[i] / 1000, cloud.y.begin()[i] / 1000,
                                      cloud.z.begin()[i] / 1000, cloud.intensity.begin()[i]};
     std::memcpy(at, point.data(), sizeof point);
+
     if (uncertainty == nullptr) continue;
     const std::array<float, 4> sigma{
         uncertainty->coordinate.begin()[i], uncertainty->x.begin()[i] / 1000,
         uncertainty->y.begin()[i] / 1000, uncertainty->z.begin()[i] / 1000};
     std::memcpy(at + sizeof point, sigma.data(), sizeof sigma);
   }
+
   cdr.add(std::uint8_t{0});  // not dense: some points are NaN
 }
 
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
+  // 1. Fields: the offset of each known one within a point.
   CdrReader cdr(message);
   skip_header(cdr);
   const std::uint32_t height = cdr.count(), width = cdr.count(), fields = cdr.count();
@@ -176,31 +190,41 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
     const std::uint32_t offset = cdr.count();
     const bool wanted = cdr.get<std::uint8_t>() == float32;
     cdr.count();  // count; only the first is used
+
     const auto known = std::ranges::find(point_fields, name, &PointField::name);
     if (wanted && known != point_fields.end()) {
       offsets.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
     }
   }
+
+  // 2. Check the layout before memory is allocated: fields and rows must lie within the data.
   const bool big_endian = cdr.get<std::uint8_t>() != 0;
   const std::uint32_t step = cdr.count(), row_step = cdr.count();
   const auto data = cdr.list();
+
   const auto largest = [&](const std::optional<std::uint32_t>& offset) {
     return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
   };
+
   const std::uint64_t points = std::uint64_t{width} * height;
   throw_if(big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
                !std::all_of(offsets.begin(), offsets.end(), largest) || points > largest_picture ||
                row_step < std::uint64_t{width} * step ||
                data.size() < std::uint64_t{row_step} * height,
            "cloud without little-endian 32-bit float x, y, z fields");
+
+  // 3. Copy field by field, in mm. Without uncertainty its images are empty and left out.
   const Size size{static_cast<int>(width), static_cast<int>(height)};
   StoredCloud stored{.cloud = Cloud(size), .organised = height > 1};
+
   if (offsets.back()) stored.uncertainty.emplace(size);
   Uncertainty none;
   Uncertainty& sigma = stored.uncertainty ? *stored.uncertainty : none;
+
   const std::array<Image<float>*, point_fields.size()> images{
       &stored.cloud.x,   &stored.cloud.y, &stored.cloud.z, &stored.cloud.intensity,
       &sigma.coordinate, &sigma.x,        &sigma.y,        &sigma.z};
+
   for (std::size_t field = 0; field < images.size(); ++field) {
     if (!offsets[field] || images[field]->empty()) continue;
     float* to = images[field]->begin();
@@ -212,6 +236,8 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
       }
     }
   }
+
+  // 4. Points that are not finite are missing.
   Cloud& cloud = stored.cloud;
   for_each_pixel_in_order(size, [&](int column, int row) {
     if (std::isfinite(cloud.x(column, row)) && std::isfinite(cloud.y(column, row)) &&
@@ -221,10 +247,12 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
       cloud.leave_out(column, row, Validity::no_point);
     }
   });
+
   return stored;
 }
 
 std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
+  // The steady clock has no date: count back from now.
   const auto age = std::chrono::steady_clock::now() - time;
   const auto since_1970 = (std::chrono::system_clock::now() - age).time_since_epoch();
   return static_cast<std::uint64_t>(std::chrono::nanoseconds(since_1970).count());
@@ -250,12 +278,15 @@ Frame read_frame(std::span<const std::uint8_t> message, int bits) {
   const std::uint32_t height = cdr.count(), width = cdr.count();
   const std::string_view encoding = cdr.text();
   const bool big_endian = cdr.get<std::uint8_t>() != 0;
+
   const std::uint64_t row = std::uint64_t{width} * (bits > 8 ? 2 : 1), step = cdr.count();
   const auto data = cdr.list();
+
   throw_if(big_endian || encoding != (bits > 8 ? "mono16" : "mono8") || width == 0 || height == 0 ||
                std::uint64_t{width} * height > largest_picture || step != row ||
                data.size() != row * height,
            "frame is not a {}-bit grey picture", bits);
+
   Frame frame({{static_cast<int>(width), static_cast<int>(height)}, bits});
   std::visit([&](auto& pixels) { std::memcpy(pixels.begin(), data.data(), data.size()); },
              frame.pixels);

@@ -30,6 +30,7 @@ RunSetting find(const Settings& settings, std::string_view name) {
 /// A ParameterValue.
 void add_value(const RunSetting& setting, Cdr& cdr) {
   const Kind kind = kind_of(setting);
+  // A field for each type, all present: only the one named by `kind` counts.
   cdr.add(kind).add(static_cast<std::uint8_t>(kind == Kind::boolean && setting.value == "on"));
   cdr.add(std::int64_t{0}).add(number_in<double>(setting.value).value_or(0));
   cdr.add_text(kind == Kind::text ? setting.value : "");
@@ -37,13 +38,17 @@ void add_value(const RunSetting& setting, Cdr& cdr) {
 }
 
 std::string read_value(CdrReader& cdr) {
+  // All fields must be read, used or not.
   const auto kind = cdr.get<Kind>();
   const bool on = cdr.get<std::uint8_t>() != 0;
   const auto integer = cdr.get<std::int64_t>();
   const auto real = cdr.get<double>();
   std::string text(cdr.text());
+
+  // Lists of bytes, booleans, integers and reals, then of texts.
   for (const std::size_t size : {1, 1, 8, 8}) cdr.list(size);
   for (std::uint32_t texts = cdr.count(); texts > 0; --texts) cdr.text();
+
   return kind == Kind::boolean   ? (on ? "on" : "off")
          : kind == Kind::integer ? fmt::format("{}", integer)
          : kind == Kind::real    ? fmt::format("{}", real)
@@ -68,7 +73,9 @@ Wish read_wish(CdrReader& request) {
 /// Sets all or none, as far as a camera can be set back.
 void change_all(const PublishedRun& run, const std::vector<Wish>& wishes) {
   const Settings before = run.settings();
+  // Check all before the first change; if a camera still refuses one, undo the others.
   for (const auto& [name, value] : wishes) require_settable(before, name, value);
+
   for (std::size_t done = 0; done < wishes.size(); ++done) {
     try {
       run.change(wishes[done].name, wishes[done].value);
@@ -84,7 +91,10 @@ void add_description(const std::string& name, const RunSetting& setting, Cdr& cd
   cdr.add_text(name).add(kind_of(setting));
   cdr.add_text(setting.help + (setting.unit.empty() ? "" : ", " + setting.unit));
   cdr.add_text(fmt::format("{}", fmt::join(setting.choices, "; ")));
+
   cdr.add(std::uint8_t{0}).add(std::uint8_t{0});  // writable, of fixed type
+
+  // Range: least, most, and step 0 for any value between.
   cdr.add_count(is_number ? 1 : 0);
   if (is_number) cdr.add(setting.least).add(setting.most).add(0.0);
   cdr.add_count(0);  // integer ranges
@@ -97,6 +107,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
     return RosService{node + "/" + name, std::string("rcl_interfaces/srv/") + type,
                       std::move(answer)};
   };
+
   /// A reply per requested name.
   const auto of_each = [&run](auto add) {
     return [&run, add](CdrReader& request, Cdr& answer) {
@@ -106,6 +117,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
       for (const std::string& name : names) add(name, find(settings, name), answer);
     };
   };
+
   return {
       service("describe_parameters", "DescribeParameters", of_each(add_description)),
       service("get_parameters", "GetParameters",
@@ -157,10 +169,13 @@ bool write_parameter_event(const std::string& node, std::uint64_t time, const Se
     if (was.name.empty()) come.push_back(setting);
     if (!was.name.empty() && was.value != setting.value) changed.push_back(setting);
   }
+
   std::erase_if(gone, [&](const RunSetting& was) { return !find(now, was.name).name.empty(); });
   if (come.empty() && changed.empty() && gone.empty()) return false;
+
   Cdr cdr(message);
   cdr.add_time(time).add_text("/" + node);
+
   for (const auto& list : {come, changed, gone}) {
     cdr.add_count(list.size());
     for (const RunSetting& setting : list) add_value(setting, cdr.add_text(setting.name));

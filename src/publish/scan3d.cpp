@@ -29,11 +29,13 @@ class Features {
   void node(const std::string& kind, const std::string& name, const std::string& content) {
     nodes_ += fmt::format("<{0} Name=\"{1}\">{2}</{0}>\n", kind, name, content);
   }
+
   /// A visible node.
   void show(const std::string& kind, const std::string& name, const std::string& content) {
     categories_.back().second += fmt::format("<pFeature>{}</pFeature>", name);
     node(kind, name, content);
   }
+
   /// The register of a value.
   void keep(const std::string& kind, const std::string& name, GigeRegister where,
             const std::string& access, const std::string& before = "",
@@ -44,35 +46,42 @@ class Features {
                      "</Endianess>",
                      static_cast<std::uint32_t>(where), before, access, after));
   }
+
   /// A feature backed by a register, writable if "RW".
   void add(const std::string& kind, const std::string& name, GigeRegister where,
            const std::string& access, const Around& around = {}) {
     const auto& [before, after, selector] = around;
+    // The feature reads and writes its register, one of several at steps of 4 bytes if selected.
     show(kind, name, fmt::format("{}<pValue>{}Kept</pValue>{}", before, name, after));
     std::string index;
     if (!selector.empty()) index = fmt::format("<pIndex Offset=\"4\">{}Kept</pIndex>", selector);
+
     const bool is_float = kind == "Float";
     keep(is_float ? "FloatReg" : "IntReg", name, where, access, index,
          is_float ? "" : unsigned_number);
   }
+
   void constant(const std::string& name, const std::string& only) {
     show("Enumeration", name,
          fmt::format("<ImposedAccessMode>RO</ImposedAccessMode><EnumEntry Name=\"{}\"><Value>0"
                      "</Value></EnumEntry><Value>0</Value>",
                      only));
   }
+
   void text(const std::string& name, std::uint32_t address, int length) {
     show("StringReg", name,
          fmt::format("<Address>0x{:X}</Address><Length>{}</Length><AccessMode>RO</AccessMode>"
                      "<pPort>Device</pPort>",
                      address, length));
   }
+
   /// Bits of the packet size register.
   void part(const std::string& kind, const std::string& name, const std::string& bits,
             const std::string& after) {
     show(kind, name, fmt::format("<pValue>{}Kept</pValue>{}", name, after));
     keep("MaskedIntReg", name, GigeRegister::packet_size, "RW", "", bits + unsigned_number);
   }
+
   void command(const std::string& name, const std::string& kept, int value) {
     show("Command", name,
          fmt::format("<pValue>{}Kept</pValue><CommandValue>{}</CommandValue>", kept, value));
@@ -129,7 +138,10 @@ void add_device(Features& features) {
 void add_pictures(Features& features) {
   using enum GigeRegister;
   using namespace scan3d;
+
   features.begin_category("ImageFormatControl");
+
+  // Sensor and region.
   features.add("Integer", "SensorWidth", sensor_width, "RO");
   features.add("Integer", "SensorHeight", sensor_height, "RO");
   features.add("Integer", "WidthMax", sensor_width, "RO");
@@ -141,12 +153,17 @@ void add_pictures(Features& features) {
   features.add("Integer", "OffsetY", top, "RW", {.after = "<Min>0</Min><pMax>MostY</pMax>"});
   features.node("IntSwissKnife", "MostX", formula("WidthMax", "Width", "A-B"));
   features.node("IntSwissKnife", "MostY", formula("HeightMax", "Height", "A-B"));
+
+  // Components of a cloud, and the pixel format of each.
   const std::string selector = "ComponentSelector";
   features.add("Enumeration", selector, component_selector, "RW",
                {.before = entries({"Range", "Intensity", "Confidence"}),
                 .after = selects({"ComponentEnable", "ComponentIDValue", "PixelFormat"})});
   features.add("Boolean", "ComponentEnable", component_enable, "RW", {.selector = selector});
   features.add("Integer", "ComponentIDValue", component_id, "RO", {.selector = selector});
+
+  // Each format belongs to one component (0 range, 1 intensity, 2 confidence); with another one
+  // selected it is not available.
   std::string formats;
   for (const auto& [name, pixels, component] :
        {std::tuple{"Coord3D_ABC32f", GigePixels::coord3d_abc32f, 0},
@@ -160,28 +177,35 @@ void add_pictures(Features& features) {
     features.node("IntSwissKnife", condition,
                   formula(selector, selector, fmt::format("A={}", component)));
   }
+
   features.add("Enumeration", "PixelFormat", pixel_format, "RW",
                {.before = formats, .selector = selector});
 }
 
 void add_acquisition(Features& features) {
   using enum GigeRegister;
+
   features.begin_category("AcquisitionControl");
   features.add("Enumeration", "AcquisitionMode", scan3d::acquisition_mode, "RW",
                {.before = entries({"Continuous", "SingleFrame"}, 1)});
   features.command("AcquisitionStart", "Acquisition", 1);
   features.command("AcquisitionStop", "Acquisition", 0);
   features.command("TriggerSoftware", "SoftwareTrigger", 1);
+
   features.constant("TriggerSelector", "FrameStart");
   features.add("Enumeration", "TriggerMode", trigger_mode, "RW",
                {.before = entries({"Off", "On"})});
   features.add("Enumeration", "TriggerSource", trigger_source, "RW",
                {.before = entries({"Software"}, 1)});
+
+  // The rate is shown in Hz, but kept as a period in us.
   features.show("Float", "AcquisitionFrameRate",
                 "<pValue>FrameRate</pValue><Min>0.1</Min><Max>1000</Max><Unit>Hz</Unit>");
   features.node("Converter", "FrameRate",
                 "<FormulaTo>1000000/FROM</FormulaTo><FormulaFrom>1000000/TO</FormulaFrom>"
                 "<pValue>FramePeriodKept</pValue><Slope>Decreasing</Slope>");
+
+  // Registers behind the commands and the rate.
   for (const auto& [name, where] :
        {std::pair{"FramePeriod", frame_period}, std::pair{"Acquisition", acquisition},
         std::pair{"SoftwareTrigger", software_trigger}}) {
@@ -191,6 +215,7 @@ void add_acquisition(Features& features) {
 
 void add_scan3d(Features& features) {
   using namespace scan3d;
+
   features.begin_category("Scan3dControl");
   features.constant("Scan3dDistanceUnit", "Millimeter");
   features.constant("Scan3dCoordinateSystem", "Cartesian");
@@ -198,9 +223,13 @@ void add_scan3d(Features& features) {
   features.add("Enumeration", "Scan3dOutputMode", output_mode, "RW",
                {.before = entry("CalibratedABC_Grid", calibrated_abc_grid) +
                           entry("ProjectedC", projected_c)});
+
+  // Pixels, for clients that receive depths alone.
   features.add("Float", "Scan3dFocalLength", focal_length, "RO");
   features.add("Float", "Scan3dPrincipalPointU", principal_u, "RO");
   features.add("Float", "Scan3dPrincipalPointV", principal_v, "RO");
+
+  // Scale, offset and the value of missing points, for each coordinate.
   const std::string selector = "Scan3dCoordinateSelector";
   const Around of_each{.selector = selector};
   features.add("Enumeration", selector, coordinate_selector, "RW",
@@ -218,11 +247,14 @@ std::string name_from(const std::string& words) {
   std::string name;
   bool begins = true;
   for (const unsigned char c : words) {
+    // Separators end a word: the next letter is a capital. All except "-" leave a "_" behind.
     const bool is_part = std::isalnum(c) != 0;
     if (is_part) name += static_cast<char>(begins ? std::toupper(c) : c);
     begins = !is_part;
     if (begins && !name.empty() && name.back() != '_' && c != '-') name += '_';
   }
+
+  // A name begins with a letter.
   return std::isalpha(static_cast<unsigned char>(name[0])) != 0 ? name : "N" + name;
 }
 
@@ -231,7 +263,10 @@ void add_setting(Features& features, const RunSetting& setting, GigeRegister whe
   const std::string shown = name == "exposure" ? "ExposureTime"     // its SFNC name
                             : name == "rate"   ? "CameraFrameRate"  // its own would clash
                                                : name_from(name);
+
   const std::string words = "<ToolTip>" + escaped(help) + "</ToolTip>";
+
+  // A number.
   if (choices.empty()) {
     const double scale = feature_scale(setting);
     return features.add(
@@ -239,6 +274,8 @@ void add_setting(Features& features, const RunSetting& setting, GigeRegister whe
         {.before = words,
          .after = fmt::format("<Min>{:.6g}</Min><Max>{:.6g}</Max>", least * scale, most * scale)});
   }
+
+  // A choice, or a switch.
   std::string entries;
   for (std::size_t i = 0; i < choices.size(); ++i) {
     entries +=
@@ -254,8 +291,10 @@ void add_transport(Features& features) {
   features.begin_category("TransportLayerControl");
   features.add("Integer", "PayloadSize", scan3d::payload_size, "RO");
   features.show("Integer", "TLParamsLocked", "<Value>0</Value><Min>0</Min><Max>1</Max>");
+
   features.add("Integer", "GevHeartbeatTimeout", heartbeat_timeout, "RW");
   features.add("Integer", "GevSCPD", packet_delay, "RW");
+
   features.part("Integer", "GevSCPSPacketSize", "<LSB>31</LSB><MSB>16</MSB>",
                 fmt::format("<Min>{}</Min><Max>{}</Max><Inc>4</Inc>", smallest_gige_packet,
                             largest_gige_packet));
@@ -269,11 +308,14 @@ std::string scan3d_description(const std::vector<RunSetting>& settings) {
   add_pictures(features);
   add_acquisition(features);
   add_scan3d(features);
+
   features.begin_category("ScannerControl");
   for (std::uint32_t i = 0; i < settings.size(); ++i) {
     add_setting(features, settings[i], at(scan3d::setting, i));
   }
+
   add_transport(features);
+
   return fmt::format(
       R"(<?xml version="1.0" encoding="utf-8"?>
 <RegisterDescription ModelName="Scanner" VendorName="slipstream" StandardNameSpace="GEV"
@@ -295,6 +337,7 @@ void write_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, Val
   using Value = decltype(value_at(0, 0));
   bytes.resize(static_cast<std::size_t>(region.size.width) *
                static_cast<std::size_t>(region.size.height) * sizeof(Value));
+
   std::uint8_t* to = bytes.data();
   for_each_pixel_in_order(region.size, [&](int column, int row) {
     const Value value = value_at(region.x + column, region.y + row);
@@ -316,8 +359,11 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
   using enum GigeRegister;
   constexpr std::array default_pixels{GigePixels::coord3d_abc32f, GigePixels::mono8,
                                       GigePixels::confidence8};
+
+  // 1. The standard's texts, and the description after 64 KiB of registers.
   const std::string description = scan3d_description(settings);
   std::vector<std::uint8_t> memory(0x10000);
+
   const auto text = [&](std::size_t at, const std::string& words) {
     std::copy(words.begin(), words.end(), memory.begin() + static_cast<std::ptrdiff_t>(at));
   };
@@ -329,6 +375,7 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
   memory.insert(memory.end(), description.begin(), description.end());
   memory.resize((memory.size() + 3) / 4 * 4);  // clients read four bytes at a time
 
+  // 2. Registers with their values at the start. 16 kB packets fit only the loopback interface.
   GigeControl registers(std::move(memory));
   const std::uint32_t host = ntohl(host_from(address).s_addr);
   const auto wide = static_cast<std::uint32_t>(run.camera.size.width);
@@ -361,6 +408,8 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
            {focal_length, bits_of(run.camera.intrinsic(0, 0))}}) {
     registers.write(which, value);
   }
+
+  // 3. Registers for each component or coordinate.
   for (std::uint32_t i = 0; i < 3; ++i) {
     registers.write(at(component_id, i), static_cast<std::uint32_t>(scan3d_components[i]));
     registers.write(at(pixel_format, i), static_cast<std::uint32_t>(default_pixels[i]));
@@ -368,12 +417,15 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
     registers.write(at(invalid_value, i), bits_of(std::numeric_limits<float>::quiet_NaN()));
     registers.write(at(invalid_flag, i), 1);
   }
+
   return registers.memory();
 }
 
 void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,
                 GigePart& part) {
   const auto write = [&](auto value_at) { write_values(part.bytes, region, value_at); };
+
+  // Intensity and validity in 8 bits; points as depths in steps, depths in mm, or x, y, z in mm.
   switch (part.pixels) {
     case GigePixels::mono8:
       return write([&](int x, int y) { return grey_level(cloud.intensity(x, y)); });

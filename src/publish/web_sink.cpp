@@ -100,32 +100,42 @@ class WebSink final : public CloudSink {
     if (token_.empty() && name != "localhost" && name != host_ && name != "[::1]") {
       return "this page is for localhost";  // a foreign host name may resolve to this machine
     }
+
     if (!token_.empty()) {
       const std::size_t question = target.find("?token=");
       if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
         return "wrong token; use the full address that slipstream printed at the start";
       }
     }
+
+    // A browser sends the origin of a script: only the page's own may change anything or open the
+    // WebSocket.
     const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
     const std::size_t scheme = origin.find("://");
     if (changes && (scheme == origin.npos || origin.substr(scheme + 3) != host)) {
       return "another page's script asks";
     }
+
     return "";
   }
 
   /// `full`: only /health is answered.
   http::response<http::string_body> answer(const Request& request, bool full) {
     http::response<http::string_body> response(http::status::ok, request.version());
+
+    // Headers that every answer has.
     response.keep_alive(request.keep_alive());
     response.set(http::field::cache_control, "no-store");
     response.set("X-Content-Type-Options", "nosniff");
     response.set("Referrer-Policy", "no-referrer");
+
     const auto say = [&](http::status status, std::string body, const char* type = "text/plain") {
       response.result(status);
       response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
       response.body() = std::move(body);
     };
+
+    // Dispatch by method and path, without the token.
     const std::string_view target = text_of(request.target());
     const auto asked =
         fmt::format("{} {}", text_of(request.method_string()), target.substr(0, target.find('?')));
@@ -168,6 +178,7 @@ class WebSink final : public CloudSink {
     } catch (const std::exception& error) {
       say(http::status::internal_server_error, error.what());
     }
+
     response.prepare_payload();
     return response;
   }
@@ -175,7 +186,9 @@ class WebSink final : public CloudSink {
   /// The newest cloud and its number, if newer than the given one.
   std::pair<SharedBytes, std::uint64_t> newer_than(std::uint64_t seen, bool with_phase) {
     const auto now = std::chrono::steady_clock::now();
+    // Each kind of message, with the phase or without, is built once for all clients.
     Sent& sent = sent_[with_phase ? 1 : 0];
+
     std::unique_lock lock(mutex_);
     if (newest_ && count_ != sent.count && now >= sent.next) {
       const Pooled<LiveCloud> cloud = newest_;
@@ -183,10 +196,12 @@ class WebSink final : public CloudSink {
       // Tolerates jitter of clouds.
       sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
       lock.unlock();
+
       const bool has_phase = with_phase && run_.phase;
       sent.bytes = std::make_shared<const std::string>(
           web_cloud(*cloud, has_phase ? run_.phase(*cloud) : Image<std::uint8_t>()));
     }
+
     if (sent.count <= seen) return {};
     return {sent.bytes, sent.count};
   }
@@ -215,6 +230,7 @@ class WebSink final : public CloudSink {
   const std::string& settings() {
     const auto now = std::chrono::steady_clock::now();
     if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
+
     settings_ = nlohmann::json(run_.settings())
                     .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     looked_at_ = now;
@@ -225,17 +241,21 @@ class WebSink final : public CloudSink {
   void change(const std::string& wish) {
     const std::size_t mark = std::min(wish.find('='), wish.size());
     if (mark == wish.size()) throw Error("expected NAME=VALUE");
+
     settings_.clear();
     run_.change(wish.substr(0, mark), wish.substr(mark + 1));
   }
 
   const std::string host_;  ///< the address, as a number
   const PublishedRun run_;
+
   const std::string token_;  ///< empty if only this machine reaches the page
   const std::string rays_;
+
   std::mutex mutex_;  ///< guards the two members below
   Pooled<LiveCloud> newest_;
   std::uint64_t count_ = 0;
+
   std::atomic<bool> anybody_waits_ = false;
   struct Sent {
     SharedBytes bytes{};
@@ -243,8 +263,10 @@ class WebSink final : public CloudSink {
     std::chrono::steady_clock::time_point next{};  ///< earliest time of the next
   };
   std::array<Sent, 2> sent_{};  ///< without phase and with it
+
   std::chrono::steady_clock::time_point looked_at_{};
   std::string settings_;  ///< at that time
+
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer pause_{io_};
@@ -259,10 +281,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
       : stream_(std::move(socket)), address_(address), sink_(sink), full_(full) {
     sink_.connections.push_back(this);
   }
+
   ~Connection() { std::erase(sink_.connections, this); }
 
   /// Whether its last request was authorised, and it may send more.
   [[nodiscard]] bool is_known() const { return known_ && !full_; }
+
   [[nodiscard]] const asio::ip::address& address() const { return address_; }
   /// Ends it before it has sent an authorised request.
   void close() {
@@ -275,6 +299,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_->header_limit(largest_header);
     parser_->body_limit(largest_body);
     stream_.expires_after(patience);
+
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](Failure failure, std::size_t) {
                        if (!failure) self->answer();
@@ -285,11 +310,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void send_cloud() {
     if (!asked_ || sending_) return;
     sink_.wait_for_cloud();  // set first: a request may arrive meanwhile
+
     auto [bytes, count] = sink_.newer_than(seen_, with_phase_);
     if (!bytes) return;
+
     asked_ = false;
     sending_ = bytes;
     seen_ = count;
+
     page_->async_write(asio::buffer(*sending_),
                        [self = shared_from_this()](Failure failure, std::size_t) {
                          self->sending_.reset();
@@ -299,6 +327,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
  private:
   void answer() {
+    // A page that asks for clouds becomes a WebSocket; any other request is answered.
     const Request request = parser_->release();
     known_ = sink_.refusal(request).empty();
     if (known_ && !full_ && websocket::is_upgrade(request) &&
@@ -306,8 +335,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
       open_page(request);
       return;
     }
+
     response_ = sink_.answer(request, full_);
     if (full_) response_.keep_alive(false);
+
     stream_.expires_after(answer_patience);
     http::async_write(stream_, response_,
                       [self = shared_from_this()](Failure failure, std::size_t) {
@@ -317,11 +348,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void open_page(const Request& request) {
     stream_.expires_never();
+
     page_.emplace(std::move(stream_));
     page_->set_option(websocket::stream_base::timeout{patience, answer_patience, true});
     page_->read_message_max(largest_message);
     page_->auto_fragment(false);
     page_->binary(true);
+
     page_->async_accept(request, [self = shared_from_this()](Failure failure) {
       if (!failure) self->read_wish();
     });
@@ -335,6 +368,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// A page only sends "next" or "next phase".
   void read_wish() {
     buffer_.clear();
+
     page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
       if (self->has_failed(failure)) return;
       const std::string wish = beast::buffers_to_string(self->buffer_.data());
@@ -343,6 +377,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
         beast::get_lowest_layer(*self->page_).close();
         return;
       }
+
       self->asked_ = true;
       self->send_cloud();
       self->read_wish();
@@ -374,11 +409,14 @@ WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
     throw WorldError(
         fmt::format("--publish web:{}:{}: {}", host_, endpoint.port(), error.code().message()));
   }
+
+  // The address to open. Other machines need this one's name, and the token.
   const std::string host = !token_.empty()              ? asio::ip::host_name()
                            : endpoint.address().is_v6() ? "[" + host_ + "]"
                                                         : host_;
   tell(fmt::format("http://{}:{}/{}", host, acceptor_.local_endpoint().port(),
                    token_.empty() ? "" : "?token=" + token_));
+
   accept();
   thread_ = std::thread([this] { serve(); });
 }
@@ -391,10 +429,13 @@ void WebSink::accept() {
       pause_.async_wait([this](Failure) { accept(); });
       return;
     }
+
+    // The next client may connect while this one is served.
     accept();
     const auto address = socket.remote_endpoint(failure).address();
     make_room(address);
     socket.set_option(tcp::no_delay(true), failure);
+
     const bool full = connections.size() >= most_clients;
     std::make_shared<Connection>(std::move(socket), address, *this, full)->read_request();
   });
@@ -408,6 +449,7 @@ void WebSink::make_room(const asio::ip::address& address) {
     unknown.push_back(connection);
     if (connection->address() == address) of_address.push_back(connection);
   }
+
   if (of_address.size() >= most_unknown) {
     of_address.front()->close();
   } else if (connections.size() >= most_clients && !unknown.empty()) {
@@ -425,6 +467,7 @@ tcp::endpoint web_endpoint_from(const std::string& where) {
   const std::size_t colon = where.rfind(':');
   std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+
   const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // all without a colon
   Failure failure;
   const auto address = asio::ip::make_address(host, failure);
@@ -432,6 +475,7 @@ tcp::endpoint web_endpoint_from(const std::string& where) {
            "--publish web:{}: expected a port, or an IP address of this machine and a port, e.g. "
            "web:8080 or web:0.0.0.0:8080",
            where);
+
   return {address, *port};
 }
 

@@ -1,11 +1,13 @@
 #include "simulate/accuracy.h"
 
 #include "app/source_flags.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"
 #include "slipstream/registry.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

@@ -5,7 +5,10 @@
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"
 #include "base/parallel_rows.h"
+#include "io/file.h"
 #include "io/image_file.h"
+#include "slipstream/recording.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

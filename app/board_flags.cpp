@@ -1,7 +1,10 @@
 #include "app/board_flags.h"
 
+#include "base/numbers.h"
+#include "simulate/looped_scene.h"
+#include "simulate/rendered_reel.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/numbers.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 

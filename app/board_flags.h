@@ -1,9 +1,12 @@
 #pragma once
 
 #include "app/commands.h"
+#include "io/scan_folder.h"
+#include "simulate/rendered_reel.h"
 #include "slipstream/board_capture.h"
-#include "slipstream/scan_folder.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 

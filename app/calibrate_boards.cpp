@@ -5,8 +5,11 @@
 
 #include "app/board_flags.h"
 #include "app/scan_flags.h"
+#include "calibrate/board_view.h"
 #include "calibrate/report.h"
 #include "io/image_file.h"
+#include "io/scan_pictures.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,12 +1,18 @@
 // calibrate ambient, colour, gamma and noise: photometric calibration into the scanner file.
 #include "app/scan_flags.h"
+#include "base/statistics.h"
+#include "decode/equations.h"
+#include "frames/colour_channels.h"
 #include "io/image_file.h"
 #include "io/pattern_pictures.h"
 #include "io/plot.h"
-#include "slipstream/ambient_calibration.h"
-#include "slipstream/colour_channels.h"
-#include "slipstream/equations.h"
-#include "slipstream/noise_calibration.h"
+#include "io/scan_pictures.h"
+#include "response/ambient_calibration.h"
+#include "response/gamma_calibration.h"
+#include "response/noise_calibration.h"
+#include "response/response_fit.h"
+#include "response/scan_average.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

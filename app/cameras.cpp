@@ -5,7 +5,13 @@
 #include "app/process.h"
 #include "app/source_flags.h"
 #include "devices/virtual_gige_camera.h"
+#include "io/recorder.h"
 #include "reconstruct/gpu.h"
+#include "simulate/looped_scene.h"
+#include "simulate/rendered_reel.h"
+#include "slipstream/recording.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

@@ -2,10 +2,12 @@
 
 #include "app/process.h"
 #include "calibrate/pose_guide.h"
+#include "frames/colour_channels.h"
 #include "io/image_file.h"
 #include "live/cyclic_scans.h"
-#include "slipstream/colour_channels.h"
 #include "slipstream/registry.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,6 +1,6 @@
 #include "app/scan_flags.h"
+#include "base/numbers.h"
 #include "slipstream/measure.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream::app {
 namespace {

@@ -5,8 +5,9 @@
 #include <set>
 #include <tuple>
 
+#include "base/numbers.h"
+#include "io/file.h"
 #include "io/result_files.h"
-#include "slipstream/numbers.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream::app {

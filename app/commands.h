@@ -10,8 +10,8 @@
 
 #include "app/output.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/rig_file.h"
-#include "slipstream/file.h"
 #include "slipstream/setting.h"
 #include "slipstream/size.h"
 

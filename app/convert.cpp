@@ -1,11 +1,15 @@
 #include <set>
 
 #include "app/scan_flags.h"
+#include "base/numbers.h"
+#include "io/file.h"
 #include "io/replay_source.h"
 #include "io/result_files.h"
+#include "io/scan_folder.h"
 #include "publish/mcap.h"
-#include "slipstream/numbers.h"
+#include "slipstream/recording.h"
 #include "slipstream/ros_messages.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

@@ -5,6 +5,7 @@
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/sequence.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

@@ -6,6 +6,11 @@
 
 #include "app/process.h"
 #include "frames/paired_source.h"
+#include "frames/pattern_windows.h"
+#include "io/file_names.h"
+#include "io/recorder.h"
+#include "slipstream/recording.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

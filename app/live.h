@@ -4,10 +4,12 @@
 
 #include "app/source_flags.h"
 #include "frames/stepped_source.h"
+#include "io/recorder.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/live_pipeline.h"
-#include "slipstream/scene_renderer.h"
+#include "slipstream/recording.h"
 #include "slipstream/viewer.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::app {
 

@@ -1,10 +1,14 @@
 #include <numbers>
 
 #include "app/live.h"
+#include "base/numbers.h"
+#include "frames/pattern_windows.h"
+#include "io/file.h"
+#include "io/file_names.h"
 #include "io/result_files.h"
-#include "slipstream/numbers.h"
-#include "slipstream/pattern_windows.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/registry.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "app/process.h"
 #include "app/scan_flags.h"
+#include "io/file.h"
 
 namespace slipstream::app {
 extern const char* const program_version;  // made at build time: see version.cmake

@@ -1,7 +1,7 @@
 #include "app/manifest.h"
 
 #include "base/throw_if-inl.h"
-#include "slipstream/file.h"
+#include "io/file.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

@@ -15,9 +15,9 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "slipstream/check.h"
 #include "slipstream/cloud.h"
 #include "slipstream/live_statistics.h"
-#include "slipstream/scan_check.h"
 
 namespace slipstream {
 

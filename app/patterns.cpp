@@ -5,7 +5,7 @@
 #include "codes/predicted_variance.h"
 #include "io/pattern_pictures.h"
 #include "io/plot.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 #include "slipstream/layout.h"
 #include "slipstream/registry.h"
 

@@ -2,11 +2,12 @@
 
 #include "app/process.h"
 #include "app/scan_flags.h"
+#include "base/numbers.h"
+#include "base/statistics.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
-#include "slipstream/numbers.h"
 #include "slipstream/spatial_unwrapping.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream::app {
 namespace {

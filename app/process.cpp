@@ -20,8 +20,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "io/file.h"
 #include "slipstream/error.h"
-#include "slipstream/file.h"
 
 namespace slipstream::app {
 namespace {

@@ -4,6 +4,9 @@
 #include "app/scan_flags.h"
 #include "devices/dlp.h"
 #include "devices/monitor.h"
+#include "frames/colour_channels.h"
+#include "io/file.h"
+#include "view/opengl.h"
 
 namespace slipstream::app {
 namespace {

@@ -6,9 +6,12 @@
 #include "app/reconstructed_scan.h"
 #include "base/parallel_rows.h"
 #include "decode/frame_motion.h"
+#include "io/depth_truth.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "reconstruct/coordinate_map.h"
 #include "reconstruct/coordinate_matcher.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/surface.h"
 
 namespace slipstream::app {

@@ -2,6 +2,9 @@
 
 #include <set>
 
+#include "io/file.h"
+#include "slipstream/scan_files.h"
+
 namespace slipstream::app {
 namespace {
 

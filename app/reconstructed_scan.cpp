@@ -1,8 +1,11 @@
 #include "app/reconstructed_scan.h"
 
 #include "app/process.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "reconstruct/coordinate_map.h"
+#include "reconstruct/engine_setup.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

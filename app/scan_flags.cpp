@@ -3,8 +3,10 @@
 #include <limits>
 
 #include "app/process.h"
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
+#include "slipstream/recording.h"
 #include "slipstream/registry.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream::app {
 namespace {

@@ -8,7 +8,7 @@
 #include "slipstream/engine.h"
 #include "slipstream/gamma.h"
 #include "slipstream/recording.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream::app {

@@ -1,9 +1,13 @@
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"
+#include "io/file.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/named_scenes.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

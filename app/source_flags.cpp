@@ -1,7 +1,9 @@
 #include "app/source_flags.h"
 
+#include "base/numbers.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/numbers.h"
+#include "slipstream/recording.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "app/scan_flags.h"
+#include "io/recorder.h"
 #include "slipstream/named_source.h"
-#include "slipstream/recorder.h"
+#include "slipstream/recording.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 

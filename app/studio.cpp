@@ -3,10 +3,13 @@
 
 #include "app/capture.h"
 #include "app/process.h"
+#include "base/numbers.h"
+#include "io/file.h"
+#include "io/file_names.h"
 #include "io/result_files.h"
 #include "slipstream/camera.h"
-#include "slipstream/numbers.h"
 #include "slipstream/registry.h"
+#include "view/opengl.h"
 
 namespace slipstream::app {
 namespace {

@@ -3,6 +3,7 @@
 #include "app/commands.h"
 #include "bench/bench_report.h"
 #include "bench/bench_rows.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "paper/reproduction.h"
 #include "reconstruct/gpu.h"

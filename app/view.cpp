@@ -3,8 +3,11 @@
 
 #include "app/live.h"
 #include "devices/monitor.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "response/exposure_advice.h"
+#include "slipstream/recording.h"
+#include "view/opengl.h"
 
 namespace slipstream::app {
 

@@ -15,8 +15,8 @@
 #include <opencv2/phase_unwrapping/histogramphaseunwrapping.hpp>
 #endif
 
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/file.h"
 #include "slipstream/image.h"
 #include "slipstream/spatial_unwrapping.h"
 #include "tests/spatial/known_phase.h"

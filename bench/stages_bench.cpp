@@ -11,11 +11,12 @@
 #include "bench/vector_target.h"
 #include "geometry/stripe_geometry.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "reconstruct/fused/fused_stages.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/scan_folder.h"
 #include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"
 

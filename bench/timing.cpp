@@ -7,8 +7,8 @@
 #include <tbb/global_control.h>
 #include <time.h>
 
+#include "base/statistics.h"
 #include "bench/vector_target.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -4,7 +4,7 @@
 #include "slipstream/cloud_file.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

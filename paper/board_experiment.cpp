@@ -3,11 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "decode/phase_decoder.h"
 #include "paper/cloud_views.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
 

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
+#include "decode/phase_decoder.h"
+#include "response/correction.h"
 #include "slipstream/cloud.h"
-#include "slipstream/correction.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/image.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/response.h"
 #include "slipstream/scanner.h"
 #include "slipstream/virtual_scanner.h"

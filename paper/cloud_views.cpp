@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "base/statistics.h"
 #include "geometry/triangulator.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "response/response_fit.h"
+
 namespace slipstream {
 namespace {
 

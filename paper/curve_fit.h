@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "response/response_fit.h"
+
 namespace slipstream {
 
 /// The curve scale x^gamma + offset.

@@ -4,14 +4,15 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "codes/predicted_variance.h"
+#include "decode/phase_decoder.h"
 #include "paper/multiplexing_tables.h"
 #include "paper/reproduction.h"
-#include "slipstream/ambient_calibration.h"
+#include "response/ambient_calibration.h"
+#include "response/noise_calibration.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/noise_calibration.h"
 #include "slipstream/phase_channel_multiplexing.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
 

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "base/parallel_rows.h"
-#include "slipstream/correction.h"
-#include "slipstream/equations.h"
+#include "decode/equations.h"
+#include "response/correction.h"
 
 namespace slipstream {
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "response/correction.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/image.h"
 #include "slipstream/response.h"

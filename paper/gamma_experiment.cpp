@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
+#include "decode/phase_decoder.h"
 #include "paper/board_experiment.h"
 #include "paper/cloud_views.h"
 #include "paper/curve_fit.h"
@@ -11,7 +13,9 @@
 #include "paper/reproduction.h"
 #include "reconstruct/phase_matcher.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
+#include "response/gamma_calibration.h"
+#include "response/response_fit.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include "decode/phase_decoder.h"
 #include "paper/formulas.h"
 #include "paper/reproduction.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
+#include "response/gamma_calibration.h"
 #include "slipstream/gamma.h"
 
 namespace slipstream {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "decode/equations.h"
 #include "paper/cloud_views.h"
 #include "paper/reproduction.h"
 #include "simulate/hand.h"
 #include "slipstream/engine.h"
-#include "slipstream/equations.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"

@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "paper/formulas.h"
 #include "paper/reproduction.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -5,13 +5,14 @@
 #include <tbb/global_control.h>
 #include <time.h>
 
+#include "base/statistics.h"
+#include "decode/phase_decoder.h"
 #include "paper/published_loops.h"
 #include "paper/reproduction.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

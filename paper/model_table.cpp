@@ -1,10 +1,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "cloud/object_model.h"
 #include "paper/reproduction.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/object_model.h"
 #include "slipstream/registry.h"
 #include "slipstream/virtual_scanner.h"
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "decode/cue_evidence.h"
 #include "decode/decoder.h"
 #include "paper/reproduction.h"
 #include "slipstream/error.h"

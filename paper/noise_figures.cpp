@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "codes/predicted_variance.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
 #include "paper/formulas.h"
 #include "paper/multiplexing_tables.h"
 #include "paper/reproduction.h"
-#include "slipstream/equations.h"
-#include "slipstream/noise_calibration.h"
+#include "response/noise_calibration.h"
 #include "slipstream/phase_channel_multiplexing.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
 

@@ -5,16 +5,18 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "codes/predicted_variance.h"
+#include "decode/cue_evidence.h"
 #include "decode/decoder.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
 #include "paper/cloud_views.h"
 #include "paper/reproduction.h"
-#include "slipstream/equations.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

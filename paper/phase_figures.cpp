@@ -4,13 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "decode/decoder.h"
+#include "decode/phase_decoder.h"
 #include "paper/multiplexing_tables.h"
 #include "paper/reproduction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <span>
 
+#include "decode/equations.h"
+
 namespace slipstream {
 namespace {
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <vector>
 
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
 #include "geometry/triangulator.h"
-#include "slipstream/equations.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/scanner.h"
 
 namespace slipstream {

@@ -1,12 +1,61 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "slipstream/board_corners.h"
-#include "slipstream/board_view.h"
+#include <Eigen/Core>
+
+#include "slipstream/calibration_board.h"
+#include "slipstream/check.h"
 #include "slipstream/response.h"
+#include "slipstream/scan.h"
+#include "slipstream/size.h"
 
 namespace slipstream {
+
+/// Quality of one scan of a board, from a few thousand bright, unsaturated pixels.
+struct FringeSigns {
+  double saturated = 0;  ///< share of the board's pixels with a saturated frame
+  int steps = 0;         ///< N of the measuring band; 0 if it is not a run of steps
+  double period = 0;     ///< of the measuring band's fringe, projector pixels; 0 if not measured
+  /// Amplitude and standard deviation, rad, of the phase error that repeats N times per fringe,
+  /// relative to the smooth phase of a flat board.
+  double ripple = 0;
+  double ripple_deviation = 0;
+  /// Ratio of the finest to the coarsest band's modulation, each divided by its share: 1 for sharp
+  /// fringes, less if blurred.
+  double contrast = 1;
+};
+
+/// Blur of the board's printed edges in a picture: standard deviation of the equivalent Gaussian,
+/// median over all edges, in pixels and in spacings of the board.
+struct EdgeSoftness {
+  double pixels = 0;
+  double spacings = 0;
+};
+
+/// Quality of one pose's frames.
+struct CaptureSigns {
+  FringeSigns x{};
+  FringeSigns y{};
+  EdgeSoftness edges{};
+};
+
+/// One pose of the board: its corners in the camera's and the projector's picture.
+struct BoardView {
+  std::string name;         ///< of the pose's folder
+  std::vector<int> places;  ///< board place of each corner
+  PixelPlaces camera;       ///< pixels
+  PixelPlaces projector;    ///< pixels; NaN where unknown
+  /// d projector / d camera: an error of a corner's camera pixel causes this error of its projector
+  /// pixel. Empty or zero if the projector pixels are independent of the camera's.
+  std::vector<Eigen::Matrix2d> slopes{};
+  CaptureSigns signs{};  ///< quality of its frames; default if it has none
+};
+
+using BoardViews = std::vector<BoardView>;
 
 struct BoardCaptureSettings {
   /// Grey levels of 8 bits, 0 to 255; darker pixels are ignored.

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/finding.h"
+#include "slipstream/check.h"
 #include "slipstream/image.h"
 
 namespace slipstream {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "slipstream/cloud.h"
-#include "slipstream/depth_rows.h"
 #include "slipstream/setting.h"
 
 namespace slipstream {

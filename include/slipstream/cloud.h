@@ -188,4 +188,12 @@ inline Cloud subsampled(const Cloud& cloud, int step) {
   return sparse;
 }
 
+/// Standard deviation of depth at a point P in the camera's frame, with a modulation of B grey
+/// levels of the frames: sigma_Z = noise / B (projector_depth (P, 1))^2 Z / |parallax P|.
+struct DepthNoise {
+  float noise = 0;  ///< sigma of the projector coordinate times B
+  std::array<float, 4> projector_depth{};
+  std::array<float, 3> parallax{};
+};
+
 }  // namespace slipstream

@@ -2,9 +2,9 @@
 
 #include <set>
 
-#include "slipstream/live_cloud.h"
-#include "slipstream/pool.h"
-#include "slipstream/recorder.h"
+#include "slipstream/frame_source.h"
+#include "slipstream/live_pipeline.h"
+#include "slipstream/recording.h"
 #include "slipstream/scanner.h"
 #include "slipstream/sequence.h"
 

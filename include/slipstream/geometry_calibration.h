@@ -1,8 +1,56 @@
 #pragma once
 
-#include "slipstream/bundle_adjustment.h"
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "slipstream/board_capture.h"
+#include "slipstream/calibration_board.h"
+#include "slipstream/check.h"
+#include "slipstream/scanner.h"
+#include "slipstream/size.h"
 
 namespace slipstream {
+
+/// All parameters that determine the corners' pixels.
+struct BundleState {
+  Scanner scanner;
+  std::vector<Eigen::Isometry3d> poses;  ///< board to camera frame, one for each view
+  BoardPlaces places;                    ///< the board's corners in its own frame, mm
+};
+
+/// Standard deviations of a lens.
+struct LensDeviation {
+  Eigen::Vector2d focal = Eigen::Vector2d::Zero();            ///< pixels
+  Eigen::Vector2d principal_point = Eigen::Vector2d::Zero();  ///< pixels
+  std::array<double, 12> coefficients{};                      ///< 0 if fixed
+};
+
+/// Standard deviations of the result.
+struct BundleDeviation {
+  LensDeviation camera;
+  LensDeviation projector;
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< rad, about x, y, z
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
+};
+
+/// RMS distances between observed and predicted corners, pixels of the device; `stereo`: over the
+/// corners of both devices.
+struct ReprojectionRms {
+  double camera = 0, projector = 0, stereo = 0;
+};
+
+/// A board measured with a scanner, compared with the printed one.
+struct BoardQuality {
+  double flatness = 0;        ///< RMS distance of the corners from their best plane, mm
+  double scale_error = 0;     ///< mean over all pairs of corners of distance / printed distance - 1
+  double distance_error = 0;  ///< RMS over all pairs of distance - printed distance, mm
+};
 
 /// Lens models, as numbers of distortion coefficients in OpenCV's order: no distortion, + k1, + k2,
 /// + tangential, + k3, + rational, + thin prism.

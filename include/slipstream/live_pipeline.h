@@ -1,12 +1,25 @@
 #pragma once
 
-#include "slipstream/live_cloud.h"
+#include <vector>
+
+#include "slipstream/cloud.h"
+#include "slipstream/frame_source.h"
 #include "slipstream/live_statistics.h"
-#include "slipstream/object_model.h"
-#include "slipstream/pattern_windows.h"
 #include "slipstream/reconstruct_settings.h"
+#include "slipstream/surface.h"
 
 namespace slipstream {
+
+/// Cloud of one window of frames, with its frames.
+struct LiveCloud {
+  Cloud cloud;               ///< empty without a scanner
+  ValidityCounts cleaned{};  ///< points that cleaning removed, by reason
+  /// The window, in the order given by PatternWindows; frames as captured.
+  std::vector<Pooled<Frame>> frames;
+  int first_pattern = 0;  ///< index of the first frame's pattern
+  int motion = 0;         ///< frames beyond one cycle used for the cloud: see motion_window
+  FrameStamp newest;      ///< the frame that completed the window
+};
 
 /// Settings of a LivePipeline.
 struct LiveSettings {

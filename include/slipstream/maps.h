@@ -1,11 +1,53 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "slipstream/image.h"
 #include "slipstream/setting.h"
 
 namespace slipstream {
+
+/// When a fringe order is accepted.
+struct FringeOrderConsensus {
+  /// Largest disagreement of low and high frequency, in periods of the higher one, for which
+  /// `fewest_neighbours` is enough: see fringe_order_residual.
+  double largest_doubt = 0.25;
+  int fewest_neighbours = 1;   ///< of the 8 that must agree with a pixel up to largest_doubt
+  int fewest_if_doubtful = 3;  ///< of the 8 that must agree with a pixel above it
+
+  static void for_each_setting(auto& self, const auto& visit) {
+    visit({.name = "largest_doubt"}, self.largest_doubt);
+    visit({.name = "fewest_neighbours"}, self.fewest_neighbours);
+    visit({.name = "fewest_if_doubtful"}, self.fewest_if_doubtful);
+  }
+
+  friend bool operator==(const FringeOrderConsensus&, const FringeOrderConsensus&) = default;
+};
+
+/// How phase is computed in double. All but the last agree to 1e-12 rad; they differ in speed.
+enum class PhaseMethod {
+  equation,         ///< Eqs. (1.3)-(1.7), any weights, any pixel
+  closed_form,      ///< Eqs. (2.1)-(2.3), (2.13)-(2.15), N = 3, 4, 6, any pixel
+  tables,           ///< MLUT and PLUT, Eqs. (2.4)-(2.18), N = 3, 4, 6, 8-bit pixels
+  intensity_ratio,  ///< IntensityRatio, N = 3, any pixel; to 2e-8 rad
+};
+
+/// "equation", "closed-form", "lut", "intensity-ratio".
+std::string_view name_of(PhaseMethod method);
+
+/// How to determine the fringe order from a cue in the same frames as the high frequency.
+enum class CueRule {
+  published,   ///< Liu 2010, Section 3.2: the order nearest to the cue's coordinate
+  likelihood,  ///< the order with the greatest likelihood over all channels of the pixel
+  consensus,   ///< the most likely order given the pixel and its neighbours on the same surface
+};
+
+/// "published", "likelihood", "consensus".
+std::string_view name_of(CueRule rule);
+
+/// Parses such a name; throws Error for any other.
+CueRule cue_rule_named(std::string_view name);
 
 /// Decoded values of every camera pixel of one scan, before triangulation. Pass them in again to
 /// reuse their memory.
@@ -45,23 +87,6 @@ void convert(const BasicMaps<From>& from, BasicMaps<To>& to) {
 
 /// 1 where B^c (grey levels) is at least `minimum`; elsewhere the phase is meaningless.
 Image<std::uint8_t> modulation_mask(const Image<double>& modulation, double minimum);
-
-/// When a fringe order is accepted.
-struct FringeOrderConsensus {
-  /// Largest disagreement of low and high frequency, in periods of the higher one, for which
-  /// `fewest_neighbours` is enough: see fringe_order_residual.
-  double largest_doubt = 0.25;
-  int fewest_neighbours = 1;   ///< of the 8 that must agree with a pixel up to largest_doubt
-  int fewest_if_doubtful = 3;  ///< of the 8 that must agree with a pixel above it
-
-  static void for_each_setting(auto& self, const auto& visit) {
-    visit({.name = "largest_doubt"}, self.largest_doubt);
-    visit({.name = "fewest_neighbours"}, self.fewest_neighbours);
-    visit({.name = "fewest_if_doubtful"}, self.fewest_if_doubtful);
-  }
-
-  friend bool operator==(const FringeOrderConsensus&, const FringeOrderConsensus&) = default;
-};
 
 /// 1 where the fringe order counts as wrong: at lit pixels with too few lit neighbours within half
 /// a fringe, 1 / (2 frequency), of y; it misses a region that is off by one order. `coordinate`: y;

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "slipstream/sculptures.h"
+#include "slipstream/scene.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

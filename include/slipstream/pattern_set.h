@@ -4,7 +4,6 @@
 #include <functional>
 #include <vector>
 
-#include "slipstream/colour.h"
 #include "slipstream/image.h"
 
 namespace slipstream {

@@ -8,10 +8,8 @@
 #include <string_view>
 
 #include "slipstream/cleaner.h"
-#include "slipstream/cue_evidence.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/maps.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/scanner.h"
 #include "slipstream/sequence.h"
 
@@ -119,18 +117,9 @@ struct EngineSetup {
   friend bool operator==(const EngineSetup&, const EngineSetup&) = default;
 };
 
-/// Throws Error unless the frames have the camera's size.
-void require_size(const FrameViews& frames, Size camera);
-
 /// Depths at which points are valid, mm: as set, else from half the nearest to twice the farthest
 /// depth of the calibration boards, else any.
 DepthRange depth_range(const EngineSetup& setup);
-
-/// Whether the depth range gives the fringe order: both ends are set, and frames alone do not.
-bool unwraps_by_depth(const EngineSetup& setup);
-
-/// Whether the fringe order comes from the whole image: from the depth range or from surfaces.
-bool unwraps_by_picture(const EngineSetup& setup);
 
 /// Throws Error if scanner or settings are invalid or measure no depth along the axis, or if the
 /// strategy is too fine for the projector. An unknown ambient light counts as 0.
@@ -142,30 +131,8 @@ void require_reconstructible(const EngineSetup& setup);
 /// Throws Error, naming `scanner`, if a cue needs the ambient light and the scanner lacks it.
 void require_ambient_known(const EngineSetup& setup, std::string_view scanner);
 
-/// Inputs of a cue in addition to the frames: light of patterns and room, noise, the rule.
-CueSettings cue_settings(const EngineSetup& setup);
-
-/// Correction of each band's phase for the scanner's response; empty if the response is unknown.
-PhaseCorrections phase_corrections(const EngineSetup& setup);
-
 /// Effect of noise in 8-bit frames on depth, to first order and without the projector's
 /// distortion: Eq. (3.40) or (3.63) through the derivative of the point.
 DepthNoise depth_noise(const EngineSetup& setup);
-
-/// Projector pixels along the axis of the patterns.
-int projector_length(const EngineSetup& setup);
-
-/// Least modulation of a point, grey levels of 255: as set, or more if noise would hide the fringe
-/// order, see CueEvidence::least_modulation.
-double least_modulation(const EngineSetup& setup);
-
-/// Raises the settings' least modulation to this; the same pixels vote as before.
-void raise_least_modulation(EngineSetup& setup);
-
-/// Modulation threshold, grey levels of frames whose largest is `full_scale`.
-double least_modulation(const ReconstructSettings& settings, double full_scale);
-
-/// Modulation from which a pixel votes on its neighbours' orders, in the same grey levels.
-double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale);
 
 }  // namespace slipstream

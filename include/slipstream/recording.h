@@ -1,12 +1,28 @@
 #pragma once
 
-#include "slipstream/file.h"
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "slipstream/frame_set.h"
 #include "slipstream/frame_source.h"
 #include "slipstream/scanner.h"
 #include "slipstream/sequence.h"
 
 namespace slipstream {
+
+class InputFile;
+class OutputFile;
+/// When a file that is being written gets its own name: see OutputFile.
+enum class FileWriting : int;
 
 /// Header of a recording. docs/reference/clouds-and-recordings.md specifies the file's layout.
 struct RecordingHeader {
@@ -19,6 +35,18 @@ struct RecordingHeader {
   FrameSet white{};  ///< in colour: the channels of a white picture, see unmixed; may be empty
 };
 
+/// Bounds a file that grows during a run: a recording or an MCAP file.
+struct FileLimit {
+  std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
+  double seconds = std::numeric_limits<double>::infinity();
+  /// Keeps the newest data instead of stopping: at half the limit the file becomes NAME-before,
+  /// replacing the previous one of this run, and a new file begins.
+  bool ring = false;
+};
+
+/// Parses e.g. "500MB", "20GB", "2TB", "90s", "10min", "2h" or "20GB,ring". Throws Error.
+FileLimit file_limit_from(const std::string& text);
+
 /// Whether `path` is a file that begins like a recording.
 bool is_recording(const std::filesystem::path& path);
 
@@ -29,8 +57,10 @@ class RecordingWriter {
  public:
   /// Throws Error for an invalid header, WorldError if the file cannot be created; then leaves no
   /// file.
+  RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header);
+  /// The same, with frames that last only once the file is whole if written at once.
   RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header,
-                  OutputFile::Writing writing = OutputFile::Writing::over_time);
+                  FileWriting writing);
 
   /// Closes the file. Without finish(), a file with frames written `over_time` reads as
   /// interrupted; otherwise an existing file stays.
@@ -56,13 +86,11 @@ class RecordingWriter {
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);
 
   /// Whether an unfinished file stays.
-  [[nodiscard]] bool keeps_frames() const {
-    return count_ > 0 && writing_ == OutputFile::Writing::over_time;
-  }
+  [[nodiscard]] bool keeps_frames() const;
 
   std::filesystem::path path_;
   std::unique_ptr<OutputFile> file_;  ///< null once closed
-  OutputFile::Writing writing_;
+  FileWriting writing_;
   FrameFormat format_;
   std::uint64_t header_size_ = 0;
   std::uint64_t count_ = 0;
@@ -75,6 +103,7 @@ class RecordingReader {
   /// Throws Error with the file's name if it is missing, not a recording, or has a damaged header.
   /// An interrupted recording opens up to its last complete frame.
   explicit RecordingReader(const std::filesystem::path& path);
+  ~RecordingReader();
 
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
   [[nodiscard]] std::uint64_t count() const { return count_; }
@@ -103,7 +132,7 @@ class RecordingReader {
   void find_end();
 
   std::filesystem::path path_;
-  InputFile file_;
+  std::unique_ptr<const InputFile> file_;
   std::uint64_t header_size_ = 0;
   std::uint32_t header_checksum_ = 0;
   RecordingHeader header_;

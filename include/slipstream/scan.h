@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/frame_adapter.h"
+#include "slipstream/frame_set.h"
 #include "slipstream/scanner.h"
+#include "slipstream/sequence.h"
 
 namespace slipstream {
 
@@ -35,19 +36,6 @@ struct BoardScans {
 /// Prepares a scan for decoding: merges exposures, separates multiplexed frames (see FrameAdapter),
 /// and moves frames along the other axis to other_axis. Throws Error if the number of frames does
 /// not match.
-inline Scan merged(Scan scan) {
-  scan.exposures = scan.sequence.exposures;
-  const Strategy& strategy = scan.sequence.strategy;
-  if (frame_count(scan.sequence) == frame_count(strategy) && !strategy.demodulation()) return scan;
-  scan.order.clear();  // it refers to the frames of all exposures and axes
-  std::vector<FrameSet> frames = adapted(scan.sequence, std::move(scan.frames));
-  scan.sequence = merged_sequence(std::move(scan.sequence));
-  scan.frames = std::move(frames.front());
-  if (frames.size() == 1) return scan;
-  scan.other_axis = {
-      {.frames = std::move(frames.back()), .sequence = along(scan.sequence, Axis::y)}};
-  scan.sequence = along(std::move(scan.sequence), Axis::x);
-  return scan;
-}
+Scan merged(Scan scan);
 
 }  // namespace slipstream

@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/colour.h"
 #include "slipstream/image.h"
 #include "slipstream/pattern_set.h"
 #include "slipstream/response.h"

@@ -12,6 +12,12 @@ struct Normals {
   Image<float> x, y, z;
 };
 
+/// The points of a model with their normals, in one row, in the object's frame.
+struct ModelPoints {
+  Cloud cloud;
+  Normals normals;
+};
+
 /// Computed from the differences to the four neighbours, except across edges: steps in depth of
 /// more than eight times the distance between pixels.
 Normals surface_normals(const Cloud& cloud);

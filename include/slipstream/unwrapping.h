@@ -111,4 +111,23 @@ std::vector<WrongOrder> wrong_orders(const Layout& layout);
 /// Margin of the nearest wrong order; infinite if there is none.
 double unwrapping_margin(const Layout& layout);
 
+/// Fringe order k, Liu 2010, Eq. (1.17): the periods to add to `wrapped_phase` (rad, [0, 2 pi),
+/// `frequency` periods across the field) to come nearest to `coarse_coordinate`, the coordinate
+/// from a lower frequency. Not limited to the field: see coordinate_in_field.
+int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate);
+
+/// Distance, in periods of `frequency`, of the coarse coordinate from the one with this fringe
+/// order: [-0.5, 0.5], near 0 if the frequencies agree; at either end another order is as likely.
+double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
+                             int fringe_order);
+
+/// Projector coordinate (phi + 2 pi k) / (2 pi f), Eqs. (1.8) and (1.17).
+double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency);
+
+/// Brings a coordinate known up to whole multiples of `period` (>= 1, in fields) into the field:
+/// -0.5 / projector_length to 1 - 0.5 / projector_length, as pixel centres are at integers. The
+/// circle is cut in the middle of its unlit part, so that noise at one end of the field stays at
+/// that end, up to half a pixel and half the unlit part.
+double coordinate_in_field(double coordinate, double period, int projector_length);
+
 }  // namespace slipstream

@@ -1,14 +1,22 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include <glm/vec3.hpp>
+
+#include "slipstream/check.h"
 #include "slipstream/cloud.h"
-#include "slipstream/finding.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/frame_source.h"
-#include "slipstream/gui.h"
+#include "slipstream/image.h"
 #include "slipstream/live_statistics.h"
 #include "slipstream/reconstruct_settings.h"
 #include "slipstream/registry.h"
@@ -19,6 +27,49 @@ class LivePipeline;
 }
 
 namespace slipstream::view {
+
+/// The viewpoint: a place on a sphere around a target; upright like the scanner's camera if all
+/// angles are 0. The display's frame is the scanner's after half a turn about X: Y is up and the
+/// cloud shows its front.
+struct OrbitCamera {
+  glm::vec3 target{0};         ///< display's frame, mm
+  float distance = 1000;       ///< mm, > 0
+  float azimuth = 0;           ///< rad, to the right
+  float elevation = 0;         ///< rad, up; within a right angle
+  float field_of_view = 0.6F;  ///< field of view from top to bottom, rad
+};
+
+/// Quantity shown by a point's colour.
+enum class PointColour {
+  depth,         ///< Z
+  reflectivity,  ///< alpha, from the mean without ambient light, Liu 2010, Eq. (3.3)
+  modulation,    ///< B^c
+};
+
+/// Parses "depth", "reflectivity" or "modulation"; throws Error for any other name.
+PointColour point_colour_named(std::string_view name);
+std::vector<std::string_view> point_colour_names();
+
+/// Drawing options of a cloud.
+struct ViewSettings {
+  PointColour colour = PointColour::depth;
+  float point_size = 1.5F;  ///< point size relative to the point spacing: no gaps from 1
+  float brightness = 1;     ///< of grey levels; at 1 the brightest 1 % is white
+  bool shaded = true;       ///< shades by slope, if the cloud is a camera's grid
+  bool reflection = true;   ///< reflection in the floor, parallel to the XZ plane
+  bool axes = true;
+  bool grid = true;          ///< the floor's
+  bool three_views = false;  ///< from the front, the side and above side by side, fitted
+  OrbitCamera camera{.azimuth = 0.33F, .elevation = 0.22F};
+};
+
+/// A picture and instructions below it, readable from a calibration board's distance.
+struct Guide {
+  Image<Colour> picture;
+  std::string headline{};            ///< large, below the picture
+  Colour colour{255, 255, 255};      ///< of the headline
+  std::vector<std::string> lines{};  ///< below it
+};
 
 /// A cloud to show, with its frames if there are any. Copies share both, which stay unchanged and
 /// in memory until the last copy is gone.

@@ -1,8 +1,14 @@
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <stop_token>
 
-#include "slipstream/colour_channels.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/image.h"
+#include "slipstream/pattern_set.h"
 #include "slipstream/scanner.h"
 #include "slipstream/scene.h"
 

@@ -3,8 +3,9 @@
 #include <tbb/global_control.h>
 
 #include "base/throw_if-inl.h"
+#include "decode/cue_evidence.h"
+#include "frames/pattern_windows.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/cue_evidence.h"
 #include "slipstream/frame_set.h"
 
 namespace slipstream::python {

@@ -14,9 +14,9 @@
 #include <pybind11/stl/filesystem.h>
 #include <tbb/concurrent_queue.h>
 
+#include "slipstream/check.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
-#include "slipstream/scan_check.h"
 #include "slipstream/virtual_world.h"
 
 namespace pybind11::detail {

@@ -4,14 +4,17 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/report.h"
 #include "codes/predicted_variance.h"
+#include "decode/band_unwrapper.h"
+#include "decode/phase_decoder.h"
 #include "io/image_file.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/ambient_calibration.h"
-#include "slipstream/band_unwrapper.h"
+#include "response/ambient_calibration.h"
+#include "response/gamma_calibration.h"
+#include "response/noise_calibration.h"
+#include "response/scan_average.h"
 #include "slipstream/gamma.h"
-#include "slipstream/noise_calibration.h"
-#include "slipstream/phase_decoder.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream::python {
 namespace {

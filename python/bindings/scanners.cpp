@@ -4,9 +4,10 @@
 #include <pybind11/operators.h>
 
 #include "codes/design.h"
+#include "decode/phase_decoder.h"
 #include "io/pattern_pictures.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
 #include "slipstream/scanner_file.h"

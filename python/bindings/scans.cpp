@@ -7,7 +7,8 @@
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/recording.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::python {
 namespace {

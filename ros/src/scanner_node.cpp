@@ -15,7 +15,7 @@
 #include <slipstream/named_source.h>
 #include <slipstream/registry.h>
 #include <slipstream/ros_messages.h>
-#include <slipstream/saved_scan.h>
+#include <slipstream/scan_files.h>
 #include <std_srvs/srv/trigger.hpp>
 
 namespace slipstream_ros {

@@ -1,5 +1,5 @@
 #include "base/parallel_rows.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/moving_mean.cpp"

@@ -1,4 +1,4 @@
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
 
 #include <clocale>
 #include <cmath>

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/colour.h"
 #include "slipstream/image.h"
 
 namespace slipstream {

@@ -3,11 +3,15 @@
 #include <algorithm>
 
 #include "base/throw_if-inl.h"
+#include "calibrate/board_corners.h"
+#include "calibrate/board_view.h"
 #include "decode/decoder.h"
-#include "slipstream/correction.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
+#include "response/correction.h"
+#include "slipstream/check.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/registry.h"
-#include "slipstream/scan_check.h"
 
 namespace slipstream {
 namespace {

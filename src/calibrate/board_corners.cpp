@@ -1,4 +1,4 @@
-#include "slipstream/board_corners.h"
+#include "calibrate/board_corners.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/charuco.h"
 #include "calibrate/opencv.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

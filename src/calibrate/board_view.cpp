@@ -1,4 +1,4 @@
-#include "slipstream/board_view.h"
+#include "calibrate/board_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,12 @@
 
 #include <Eigen/QR>
 
+#include "base/numbers.h"
+#include "base/statistics.h"
+#include "calibrate/board_corners.h"
 #include "calibrate/opencv.h"
-#include "slipstream/board_corners.h"
-#include "slipstream/equations.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

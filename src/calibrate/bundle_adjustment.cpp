@@ -1,5 +1,5 @@
 // The only source that includes Ceres.
-#include "slipstream/bundle_adjustment.h"
+#include "calibrate/bundle_adjustment.h"
 
 #include <algorithm>
 #include <map>
@@ -17,9 +17,10 @@
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "calibrate/board_view.h"
 #include "calibrate/pixel_derivatives.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -4,8 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "base/numbers.h"
+#include "base/statistics.h"
+#include "calibrate/board_view.h"
 
 namespace slipstream {
 namespace {

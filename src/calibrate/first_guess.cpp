@@ -5,10 +5,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "calibrate/board_view.h"
 #include "calibrate/diagnosis.h"
 #include "calibrate/opencv.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -10,6 +10,8 @@
 
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "calibrate/board_view.h"
+#include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
 
 namespace slipstream {

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
+#include "calibrate/board_view.h"
+#include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
 #include "slipstream/error.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

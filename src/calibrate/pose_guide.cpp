@@ -6,10 +6,12 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "calibrate/board_corners.h"
+#include "calibrate/board_view.h"
 #include "calibrate/diagnosis.h"
 #include "calibrate/opencv.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

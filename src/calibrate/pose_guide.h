@@ -3,9 +3,10 @@
 #include <array>
 #include <filesystem>
 
+#include "calibrate/board_corners.h"
 #include "frames/scan_camera.h"
 #include "slipstream/board_capture.h"
-#include "slipstream/colour.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 

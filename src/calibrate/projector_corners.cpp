@@ -5,10 +5,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
-#include "slipstream/board_corners.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
+#include "calibrate/board_corners.h"
+#include "calibrate/bundle_adjustment.h"
 
 namespace slipstream {
 namespace {

@@ -5,9 +5,11 @@
 
 #include <fmt/ranges.h>
 
+#include "base/numbers.h"
+#include "base/statistics.h"
+#include "calibrate/board_view.h"
+#include "calibrate/bundle_adjustment.h"
 #include "calibrate/opencv.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

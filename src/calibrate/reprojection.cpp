@@ -3,8 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "slipstream/bundle_adjustment.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
+#include "calibrate/board_view.h"
+#include "calibrate/bundle_adjustment.h"
 
 namespace slipstream {
 namespace {

@@ -1,8 +1,9 @@
 #include <Eigen/Geometry>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

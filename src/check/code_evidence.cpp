@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/numbers.h"
 #include "check/fit.h"
-#include "slipstream/numbers.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "check/fit.h"
-#include "slipstream/scan_check.h"
+#include "slipstream/check.h"
 
 namespace slipstream {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "base/numbers.h"
+#include "base/statistics.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

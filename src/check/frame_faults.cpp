@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "check/explanations.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

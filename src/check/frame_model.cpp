@@ -9,9 +9,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "slipstream/correction.h"
-#include "slipstream/equations.h"
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
+#include "decode/cue_evidence.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
+#include "response/correction.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -6,9 +6,9 @@
 #include <Eigen/Core>
 
 #include "check/scan_samples.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/cue_evidence.h"
-#include "slipstream/phase_decoder.h"
+#include "decode/band_unwrapper.h"
+#include "decode/cue_evidence.h"
+#include "decode/phase_decoder.h"
 #include "slipstream/scanner.h"
 #include "slipstream/sequence.h"
 

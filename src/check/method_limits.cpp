@@ -7,10 +7,11 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "base/numbers.h"
+#include "base/statistics.h"
 #include "check/explanations.h"
 #include "codes/predicted_variance.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "decode/cue_evidence.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

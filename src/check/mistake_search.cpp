@@ -5,8 +5,8 @@
 
 #include <fmt/ranges.h>
 
+#include "base/numbers.h"
 #include "check/explanations.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -4,8 +4,8 @@
 #include <ranges>
 #include <tuple>
 
+#include "base/statistics.h"
 #include "check/explanations.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "base/numbers.h"
 #include "check/explanations.h"
 #include "slipstream/error.h"
-#include "slipstream/numbers.h"
 #include "slipstream/registry.h"
 
 namespace slipstream {

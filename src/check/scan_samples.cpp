@@ -3,7 +3,7 @@
 #include <array>
 #include <span>
 
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
 
 namespace slipstream {
 

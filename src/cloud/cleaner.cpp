@@ -2,6 +2,7 @@
 
 #include "base/parallel_rows.h"
 #include "cloud/depth_planes.h"
+#include "cloud/depth_rows.h"
 #include "slipstream/error.h"
 
 namespace slipstream {

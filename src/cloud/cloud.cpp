@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -1,7 +1,8 @@
 #include "cloud/depth_planes.h"
 
 #include "base/parallel_rows.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
+#include "cloud/depth_rows.h"
 
 namespace slipstream {
 namespace {

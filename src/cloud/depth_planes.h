@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "cloud/depth_rows.h"
 #include "slipstream/cleaner.h"
 
 namespace slipstream {

@@ -1,4 +1,4 @@
-#include "slipstream/depth_rows.h"
+#include "cloud/depth_rows.h"
 
 #include <limits>
 

@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

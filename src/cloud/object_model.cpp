@@ -1,4 +1,4 @@
-#include "slipstream/object_model.h"
+#include "cloud/object_model.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

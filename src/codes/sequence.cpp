@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/throw_if-inl.h"
+#include "frames/colour_channels.h"
 
 namespace slipstream {
 namespace {

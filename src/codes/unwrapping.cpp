@@ -4,8 +4,8 @@
 
 #include <Eigen/Dense>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {
@@ -454,6 +454,25 @@ std::vector<WrongOrder> wrong_orders(const Layout& layout) {
 
 double unwrapping_margin(const Layout& layout) {
   return nearest_of(wrong_orders(layout));
+}
+
+int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate) {
+  return static_cast<int>(std::lround(coarse_coordinate * frequency - wrapped_phase / two_pi));
+}
+
+double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
+                             int fringe_order) {
+  return coarse_coordinate * frequency - wrapped_phase / (two_pi)-fringe_order;
+}
+
+double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency) {
+  return (wrapped_phase + two_pi * fringe_order) / (two_pi * frequency);
+}
+
+double coordinate_in_field(double coordinate, double period, int projector_length) {
+  const double unlit = period - 1;
+  const double cut = -0.5 / projector_length - unlit / 2;
+  return coordinate - period * std::floor((coordinate - cut) / period);
 }
 
 }  // namespace slipstream

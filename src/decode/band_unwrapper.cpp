@@ -1,12 +1,13 @@
-#include "slipstream/band_unwrapper.h"
+#include "decode/band_unwrapper.h"
 
 #include <complex>
 
 #include <Eigen/Dense>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "decode/decoder.h"
-#include "slipstream/numbers.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -19,25 +20,6 @@ double phase_of(const PhaseSum& sum, std::span<const double> phases) {
 }
 
 }  // namespace
-
-int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate) {
-  return static_cast<int>(std::lround(coarse_coordinate * frequency - wrapped_phase / two_pi));
-}
-
-double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
-                             int fringe_order) {
-  return coarse_coordinate * frequency - wrapped_phase / (two_pi)-fringe_order;
-}
-
-double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency) {
-  return (wrapped_phase + two_pi * fringe_order) / (two_pi * frequency);
-}
-
-double coordinate_in_field(double coordinate, double period, int projector_length) {
-  const double unlit = period - 1;
-  const double cut = -0.5 / projector_length - unlit / 2;
-  return coordinate - period * std::floor((coordinate - cut) / period);
-}
 
 BandUnwrapper::BandUnwrapper(Layout layout, int projector_length, double noise)
     : layout_(std::move(layout)),

@@ -1,8 +1,8 @@
 #include <complex>
 #include <numeric>
 
-#include "slipstream/frame_adapter.h"
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
+#include "decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,4 @@
-#include "slipstream/cue_evidence.h"
+#include "decode/cue_evidence.h"
 
 #include <limits>
 #include <numbers>
@@ -6,27 +6,16 @@
 #include "base/names.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/equations.h"
+#include "decode/band_unwrapper.h"
+#include "decode/equations.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
 
 using std::numbers::pi;
 
-constexpr std::array<std::string_view, 3> rule_names{"published", "likelihood", "consensus"};
-
 }  // namespace
-
-std::string_view name_of(CueRule rule) {
-  return rule_names[static_cast<std::size_t>(rule)];
-}
-
-CueRule cue_rule_named(std::string_view name) {
-  const auto rule = value_named<CueRule>(name, rule_names);
-  throw_if(!rule, "unwrapping '{}' is unknown; expected published, likelihood or consensus", name);
-  return *rule;
-}
 
 void require_valid(const CueSettings& settings) {
   require_valid(settings.light);

@@ -2,6 +2,8 @@
 
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "decode/cue_evidence.h"
+#include "decode/phase_decoder.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "slipstream/cue_evidence.h"
+#include "decode/cue_evidence.h"
+#include "decode/phase_decoder.h"
 #include "slipstream/maps.h"
-#include "slipstream/phase_decoder.h"
 
 namespace slipstream {
 

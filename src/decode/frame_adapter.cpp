@@ -1,9 +1,10 @@
-#include "slipstream/frame_adapter.h"
+#include "decode/frame_adapter.h"
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "frames/pattern_windows.h"
 
 namespace slipstream {
 namespace {

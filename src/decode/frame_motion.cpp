@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

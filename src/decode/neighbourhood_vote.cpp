@@ -1,8 +1,11 @@
 #include "decode/neighbourhood_vote.h"
 
+#include "base/numbers.h"
+#include "decode/band_unwrapper.h"
+#include "decode/cue_evidence.h"
 #include "decode/decoder.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/numbers.h"
+#include "decode/phase_decoder.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {

@@ -1,5 +1,5 @@
 #include "base/parallel_rows.h"
-#include "slipstream/frame_adapter.h"
+#include "decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {

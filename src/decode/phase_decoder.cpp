@@ -1,8 +1,9 @@
-#include "slipstream/phase_decoder.h"
+#include "decode/phase_decoder.h"
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
+#include "decode/equations.h"
 
 namespace slipstream {
 namespace {
@@ -14,9 +15,6 @@ int largest_sum(const std::array<int, 6>& weights) {
   for (const int weight : weights) positive += std::max(weight, 0);
   return 255 * positive;
 }
-
-constexpr std::array<std::string_view, 4> method_names{"equation", "closed-form", "lut",
-                                                       "intensity-ratio"};
 
 /// Visits the pixels; `sample` converts the N intensities of one to a PhaseSample.
 template <class Number, class Pixel, class Sample>
@@ -139,10 +137,6 @@ double IntensityRatio::wrapped_phase(std::span<const double> I) const {
   if (first) return I[1] >= I[2] ? within : within == 0 ? 0 : 6 * sixth - within;
   if (second) return I[0] >= I[2] ? 2 * sixth - within : 2 * sixth + within;
   return I[1] >= I[0] ? 4 * sixth - within : 4 * sixth + within;
-}
-
-std::string_view name_of(PhaseMethod method) {
-  return method_names[static_cast<std::size_t>(method)];
 }
 
 PhaseDecoder::PhaseDecoder(PhaseMethod method, const std::vector<int>& steps,

@@ -3,10 +3,12 @@
 #include <complex>
 #include <numeric>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "decode/band_unwrapper.h"
 #include "decode/decoder.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/numbers.h"
+#include "decode/phase_decoder.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {

@@ -1,5 +1,5 @@
-#include "slipstream/frame_adapter.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
+#include "decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <arv.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
 #include "slipstream/camera.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 

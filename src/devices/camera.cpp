@@ -5,8 +5,9 @@
 #include <cstring>
 #include <regex>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
+#include "io/file.h"
 
 namespace slipstream {
 

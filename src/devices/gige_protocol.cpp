@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
 
 namespace slipstream {
 namespace {

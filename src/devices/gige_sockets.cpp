@@ -14,8 +14,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/numbers.h"
 #include "slipstream/error.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

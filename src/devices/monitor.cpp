@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include "base/throw_if-inl.h"
+#include "view/opengl.h"
 
 namespace slipstream::monitor {
 namespace {

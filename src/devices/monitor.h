@@ -4,9 +4,9 @@
 #include <functional>
 #include <optional>
 
-#include "slipstream/colour.h"
 #include "slipstream/frame_source.h"
-#include "slipstream/opengl.h"
+#include "slipstream/image.h"
+#include "view/opengl.h"
 
 namespace slipstream::monitor {
 

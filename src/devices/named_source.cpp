@@ -5,9 +5,13 @@
 #include <ranges>
 
 #include "base/throw_if-inl.h"
+#include "frames/colour_channels.h"
 #include "io/replay_source.h"
-#include "slipstream/colour_channels.h"
+#include "simulate/looped_scene.h"
+#include "simulate/rendered_reel.h"
+#include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {

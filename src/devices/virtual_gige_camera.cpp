@@ -5,6 +5,7 @@
 #include "base/names.h"
 #include "base/throw_if-inl.h"
 #include "devices/aravis_connection-inl.h"
+#include "simulate/rendered_reel.h"
 
 namespace slipstream {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "devices/gige_protocol.h"
 #include "devices/gige_sockets.h"
-#include "slipstream/rendered_reel.h"
+#include "simulate/rendered_reel.h"
 
 namespace slipstream {
 

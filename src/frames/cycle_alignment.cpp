@@ -1,8 +1,8 @@
 #include <functional>
 #include <limits>
 
-#include "slipstream/pattern_windows.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
+#include "frames/pattern_windows.h"
 
 namespace slipstream {
 namespace {

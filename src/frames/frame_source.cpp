@@ -2,10 +2,23 @@
 
 #include <numeric>
 
+#include "base/names.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/colour.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
+namespace {
+
+constexpr std::array<std::string_view, 3> indexing_names{"told", "counted", "marker"};
+
+}  // namespace
+
+PatternIndexing pattern_indexing_named(std::string_view name) {
+  const auto indexing = value_named<PatternIndexing>(name, indexing_names);
+  throw_if(!indexing, "indexing '{}' is unknown; use one of {}", name,
+           fmt::join(indexing_names, ", "));
+  return *indexing;
+}
 
 std::uint64_t byte_count(const FrameFormat& format) {
   const std::uint64_t bytes_per_pixel = format.bits > 8 ? 2 : 1;

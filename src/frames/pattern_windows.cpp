@@ -1,25 +1,11 @@
-#include "slipstream/pattern_windows.h"
+#include "frames/pattern_windows.h"
 
 #include <limits>
 #include <ranges>
 
-#include "base/names.h"
 #include "base/throw_if-inl.h"
 
 namespace slipstream {
-namespace {
-
-constexpr std::array<std::string_view, 3> indexing_names{"told", "counted", "marker"};
-
-}  // namespace
-
-PatternIndexing pattern_indexing_named(std::string_view name) {
-  const auto indexing = value_named<PatternIndexing>(name, indexing_names);
-  throw_if(!indexing, "indexing '{}' is unknown; use one of {}", name,
-           fmt::join(indexing_names, ", "));
-  return *indexing;
-}
-
 namespace {
 
 /// `pictures`: Frame::pixels or Frame::second.

@@ -6,8 +6,8 @@
 #include <Eigen/Cholesky>
 
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

@@ -8,9 +8,9 @@
 #include <Eigen/QR>
 #include <unsupported/Eigen/AutoDiff>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

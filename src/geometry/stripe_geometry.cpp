@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "base/numbers.h"
 #include "geometry/triangulator.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <string_view>
 
-#include "slipstream/colour.h"
 #include "slipstream/image.h"
 
 // Drawing on RGB pictures. Whatever lies outside the picture is left out. Positions are those of

@@ -5,9 +5,9 @@
 
 #include <fmt/ranges.h>
 
+#include "base/numbers.h"
+#include "io/file.h"
 #include "io/point_elements.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -1,8 +1,8 @@
 #include <map>
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/point_elements.h"
-#include "slipstream/file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

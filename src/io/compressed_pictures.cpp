@@ -14,8 +14,8 @@
 #include <tiffio.h>
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/pictures.h"
-#include "slipstream/file.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,4 @@
-#include "slipstream/file.h"
+#include "io/file.h"
 
 #include <array>
 #include <atomic>

@@ -4,11 +4,11 @@
 #include <exception>
 #include <iterator>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/pictures.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -5,7 +5,6 @@
 
 #include "base/page.h"
 #include "geometry/height_calibration.h"
-#include "slipstream/colour.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/image.h"
 

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <tiny_obj_loader.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/pictures.h"
 #include "io/point_elements.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

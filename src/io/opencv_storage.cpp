@@ -4,9 +4,10 @@
 #include <pugixml.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/unique_keys.h"
-#include "slipstream/numbers.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
 

@@ -2,11 +2,14 @@
 
 #include <cmath>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "frames/colour_channels.h"
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

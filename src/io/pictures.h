@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "io/file.h"
 #include "slipstream/image.h"
 
 // Picture formats, from and to the bytes of a file. Readers throw Error without a file name, and

@@ -6,11 +6,11 @@
 
 #include <turbojpeg.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/pictures.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <libdeflate.h>
 
+#include "base/numbers.h"
+#include "io/file.h"
 #include "io/pictures.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -1,11 +1,11 @@
 #include "io/plot.h"
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/canvas.h"
+#include "io/file.h"
 #include "io/pictures.h"
-#include "slipstream/colour.h"
-#include "slipstream/file.h"
-#include "slipstream/statistics.h"
+#include "slipstream/image.h"
 #include "slipstream/surface.h"
 
 namespace slipstream {

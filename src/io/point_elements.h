@@ -3,10 +3,10 @@
 #include <string>
 #include <string_view>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 // Readers of files of points, mm: elements of numbers, as in PLY, PCD and XYZ, and mesh formats.
 // Functions throw Error, without a file name, if the data are malformed or truncated.

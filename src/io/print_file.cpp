@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "base/numbers.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/pictures.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -1,34 +1,16 @@
-#include "slipstream/recorder.h"
+#include "io/recorder.h"
 
 #include <exception>
 #include <map>
 #include <regex>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
-#include "slipstream/saved_scan.h"
+#include "io/file_names.h"
+#include "slipstream/recording.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream {
-
-FileLimit file_limit_from(const std::string& text) {
-  static const std::map<std::string, double> sizes{{"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}},
-      times{{"s", 1}, {"min", 60}, {"h", 3600}};
-
-  std::smatch parts;
-  const bool fits = std::regex_match(text, parts, std::regex("([0-9.]+)([A-Za-z]+)(,ring)?"));
-  const std::string unit = parts[2].str();
-  const double number = number_in<double>(parts[1].str()).value_or(0);
-
-  throw_if(!fits || !(number > 0 && number <= 1e6) || sizes.count(unit) + times.count(unit) == 0,
-           "--limit '{}': expected a size or time, e.g. 500MB, 20GB, 90s, 10min or 20GB,ring",
-           text);
-
-  FileLimit limit{.ring = parts[3].matched};
-  if (times.contains(unit)) limit.seconds = number * times.at(unit);
-  if (sizes.contains(unit)) limit.bytes = static_cast<std::uint64_t>(number * sizes.at(unit));
-
-  return limit;
-}
 
 LimitedFile::LimitedFile(const std::filesystem::path& file, const FileLimit& limit)
     : path(file), limit_(limit) {

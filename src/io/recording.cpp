@@ -2,11 +2,16 @@
 
 #include <bit>
 #include <cmath>
+#include <map>
 #include <ranges>
+#include <regex>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "frames/colour_channels.h"
 #include "frames/scan_camera.h"
-#include "slipstream/scan_folder.h"
+#include "io/file.h"
+#include "io/scan_folder.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream {
@@ -200,6 +205,9 @@ bool is_recording(const fs::path& path) {
          InputFile(path, no_limit).read(0, {writable_bytes_of(begin)}) && begin == recording_magic;
 }
 
+RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header)
+    : RecordingWriter(path, header, FileWriting::over_time) {}
+
 RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header,
                                  OutputFile::Writing writing)
     : path_(path), writing_(writing), format_(header.format) {
@@ -243,6 +251,10 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
     file_->discard();
     throw;
   }
+}
+
+bool RecordingWriter::keeps_frames() const {
+  return count_ > 0 && writing_ == FileWriting::over_time;
 }
 
 RecordingWriter::~RecordingWriter() {
@@ -316,7 +328,10 @@ void RecordingWriter::write(std::initializer_list<Bytes> parts) try {
           : fmt::format("{}; of the {} frames before, {} are safely on disk", why, count_, sure));
 }
 
-RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path, no_limit) {
+RecordingReader::~RecordingReader() = default;
+
+RecordingReader::RecordingReader(const fs::path& path)
+    : path_(path), file_(std::make_unique<InputFile>(path, no_limit)) {
   const std::string name = path.string();
   const auto [scan, scanner] = naming(name, [this] { return read_header(); });
 
@@ -329,8 +344,9 @@ RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path
 std::pair<std::string, std::string> RecordingReader::read_header() {
   // 1. Whether it is a recording that this version can read.
   FileHeader header;
-  throw_if(!file_.read(0, {writable_bytes_of(header)}) || header.recording_magic != recording_magic,
-           "is not a slipstream recording");
+  throw_if(
+      !file_->read(0, {writable_bytes_of(header)}) || header.recording_magic != recording_magic,
+      "is not a slipstream recording");
   throw_if(header.version != grey_version && header.version != colour_version,
            "has recording version {}; supported: {} and {}", header.version, grey_version,
            colour_version);
@@ -343,7 +359,7 @@ std::pair<std::string, std::string> RecordingReader::read_header() {
 
   // 2. The texts, whose checksum also covers the header.
   require_whole(header.channels == (header_.in_colour ? channels : 0));
-  const std::optional<std::string> stored = read_texts(file_, header);
+  const std::optional<std::string> stored = read_texts(*file_, header);
   require_whole(stored.has_value());
 
   // 3. The frames' format.
@@ -374,11 +390,11 @@ std::pair<std::string, std::string> RecordingReader::read_header() {
 void RecordingReader::find_end() {
   // 1. A finished recording ends with its number of frames.
   const std::uint64_t record = record_size(header_.format);
-  const std::uint64_t size = file_.size() - header_size_, rest = size % record;
+  const std::uint64_t size = file_->size() - header_size_, rest = size % record;
   count_ = size / record;
 
   End end;
-  finished_ = rest == sizeof(end) && file_.read(file_.size() - rest, {writable_bytes_of(end)}) &&
+  finished_ = rest == sizeof(end) && file_->read(file_->size() - rest, {writable_bytes_of(end)}) &&
               end.mark == end_mark && end.checksum == checksum_behind(end) && end.count == count_;
 
   if (finished_) return;
@@ -408,7 +424,7 @@ bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
 
   RecordHeader header;
   const std::uint64_t offset = header_size_ + index * record_size(header_.format);
-  if (!file_.read(offset, {writable_bytes_of(header)}) || header.index != index ||
+  if (!file_->read(offset, {writable_bytes_of(header)}) || header.index != index ||
       !is_possible(header.device_time) || !is_possible(header.host_time)) {
     return false;
   }
@@ -420,7 +436,7 @@ bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   const std::span<std::uint8_t> padding =
       std::span(rest).first(aligned(pixels.size()) - pixels.size());
 
-  if (!file_.read(offset + sizeof(header), {pixels, padding}) ||
+  if (!file_->read(offset + sizeof(header), {pixels, padding}) ||
       header.checksum != checksum_behind(header, Bytes(pixels), Bytes(padding))) {
     return false;
   }
@@ -443,10 +459,30 @@ std::uint32_t RecordingReader::checksum(std::uint64_t first, std::uint64_t end,
   RecordHeader header;
   for (std::uint64_t index = first; index < std::min(end, count_); ++index) {
     const std::uint64_t offset = header_size_ + index * record_size(header_.format);
-    if (!file_.read(offset, {writable_bytes_of(header)})) break;
+    if (!file_->read(offset, {writable_bytes_of(header)})) break;
     sum = slipstream::checksum(bytes_of(header), sum);
   }
   return sum;
+}
+
+FileLimit file_limit_from(const std::string& text) {
+  static const std::map<std::string, double> sizes{{"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}},
+      times{{"s", 1}, {"min", 60}, {"h", 3600}};
+
+  std::smatch parts;
+  const bool fits = std::regex_match(text, parts, std::regex("([0-9.]+)([A-Za-z]+)(,ring)?"));
+  const std::string unit = parts[2].str();
+  const double number = number_in<double>(parts[1].str()).value_or(0);
+
+  throw_if(!fits || !(number > 0 && number <= 1e6) || sizes.count(unit) + times.count(unit) == 0,
+           "--limit '{}': expected a size or time, e.g. 500MB, 20GB, 90s, 10min or 20GB,ring",
+           text);
+
+  FileLimit limit{.ring = parts[3].matched};
+  if (times.contains(unit)) limit.seconds = number * times.at(unit);
+  if (sizes.contains(unit)) limit.bytes = static_cast<std::uint64_t>(number * sizes.at(unit));
+
+  return limit;
 }
 
 }  // namespace slipstream

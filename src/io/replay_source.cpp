@@ -4,10 +4,12 @@
 #include <thread>
 
 #include "base/throw_if-inl.h"
+#include "decode/frame_adapter.h"
+#include "frames/pattern_windows.h"
 #include "frames/scan_camera.h"
 #include "io/image_file.h"
-#include "slipstream/frame_adapter.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/recording.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream {

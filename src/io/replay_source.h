@@ -2,8 +2,9 @@
 
 #include <atomic>
 
+#include "io/scan_folder.h"
 #include "slipstream/recording.h"
-#include "slipstream/scan_folder.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream {
 

@@ -5,12 +5,14 @@
 
 #include <fnmatch.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream {

@@ -2,8 +2,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "io/file.h"
 #include "io/unique_keys.h"
-#include "slipstream/file.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,4 @@
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
 
 #include <cmath>
 #include <set>
@@ -6,12 +6,15 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/image_file.h"
+#include "io/scan_pictures.h"
 #include "io/unique_keys.h"
-#include "slipstream/numbers.h"
 #include "slipstream/recording.h"
 #include "slipstream/registry.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream {
@@ -106,11 +109,6 @@ class YamlMap {
   YAML::Node node_;
   std::string where_;
 };
-
-/// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
-bool is_hidden(const fs::path& path) {
-  return path.filename().string().starts_with(".");
-}
 
 /// The optional files named in scan.yaml, except the frames.
 constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 3>
@@ -263,48 +261,7 @@ void keep_window(ScanFiles& files) {
   files.frames = std::vector<fs::path>(first, first + frame_count(files.sequence));
 }
 
-ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {
-  const RecordingHeader& header = recording->header();
-  ScanFiles files{.path = path,
-                  .described = header.sequence.has_value(),
-                  .sequence = header.sequence.value_or(Sequence{}),
-                  .bits = header.format.bits,
-                  .recording = std::move(recording)};
-
-  if (header.scanner) files.scanner = path;
-  return files;
-}
-
 }  // namespace
-
-bool before_in_order(const fs::path& a, const fs::path& b) {
-  // Prefixes each number with its number of digits.
-  const auto key_of = [](const fs::path& path) {
-    const std::string name = path.filename().string();
-    constexpr const char* digits = "0123456789";
-    std::vector<int> key;
-
-    for (std::size_t i = 0; i < name.size();) {
-      const std::size_t end = std::min(name.find_first_not_of(digits, i), name.size());
-      if (end == i) {
-        key.push_back(name[i++]);
-        continue;
-      }
-
-      // Without leading zeros, more digits mean a larger number.
-      i = std::min(name.find_first_not_of('0', i), end - 1);
-      key.insert(key.end(), {'0', static_cast<int>(end - i)});
-      key.insert(key.end(), name.begin() + static_cast<std::ptrdiff_t>(i),
-                 name.begin() + static_cast<std::ptrdiff_t>(end));
-      i = end;
-    }
-
-    return key;
-  };
-
-  // Names with equal numbers, such as 1 and 01, compare as paths.
-  return std::pair(key_of(a), a) < std::pair(key_of(b), b);
-}
 
 ScanFiles read_scan_files(const fs::path& file) {
   ScanFiles scan = scan_files_from(read_text(file), file.string(), file.parent_path());
@@ -406,16 +363,6 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   return std::string(yaml.c_str()) + "\n";
 }
 
-std::uint64_t window_count(const ScanFiles& files) {
-  if (files.recording) return window_count(*files.recording, files.sequence);
-
-  // The last cycle counts only if its motion frames follow.
-  const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(files.sequence)));
-  const auto motion = static_cast<std::uint64_t>(files.sequence.motion);
-
-  return files.frames.size() < motion ? 0 : (files.frames.size() - motion) / cycle;
-}
-
 void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(!files.described && !changes.sequence.strategy,
            "{}: {}; set the pattern strategy with --strategy", files.path.string(),
@@ -435,47 +382,16 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   if (changes.second_camera) files.second_camera = changes.second_camera;
 }
 
-ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
-  ScanFiles files;
+ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {
+  const RecordingHeader& header = recording->header();
+  ScanFiles files{.path = path,
+                  .described = header.sequence.has_value(),
+                  .sequence = header.sequence.value_or(Sequence{}),
+                  .bits = header.format.bits,
+                  .recording = std::move(recording)};
 
-  if (changes.recording || is_recording(path)) {
-    files = recorded_files(path, changes.recording ? changes.recording
-                                                   : std::make_shared<const RecordingReader>(path));
-  } else if (!fs::is_directory(path)) {
-    throw Error(fmt::format("{}: {}; expected a scan folder or a recording", path.string(),
-                            fs::exists(path) ? "is neither" : "no such folder or file"));
-  } else if (fs::exists(path / "scan.yaml")) {
-    files = read_scan_files(path / "scan.yaml");
-  } else {
-    files.path = path;
-    files.frames = images_in_folder(path);
-  }
-
-  amend(files, changes);
+  if (header.scanner) files.scanner = path;
   return files;
-}
-
-bool is_scan_folder(const fs::path& folder) {
-  return !is_hidden(folder) && !fs::exists(folder / "report.html");
-}
-
-std::vector<fs::path> images_in_folder(const fs::path& folder) {
-  throw_if(!fs::is_directory(folder), "{}: no such folder", folder.string());
-
-  std::vector<fs::path> images, jpegs;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!entry.is_regular_file() || is_hidden(entry.path())) continue;
-    if (is_image_file(entry.path())) images.push_back(entry.path());
-    if (is_jpeg_file(entry.path())) jpegs.push_back(entry.path());
-  }
-
-  // A folder of lossless pictures may also contain JPEGs, such as photographs of the object.
-  if (images.empty()) images = std::move(jpegs);
-  throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
-           folder.string());
-
-  std::ranges::sort(images, before_in_order);
-  return with_pages(images);
 }
 
 }  // namespace slipstream

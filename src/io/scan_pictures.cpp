@@ -1,11 +1,13 @@
+#include "io/scan_pictures.h"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/image_file.h"
-#include "slipstream/scan_folder.h"
-#include "slipstream/statistics.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -115,6 +117,11 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
                      surplus == 1 ? "" : "s", fmt::join(named, ", "), fmt::join(order, ","));
 }
 
+/// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
+bool is_hidden(const fs::path& path) {
+  return path.filename().string().starts_with(".");
+}
+
 }  // namespace
 
 std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
@@ -146,6 +153,58 @@ std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
   for (const int n : files.order) ordered.push_back(pictures[static_cast<std::size_t>(n)]);
 
   return ordered;
+}
+
+bool before_in_order(const fs::path& a, const fs::path& b) {
+  // Prefixes each number with its number of digits.
+  const auto key_of = [](const fs::path& path) {
+    const std::string name = path.filename().string();
+    constexpr const char* digits = "0123456789";
+    std::vector<int> key;
+
+    for (std::size_t i = 0; i < name.size();) {
+      const std::size_t end = std::min(name.find_first_not_of(digits, i), name.size());
+      if (end == i) {
+        key.push_back(name[i++]);
+        continue;
+      }
+
+      // Without leading zeros, more digits mean a larger number.
+      i = std::min(name.find_first_not_of('0', i), end - 1);
+      key.insert(key.end(), {'0', static_cast<int>(end - i)});
+      key.insert(key.end(), name.begin() + static_cast<std::ptrdiff_t>(i),
+                 name.begin() + static_cast<std::ptrdiff_t>(end));
+      i = end;
+    }
+
+    return key;
+  };
+
+  // Names with equal numbers, such as 1 and 01, compare as paths.
+  return std::pair(key_of(a), a) < std::pair(key_of(b), b);
+}
+
+bool is_scan_folder(const fs::path& folder) {
+  return !is_hidden(folder) && !fs::exists(folder / "report.html");
+}
+
+std::vector<fs::path> images_in_folder(const fs::path& folder) {
+  throw_if(!fs::is_directory(folder), "{}: no such folder", folder.string());
+
+  std::vector<fs::path> images, jpegs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file() || is_hidden(entry.path())) continue;
+    if (is_image_file(entry.path())) images.push_back(entry.path());
+    if (is_jpeg_file(entry.path())) jpegs.push_back(entry.path());
+  }
+
+  // A folder of lossless pictures may also contain JPEGs, such as photographs of the object.
+  if (images.empty()) images = std::move(jpegs);
+  throw_if(images.empty(), "{}: no pictures; expected PNG, TIFF, BMP, PGM or JPEG files",
+           folder.string());
+
+  std::ranges::sort(images, before_in_order);
+  return with_pages(images);
 }
 
 }  // namespace slipstream

@@ -5,12 +5,12 @@
 
 #include <Eigen/LU>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "frames/colour_channels.h"
+#include "io/file.h"
 #include "io/unique_keys.h"
-#include "slipstream/colour_channels.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
-#include "slipstream/response_fit.h"
+#include "response/response_fit.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

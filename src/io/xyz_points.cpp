@@ -1,10 +1,10 @@
 #include <cctype>
 #include <map>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/point_elements.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/throw_if-inl.h"
-#include "slipstream/frame_adapter.h"
+#include "decode/frame_adapter.h"
 
 namespace slipstream {
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "frames/pattern_windows.h"
 #include "frames/scan_camera.h"
-#include "slipstream/pattern_windows.h"
 #include "slipstream/sequence.h"
 
 namespace slipstream {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "cloud/object_model.h"
+#include "live/cloud_follower.h"
+#include "live/object_tracker.h"
 #include "slipstream/live_pipeline.h"
 
 namespace slipstream {

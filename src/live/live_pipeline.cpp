@@ -1,6 +1,7 @@
 #include "slipstream/live_pipeline.h"
 
 #include "base/throw_if-inl.h"
+#include "live/cloud_follower.h"
 #include "live/live_run-inl.h"
 
 namespace slipstream {

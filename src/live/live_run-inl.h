@@ -4,9 +4,12 @@
 #include <tuple>
 
 #include "base/thread_priority.h"
+#include "decode/frame_adapter.h"
+#include "frames/pattern_windows.h"
+#include "live/bounded_queue.h"
 #include "live/followed_object-inl.h"
+#include "live/live_counters.h"
 #include "live/window_engine.h"
-#include "slipstream/frame_adapter.h"
 
 namespace slipstream {
 

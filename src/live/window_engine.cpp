@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "slipstream/frame_adapter.h"
+#include "decode/frame_adapter.h"
+#include "frames/pattern_windows.h"
 
 namespace slipstream {
 namespace {

@@ -2,9 +2,9 @@
 
 #include "check/fit.h"
 #include "reconstruct/phase_matcher.h"
+#include "slipstream/check.h"
 #include "slipstream/engine.h"
 #include "slipstream/live_pipeline.h"
-#include "slipstream/scan_check.h"
 
 namespace slipstream {
 

@@ -4,9 +4,10 @@
 #include <atomic>
 #include <ranges>
 
+#include "base/numbers.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
+#include "live/cloud_follower.h"
 
 namespace slipstream {
 

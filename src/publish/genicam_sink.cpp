@@ -5,10 +5,10 @@
 
 #include <arpa/inet.h>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
 #include "publish/scan3d.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -5,8 +5,12 @@
 #include <zstd.h>
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
+#include "io/recorder.h"
+#include "io/scan_folder.h"
+#include "publish/cdr.h"
 #include "slipstream/ros_messages.h"
-#include "slipstream/scan_folder.h"
+#include "slipstream/scan_files.h"
 
 namespace slipstream {
 namespace {

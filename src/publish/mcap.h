@@ -4,8 +4,8 @@
 #include <map>
 #include <memory>
 
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
+#include "io/file.h"
 
 namespace slipstream {
 

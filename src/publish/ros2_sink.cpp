@@ -7,11 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
 
+#include "base/numbers.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
+#include "publish/cdr.h"
 #include "publish/dds_messages.h"
-#include "slipstream/numbers.h"
+#include "publish/ros_parameters.h"
 
 namespace slipstream {
 namespace {

@@ -5,7 +5,8 @@
 #include <variant>
 
 #include "base/throw_if-inl.h"
-#include "slipstream/file.h"
+#include "io/file.h"
+#include "publish/cdr.h"
 
 namespace slipstream {
 namespace {

@@ -1,8 +1,11 @@
+#include "publish/ros_parameters.h"
+
 #include <algorithm>
 
 #include <fmt/ranges.h>
 
-#include "slipstream/ros_messages.h"
+#include "publish/cdr.h"
+#include "publish/ros_parameters.h"
 
 namespace slipstream {
 namespace {

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/numbers.h"
+#include "base/statistics.h"
 #include "slipstream/error.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

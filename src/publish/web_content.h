@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "slipstream/live_cloud.h"
+#include "slipstream/live_pipeline.h"
 #include "slipstream/scanner.h"
 
 namespace slipstream {

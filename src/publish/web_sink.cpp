@@ -11,12 +11,12 @@
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/numbers.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "publish/web_content.h"
 #include "slipstream/cloud_sink.h"
-#include "slipstream/colour.h"
-#include "slipstream/numbers.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSetting, name, help, unit, value, choices, least, most, state)

@@ -2,8 +2,8 @@
 
 #include <map>
 
+#include "base/numbers.h"
 #include "decode/surface_orders.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

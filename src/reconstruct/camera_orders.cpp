@@ -1,9 +1,10 @@
 #include "reconstruct/camera_orders.h"
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "decode/band_unwrapper.h"
 #include "geometry/stripe_geometry.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/numbers.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {

@@ -1,10 +1,12 @@
 #include "reconstruct/camera_phases.h"
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/fused/pair_rows.h"
 #include "reconstruct/fused/rows.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/numbers.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,9 +1,9 @@
 #include "reconstruct/coordinate_map.h"
 
+#include "base/numbers.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace {

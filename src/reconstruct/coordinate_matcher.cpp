@@ -3,13 +3,14 @@
 #include <Eigen/Geometry>
 #include <fmt/ranges.h>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/numbers.h"
 #include "slipstream/registry.h"
-#include "slipstream/statistics.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,10 +1,12 @@
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
+#include "decode/band_unwrapper.h"
 #include "geometry/stripe_geometry.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/numbers.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {

@@ -4,12 +4,15 @@
 
 #include <fmt/format.h>
 
+#include "decode/frame_adapter.h"
 #include "decode/frame_motion.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/gpu/gpu_engine.h"
 #include "reconstruct/pipeline.h"
 #include "reconstruct/table_engine.h"
-#include "slipstream/frame_adapter.h"
+#include "response/correction.h"
 #include "slipstream/frame_set.h"
 
 namespace slipstream {

@@ -2,14 +2,16 @@
 
 #include <Eigen/Geometry>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
+#include "decode/band_unwrapper.h"
 #include "decode/decoder.h"
 #include "geometry/stripe_geometry.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
+#include "reconstruct/engine_setup.h"
+#include "response/correction.h"
 
 namespace slipstream {
 namespace {

@@ -1,6 +1,6 @@
 #include "reconstruct/epipolar_search.h"
 
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

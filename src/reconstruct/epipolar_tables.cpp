@@ -2,9 +2,9 @@
 
 #include <Eigen/LU>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "geometry/stripe_geometry.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -1,14 +1,14 @@
 #include "reconstruct/phase_matcher.h"
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "reconstruct/camera_agreement.h"
 #include "reconstruct/camera_orders.h"
 #include "reconstruct/epipolar_search.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/fused/pair_rows.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

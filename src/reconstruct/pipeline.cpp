@@ -4,15 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/error.h"
 
 namespace slipstream {
-
-void require_size(const FrameViews& frames, Size camera) {
-  if (frames.size() == camera) return;
-  throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
-                          text_of(frames.size()), text_of(camera)));
-}
 
 ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections)
     : setup_(setup),

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "decode/decoder.h"
+#include "decode/phase_decoder.h"
 #include "decode/surface_orders.h"
 #include "geometry/triangulator.h"
 #include "slipstream/reconstruct_settings.h"

@@ -1,14 +1,15 @@
 // Which pixels become points, where the points are, and their uncertainty.
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
 #include "geometry/stripe_geometry.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 #include "slipstream/engine.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,10 +1,12 @@
 #include "slipstream/reconstruct_settings.h"
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
+#include "decode/equations.h"
 #include "geometry/triangulator.h"
-#include "slipstream/correction.h"
-#include "slipstream/numbers.h"
+#include "reconstruct/engine_setup.h"
+#include "response/correction.h"
 #include "slipstream/registry.h"
 #include "slipstream/unwrapping.h"
 
@@ -57,16 +59,6 @@ DepthRange depth_range(const EngineSetup& setup) {
   return {settings.nearest.value_or(usual.nearest), settings.farthest.value_or(usual.farthest)};
 }
 
-bool unwraps_by_depth(const EngineSetup& setup) {
-  return !has_coordinate(setup.sequence.strategy) && setup.settings.nearest &&
-         setup.settings.farthest;
-}
-
-bool unwraps_by_picture(const EngineSetup& setup) {
-  return unwraps_by_depth(setup) ||
-         order_source(setup.sequence.strategy.layout()) == OrderSource::surface;
-}
-
 void require_valid(const EngineSetup& setup) {
   const auto& [scanner, sequence, settings] = setup;
   require_valid(scanner);
@@ -97,20 +89,6 @@ void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {
            scanner, strategy.name(), frame_count(strategy));
 }
 
-CueSettings cue_settings(const EngineSetup& setup) {
-  const PhotometricCalibration& known = setup.scanner.photometry;
-  CueSettings cue{.light = setup.sequence.light, .rule = setup.settings.cue_rule};
-  cue.ambient = known.ambient.value_or(cue.ambient);
-  cue.noise_variance = known.noise_variance.value_or(cue.noise_variance);
-  return cue;
-}
-
-PhaseCorrections phase_corrections(const EngineSetup& setup) {
-  const auto& measured = setup.scanner.photometry.response;
-  if (!measured) return {};
-  return phase_corrections(measured->response, setup.sequence.strategy.layout());
-}
-
 DepthNoise depth_noise(const EngineSetup& setup) {
   const ProjectionMatrices rows = projection_matrices(setup.scanner, setup.sequence.axis);
   const auto &y = rows.projector_coordinate, &z = rows.projector_depth;
@@ -122,33 +100,6 @@ DepthNoise depth_noise(const EngineSetup& setup) {
   return {.noise = static_cast<float>(std::sqrt(variance)),
           .projector_depth = {depth(0), depth(1), depth(2), depth(3)},
           .parallax = {parallax(0), parallax(1), parallax(2)}};
-}
-
-int projector_length(const EngineSetup& setup) {
-  return length_along(setup.sequence.axis, setup.scanner.projector.size);
-}
-
-double least_modulation(const EngineSetup& setup) {
-  const Layout& layout = setup.sequence.strategy.layout();
-  const double least = setup.settings.minimum_modulation;
-  if (order_source(layout) != OrderSource::neighbours) return least;
-  return std::max(least, CueEvidence(layout, cue_settings(setup)).least_modulation());
-}
-
-void raise_least_modulation(EngineSetup& setup) {
-  const double least = least_modulation(setup);
-  ReconstructSettings& settings = setup.settings;
-  if (!(least > settings.minimum_modulation)) return;
-  settings.least_voting_share *= settings.minimum_modulation / least;
-  settings.minimum_modulation = least;
-}
-
-double least_modulation(const ReconstructSettings& settings, double full_scale) {
-  return settings.minimum_modulation * full_scale / 255;
-}
-
-double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale) {
-  return settings.least_voting_share * least_modulation(settings, full_scale);
 }
 
 }  // namespace slipstream

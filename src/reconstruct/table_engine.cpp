@@ -5,11 +5,14 @@
 #include <limits>
 #include <numeric>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/lens_table.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "decode/phase_decoder.h"
 #include "geometry/triangulator.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/reconstruct_settings.h"
 
 namespace slipstream {

@@ -1,14 +1,16 @@
-#include "slipstream/ambient_calibration.h"
+#include "response/ambient_calibration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/correction.h"
-#include "slipstream/equations.h"
-#include "slipstream/phase_decoder.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
+#include "response/correction.h"
+#include "response/scan_average.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

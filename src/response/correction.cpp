@@ -1,4 +1,4 @@
-#include "slipstream/correction.h"
+#include "response/correction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,9 @@
 #include <Eigen/Dense>
 
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/statistics.h"
+#include "decode/phase_decoder.h"
 
 namespace slipstream {
 namespace {

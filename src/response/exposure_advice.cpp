@@ -5,10 +5,10 @@
 #include <limits>
 #include <ranges>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
-#include "slipstream/phase_decoder.h"
-#include "slipstream/statistics.h"
+#include "decode/phase_decoder.h"
 
 namespace slipstream {
 namespace {

@@ -1,11 +1,11 @@
-#include "slipstream/noise_calibration.h"
+#include "response/noise_calibration.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/throw_if-inl.h"
-#include "slipstream/phase_decoder.h"
-#include "slipstream/scan_average.h"
+#include "decode/phase_decoder.h"
+#include "response/scan_average.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,12 +1,12 @@
-#include "slipstream/response_fit.h"
+#include "response/response_fit.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,4 @@
-#include "slipstream/scan_average.h"
+#include "response/scan_average.h"
 
 #include <algorithm>
 #include <functional>

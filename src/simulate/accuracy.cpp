@@ -2,15 +2,15 @@
 
 #include <map>
 
+#include "base/numbers.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "io/rig_file.h"
 #include "slipstream/cleaner.h"
-#include "slipstream/file.h"
 #include "slipstream/measure.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -2,8 +2,9 @@
 
 #include <chrono>
 
+#include "base/statistics.h"
 #include "slipstream/engine.h"
-#include "slipstream/statistics.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {

@@ -1,7 +1,7 @@
 #include "simulate/hand.h"
 
-#include "slipstream/numbers.h"
-#include "slipstream/sculptures.h"
+#include "base/numbers.h"
+#include "simulate/sculptures.h"
 
 namespace slipstream {
 namespace {

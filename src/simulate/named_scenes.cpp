@@ -1,8 +1,9 @@
 #include "slipstream/named_scenes.h"
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "simulate/hand.h"
-#include "slipstream/numbers.h"
+#include "simulate/sculptures.h"
 
 namespace slipstream {
 namespace {

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "base/numbers.h"
 #include "simulate/accuracy.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/numbers.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {

@@ -1,9 +1,10 @@
-#include "slipstream/rendered_reel.h"
+#include "simulate/rendered_reel.h"
 
 #include <algorithm>
 
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
+#include "simulate/looped_scene.h"
 #include "slipstream/virtual_camera.h"
 
 namespace slipstream {

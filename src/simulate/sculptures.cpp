@@ -1,4 +1,4 @@
-#include "slipstream/sculptures.h"
+#include "simulate/sculptures.h"
 
 #include <algorithm>
 

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/parallel_rows.h"
+#include "decode/equations.h"
 #include "slipstream/named_scenes.h"
 
 namespace slipstream {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

@@ -1,12 +1,13 @@
 #include "simulate/virtual_files.h"
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/file.h"
 #include "slipstream/recording.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

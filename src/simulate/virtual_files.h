@@ -1,6 +1,7 @@
 #pragma once
 
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

@@ -2,11 +2,11 @@
 
 #include <fmt/ranges.h>
 
+#include "base/numbers.h"
 #include "codes/predicted_variance.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

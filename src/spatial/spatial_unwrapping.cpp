@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
+#include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/numbers.h"
-#include "slipstream/statistics.h"
 #include "spatial/methods.h"
 
 namespace slipstream {

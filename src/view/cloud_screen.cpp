@@ -6,8 +6,12 @@
 #include <glm/geometric.hpp>
 #include <imgui.h>
 
-#include "slipstream/scene_renderer.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/surface.h"
+#include "view/gui.h"
+#include "view/opengl.h"
+#include "view/orbit_camera.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {

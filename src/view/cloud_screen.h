@@ -6,6 +6,10 @@
 
 #include "slipstream/engine.h"
 #include "slipstream/viewer.h"
+#include "view/gui.h"
+#include "view/opengl.h"
+#include "view/orbit_camera.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 

@@ -1,4 +1,4 @@
-#include "slipstream/gui.h"
+#include "view/gui.h"
 
 #include <bit>
 #include <filesystem>
@@ -11,6 +11,8 @@
 
 #include "io/plot.h"
 #include "slipstream/error.h"
+#include "view/opengl.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {

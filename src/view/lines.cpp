@@ -8,7 +8,9 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
 
-#include "slipstream/scene_renderer.h"
+#include "view/opengl.h"
+#include "view/orbit_camera.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {

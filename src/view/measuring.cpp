@@ -4,6 +4,7 @@
 
 #include "slipstream/error.h"
 #include "view/cloud_screen.h"
+#include "view/orbit_camera.h"
 
 namespace slipstream::view {
 namespace {

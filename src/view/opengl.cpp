@@ -1,4 +1,4 @@
-#include "slipstream/opengl.h"
+#include "view/opengl.h"
 
 #include <GLFW/glfw3.h>
 #include <epoxy/egl.h>

@@ -1,4 +1,4 @@
-#include "slipstream/orbit_camera.h"
+#include "view/orbit_camera.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,9 @@
 #include <imgui.h>
 
 #include "view/cloud_screen.h"
+#include "view/gui.h"
+#include "view/opengl.h"
+#include "view/orbit_camera.h"
 
 namespace slipstream::view {
 namespace {

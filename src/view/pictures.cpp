@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include "view/cloud_screen.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {

@@ -1,4 +1,4 @@
-#include "slipstream/scene_renderer.h"
+#include "view/scene_renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,10 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "base/names.h"
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "slipstream/statistics.h"
+#include "view/opengl.h"
+#include "view/orbit_camera.h"
 
 namespace slipstream::view {
 namespace {

@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "frames/pattern_windows.h"
 #include "slipstream/live_pipeline.h"
-#include "slipstream/pattern_windows.h"
 #include "view/cloud_screen.h"
+#include "view/gui.h"
+#include "view/opengl.h"
 
 namespace slipstream::view {
 namespace {

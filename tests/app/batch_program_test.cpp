@@ -8,8 +8,8 @@
 #include <signal.h>
 
 #include "app/manifest.h"
+#include "io/file.h"
 #include "slipstream/error.h"
-#include "slipstream/file.h"
 #include "tests/app/program.h"
 #include "tests/io/expect_error.h"
 

@@ -9,8 +9,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"

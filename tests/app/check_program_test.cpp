@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"

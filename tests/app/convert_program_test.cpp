@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/file.h"
 #include "io/image_file.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/file.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
 #include "tests/app/program.h"

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/file.h"
 #include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "slipstream/recording.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"

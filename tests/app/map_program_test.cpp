@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/file.h"
 #include "tests/app/program.h"
 
 namespace slipstream::map_program_test {

@@ -8,6 +8,7 @@
 
 #include <sys/types.h>
 
+#include "io/file.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/mount.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/file.h"
 #include "slipstream/scanner_file.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/file.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"

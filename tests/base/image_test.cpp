@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "base/parallel_rows.h"
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
 
 namespace slipstream::image_test {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/statistics.h"
+#include "base/statistics.h"
 
 namespace slipstream::moving_mean_test {
 

@@ -4,10 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
 #include "paper/published_loops.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/registry.h"
 #include "slipstream/virtual_scanner.h"

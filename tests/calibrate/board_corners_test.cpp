@@ -1,4 +1,4 @@
-#include "slipstream/board_corners.h"
+#include "calibrate/board_corners.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,9 +1,10 @@
-#include "slipstream/bundle_adjustment.h"
+#include "calibrate/bundle_adjustment.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "calibrate/board_view.h"
 #include "calibrate/diagnosis.h"
 #include "slipstream/calibration_board.h"
 #include "slipstream/named_scenes.h"

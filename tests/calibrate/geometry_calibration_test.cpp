@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "calibrate/board_view.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"

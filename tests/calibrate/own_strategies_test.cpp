@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrate/board_view.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/virtual_scanner.h"

@@ -6,11 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrate/board_corners.h"
 #include "frames/scan_camera.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/board_corners.h"
+#include "calibrate/board_corners.h"
 #include "slipstream/frame_set.h"
 
 namespace slipstream::projector_corners_test {

@@ -7,13 +7,15 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "calibrate/board_view.h"
 #include "calibrate/report.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/registry.h"
-#include "slipstream/scan_folder.h"
 #include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "frames/pattern_windows.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"

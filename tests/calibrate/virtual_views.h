@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "slipstream/board_view.h"
+#include "calibrate/board_view.h"
 #include "slipstream/calibration_board.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scanner.h"

@@ -7,10 +7,11 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include "base/statistics.h"
+#include "slipstream/check.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/scan_check.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/followed_hints.h"
 #include "tests/check/mistake_lists.h"

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "slipstream/check.h"
 #include "slipstream/engine.h"
-#include "slipstream/scan_check.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/random_scans.h"
 

@@ -1,6 +1,6 @@
-#include "slipstream/finding.h"
-
 #include <gtest/gtest.h>
+
+#include "slipstream/check.h"
 
 namespace slipstream::finding_test {
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/scan_check.h"
+#include "slipstream/check.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/real_sets.h"

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/statistics.h"
 #include "slipstream/unwrapping.h"
 #include "tests/check/mistakes.h"
 #include "tests/geometry/random_scanner.h"

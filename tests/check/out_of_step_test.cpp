@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/statistics.h"
+#include "slipstream/check.h"
 #include "slipstream/engine.h"
-#include "slipstream/scan_check.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/real_sets.h"

@@ -6,9 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "io/image_file.h"
+#include "slipstream/check.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/scan_check.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/every_strategy.h"
 #include "tests/shared_data.h"

@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/statistics.h"
 #include "simulate/seen_scene.h"
+#include "slipstream/check.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
-#include "slipstream/scan_check.h"
-#include "slipstream/statistics.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/random_scans.h"
 #include "tests/every_strategy.h"
 

@@ -18,14 +18,16 @@
 #include <rapidcheck.h>
 #include <tbb/global_control.h>
 
+#include "base/statistics.h"
 #include "bench/vector_target.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "slipstream/cloud.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/scan_folder.h"
 #include "slipstream/scanner_file.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"

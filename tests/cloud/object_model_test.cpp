@@ -1,5 +1,5 @@
 // Clouds of an object that turns before the virtual camera, as depth and noise alone make them.
-#include "slipstream/object_model.h"
+#include "cloud/object_model.h"
 
 #include <cmath>
 #include <numbers>

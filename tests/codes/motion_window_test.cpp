@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "response/correction.h"
 #include "slipstream/error.h"
 #include "slipstream/layout.h"
 #include "slipstream/registry.h"

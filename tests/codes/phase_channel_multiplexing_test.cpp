@@ -9,6 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "codes/predicted_variance.h"
+#include "decode/cue_evidence.h"
 #include "decode/decoder.h"
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"

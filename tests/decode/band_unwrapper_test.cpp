@@ -1,4 +1,4 @@
-#include "slipstream/band_unwrapper.h"
+#include "decode/band_unwrapper.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,6 +7,7 @@
 
 #include "slipstream/image.h"
 #include "slipstream/maps.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream::temporal_unwrapping_test {
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/frame_adapter.h"
 #include "slipstream/error.h"
-#include "slipstream/frame_adapter.h"
 
 namespace slipstream::demodulator_test {
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "decode/cue_evidence.h"
 #include "decode/decoder.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/phase_channel_multiplexing.h"

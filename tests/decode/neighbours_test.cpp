@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/frame_adapter.h"
+#include "decode/frame_adapter.h"
 
 namespace slipstream::neighbours_test {
 

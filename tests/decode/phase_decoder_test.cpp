@@ -1,4 +1,4 @@
-#include "slipstream/phase_decoder.h"
+#include "decode/phase_decoder.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/equations.h"
+#include "decode/equations.h"
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/phase_shifting.h"

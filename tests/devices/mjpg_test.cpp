@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
 
+#include "base/statistics.h"
 #include "io/image_file.h"
 #include "slipstream/engine.h"
 #include "slipstream/registry.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::mjpg_test {

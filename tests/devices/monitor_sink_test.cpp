@@ -10,10 +10,10 @@
 
 #include "devices/monitor.h"
 #include "slipstream/error.h"
-#include "slipstream/opengl.h"
 #include "slipstream/pattern_set.h"
 #include "slipstream/registry.h"
 #include "tests/view/desktop.h"
+#include "view/opengl.h"
 
 namespace slipstream::monitor {
 namespace {

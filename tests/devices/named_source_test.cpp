@@ -8,15 +8,16 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/colour_channels.h"
 #include "simulate/virtual_files.h"
-#include "slipstream/colour_channels.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
 #include "slipstream/virtual_scanner.h"
+#include "slipstream/virtual_world.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

@@ -6,7 +6,7 @@
 
 #include "slipstream/camera.h"
 #include "slipstream/engine.h"
-#include "slipstream/live_cloud.h"
+#include "slipstream/live_pipeline.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "tests/live/virtual_loop.h"

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
+#include "decode/band_unwrapper.h"
 #include "tests/extensions/seen.h"
 
 namespace slipstream::own_unwrapping_test {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "slipstream/recording.h"
 #include "tests/faults/faulted_program.h"
 #include "tests/io/recorded_frames.h"

@@ -1,4 +1,4 @@
-#include "slipstream/colour_channels.h"
+#include "frames/colour_channels.h"
 
 #include <algorithm>
 #include <cstdint>

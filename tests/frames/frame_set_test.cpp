@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/pattern_windows.h"
 #include "slipstream/error.h"
 
 namespace slipstream::frame_set_test {

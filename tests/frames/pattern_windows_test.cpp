@@ -1,5 +1,5 @@
 // The index of each frame: how it is known, and what becomes of it when it is wrong.
-#include "slipstream/pattern_windows.h"
+#include "frames/pattern_windows.h"
 
 #include <algorithm>
 #include <string>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/frame_adapter.h"
+#include "decode/frame_adapter.h"
 #include "tests/live/virtual_loop.h"
 #include "tests/own_strategies.h"
 

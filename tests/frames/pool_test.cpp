@@ -1,4 +1,3 @@
-#include "slipstream/pool.h"
 
 #include <thread>
 

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "decode/frame_adapter.h"
+#include "frames/pattern_windows.h"
 #include "slipstream/engine.h"
-#include "slipstream/frame_adapter.h"
+#include "slipstream/frame_source.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/pattern_windows.h"
-#include "slipstream/pool.h"
 #include "tests/every_strategy.h"
 #include "tests/fuzz/target.h"
 

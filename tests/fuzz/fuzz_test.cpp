@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream::fuzz_test {

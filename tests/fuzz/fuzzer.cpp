@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "tests/fuzz/target.h"
 
 namespace {

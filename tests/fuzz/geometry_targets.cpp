@@ -1,4 +1,5 @@
 // Clouds and meshes.
+#include "io/file.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/cloud_file.h"
 #include "tests/fuzz/target.h"

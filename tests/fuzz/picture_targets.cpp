@@ -3,9 +3,9 @@
 #include <cstring>
 
 #include "frames/scan_camera.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "slipstream/camera.h"
-#include "slipstream/file.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "tests/fuzz/target.h"

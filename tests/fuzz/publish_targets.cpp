@@ -1,7 +1,9 @@
 // What others may have written of clouds: MCAP files, messages of ROS 2.
 #include <cstring>
 
+#include "publish/cdr.h"
 #include "publish/mcap.h"
+#include "publish/ros_parameters.h"
 #include "slipstream/ros_messages.h"
 #include "tests/fuzz/target.h"
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "io/file.h"
 #include "slipstream/error.h"
-#include "slipstream/file.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {

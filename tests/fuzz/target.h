@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/file.h"
 #include "tests/fuzz/mutate.h"
 
 namespace slipstream {

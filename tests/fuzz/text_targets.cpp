@@ -1,9 +1,10 @@
 // Settings and calibrations: YAML and XML. Lists and manifests.
 #include "app/manifest.h"
+#include "io/file.h"
 #include "io/result_files.h"
 #include "io/rig_file.h"
-#include "slipstream/file.h"
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner.h"
 #include "slipstream/scanner_file.h"
 #include "tests/every_strategy.h"

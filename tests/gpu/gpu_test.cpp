@@ -20,8 +20,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/gpu/gpu_engine.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 #include "slipstream/engine.h"
 #include "tests/every_strategy.h"
 #include "tests/geometry/random_scanner.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "tests/io/expect_error.h"

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
-#include "slipstream/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -7,14 +7,16 @@
 #include <opencv2/imgcodecs.hpp>
 #include <tiffio.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/replay_source.h"
 #include "io/result_files.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "slipstream/engine.h"
-#include "slipstream/file.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/numbers.h"
+#include "io/file.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/file.h"
-#include "slipstream/numbers.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

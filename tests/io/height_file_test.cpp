@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
-#include "slipstream/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

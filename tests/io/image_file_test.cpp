@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tiffio.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

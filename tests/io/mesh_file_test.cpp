@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "simulate/virtual_files.h"
-#include "slipstream/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

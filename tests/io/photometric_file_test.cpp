@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "slipstream/error.h"
-#include "slipstream/file.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scanner_file.h"
 #include "tests/io/expect_error.h"

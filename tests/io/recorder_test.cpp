@@ -1,4 +1,4 @@
-#include "slipstream/recorder.h"
+#include "io/recorder.h"
 
 #include <filesystem>
 #include <fstream>
@@ -10,9 +10,11 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "io/replay_source.h"
 #include "slipstream/error.h"
 #include "slipstream/phase_shifting.h"
+#include "slipstream/recording.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"

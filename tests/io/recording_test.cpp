@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "frames/scan_camera.h"
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "tests/io/expect_error.h"

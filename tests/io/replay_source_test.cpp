@@ -7,13 +7,15 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/pattern_windows.h"
+#include "io/file.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
 #include "slipstream/engine.h"
-#include "slipstream/file.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"

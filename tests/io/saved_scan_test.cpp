@@ -1,5 +1,3 @@
-#include "slipstream/saved_scan.h"
-
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -7,12 +5,17 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/colour_channels.h"
+#include "io/depth_truth.h"
+#include "io/file_names.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "slipstream/registry.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

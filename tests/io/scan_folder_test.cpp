@@ -1,11 +1,13 @@
-#include "slipstream/scan_folder.h"
+#include "io/scan_folder.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "slipstream/file.h"
+#include "io/file.h"
+#include "io/scan_pictures.h"
 #include "slipstream/phase_shifting.h"
+#include "slipstream/scan_files.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "slipstream/file.h"
+#include "io/file.h"
 #include "slipstream/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

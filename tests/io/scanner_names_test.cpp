@@ -3,10 +3,11 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "io/result_files.h"
-#include "slipstream/file.h"
+#include "io/scan_folder.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/saved_scan.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

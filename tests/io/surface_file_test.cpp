@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "io/image_file.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/sheet_cloud.h"

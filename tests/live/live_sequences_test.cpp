@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/pattern_windows.h"
 #include "slipstream/engine.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/live_pipeline.h"
-#include "slipstream/pattern_windows.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 #include "tests/own_strategies.h"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "live/live_counters.h"
 #include "slipstream/live_statistics.h"
 
 namespace slipstream::meters_test {

@@ -1,15 +1,15 @@
 // Tracks a sphere and a plane from cloud to cloud, and merges clouds into a model.
-#include "slipstream/object_track.h"
-
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "live/object_tracker.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/live_pipeline.h"
+#include "slipstream/live_statistics.h"
 #include "slipstream/virtual_camera.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"

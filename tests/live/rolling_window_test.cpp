@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "frames/pattern_windows.h"
 #include "slipstream/live_statistics.h"
-#include "slipstream/pattern_windows.h"
 namespace slipstream::rolling_window_test {
 
 Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "slipstream/engine.h"
+#include "slipstream/frame_source.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/pool.h"
 #include "slipstream/registry.h"
 #include "slipstream/virtual_camera.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "slipstream/live_cloud.h"
+#include "slipstream/live_pipeline.h"
 #include "slipstream/scanner.h"
 
 namespace slipstream {

@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include "io/file.h"
 #include "publish/web_content.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/error.h"
-#include "slipstream/file.h"
 #include "slipstream/registry.h"
 #include "slipstream/ros_messages.h"
 #include "tests/io/small_disk.h"

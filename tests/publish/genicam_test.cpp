@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "base/numbers.h"
 #include "devices/gige_protocol.h"
 #include "publish/scan3d.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/error.h"
-#include "slipstream/numbers.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/publish/any_cloud.h"
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/phase_decoder.h"
 #include "geometry/triangulator.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/pipeline.h"

@@ -11,9 +11,10 @@
 
 #include "decode/decoder.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "slipstream/engine.h"
 #include "slipstream/registry.h"
-#include "slipstream/scan_folder.h"
 #include "slipstream/scanner.h"
 #include "slipstream/scanner_file.h"
 #include "tests/shared_data.h"

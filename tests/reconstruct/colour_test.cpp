@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/colour_channels.h"
+#include "frames/colour_channels.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"

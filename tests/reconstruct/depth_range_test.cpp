@@ -9,12 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
-#include "slipstream/scan_folder.h"
 #include "slipstream/scanner_file.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/grey_image.h"

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "codes/predicted_variance.h"
+#include "decode/cue_evidence.h"
+#include "decode/equations.h"
 #include "paper/formulas.h"
-#include "slipstream/cue_evidence.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"

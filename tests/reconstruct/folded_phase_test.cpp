@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/phase_decoder.h"
 #include "reconstruct/fused/fused_stages.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
 
 namespace slipstream::folded_phase_test {
 

@@ -12,6 +12,8 @@
 
 #include "bench/vector_target.h"
 #include "decode/decoder.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/engine.h"
 #include "tests/reconstruct/agreement.h"
 

@@ -11,13 +11,14 @@
 #include <gtest/gtest.h>
 
 #include "bench/vector_target.h"
+#include "decode/band_unwrapper.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/fused/fused_engine.h"
-#include "slipstream/band_unwrapper.h"
-#include "slipstream/correction.h"
-#include "slipstream/equations.h"
+#include "response/correction.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/registry.h"
 
 namespace slipstream::fused_phase_test {

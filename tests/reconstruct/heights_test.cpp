@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "base/statistics.h"
 #include "geometry/height_calibration.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 

@@ -13,10 +13,11 @@
 
 #include "geometry/triangulator.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "reconstruct/phase_matcher.h"
 #include "slipstream/engine.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/scan_folder.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::motion_test {

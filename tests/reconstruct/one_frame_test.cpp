@@ -12,14 +12,14 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/frame_adapter.h"
+#include "decode/phase_decoder.h"
+#include "frames/colour_channels.h"
 #include "io/image_file.h"
-#include "slipstream/colour_channels.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
-#include "slipstream/frame_adapter.h"
 #include "slipstream/image.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/registry.h"
 #include "slipstream/spatial_unwrapping.h"
 #include "slipstream/virtual_scanner.h"

@@ -13,6 +13,7 @@
 
 #include "bench/vector_target.h"
 #include "codes/predicted_variance.h"
+#include "decode/equations.h"
 #include "slipstream/engine.h"
 #include "slipstream/unwrapping.h"
 #include "tests/every_strategy.h"

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/equations.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"

@@ -6,10 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/equations.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
 #include "slipstream/engine.h"
 #include "slipstream/registry.h"
-#include "slipstream/scan_folder.h"
 #include "slipstream/scanner_file.h"
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/equations.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"

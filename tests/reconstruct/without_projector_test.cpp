@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/statistics.h"
 #include "reconstruct/coordinate_matcher.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/statistics.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::without_projector_test {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "response/response_fit.h"
+
 namespace slipstream::curve_fit_test {
 
 TEST(CurveFit, FindsTheGammaThatMadeTheGreyLevels) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/cue_evidence.h"
 #include "decode/decoder.h"
 #include "paper/multiplexing_tables.h"
 #include "slipstream/phase_channel_multiplexing.h"

@@ -11,14 +11,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "decode/phase_decoder.h"
 #include "paper/formulas.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
+#include "response/gamma_calibration.h"
+#include "response/response_fit.h"
+#include "response/scan_average.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
-#include "slipstream/response_fit.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::any_response_test {

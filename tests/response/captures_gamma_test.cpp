@@ -13,8 +13,11 @@
 #include <gtest/gtest.h>
 
 #include "decode/decoder.h"
+#include "decode/phase_decoder.h"
 #include "io/image_file.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
+#include "response/gamma_calibration.h"
+#include "response/scan_average.h"
 #include "slipstream/gamma.h"
 #include "slipstream/registry.h"
 #include "tests/shared_data.h"

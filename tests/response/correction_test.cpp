@@ -1,4 +1,4 @@
-#include "slipstream/correction.h"
+#include "response/correction.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "decode/phase_decoder.h"
 #include "paper/formulas.h"
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"

@@ -10,8 +10,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "base/statistics.h"
+#include "decode/phase_decoder.h"
 #include "paper/board_experiment.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
+#include "response/gamma_calibration.h"
+#include "response/response_fit.h"
 #include "slipstream/error.h"
 
 namespace slipstream {

@@ -9,7 +9,8 @@
 #include <rapidcheck.h>
 
 #include "paper/formulas.h"
-#include "slipstream/correction.h"
+#include "response/correction.h"
+#include "response/gamma_calibration.h"
 #include "slipstream/gamma.h"
 
 namespace slipstream::harmonics_test {

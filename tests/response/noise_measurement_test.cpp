@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "codes/predicted_variance.h"
+#include "decode/phase_decoder.h"
+#include "response/noise_calibration.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/noise_calibration.h"
-#include "slipstream/phase_decoder.h"
 #include "slipstream/registry.h"
 #include "slipstream/virtual_scanner.h"
 

@@ -5,11 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/ambient_calibration.h"
+#include "response/ambient_calibration.h"
+#include "response/gamma_calibration.h"
+#include "response/noise_calibration.h"
+#include "response/scan_average.h"
 #include "slipstream/error.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/noise_calibration.h"
 #include "slipstream/registry.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"

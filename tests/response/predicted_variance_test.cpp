@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "decode/equations.h"
 #include "paper/formulas.h"
-#include "slipstream/equations.h"
 #include "slipstream/registry.h"
 
 namespace slipstream::predicted_variance_test {

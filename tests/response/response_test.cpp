@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "response/response_fit.h"
 #include "slipstream/error.h"
-#include "slipstream/response_fit.h"
 
 namespace slipstream::response_test {
 

@@ -14,6 +14,7 @@
 
 #include "slipstream/error.h"
 #include "slipstream/phase_shifting.h"
+#include "slipstream/virtual_world.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/simulate/cast_cloud.h"

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "response/correction.h"
 #include "simulate/seen_scene.h"
 #include "slipstream/pattern_set.h"
 #include "slipstream/phase_shifting.h"

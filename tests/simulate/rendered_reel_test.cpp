@@ -1,13 +1,15 @@
 // Reels rendered while they are shown. Tier: every change; seconds, as the pictures are small.
 // virtual_scanner_test.cpp tests what frames show; here it is when they are there.
-#include "slipstream/rendered_reel.h"
+#include "simulate/rendered_reel.h"
 
 #include <gtest/gtest.h>
 
+#include "simulate/looped_scene.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
 #include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {

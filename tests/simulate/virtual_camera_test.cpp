@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulate/looped_scene.h"
 #include "slipstream/error.h"
 #include "slipstream/image.h"
 #include "slipstream/named_scenes.h"

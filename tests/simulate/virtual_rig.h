@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/throw_if-inl.h"
+#include "simulate/looped_scene.h"
 #include "simulate/seen_scene.h"
 #include "slipstream/virtual_camera.h"
 

@@ -6,11 +6,14 @@
 
 #include <gtest/gtest.h>
 
+#include "simulate/looped_scene.h"
+#include "simulate/rendered_reel.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
 #include "slipstream/sequence.h"
 #include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::virtual_scanner_test {
 

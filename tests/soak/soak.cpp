@@ -15,9 +15,9 @@
 #include <unistd.h>
 
 #include "devices/virtual_gige_camera.h"
+#include "io/recorder.h"
 #include "slipstream/camera.h"
 #include "slipstream/live_pipeline.h"
-#include "slipstream/recorder.h"
 #include "slipstream/recording.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/devices/offline.h"

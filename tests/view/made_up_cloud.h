@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "slipstream/cloud.h"
-#include "slipstream/scene_renderer.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 

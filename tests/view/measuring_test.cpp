@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/orbit_camera.h"
 #include "tests/view/made_up_cloud.h"
 #include "view/cloud_screen.h"
+#include "view/orbit_camera.h"
 
 namespace slipstream::view::measuring_test {
 

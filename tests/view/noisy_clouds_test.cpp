@@ -6,12 +6,12 @@
 #include "simulate/seen_scene.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/opengl.h"
 #include "slipstream/registry.h"
-#include "slipstream/scene_renderer.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
+#include "view/opengl.h"
+#include "view/scene_renderer.h"
 
 namespace slipstream::view::noisy_clouds_test {
 

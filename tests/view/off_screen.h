@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error.h"
-#include "slipstream/opengl.h"
+#include "view/opengl.h"
 
 namespace slipstream::view {
 

@@ -1,5 +1,5 @@
 // Renders off-screen and checks pixels. Skipped without OpenGL.
-#include "slipstream/scene_renderer.h"
+#include "view/scene_renderer.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,10 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error.h"
-#include "slipstream/opengl.h"
 #include "slipstream/surface.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
+#include "view/opengl.h"
+#include "view/orbit_camera.h"
 
 namespace slipstream::view::scene_renderer_test {
 

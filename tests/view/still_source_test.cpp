@@ -6,16 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/pattern_windows.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/opengl.h"
 #include "slipstream/registry.h"
 #include "slipstream/viewer.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/view/made_up_cloud.h"
 #include "view/cloud_screen.h"
+#include "view/opengl.h"
 
 namespace slipstream::view::still_source_test {
 

@@ -10,13 +10,14 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/colour.h"
 #include "slipstream/error.h"
-#include "slipstream/opengl.h"
+#include "slipstream/image.h"
 #include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
 #include "view/cloud_screen.h"
+#include "view/gui.h"
+#include "view/opengl.h"
 
 namespace slipstream::view::viewer_test {
 

@@ -1,9 +1,11 @@
 // Turns of a band from the sums of its frames, corrected for the projector's response.
 #include <complex>
 
+#include "base/numbers.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
 #include "geometry/stripe_geometry.h"
 #include "reconstruct/fused/fused_stages.h"
-#include "slipstream/numbers.h"
 
 namespace slipstream {
 namespace {

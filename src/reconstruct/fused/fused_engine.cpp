@@ -1,6 +1,8 @@
 #include "reconstruct/fused/fused_engine.h"
 
 #include "base/throw_if-inl.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 
 namespace slipstream {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <tuple>
 
+#include "decode/phase_decoder.h"
 #include "reconstruct/fused/fused_stages.h"
 
 namespace slipstream {

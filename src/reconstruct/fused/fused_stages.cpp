@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/numbers.h"
+#include "base/numbers.h"
+#include "decode/cue_evidence.h"
+#include "decode/equations.h"
+#include "decode/phase_decoder.h"
+#include "reconstruct/engine_setup.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

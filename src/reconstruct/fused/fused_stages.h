@@ -3,9 +3,10 @@
 #include <optional>
 #include <vector>
 
+#include "decode/cue_evidence.h"
+#include "decode/phase_decoder.h"
 #include "geometry/stripe_geometry.h"
 #include "reconstruct/fused/rows.h"
-#include "slipstream/cue_evidence.h"
 #include "slipstream/reconstruct_settings.h"
 
 namespace slipstream {

@@ -1,4 +1,5 @@
 // The fused pass for frames with a cue: the neighbours vote on the fringe orders.
+#include "decode/cue_evidence.h"
 #include "reconstruct/fused/fused_engine.h"
 
 namespace slipstream {

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slipstream/gamma.h"
+#include "slipstream/scan.h"
+
+namespace slipstream {
+
+/// How much of a measurement a diagnostic affects.
+enum class Gravity {
+  doubtful,  ///< some points may be wrong: a warning
+  wrong,     ///< no point can be right: the scan is refused
+};
+
+/// A measured number that supports a diagnostic.
+struct Evidence {
+  std::string name;  ///< in words, with its unit
+  double value = 0;
+
+  friend bool operator==(const Evidence&, const Evidence&) = default;
+};
+
+/// A diagnostic of a scan, a scanner or a calibration, as data. The checks make it, the program
+/// prints it.
+struct Finding {
+  Gravity gravity = Gravity::doubtful;
+  std::string what{};  ///< the symptom: "the bands disagree about the phase"
+  std::vector<Evidence> evidence{};
+  std::string likely{};  ///< the likely cause: "frames 0 to 2 are rotated by one"
+  std::string advice{};  ///< the remedy: "try --order 2,0,1,3,4,5"
+
+  friend bool operator==(const Finding&, const Finding&) = default;
+};
+
+/// One line of text: symptom, evidence, likely cause, remedy.
+std::string text_of(const Finding& finding);
+
+/// True if any diagnostic refuses the scan.
+bool any_wrong(std::span<const Finding> findings);
+
+/// Drops diagnostics whose likely cause begins with `words`.
+std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words);
+
+/// First words of the likely cause in diagnostics about gamma, overexposure and underexposure. Pass
+/// to without_cause if these are harmless or reported elsewhere.
+inline constexpr std::string_view gamma_is_to_blame = "the projector's gamma";
+inline constexpr std::string_view clipping_is_to_blame = "too much light";
+inline constexpr std::string_view darkness_is_to_blame = "far too little light";
+
+struct CheckSettings {
+  double minimum_modulation = 15;  ///< of a pixel that becomes a point, grey levels of 255
+  /// Whether the scene may move, as with Sequence::motion: its effects are then not reported.
+  bool moving = false;
+  std::vector<int> order{};  ///< Scan::order; advice about the order is relative to it
+  /// Photometric calibration, used without a scanner.
+  PhotometricCalibration photometry{};
+  std::optional<BlindGamma> blind{};  ///< the blind estimate, if requested: warns if refused
+};
+
+/// Minimum difference between the frames of a pixel that the check uses, grey levels of 255.
+/// Darker pixels may become points if the settings allow, but are too noisy for the check.
+double least_range(const CheckSettings& settings);
+
+struct ScanFindings {
+  std::vector<Finding> findings;
+  /// Set if the cycle certainly begins at another frame: frame `order[n]` shows pattern n.
+  std::vector<int> order;
+  double median_depth = 0;  ///< mm; 0 without a scanner
+};
+
+/// Checks that the frames fit the sequence, the scanner and each other, using several hundred lit
+/// pixels spread over the picture: see docs/reference/scan-validation.md. Finds less without a
+/// scanner. Corrects phases for the response in the scanner, or in the settings. `sequence`: of
+/// merged frames, see merged_sequence. Throws Error if it has another number of frames.
+ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
+                          const std::optional<Scanner>& scanner,
+                          const CheckSettings& settings = {});
+
+/// check_frames for the first camera of a merged scan. Each further camera is a scan of its own.
+ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
+
+/// Diagnostics of a scan, and the repairs made.
+struct CheckedScan {
+  std::vector<Finding> findings{};
+  std::vector<std::string> repairs{};  ///< one line of text each
+  double median_depth = 0;             ///< of the first camera, mm; 0 without a scanner
+};
+
+/// Runs check_scan for each camera of the scan; texts about a further one name it. Puts slipped
+/// frames in the right order. With several cameras, omits gamma: matching needs only that they
+/// record the same phase.
+CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
+
+/// Sorts `wrong` before `doubtful`.
+std::vector<Finding> gravest_first(std::vector<Finding> findings);
+
+/// Throws Error with the scan and all diagnostics, gravest first, if any is `wrong`.
+void require_right(const CheckedScan& checked, const std::string& scan);
+
+/// Header lines for a cloud file that was made although its scan was refused.
+std::vector<std::string> doubts(const std::vector<Finding>& findings);
+
+/// Two cameras agree nowhere with the phase's origin as the strategy has it, and they do if this is
+/// added to the measured phase, rad.
+Finding wrong_origin(const Strategy& strategy, double phase_shift);
+
+}  // namespace slipstream

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/scan.h"
+#include "slipstream/sequence.h"
+
+namespace slipstream {
+
+class RecordingReader;
+
+/// Description of a scan, from a scan.yaml or a recording, and its files.
+struct ScanFiles {
+  std::filesystem::path path{};  ///< the folder or the recording
+  bool described = false;        ///< whether the sequence is known
+  Sequence sequence{};
+  int bits = 0;                                 ///< of the camera; 0 if unknown
+  std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
+  std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
+
+  std::shared_ptr<const RecordingReader> recording{};  ///< the open recording, or null
+
+  /// Of a recording, see window_at; nullopt: first cycle. Of a folder of many frames, whose
+  /// `frames` are then those of the window; nullopt: all.
+  std::optional<std::uint64_t> window{};
+
+  std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
+
+  /// For colour pictures: a picture under uniform grey light, see unmixed.
+  std::optional<std::filesystem::path> white{};
+
+  /// The scan folder of a second camera for the same projector and time.
+  std::optional<std::filesystem::path> second_camera{};
+};
+
+/// Overrides of a folder's or recording's description.
+struct ScanChanges {
+  SequenceChanges sequence{};
+
+  /// Frame index of each pattern, from 0, e.g. "2,0,1", or the kinds in order, e.g.
+  /// "code,sinusoids". Empty: unchanged.
+  std::string order{};
+
+  /// The recording, if already open, e.g. for another window.
+  std::shared_ptr<const RecordingReader> recording{};
+
+  std::optional<std::uint64_t> window{};
+  std::optional<int> bits{};
+  std::optional<std::filesystem::path> scanner{};
+
+  /// Scan folder or recording of a second camera, and its scanner's file.
+  std::optional<std::filesystem::path> second_camera{}, second_scanner{};
+};
+
+/// Number of windows: of the recording, or of the pictures, each cycle with its motion frames.
+std::uint64_t window_count(const ScanFiles& files);
+
+/// The scan in a folder, described by its scan.yaml or its picture names, or in a recording, with
+/// `changes`. Throws Error if `path` is neither, and as amend.
+ScanFiles scan_files_in(const std::filesystem::path& path, const ScanChanges& changes = {});
+
+/// Loads the frames and sequence of a scan, with exposures merged, without the scanner (read only
+/// to separate colour channels). From a recording, loads the first complete cycle. Throws Error
+/// with the path if frames cannot be read or do not match the strategy's number, or for an invalid
+/// order.
+Scan load_frames(const ScanFiles& files);
+
+/// Whether the files are colour pictures of three frames each.
+bool is_in_colour(const ScanFiles& files);
+
+/// Loads one camera's frames, sequence and, if `files` names it, scanner, completed and validated
+/// against the frames. Throws Error if a part cannot be read or does not fit; the scanner is
+/// optional.
+Scan load_scan(const ScanFiles& files);
+
+/// The same for colour pictures, neither separated nor merged; `white` receives the channels of the
+/// white picture, if any. Also throws Error if an order is set.
+Scan load_as_taken(const ScanFiles& files, FrameSet& white);
+
+/// Loads the complete scan in a folder or recording, with any second camera, whose sequence must be
+/// the same; see scan_files_in.
+Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
+
+/// The poses in a folder, in natural order of their names. Each pose is a folder that contains
+///   - scans x and y: folders, with or without scan.yaml, or recordings x.slip and y.slip; or
+///   - the pictures of both scans, first along `first_axis`, in order of their names.
+/// Skips folders with a report.html. A folder that contains x and y itself is the only pose. Throws
+/// Error without poses, for a folder of neither kind, and as scan_files_in. Frames are read later,
+/// as by load_frames.
+std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const ScanChanges& changes,
+                                    Axis first_axis);
+
+/// Writes a scan to a folder, instead of one that is there: frames as frame_00.png and so on (.tiff
+/// if unquantised), scan.yaml, and scanner.yaml if the scanner is known, or a reference to the
+/// existing `scanner_file`. If the path ends in .slip, writes a recording of one cycle.
+/// `in_colour`: three frames per picture, see colour_channels.h, plus a white picture if given.
+/// Returns the files.
+/// Throws Error for a recording of unquantised frames, and as require_as_taken, before writing.
+ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
+                    const Sequence& sequence, const std::optional<Scanner>& scanner,
+                    const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
+                    bool in_colour = false, const FrameSet& white = {});
+
+/// Checksum over all files of a scan: scan.yaml, frames, scanner file and a second camera's; for a
+/// recording, its header and the frames of the window. Throws Error if one is missing.
+std::uint32_t checksum_of(const ScanFiles& scan);
+
+}  // namespace slipstream

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <Eigen/Geometry>
+
+#include "calibrate/board_view.h"
+#include "slipstream/geometry_calibration.h"
+#include "slipstream/scanner.h"
+
+namespace slipstream {
+
+/// Standard deviations of the residuals' components, pixels; the projector's without the part that
+/// the camera's errors cause (BoardView::slopes).
+struct PixelDeviations {
+  double camera = 1;
+  double projector = 1;
+};
+
+/// The parameters that a bundle adjustment may change.
+struct BundleSettings {
+  /// Number of free distortion coefficients, in OpenCV's order: 0, 1, 2, 4, 5, 8 or 12. The others
+  /// are fixed.
+  int camera_coefficients = 5;
+  int projector_coefficients = 5;
+  bool hold_camera = false;     ///< fixes its lens
+  bool hold_projector = false;  ///< fixes its lens
+  /// Standard deviation of a corner's printing error, mm; nullopt fixes the places.
+  std::optional<double> print_deviation = std::nullopt;
+  bool hold_rig = false;  ///< fixes rotation and translation
+  /// nullopt: estimated robustly, in three rounds of adjustment.
+  std::optional<PixelDeviations> pixel_deviations = std::nullopt;
+};
+
+/// Sets the fixed distortion coefficients to zero, so that none remain from a larger lens model.
+void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
+
+/// Minimises the reprojection errors of both devices over all free parameters, with Huber's loss
+/// and each device's errors in units of their robustly estimated standard deviation. Starts from
+/// `start`, whose poses and places must match `views`; `printed`: nominal corners of the board. If
+/// not null, `deviation` receives the standard deviations for independent corner errors. Throws
+/// Error if it does not converge, or if the poses do not determine the requested `deviation`.
+BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
+                            const BundleSettings& settings, BundleDeviation* deviation = nullptr);
+
+/// The larger of `deviation`, which assumes independent corner errors, and the jackknife's: m
+/// calibrations, each without one of the m poses, deviate from their mean by
+/// sigma^2 = (m - 1) / m * (sum of squares). The jackknife includes errors common to a pose's
+/// corners, but not errors common to all poses, such as the print's scale.
+BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one);
+
+PixelDeviations pixel_deviations(const BoardViews& views, const BundleState& state);
+
+/// Mean squared residual per corner, over all views and both devices, in units of the variances of
+/// bundle_adjusted: 4 if `deviations` are right.
+double mean_squared_error(const BoardViews& views, const BundleState& state,
+                          const PixelDeviations& deviations);
+
+/// A subset of the poses and their state.
+struct SomePoses {
+  BoardViews views;
+  BundleState state;
+};
+/// The poses whose index `takes` accepts.
+SomePoses some_poses(const BoardViews& views, const BundleState& state,
+                     const std::function<bool(std::size_t pose)>& takes);
+
+/// Observed minus predicted pixel of each corner of a view, which is pose `v` of the state; NaN if
+/// the device does not see the corner.
+PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size_t v,
+                      Device device);
+
+/// Sum of squares, and their number.
+struct Squares {
+  double sum = 0;
+  int count = 0;
+
+  void add(double square) {
+    sum += square;
+    ++count;
+  }
+  void add(const Squares& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+  /// 0 if empty.
+  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
+/// The same distances, squared.
+struct Reprojection {
+  Squares camera, projector;
+
+  [[nodiscard]] ReprojectionRms rms() const;
+};
+
+/// `view` is pose `v` of the state.
+Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v);
+
+/// Returns nullopt if fewer than four corners are lit.
+std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
+                                          const BoardPlaces& printed);
+
+}  // namespace slipstream

@@ -1,0 +1,255 @@
+#include "slipstream/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/ranges.h>
+
+#include "base/statistics.h"
+#include "base/throw_if-inl.h"
+#include "check/explanations.h"
+
+namespace slipstream {
+namespace {
+
+/// `up`: how far the axis may lie from the centre of the picture, share of its height.
+void look_at_lens(const Lens& lens, std::string_view device, double up,
+                  std::vector<Finding>& findings) {
+  constexpr double across = 0.25;  // of the width
+  const double x = lens.intrinsic(0, 2) / lens.size.width;
+  const double y = lens.intrinsic(1, 2) / lens.size.height;
+
+  if (std::abs(x - 0.5) <= across && std::abs(y - 0.5) <= up) return;
+
+  findings.push_back(
+      {.what = fmt::format("the {}'s optical axis is farther from the centre of its {} picture "
+                           "than {:g} % of the width or {:g} % of the height",
+                           device, text_of(lens.size), 100 * across, 100 * up),
+       .evidence = {{"share of the width", x}, {"share of the height", y}},
+       .likely = fmt::format("a scanner file for {} pictures of another size: halved, cropped or "
+                             "of the other device",
+                             device),
+       .advice = fmt::format("use {} pictures of the calibrated size", device)});
+}
+
+/// Finds files in metres, swapped devices, another picture size. `whole_pictures`: false if the
+/// camera's pictures are cropped or rectified, so that the optical axis may lie anywhere.
+std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures = true) {
+  std::vector<Finding> findings;
+
+  // mm. No rig is this small, but every rig is if its file is in metres.
+  constexpr double least_baseline = 3;
+  const double baseline = scanner.translation.norm();
+  if (baseline < least_baseline) {
+    findings.push_back(
+        {.gravity = Gravity::wrong,
+         .what = fmt::format("the baseline is below {:g} mm", least_baseline),
+         .evidence = {{"baseline, mm", baseline}},
+         .likely = "a scanner file in metres",
+         .advice = fmt::format("write its translation in mm: {:.4g} mm long", 1000 * baseline)});
+  }
+
+  // The devices of rectified pictures are apart along one axis only.
+  const Eigen::Vector3d apart = scanner.translation.cwiseAbs() / baseline;
+  if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < 0.98) {
+    findings.push_back({.what = "the rotation is the identity, but the baseline is oblique",
+                        .evidence = {{"baseline's largest component, share", apart.maxCoeff()}},
+                        .likely = "a scanner file without its rotation",
+                        .advice = "write the rotation from the camera's frame to the projector's"});
+  }
+
+  if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
+  // Projectors throw upwards: the axis may lie at the picture's lower edge or below it.
+  look_at_lens(scanner.projector, "projector", 1.2, findings);
+
+  return findings;
+}
+
+void append(std::vector<Finding>& findings, std::vector<Finding> more) {
+  std::move(more.begin(), more.end(), std::back_inserter(findings));
+}
+
+/// The frames of a sinusoid differ by at least 1.5 modulations: with three steps, one at the crest.
+constexpr double range_of_modulation = 1.5;
+
+void check_camera(Scan& camera, const CheckSettings& settings, const std::string& name,
+                  CheckedScan& checked) {
+  ScanFindings found = check_scan(camera, settings);
+  if (name.empty()) checked.median_depth = found.median_depth;
+
+  for (Finding& finding : found.findings) {
+    finding.what = name + finding.what;
+    checked.findings.push_back(std::move(finding));
+  }
+
+  // Repair: put slipped frames in the right order.
+  if (found.order.empty()) return;
+  camera.frames = reordered(std::move(camera.frames), found.order);
+  camera.order = composed(camera.order, found.order);
+  checked.repairs.push_back(
+      fmt::format("{}frames put in the order {}", name, text_of(camera.order)));
+}
+
+}  // namespace
+
+std::string text_of(const Finding& finding) {
+  std::string numbers;
+
+  for (const Evidence& evidence : finding.evidence) {
+    numbers +=
+        fmt::format("{}{} = {:.3g}", numbers.empty() ? "" : ", ", evidence.name, evidence.value);
+  }
+
+  std::string text = finding.what;
+  if (!numbers.empty()) text += fmt::format(" ({})", numbers);
+  if (!finding.likely.empty()) text += fmt::format("; likely {}", finding.likely);
+  if (!finding.advice.empty()) text += fmt::format("; {}", finding.advice);
+
+  return text;
+}
+
+Finding wrong_origin(const Strategy& strategy, double phase_shift) {
+  const auto run = bent_run(measuring_band(strategy.layout()));
+  const double given = run ? run->shifts.origin : 0;
+  const double fits = std::remainder(given - phase_shift, 2 * std::numbers::pi);
+
+  return {.what = "the two cameras agree nowhere with the origin of the phase as given",
+          .evidence = {{"origin that fits, rad", fits}},
+          .likely = fmt::format("the first pattern does not begin with phase {:.4g} at the edge of "
+                                "the field; the points are of the origin that fits",
+                                given),
+          .advice = fmt::format("set --origin {:.3f}", fits)};
+}
+
+bool any_wrong(std::span<const Finding> findings) {
+  return std::ranges::count(findings, Gravity::wrong, &Finding::gravity) > 0;
+}
+
+std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words) {
+  std::erase_if(findings,
+                [&](const Finding& finding) { return finding.likely.starts_with(words); });
+  return findings;
+}
+
+double least_range(const CheckSettings& settings) {
+  constexpr double dimmest = 10;
+  return range_of_modulation * std::max(dimmest, settings.minimum_modulation);
+}
+
+ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
+                          const std::optional<Scanner>& scanner, const CheckSettings& settings) {
+  // Frames computed from one picture cannot contradict each other, and are dark along every edge.
+  if (sequence.strategy.is_spectral()) {
+    return {.findings = scanner ? check_scanner(*scanner) : std::vector<Finding>(), .order = {}};
+  }
+
+  const int count = sequence.strategy.layout().frames;
+  throw_if(frames.count() != count, "{} frames; the check takes {} merged ones", frames.count(),
+           count);
+
+  // 1. Sample lit pixels, and model the patterns.
+  const double least = settings.minimum_modulation;
+  const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
+  const FrameModel model(sequence, photometry);
+  ScanSamples samples(frames.size(), frames.count());
+  samples.take(frames, {.least_range = least_range(settings)});
+
+  const bool too_dim_to_judge = samples.groups() == 0 && samples.saturated() == 0 &&
+                                samples.largest_range() >= range_of_modulation * least;
+  if (too_dim_to_judge) return {};
+
+  // 2. Light, damaged frames and an impossible scanner file make further tests pointless.
+  ScanFindings result;
+  result.findings = light_faults(model, samples, frames.bits(), least);
+  if (any_wrong(result.findings)) return result;
+
+  if (std::vector<Finding> damaged = damaged_frames(samples); !damaged.empty()) {
+    append(result.findings, std::move(damaged));
+    return result;  // a damaged frame would cause misleading further diagnostics
+  }
+
+  std::vector<Finding> of_scanner;
+  if (scanner) of_scanner = check_scanner(*scanner, false);
+  if (any_wrong(of_scanner)) {
+    append(result.findings, std::move(of_scanner));
+    return result;
+  }
+
+  CheckSettings with_motion = settings;
+  with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
+  if (samples.groups() < ScanSamples::fewest_groups) return result;
+
+  // 3. Whether frames, sequence and scanner fit together.
+  const Scanner* const known = scanner ? &*scanner : nullptr;
+  JudgedScan judged{model, samples, sequence, known, photometry, with_motion};
+  const Fit fit = fit_of(judged);
+
+  // The axis of cropped and rectified pictures may lie anywhere, unless right frames do not fit.
+  if (scanner && fit.frames_fit() && !fit.all()) of_scanner = check_scanner(*scanner);
+  judged.scanner_doubted = !of_scanner.empty();
+  append(result.findings, std::move(of_scanner));
+
+  // 4. If they do not, why.
+  ScanFindings explained = explain(judged, fit);
+  append(result.findings, std::move(explained.findings));
+  result.order = std::move(explained.order);
+  result.median_depth = explained.median_depth;
+
+  return result;
+}
+
+ScanFindings check_scan(const Scan& scan, const CheckSettings& settings) {
+  CheckSettings with_order = settings;
+  with_order.order = scan.order;
+  return check_frames(scan.frames, scan.sequence, scan.scanner, with_order);
+}
+
+CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
+  CheckedScan checked;
+  check_camera(scan, settings, "", checked);
+  for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
+    check_camera(scan.further_cameras[i], settings, fmt::format("camera {}: ", i + 2), checked);
+  }
+
+  const auto& blind = settings.blind;
+  if (blind && !blind->accepted() && blind->refusal != BlindRefusal::no_distortion) {
+    checked.findings.push_back(
+        {.what = fmt::format("--gamma blind corrects nothing: {}", reason_of(blind->refusal)),
+         .evidence = {{"best fit", blind->gamma}, {"standard error", blind->standard_error}},
+         .likely = "the projector's gamma, if it is not 1",
+         .advice = "measure it with slipstream calibrate gamma, or give --gamma a number"});
+  }
+
+  if (!scan.further_cameras.empty()) {
+    checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
+  }
+
+  return checked;
+}
+
+std::vector<Finding> gravest_first(std::vector<Finding> findings) {
+  std::ranges::stable_sort(findings, std::ranges::greater(), &Finding::gravity);
+  return findings;
+}
+
+void require_right(const CheckedScan& checked, const std::string& scan) {
+  if (!any_wrong(checked.findings)) return;
+  std::vector<std::string> texts;
+  for (const Finding& finding : gravest_first(checked.findings)) texts.push_back(text_of(finding));
+
+  throw Error(fmt::format("{}: {}", scan, fmt::join(texts, " | ")));
+}
+
+std::vector<std::string> doubts(const std::vector<Finding>& findings) {
+  std::vector<std::string> lines;
+  for (const Finding& finding : findings) {
+    if (finding.gravity == Gravity::wrong) {
+      lines.push_back(fmt::format("doubted: {}", text_of(finding)));
+    }
+  }
+
+  return lines;
+}
+
+}  // namespace slipstream

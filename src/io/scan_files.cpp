@@ -1,0 +1,405 @@
+#include "slipstream/scan_files.h"
+
+#include <algorithm>
+
+#include "base/throw_if-inl.h"
+#include "frames/colour_channels.h"
+#include "io/file.h"
+#include "io/image_file.h"
+#include "io/scan_folder.h"
+#include "io/scan_pictures.h"
+#include "slipstream/recording.h"
+#include "slipstream/scanner_file.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+FrameSet recorded_frames(const ScanFiles& files) {
+  const RecordingReader& recording = *files.recording;
+  if (recording.header().in_colour) require_in_colour(files.sequence, files.path.string());
+
+  const int bits = recording.header().format.bits;
+  throw_if(bits != files.bits, "{}: its frames have {} bits; --camera-bits {} is only for pictures",
+           files.path.string(), bits, files.bits);
+
+  naming(files.path.string(), [&] {
+    require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
+                      byte_count(recording.header().format));
+  });
+
+  auto frames = window_at(recording, files.sequence, files.window);
+  if (frames) return *std::move(frames);
+  throw_if(files.window.has_value(),
+           "{}: frames of window {} are missing or damaged; use another window",
+           files.path.string(), files.window.value_or(0));
+  throw Error(fmt::format("{}: {} frames, but no complete cycle of {} among the first",
+                          files.path.string(), recording.count(), cycle_length(files.sequence)));
+}
+
+/// Writes one complete cycle.
+void save_recording(const fs::path& path, const FrameViews& frames, RecordingHeader header) {
+  const std::vector<Frame> cycle = frames_of(frames, path.string());
+  header.format = cycle.front().format();
+  header.sequence->marker = false;
+
+  RecordingWriter writer(path, header, OutputFile::Writing::at_once);
+  for (const Frame& frame : cycle) writer.append(frame);
+  writer.finish();
+}
+
+/// Removes the frames of a longer scan that was here before.
+void remove_other_frames(const fs::path& folder, const std::vector<fs::path>& names) {
+  // Frames are numbered without gaps, so the first missing number ends the search.
+  for (int n = 0;; ++n) {
+    bool any = false;
+    for (const char* ending : {"png", "tiff"}) {
+      const fs::path name = folder / fmt::format("frame_{:02}.{}", n, ending);
+      any |= std::ranges::find(names, name) != names.end() || fs::remove(name);
+    }
+
+    if (!any) return;
+  }
+}
+
+FrameSet white_of(const ScanFiles& files) {
+  if (files.recording) return files.recording->header().white;
+  return files.white ? read_colour_frames({*files.white}) : FrameSet();
+}
+
+/// The frames as captured; grey pictures in pattern order.
+Scan taken_scan(const ScanFiles& files) {
+  Scan scan{.sequence = files.sequence};
+  if (files.recording) {
+    scan.frames = recorded_frames(files);
+    scan.sequence.marker = false;  // the cycle contains no marker frame
+    return scan;
+  }
+
+  if (is_in_colour(files)) {
+    scan.frames = read_colour_frames(files.frames, files.bits);
+    return scan;
+  }
+
+  // Grey pictures; the order may leave out some of the folder's.
+  const std::string what = files.sequence.strategy.name() + " with these steps and exposures";
+  LoadedFrames loaded =
+      read_frames(pattern_pictures(files, frame_count(files.sequence), what), files.bits);
+
+  scan.frames = std::move(loaded.frames);
+  scan.warnings = std::move(loaded.warnings);
+
+  // A code of black and white tolerates JPEG; the phase of sinusoids does not.
+  if (loaded.lossy > 0 && !measuring_frames(scan.sequence.strategy.layout()).empty()) {
+    scan.warnings.push_back(fmt::format(  // with the figures of docs/reference/files.md
+        "{}: {} frames are JPEG, which costs accuracy: a virtual statue's median depth error is "
+        "0.49 mm without, 0.40 at quality 90 (smoothed), 0.76 at 50 and 1.32 at 20; prefer PNG",
+        files.path.string(), loaded.lossy));
+  }
+
+  return scan;
+}
+
+/// The frames in pattern order; separates colour channels with `mixture`, if known.
+Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixture) {
+  Scan scan = taken_scan(files);
+
+  // Separates the projector's primaries, which the camera's channels mix.
+  if (is_in_colour(files)) {
+    const FrameSet white = white_of(files);
+    if (mixture) scan.frames = unmixed(scan.frames, *mixture, white);
+
+    const std::string doubt = doubt_about_colours(mixture.has_value(), white.count() != 0);
+    if (!doubt.empty()) scan.warnings.push_back(doubt);
+  }
+
+  // taken_scan has already put grey pictures in order.
+  scan.order = files.order;
+  if (files.order.empty() || !(files.recording || is_in_colour(files))) return scan;
+
+  const int count = scan.frames.count();
+  throw_if(
+      !is_order_of(files.order, count),
+      "{}: --order {} is not an order of its {} frames; list each of 0 to {} once, separated by "
+      "commas",
+      files.path.string(), fmt::join(files.order, ","), count, count - 1);
+
+  scan.frames = reordered(std::move(scan.frames), files.order);
+  return scan;
+}
+
+std::optional<Scanner> scanner_of(const ScanFiles& files) {
+  if (files.recording && files.scanner == files.path) return files.recording->header().scanner;
+  if (files.scanner) return read_scanner(*files.scanner);
+  return std::nullopt;
+}
+
+/// Adds the scanner; it must match the frames.
+void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& files) {
+  if (!scanner) return;
+
+  scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
+                           files.sequence.projector);
+  scan.sequence.projector = scan.scanner->projector.size;
+}
+
+/// The scan along `axis` in a pose's folder: x or x.slip, or an empty path.
+fs::path scan_along(const fs::path& folder, Axis axis) {
+  for (const char* ending : {"", ".slip"}) {
+    const fs::path path = folder / (std::string(name_of(axis)) + ending);
+    if (fs::is_directory(path) || is_recording(path)) return path;
+  }
+  return {};
+}
+
+ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) {
+  ScanFiles scan = scan_files_in(path, changes);
+  throw_if(scan.described && axes_of(scan.sequence) != name_of(axis),
+           "{}: has axis {}; expected {}", path.string(), axes_of(scan.sequence), name_of(axis));
+
+  scan.sequence = along(scan.sequence, axis);
+
+  // Only checks the number of pictures; they are read later.
+  if (fs::is_directory(path)) {
+    pattern_pictures(scan, frame_count(scan.sequence), "a scan with these steps");
+  }
+  return scan;
+}
+
+BoardScans scans_of(const fs::path& folder, ScanFiles x, ScanFiles y) {
+  return {folder.filename().string(), [x = std::move(x), y = std::move(y)](Axis axis) {
+            return load_frames(axis == Axis::x ? x : y);
+          }};
+}
+
+BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
+  ScanFiles both{.path = folder, .frames = images_in_folder(folder)};
+  amend(both, changes);
+
+  ScanFiles first = both;
+  first.sequence = along(both.sequence, first_axis);
+  const int each = frame_count(first.sequence);
+
+  // An order of both scans, or the same one for each.
+  std::vector<int>& of_each = std::ssize(both.order) == 2 * each ? first.order : both.order;
+  of_each.clear();
+
+  const std::vector<fs::path> pictures =
+      pattern_pictures(both, 2 * each, "a scan along x and one along y");
+
+  ScanFiles second = first;
+  second.sequence = along(both.sequence, across(first_axis));
+
+  // The first half of the pictures is the scan along the first axis.
+  first.frames.assign(pictures.begin(), pictures.begin() + each);
+  second.frames.assign(pictures.begin() + each, pictures.end());
+
+  if (first_axis == Axis::y) std::swap(first, second);
+  return scans_of(folder, std::move(first), std::move(second));
+}
+
+bool has_both_axes(const fs::path& folder) {
+  return !scan_along(folder, Axis::x).empty() && !scan_along(folder, Axis::y).empty();
+}
+
+BoardScans pose_in(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
+  if (!has_both_axes(folder)) return both_in_one(folder, changes, first_axis);
+
+  ScanFiles x = one_axis(scan_along(folder, Axis::x), changes, Axis::x);
+  return scans_of(folder, std::move(x), one_axis(scan_along(folder, Axis::y), changes, Axis::y));
+}
+
+}  // namespace
+
+ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
+  ScanFiles files;
+
+  if (changes.recording || is_recording(path)) {
+    files = recorded_files(path, changes.recording ? changes.recording
+                                                   : std::make_shared<const RecordingReader>(path));
+  } else if (!fs::is_directory(path)) {
+    throw Error(fmt::format("{}: {}; expected a scan folder or a recording", path.string(),
+                            fs::exists(path) ? "is neither" : "no such folder or file"));
+  } else if (fs::exists(path / "scan.yaml")) {
+    files = read_scan_files(path / "scan.yaml");
+  } else {
+    files.path = path;
+    files.frames = images_in_folder(path);
+  }
+
+  amend(files, changes);
+  return files;
+}
+
+std::uint64_t window_count(const ScanFiles& files) {
+  if (files.recording) return window_count(*files.recording, files.sequence);
+
+  // The last cycle counts only if its motion frames follow.
+  const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(files.sequence)));
+  const auto motion = static_cast<std::uint64_t>(files.sequence.motion);
+
+  return files.frames.size() < motion ? 0 : (files.frames.size() - motion) / cycle;
+}
+
+bool is_in_colour(const ScanFiles& files) {
+  if (files.recording) return files.recording->header().in_colour;
+  return 3 * static_cast<int>(files.frames.size()) == frame_count(files.sequence);
+}
+
+Scan load_frames(const ScanFiles& files) {
+  std::optional<ColourMixture> mixture;
+  if (files.scanner && is_in_colour(files)) {
+    mixture = read_photometric_calibration(*files.scanner).colour_mixture;
+  }
+
+  return merged(read_scan(files, mixture));
+}
+
+Scan load_scan(const ScanFiles& files) {
+  std::optional<Scanner> scanner = scanner_of(files);
+  Scan scan = merged(read_scan(files, scanner ? scanner->photometry.colour_mixture : std::nullopt));
+
+  add_scanner(scan, std::move(scanner), files);
+  return scan;
+}
+
+Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
+  throw_if(!files.order.empty(),
+           "{}: --order is only for grey scans; the channels of a colour picture are captured "
+           "together",
+           files.path.string());
+
+  Scan scan = taken_scan(files);
+  white = white_of(files);
+  add_scanner(scan, scanner_of(files), files);
+  return scan;
+}
+
+Scan load_scan(const fs::path& path, const ScanChanges& changes) {
+  ScanFiles files = scan_files_in(path, changes);
+  if (!files.second_camera) return load_scan(files);
+
+  ScanFiles second = scan_files_in(*files.second_camera, {.sequence = changes.sequence,
+                                                          .order = changes.order,
+                                                          .window = changes.window,
+                                                          .scanner = changes.second_scanner});
+
+  // A file that calibrates both cameras has no projector, so it is neither scan's own scanner.
+  if (files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
+    files.scanner.reset();
+    second.scanner.reset();
+  }
+
+  Scan scan = load_scan(files);
+  scan.further_cameras.push_back(load_scan(second));
+
+  const Sequence& further = scan.further_cameras.front().sequence;
+  throw_if(further.strategy != scan.sequence.strategy || further.axis != scan.sequence.axis,
+           "{}: its sequence differs from the first camera's; both must see one projector",
+           second.path.string());
+
+  return scan;
+}
+
+std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& changes,
+                                    Axis first_axis) {
+  throw_if(!fs::is_directory(folder),
+           "{}: no such folder; expected a folder with a subfolder for each pose", folder.string());
+
+  if (has_both_axes(folder)) return {pose_in(folder, changes, first_axis)};
+
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && is_scan_folder(entry.path())) folders.push_back(entry.path());
+  }
+
+  std::ranges::sort(folders, before_in_order);
+  throw_if(folders.empty(), "{}: no subfolders; expected one for each pose of the board",
+           folder.string());
+
+  std::vector<BoardScans> poses;
+  poses.reserve(folders.size());
+  for (const fs::path& pose : folders) poses.push_back(pose_in(pose, changes, first_axis));
+
+  return poses;
+}
+
+ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
+                    const std::optional<Scanner>& scanner,
+                    const std::optional<fs::path>& scanner_file, bool in_colour,
+                    const FrameSet& white) {
+  require_as_taken(sequence.strategy);
+  if (in_colour) require_in_colour(sequence, path.string());
+
+  // 1. A recording holds everything in one file.
+  if (lower_case_extension(path) == ".slip") {
+    save_recording(path, frames,
+                   {.format = {},
+                    .sequence = sequence,
+                    .scanner = scanner_file ? read_scanner(*scanner_file) : scanner,
+                    .in_colour = in_colour,
+                    .white = white});
+    return scan_files_in(path);
+  }
+
+  // 2. A folder: its frames, as 8- or 16-bit PNG or, unquantised, float TIFF.
+  make_folder(path);
+  ScanFiles files{.path = path,
+                  .described = true,
+                  .sequence = sequence,
+                  .bits = frames.quantised() ? frames.bits() : 0,
+                  .scanner = scanner_file};
+
+  const char* const ending = frames.quantised() ? "png" : "tiff";
+  for (int n = 0; n < frames.count(); ++n) {
+    files.frames.push_back(path / fmt::format("frame_{:02}.{}", n, ending));
+  }
+
+  if (in_colour) {
+    files.frames.resize(files.frames.size() / 3);
+    write_colour_frames(files.frames, frames);
+    if (white.count() != 0) {
+      files.white = path / "white.png";
+      write_colour_frames({*files.white}, white);
+    }
+  } else {
+    write_frames(files.frames, frames);
+  }
+
+  // 3. The scanner, unless it is a file already, and the description.
+  if (scanner && !scanner_file) {
+    files.scanner = path / "scanner.yaml";
+    write_scanner(*files.scanner, *scanner);
+  }
+  write_scan_files(path / "scan.yaml", files);
+
+  remove_other_frames(path, files.frames);
+  return files;
+}
+
+std::uint32_t checksum_of(const ScanFiles& scan) {
+  std::uint32_t sum =
+      scan.second_camera ? checksum_of(scan_files_in(*scan.second_camera)) : std::uint32_t{0};
+  if (scan.recording) sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
+
+  // Each file once, though it may have several pages.
+  std::vector<fs::path> files;
+  for (const fs::path& frame : scan.frames) {
+    if (files.empty() || files.back() != file_of_page(frame)) files.push_back(file_of_page(frame));
+  }
+
+  if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
+  if (scan.scanner) {
+    for (const fs::path& file : scanner_files(*scan.scanner)) files.push_back(file);
+  }
+
+  for (const fs::path& file : files) {  // of recordings the header
+    sum = scan.recording && file == scan.path ? scan.recording->checksum(0, 0, sum)
+          : is_recording(file)                ? RecordingReader(file).checksum(0, 0, sum)
+                                              : checksum_of_file(file, sum);
+  }
+
+  return sum;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "slipstream/recording.h"
+#include "slipstream/scan_files.h"
+
+namespace slipstream {
+
+/// Reads scan.yaml; resolves relative paths against its folder. Throws Error with file and key for
+/// an unknown key, a missing one or a value out of range.
+ScanFiles read_scan_files(const std::filesystem::path& file);
+
+/// Parses the text of a scan.yaml as read_scan_files; `name`: the file's name in messages. `frames`
+/// is optional.
+ScanFiles scan_files_from(const std::string& text, const std::string& name,
+                          const std::filesystem::path& folder);
+
+/// Throws Error if the strategy's frames are derived rather than captured, see Strategy::read_as.
+void require_as_taken(const Strategy& strategy);
+
+/// The text of a scan.yaml in that folder, without `frames` if there are none. Throws Error as
+/// require_as_taken.
+std::string scan_yaml_of(const ScanFiles& scan, const std::filesystem::path& folder);
+
+/// Writes scan.yaml, with frames and scanner relative to its folder.
+void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
+
+/// Applies the changes. Throws Error if the sequence remains unknown, for unsupported bits, a
+/// missing window of pictures and an invalid order.
+void amend(ScanFiles& files, const ScanChanges& changes);
+
+/// The description of a recording's scan; opens it unless `recording` is set.
+ScanFiles recorded_files(const std::filesystem::path& path,
+                         std::shared_ptr<const RecordingReader> recording);
+
+}  // namespace slipstream

@@ -4,6 +4,7 @@
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "base/statistics.h"
+#include "base/stopwatch.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
@@ -102,9 +103,11 @@ void add_phase_flags(CLI::App& command, CloudFlags& flags) {
 Image<double> measured_phase(const std::string& path, const CloudFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(path);
   if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
-  Scan scan = load_checkable(path, flags, false, output);
-  Engine engine(sound_scan(scan, path, flags, output, Wanted::maps).setup);
-  return measured_coordinates(engine, scan.frames);
+
+  const CheckedJob job = checked_scan(load_checkable(path, flags, false, output), path,
+                                      job_settings(flags, ScanOutput::maps), output);
+  Engine engine(job.setup);
+  return measured_coordinates(engine, job.scan.frames);
 }
 
 void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {

@@ -60,16 +60,4 @@ class RunEnd {
 /// Whether SIGHUP ended the last run, unless forgotten.
 bool hung_up();
 
-class Stopwatch {
- public:
-  /// Seconds since construction or the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 }  // namespace slipstream::app

@@ -1,18 +1,20 @@
+#include <cmath>
 #include <deque>
 #include <future>
-#include <numeric>
+#include <map>
 
 #include "app/process.h"
 #include "app/reconstructed_scan.h"
 #include "base/parallel_rows.h"
+#include "base/stopwatch.h"
 #include "decode/frame_motion.h"
 #include "io/depth_truth.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "reconstruct/coordinate_map.h"
-#include "reconstruct/coordinate_matcher.h"
 #include "reconstruct/engine_setup.h"
+#include "slipstream/scan_job.h"
 #include "slipstream/surface.h"
+#include "reconstruct/coordinate_map.h"
 
 namespace slipstream::app {
 namespace {
@@ -41,136 +43,57 @@ void require_uncertainty_possible(const EngineSetup& setup, bool two_cameras, Ou
   }
 }
 
-void add_finding(Finding finding, ReconstructedScan& result) {
-  result.words.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
-  result.sound.checked.findings.push_back(std::move(finding));
-}
-
-void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
-                   ReconstructedScan& result) {
-  const Scan& second = scan.further_cameras.front();
-  if (!scan.scanner) {
-    CoordinateMatcher::Result matched =
-        CoordinateMatcher(setup.scanner, setup.sequence, setup.settings)(scan);
-    result.cloud = std::move(matched.cloud);
-    result.maps = std::move(matched.maps);
-    if (flags.uncertainty) result.uncertainty = std::move(matched.uncertainty);
-    result.backend = "coordinates";
-    return;
-  }
-  throw_if(!second.scanner,
-           "the second camera's scanner is unknown; name its file with --second-scanner");
-  PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
-                     flags.match);
-  PhaseMatcher::Result matched = match(scan, second);
-  const bool limited = setup.settings.nearest && setup.settings.farthest;
-  if (matched.agreement && matched.agreement->phase_shift != 0) {
-    add_finding(wrong_origin(setup.sequence.strategy, matched.agreement->phase_shift), result);
-  } else if (!matched.agreement && !has_coordinate(setup.sequence.strategy) && !limited) {
-    add_finding({.what = "the cameras do not agree on the fringe order of most surfaces",
-                 .likely = "several orders fit at the depths tried, or the calibration does not",
-                 .advice = "name the depths, mm, between which everything lit lies: --nearest "
-                           "NUMBER --farthest NUMBER"},
-                result);
-  }
-  result.cloud = std::move(matched.cloud);
-  result.maps = std::move(matched.maps);
-  result.backend = match.method_for(scan.frames);
-}
-
-void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
-             ReconstructedScan& result) {
-  if (result.wanted == Wanted::maps) {
-    engine.maps(scan.frames, result.maps);
-    result.cloud = Cloud();
-    result.cloud.validity =
-        picture_report(engine.merged(scan.frames), result.maps, engine.setup().settings).validity;
-  } else if (!scan.other_axis.empty()) {
-    engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
-    result.epipolar =
-        check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
-  } else if (flags.files.any_map() || flags.uncertainty) {
-    engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
-  } else {
-    engine.cloud(scan.frames, result.cloud);
-  }
-  result.backend = engine.backend_for(scan.frames);
-}
-
-/// Checks the calibration by patterns along both axes.
-Finding contradiction(const EpipolarCheck& check) {
-  return {
-      .what = "the coordinates along x and y do not meet in one projector pixel",
-      .evidence = {{"median distance from the epipolar lines, projector pixels",
-                    check.median_length},
-                   {"expected sigma", check.median_sigma}},
-      .likely = "the camera or projector moved since calibration, or frames are in the wrong order",
-      .advice =
-          "calibrate again with slipstream calibrate geometry; scans along x alone do not show "
-          "this"};
-}
-
-/// No point, or under half of the pixels that are lit and within the user's limits.
-std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSettings& settings) {
-  const std::size_t points = counts.front();
-  const auto ignore = [&](Validity kind, bool if_true = true) {
-    if (if_true && points > 0) counts[static_cast<std::size_t>(kind)] = 0;
-  };
-  ignore(Validity::too_dark);
-  ignore(Validity::outside_region);
-  ignore(Validity::out_of_range, settings.nearest || settings.farthest);
-  ignore(Validity::low_trust, settings.clean.largest_sigma.has_value());
-  const std::size_t lit = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
-  if (2 * points >= lit) return std::nullopt;
-  const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
-  return Finding{
-      .what = points == 0 ? "not one pixel became a point"
-                          : "under 50 % of the lit pixels became points",
-      .evidence = {{"share", static_cast<double>(points) / static_cast<double>(lit)}},
-      .likely = fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most))),
-      .advice = "look at the frames with slipstream view"};
-}
-
 /// Writes the cloud with normals and uncertainty on the requested grid; maps and preview on the
 /// camera's.
 void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
+  const ScanResult& result = scan.result;
+
   ResultFiles maps = scan.files;
   maps.cloud.clear();
-  write_results(maps, scan.cloud, scan.maps, {});
+  write_results(maps, result.cloud, result.maps, {});
+
+  // The points that remain on a coarser grid.
   std::optional<Normals> normals;
-  if (flags.normals && !scan.files.cloud.empty()) normals = smoothed_normals(scan.cloud);
-  std::optional<Uncertainty> uncertainty = scan.uncertainty;
+  if (flags.normals && !scan.files.cloud.empty()) normals = smoothed_normals(result.cloud);
+  std::optional<Uncertainty> uncertainty = result.uncertainty;
   const auto thin = [&](auto&... images) { ((images = subsampled(images, flags.subsample)), ...); };
   if (normals) thin(normals->x, normals->y, normals->z);
   if (uncertainty) thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z);
+
   std::optional<Cloud> coarse;
-  if (flags.subsample > 1) coarse = subsampled(scan.cloud, flags.subsample);
-  write_results({.cloud = scan.files.cloud}, coarse ? *coarse : scan.cloud, {},
+  if (flags.subsample > 1) coarse = subsampled(result.cloud, flags.subsample);
+
+  write_results({.cloud = scan.files.cloud}, coarse ? *coarse : result.cloud, {},
                 {.normals = normals ? &*normals : nullptr,
                  .uncertainty = uncertainty ? &*uncertainty : nullptr,
-                 .remarks = doubts(scan.sound.checked.findings)});
+                 .remarks = doubts(result.checked.findings)});
 }
 
-/// Counts the points, warns of missing ones, and compares with the truth.
-void judge(const ReconstructFlags& flags, ReconstructedScan& result) {
-  result.files = files_of_scan(flags.files, result.name);
-  result.counts = count_by_validity(result.cloud.validity);
-  if (result.wanted == Wanted::maps) return;
-  if (auto missing = missing_points(result.counts, flags.cloud.settings)) {
-    add_finding(std::move(*missing), result);
+/// Warns of what the reconstruction found, after the `told` findings of the check; compares with
+/// the truth.
+void judge(const ReconstructFlags& flags, std::size_t told, ReconstructedScan& scan) {
+  const std::vector<Finding>& findings = scan.result.checked.findings;
+  for (std::size_t i = told; i < findings.size(); ++i) {
+    scan.words.warn(fmt::format("{}: {}", text_of(scan.name), text_of(findings[i])));
   }
-  result.rms = error_against_truth(result.name.path, result.cloud);
+
+  scan.files = files_of_scan(flags.files, scan.name);
+  if (scan.output == ScanOutput::points) {
+    scan.rms = error_against_truth(scan.name.path, scan.result.cloud);
+  }
 }
 
 /// The RMS of depth that the noise of the frames predicts, mm. Only the virtual scanner's scans,
 /// whose error is known, are worth the time.
-std::optional<double> predicted_rms(const Scan& scan, Engine& engine,
-                                    const ReconstructedScan& result) {
-  if (!result.rms || !engine.setup().scanner.photometry.noise_variance) return std::nullopt;
-  Maps maps;
-  engine.maps(scan.frames, maps);
+std::optional<double> predicted_rms(const FrameViews& frames, ScanJob& job,
+                                    const ReconstructedScan& scan) {
+  const ScanResult& result = scan.result;
+  const bool has_engine =
+      result.backend != "coordinates" && result.setup.scanner.photometry.noise_variance;
+  if (!scan.rms || !has_engine) return std::nullopt;
+
   double squares = 0;
-  for (const float sigma : engine.uncertainty(result.cloud, maps, scan.frames).z) {
+  for (const float sigma : job.uncertainty_of(result, frames).z) {
     if (std::isfinite(sigma)) squares += static_cast<double>(sigma) * sigma;
   }
   return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(result.counts[0], 1)));
@@ -178,103 +101,85 @@ std::optional<double> predicted_rms(const Scan& scan, Engine& engine,
 
 /// State passed from one scan to the next.
 struct Reused {
-  std::optional<Engine> engine;
+  /// The job, by what the scan gives.
+  std::map<ScanOutput, ScanJob> jobs;
   bool fallback_told = false;
-  std::vector<Cloud> clouds;
 };
 
-void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFlags& flags,
-                      Reused& reused) {
-  std::optional<Engine>& engine = reused.engine;
-  Output& output = result.words;
-  if (!reused.clouds.empty()) {
-    result.cloud = std::move(reused.clouds.back());
-    reused.clouds.pop_back();
-  }
-  // Getting a new cloud's memory pages takes as long as building the engine's tables.
-  auto memory =
-      std::async(parallel_threads() == 1 ? std::launch::deferred : std::launch::async, [&] {
-        const Size size = scan.frames.size();
-        if (result.cloud.size() != size) result.cloud = Cloud(size);
-      });
-  Stopwatch watch;
-  const EngineSetup& setup = result.sound.setup;
-  const bool two_cameras = !scan.further_cameras.empty() && result.wanted == Wanted::points;
-  if (flags.uncertainty) require_uncertainty_possible(setup, two_cameras && scan.scanner, output);
-  throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
-           "--epipolar needs one camera and patterns along both axes: --axis both");
-  throw_if(!flags.files.motion.empty() &&
-               (two_cameras ||
-                !MotionMeasurement::is_possible(measuring_band(setup.sequence.strategy.layout()))),
-           "--motion-map needs one camera and extra frames: --motion 2");
-  result.least_modulation =
-      two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
-  if (result.least_modulation > flags.cloud.settings.minimum_modulation) {
-    output.say(
-        "{}: minimum modulation is {:.1f} instead of {:.1f}: below it noise hides the fringe order",
-        text_of(result.name), result.least_modulation, flags.cloud.settings.minimum_modulation);
-  }
-  if (!two_cameras && (!engine || engine->setup() != setup)) {
-    engine.emplace(setup);  // otherwise its tables are reused
-  }
-  result.tables = watch.lap();
-  if (!result.sound.gamma.sentence.empty()) {
-    output.say("{}: {}", text_of(result.name), result.sound.gamma.sentence);
-  }
-  memory.get();
-  two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
-  if (engine && !reused.fallback_told) {
-    const bool chosen = setup.settings.engine != EngineKind::automatic;
-    reused.fallback_told = tell_fallback(engine->fallback_reason(), chosen, output);
-  }
-  if (result.epipolar && result.epipolar->contradicts())
-    add_finding(contradiction(*result.epipolar), result);
-  judge(flags, result);
-  result.computed = watch.lap();
-  if (engine) result.predicted = predicted_rms(scan, *engine, result);
+/// Refuses what these flags ask of this scan and it cannot give.
+void require_possible(const ReconstructFlags& flags, const CheckedJob& job, bool two_cameras,
+                      Output& output) {
+  const bool has_other_axis = !job.scan.other_axis.empty();
   if (flags.uncertainty) {
-    if (!result.uncertainty) {
-      result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
-    }
-    result.median_sigma = median_depth(*result.uncertainty);
+    require_uncertainty_possible(job.setup, two_cameras && job.scan.scanner, output);
   }
-  if (!flags.files.coordinate.empty() && !two_cameras) {
-    result.maps.coordinate =
-        converted<float>(measured_coordinates(*engine, scan.frames, result.maps));
-  }
+  throw_if(!flags.files.epipolar.empty() && (two_cameras || !has_other_axis),
+           "--epipolar needs one camera and patterns along both axes: --axis both");
+
+  const Band& band = measuring_band(job.setup.sequence.strategy.layout());
+  throw_if(!flags.files.motion.empty() && (two_cameras || !MotionMeasurement::is_possible(band)),
+           "--motion-map needs one camera and extra frames: --motion 2");
 }
 
-void reconstruct_map(LoadedScan& loaded, const ReconstructFlags& flags) {
-  ReconstructedScan& result = loaded.result;
-  Stopwatch watch;
-  result.cloud = cloud_of_coordinates(loaded.coordinates, result.sound.setup, loaded.modulation);
-  result.maps.coordinate = converted<float>(loaded.coordinates);
-  result.backend = "reference";
-  judge(flags, result);
-  result.computed = watch.lap();
+void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
+                      const ReconstructFlags& flags, Reused& reused) {
+  const std::string name = text_of(scan.name);
+  Output& output = scan.words;
+  const bool two_cameras =
+      !checked.scan.further_cameras.empty() && scan.output == ScanOutput::points;
+  require_possible(flags, checked, two_cameras, output);
+
+  // 1. The results, and what there is to say of them.
+  ScanJob& job =
+      reused.jobs.try_emplace(scan.output, job_settings(flags, scan.output)).first->second;
+  scan.result = job(checked, name);
+  const ScanResult& result = scan.result;
+  const double minimum = flags.cloud.settings.minimum_modulation;
+  if (result.least_modulation > minimum) {
+    output.say(
+        "{}: minimum modulation is {:.1f} instead of {:.1f}: below it noise hides the fringe order",
+        name, result.least_modulation, minimum);
+  }
+  if (!result.gamma.sentence.empty()) output.say("{}: {}", name, result.gamma.sentence);
+  if (!two_cameras && !reused.fallback_told) {
+    const bool chosen = result.setup.settings.engine != EngineKind::automatic;
+    reused.fallback_told = tell_fallback(result.fallback_reason, chosen, output);
+  }
+
+  // 2. Files, and the error of a virtual scan against its truth.
+  judge(flags, checked.checked.findings.size(), scan);
+  if (!two_cameras) scan.predicted = predicted_rms(checked.scan.frames, job, scan);
+  if (result.uncertainty) scan.median_sigma = median_depth(*result.uncertainty);
 }
 
 ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags, Reused& reused) {
-  ReconstructedScan& result = loaded.result;
-  if (result.done_before || !result.failure.empty()) return std::move(result);
+  ReconstructedScan& scan = loaded.scan;
+  if (scan.done_before || !scan.failure.empty()) return std::move(scan);
+
   try {
-    flags.from.empty() ? reconstruct_scan(loaded.scan, result, flags, reused)
-                       : reconstruct_map(loaded, flags);
+    if (flags.from.empty()) {
+      reconstruct_scan(loaded.job, scan, flags, reused);
+    } else {
+      scan.result = reconstruct_map(loaded.coordinates, loaded.job.setup, loaded.modulation);
+      judge(flags, 0, scan);
+    }
   } catch (const Error& error) {
-    result.failure = error.what();
+    scan.failure = error.what();
   }
-  return std::move(result);
+  return std::move(scan);
 }
 
-ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flags) {
-  if (result.done_before || !result.failure.empty()) return result;
+ReconstructedScan written(ReconstructedScan scan, const ReconstructFlags& flags) {
+  if (scan.done_before || !scan.failure.empty()) return scan;
+
   Stopwatch watch;
-  write_files(flags, result);
-  if (!flags.manifest.empty()) result.entry["outputs"] = sums_of(result.files.written());
-  result.written = watch.lap();
-  result.maps = {};
-  result.uncertainty.reset();
-  return result;
+  write_files(flags, scan);
+  if (!flags.manifest.empty()) scan.entry["outputs"] = sums_of(scan.files.written());
+  scan.written = watch.lap();
+
+  scan.result.maps = {};
+  scan.result.uncertainty.reset();
+  return scan;
 }
 
 /// A failure ends the program if it is the only scan.
@@ -320,7 +225,8 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
     progress.finish();
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
     scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
-    reused.clouds.push_back(std::move(scan.cloud));
+    const auto job = reused.jobs.find(scan.output);
+    if (job != reused.jobs.end()) job->second.reuse(std::move(scan.result.cloud));
     progress.advance(scan.done_before);
   };
   for (std::size_t i = 0, asked = 0; i < count; ++i) {

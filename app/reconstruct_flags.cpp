@@ -68,7 +68,7 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   command.add_file("--second-scanner", flags.cloud.second_scanner,
                    "scanner file of the second camera with the same projector; default: its own");
   command.add("--one-camera", flags.one_camera, "use only the first camera of a scan with two");
-  command.add("--match-window", flags.match.window,
+  command.add("--match-window", flags.match_window,
               "two cameras: half-width of the matching window, pixels");
   add_output_flags(subcommand, flags);
   add_cloud_flags(subcommand, flags.cloud);

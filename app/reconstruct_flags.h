@@ -2,7 +2,6 @@
 
 #include "app/scan_flags.h"
 #include "io/result_files.h"
-#include "reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
 
@@ -12,7 +11,7 @@ struct ReconstructFlags {
   std::uint64_t every = 1;
   CloudFlags cloud;
   bool one_camera = false;
-  PhaseMatchSettings match;
+  int match_window = ScanJobSettings{}.match_window;
   int subsample = 1;
   bool normals = false;
   bool uncertainty = false;

@@ -1,6 +1,7 @@
 #include "app/reconstructed_scan.h"
 
 #include "app/process.h"
+#include "base/stopwatch.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "reconstruct/coordinate_map.h"
@@ -24,19 +25,19 @@ nlohmann::json json_of(const GammaChoice& choice) {
 std::array<std::tuple<const char*, const char*, double>, 6> times_of(
     const ReconstructedScan& scan) {
   return {{{"read", "ms to read", scan.read},
-           {"gamma", "for gamma", scan.sound.choosing},
-           {"check", "to check", scan.sound.checking},
-           {"tables", "for tables", scan.tables},
-           {"reconstruct", "to reconstruct", scan.computed},
+           {"gamma", "for gamma", scan.result.choosing},
+           {"check", "to check", scan.result.checking},
+           {"tables", "for tables", scan.result.tables},
+           {"reconstruct", "to reconstruct", scan.result.computing},
            {"write", "to write", scan.written}}};
 }
 
 void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   const ScanFlags& given = flags.cloud;
   throw_if(!given.scanner, "--from needs the scanner's file: --scanner");
-  const std::string& path = loaded.result.name.path;
+  const std::string& path = loaded.scan.name.path;
   const Image<double> map = read_map(path);
-  EngineSetup& setup = loaded.result.sound.setup;
+  EngineSetup& setup = loaded.job.setup;
   setup.sequence = changed({}, given.sequence);
   setup.settings = flags.cloud.settings;
   setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), map.size(),
@@ -49,57 +50,43 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   if (flags.modulation) loaded.modulation = converted<float>(read_map(*flags.modulation));
 }
 
-/// Checks a scan of two cameras without a projector; the setup's scanner is then the pair.
-SoundScan sound_pair(Scan& scan, const ScanName& name, const fs::path& file, CloudFlags flags,
-                     Output& output) {
-  const Scanner pair =
-      completed(read_camera_pair(file), file.string() + ", the second camera as the projector",
-                scan.frames.size(), scan.further_cameras.front().frames.size());
-  PhotometricCalibration& known = flags.photometry;
-  known.ambient = known.ambient ? known.ambient : pair.photometry.ambient;
-  if (!known.noise_variance) {
-    known.noise_variance = pair.photometry.noise_variance;
-    known.noise_gain = pair.photometry.noise_gain;
-  }
-  SoundScan sound = sound_scan(scan, text_of(name), flags, output, Wanted::maps);
-  sound.setup.scanner = pair;
-  sound.setup.scanner.photometry = known;
-  output.say("{}: two cameras, no projector: the calibration is not checked with the frames",
-             text_of(name));
-  return sound;
-}
-
-/// Returns the file of two cameras without a projector, if the scan has no scanner but that.
-std::optional<fs::path> read_scan(const ScanFlags& input, const ReconstructFlags& flags,
-                                  LoadedScan& loaded) {
-  const auto& [path, window] = loaded.result.name;
-  const bool cameras = !flags.one_camera, only_maps = flags.files.only_maps() && !flags.uncertainty;
-  loaded.scan = load_checkable(path, input, cameras, loaded.result.words);
-  const Scan& scan = loaded.scan;
+/// Reads the scan, and decides what it can give.
+Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, ReconstructedScan& result) {
+  const std::string& path = result.name.path;
+  Scan scan = load_checkable(path, input, !flags.one_camera, result.words);
   throw_if(input.second_scanner && scan.further_cameras.empty(),
            "{}: --second-scanner needs pictures of a second camera; name them with "
            "--second-camera",
            path);
-  std::optional<fs::path> pair;
-  if (!only_maps && !scan.scanner && !scan.further_cameras.empty()) {
-    pair = scan_files_in(path, input).scanner;
-  }
-  throw_if(!only_maps && !scan.scanner && !pair,
+
+  const bool only_maps = flags.files.only_maps() && !flags.uncertainty;
+  throw_if(!only_maps && !scan.scanner && scan.further_cameras.empty(),
            "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
+
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
-  loaded.result.warnings = scan.warnings;
-  loaded.result.wanted = only_maps && (!scan.scanner || only_phase) ? Wanted::maps : Wanted::points;
-  return pair;
+  const bool may_lack_points = only_maps && (!scan.scanner || only_phase);
+  result.output = may_lack_points ? ScanOutput::maps : ScanOutput::points;
+  result.warnings = scan.warnings;
+  return scan;
 }
 
 }  // namespace
 
+ScanJobSettings job_settings(const ReconstructFlags& flags, ScanOutput output) {
+  ScanJobSettings settings = job_settings(flags.cloud, output);
+  settings.maps = flags.files.any_map();
+  settings.uncertainty = flags.uncertainty;
+  settings.sure_coordinates = !flags.files.coordinate.empty();
+  settings.match_window = flags.match_window;
+  return settings;
+}
+
 LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
                        OpenedRecording& opened, const Output& output) {
   LoadedScan loaded;
-  ReconstructedScan& result = loaded.result;
+  ReconstructedScan& result = loaded.scan;
   result.name = name;
   result.words = output.held();
   result.entry = entry_for(name, flags.settings);
@@ -121,11 +108,16 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       result.read = watch.lap();
       return loaded;
     }
-    const std::optional<fs::path> pair = read_scan(input, flags, loaded);
+    Scan scan = read_scan(input, flags, result);
     result.read = watch.lap();
-    result.sound =
-        pair ? sound_pair(loaded.scan, name, *pair, flags.cloud, result.words)
-             : sound_scan(loaded.scan, text_of(name), flags.cloud, result.words, result.wanted);
+    const bool has_pair = !scan.scanner && scan.camera_pair;
+    loaded.job = checked_scan(std::move(scan), text_of(name), job_settings(flags, result.output),
+                              result.words);
+    if (has_pair && result.output == ScanOutput::points) {
+      result.words.say(
+          "{}: two cameras, no projector: the calibration is not checked with the frames",
+          text_of(name));
+    }
   } catch (const Error& error) {
     result.failure = error.what();
   } catch (const WorldError& error) {  // an unreadable file fails only its own scan
@@ -136,26 +128,28 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
 }
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
+  const ScanResult& result = scan.result;
   nlohmann::json seconds;
   for (const auto& [name, words, time] : times_of(scan)) seconds[name] = time;
+
   std::optional<nlohmann::json> epipolar;
-  if (scan.epipolar) {
-    epipolar = described("median_px", scan.epipolar->median, "median_length_px",
-                         scan.epipolar->median_length, "median_sigma_px",
-                         scan.epipolar->median_sigma, "doubted", scan.epipolar->doubted);
+  if (const auto& check = result.epipolar) {
+    epipolar = described("median_px", check->median, "median_length_px", check->median_length,
+                         "median_sigma_px", check->median_sigma, "doubted", check->doubted);
   }
-  nlohmann::json told =
-      described("scan", scan.name.path, "window", scan.name.window, "points",
-                scan.wanted == Wanted::maps ? 0 : scan.counts[0], "pixels",
-                scan.cloud.validity.pixel_count(), "counts", scan.counts, "backend", scan.backend,
-                "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma),
-                "baseline_mm", scan.sound.setup.scanner.translation.norm(), "median_depth_mm",
-                scan.sound.checked.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
-                scan.median_sigma, "rms_mm", scan.rms, "predicted_mm", scan.predicted, "epipolar",
-                epipolar, "warnings", scan.warnings, "findings", scan.sound.checked.findings,
-                "repairs", scan.sound.checked.repairs, "seconds", seconds);
+
+  const std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
+  nlohmann::json told = described(
+      "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
+      result.cloud.validity.pixel_count(), "counts", result.counts, "backend", result.backend,
+      "least_modulation", result.least_modulation, "gamma", json_of(result.gamma), "baseline_mm",
+      result.setup.scanner.translation.norm(), "median_depth_mm", result.checked.median_depth,
+      "files", scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms,
+      "predicted_mm", scan.predicted, "epipolar", epipolar, "warnings", scan.warnings, "findings",
+      result.checked.findings, "repairs", result.checked.repairs, "seconds", seconds);
+
   // Only --anyway reconstructs a refused scan.
-  if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
+  if (any_wrong(result.checked.findings)) told["doubted"] = true;
   return told;
 }
 
@@ -164,38 +158,40 @@ std::string line_of(const ReconstructedScan& scan) {
   double seconds = 0;
   for (const auto& [name, words, time] : times_of(scan)) seconds += time;
   entry["seconds"] = seconds;
-  scan.failure.empty() ? entry["counts"] = as_json(scan.counts) : entry["error"] = scan.failure;
+  scan.failure.empty() ? entry["counts"] = as_json(scan.result.counts)
+                       : entry["error"] = scan.failure;
   return line_of(entry);
 }
 
 void tell(const ReconstructedScan& scan, Output& output) {
-  output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), scan.counts[0],
-             scan.wanted == Wanted::maps ? "measured, no points," : "points",
-             scan.cloud.validity.pixel_count(), scan.backend);
+  const ScanResult& result = scan.result;
+  output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), result.counts[0],
+             scan.output == ScanOutput::maps ? "measured, no points," : "points",
+             result.cloud.validity.pixel_count(), result.backend);
   for (std::size_t i = 1; i < validity_count; ++i) {
-    if (scan.counts[i] == 0) continue;
-    output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), scan.counts[i]);
+    if (result.counts[i] == 0) continue;
+    output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), result.counts[i]);
   }
-  if (scan.counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
-    const auto [nearest, farthest] = depth_range(scan.sound.setup);
+  if (result.counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
+    const auto [nearest, farthest] = depth_range(result.setup);
     output.say("  depths kept: {:.0f} to {:.0f} mm; change with --nearest, --farthest or --raw",
                nearest, farthest);
   }
-  if (const double depth = scan.sound.checked.median_depth; depth > 0) {
+  if (const double depth = result.checked.median_depth; depth > 0) {
     output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
-               scan.sound.setup.scanner.translation.norm(), depth);
+               result.setup.scanner.translation.norm(), depth);
   }
   if (scan.rms) {
     output.say(
         "  RMS error against truth: {:.4g} mm{}", *scan.rms,
         scan.predicted ? fmt::format("; predicted from noise: {:.4g} mm", *scan.predicted) : "");
   }
-  if (scan.epipolar) {
+  if (result.epipolar) {
     output.say(
         "  distance from epipolar lines: median {:+.3f}, absolute {:.3f} projector pixels, "
         "expected sigma {:.3f}; {} points rejected as too far",
-        scan.epipolar->median, scan.epipolar->median_length, scan.epipolar->median_sigma,
-        scan.epipolar->doubted);
+        result.epipolar->median, result.epipolar->median_length, result.epipolar->median_sigma,
+        result.epipolar->doubted);
   }
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);

@@ -2,7 +2,7 @@
 
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"
-#include "reconstruct/epipolar.h"
+#include "slipstream/scan_job.h"
 
 namespace slipstream::app {
 
@@ -11,30 +11,26 @@ struct ReconstructedScan {
   ScanName name;
   std::string failure;  ///< reason if it failed, or empty
   Output words{false};  ///< its lines, held until its turn
-  Cloud cloud;
-  ValidityCounts counts{};
-  Maps maps;  ///< if requested
-  Wanted wanted = Wanted::points;
-  std::optional<Uncertainty> uncertainty;
-  std::optional<EpipolarCheck> epipolar;  ///< both axes only
-  std::string backend;
-  std::vector<std::string> warnings;
-  SoundScan sound;
+  ScanOutput output = ScanOutput::points;
+  ScanResult result;
+  std::vector<std::string> warnings;                   ///< from reading the frames
   ResultFiles files;                                   ///< files written
   std::optional<double> rms, predicted, median_sigma;  ///< mm
-  double least_modulation = 0;  ///< minimum modulation of a point, grey levels of 255
-  double read = 0, tables = 0, computed = 0, written = 0;  ///< s
+  double read = 0, written = 0;                        ///< time taken, s
   bool done_before = false;  ///< done by an earlier run; prints nothing else
   nlohmann::json entry;      ///< its manifest entry
 };
 
 /// A scan or a map that was read, and its results so far.
 struct LoadedScan {
-  Scan scan;
+  CheckedJob job;             ///< of a map only the setup
   Image<double> coordinates;  ///< of a map, 0 to 1
   Image<float> modulation;    ///< of a map, if given
-  ReconstructedScan result;
+  ReconstructedScan scan;
 };
+
+/// The job of these scans; single scans may give less: see ReconstructedScan::output.
+ScanJobSettings job_settings(const ReconstructFlags& flags, ScanOutput output);
 
 /// Reads and checks a scan, or a map. Does nothing if `before` lists the scan as done. An invalid
 /// scan, or one of several that cannot be read, is reported as its result's failure.

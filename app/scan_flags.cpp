@@ -4,6 +4,7 @@
 
 #include "app/process.h"
 #include "base/numbers.h"
+#include "base/stopwatch.h"
 #include "slipstream/recording.h"
 #include "slipstream/registry.h"
 #include "slipstream/scan_files.h"
@@ -82,22 +83,6 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
 
 /// Sets the response that corrects the scan's phases in check and cloud. Two cameras match each
 /// other's phase, so they need none.
-GammaChoice gamma_of(Scan& scan, const ScanFlags& flags) {
-  GammaChoice choice = choose_response(scan, flags.gamma);
-  if (scan.further_cameras.empty()) return choice;
-  return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
-}
-
-EngineSetup setup_for_maps(const Scan& scan, const std::string& name, const CloudFlags& flags,
-                           const GammaChoice& gamma) {
-  PhotometricCalibration known = scan.scanner ? scan.scanner->photometry : flags.photometry;
-  known.response = gamma.response;
-  EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
-                    scan.sequence, flags.settings};
-  require_ambient_known(setup, name);
-  return setup;
-}
-
 }  // namespace
 
 void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker) {
@@ -211,28 +196,19 @@ Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_ca
   return scan;
 }
 
-SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output,
-                     Wanted wanted) {
-  throw_if(wanted == Wanted::points && !scan.scanner && scan.further_cameras.empty(),
-           "{}: no scanner is known; name its file with --scanner or in scan.yaml", name);
-  Stopwatch watch;
-  SoundScan sound;
-  sound.gamma = gamma_of(scan, flags);
-  sound.setup = wanted == Wanted::maps ? setup_for_maps(scan, name, flags, sound.gamma)
-                                       : setup_for(scan, flags.settings);
-  sound.choosing = watch.lap();
-  if (wanted == Wanted::points) {
-    scan.further_cameras.empty() ? require_reconstructible(sound.setup)
-                                 : require_valid(sound.setup);
-  }
-  sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation,
-                                          .photometry = sound.setup.scanner.photometry,
-                                          .blind = sound.gamma.blind});
-  refuse_or_warn(sound.checked, name, flags.anyway, output);
-  if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags);  // may differ
-  sound.setup.scanner.photometry.response = sound.gamma.response;
-  sound.checking = watch.lap();
-  return sound;
+ScanJobSettings job_settings(const CloudFlags& flags, ScanOutput output) {
+  return {.reconstruct = flags.settings,
+          .gamma = flags.gamma,
+          .photometry = flags.photometry,
+          .output = output,
+          .keep_refused = flags.anyway};
+}
+
+CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSettings& settings,
+                        Output& output) {
+  CheckedJob job = checked_job(std::move(scan), settings, name);
+  refuse_or_warn(job.checked, name, settings.keep_refused, output);
+  return job;
 }
 
 StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
@@ -245,17 +221,21 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
     return result;
   }
   require_valid(flags.settings.clean);
-  Scan scan = load_checkable(path, flags, false, output);
-  const SoundScan sound = sound_scan(scan, path, flags, output);
+
+  // Measurements come with their uncertainty if the noise is known.
+  ScanJobSettings settings = job_settings(flags);
+  const CheckedJob checked =
+      checked_scan(load_checkable(path, flags, false, output), path, settings, output);
+  settings.maps = true;
+  settings.uncertainty = checked.setup.scanner.photometry.noise_variance.has_value();
+
   nlohmann::json& findings = output.list("findings");
-  for (const Finding& finding : sound.checked.findings) findings.push_back(finding);
-  Engine engine(sound.setup);
+  for (const Finding& finding : checked.checked.findings) findings.push_back(finding);
+
+  ScanResult made = ScanJob(settings)(checked, path);
   result.organised = true;
-  Maps maps;
-  engine.cloud_and_maps(scan.frames, result.cloud, maps);
-  if (engine.setup().scanner.photometry.noise_variance) {
-    result.uncertainty = engine.uncertainty(result.cloud, maps, scan.frames);
-  }
+  result.cloud = std::move(made.cloud);
+  result.uncertainty = std::move(made.uncertainty);
   return result;
 }
 

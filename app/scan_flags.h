@@ -6,9 +6,9 @@
 #include "app/commands.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/engine.h"
-#include "slipstream/gamma.h"
 #include "slipstream/recording.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/scan_job.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream::app {
@@ -67,21 +67,13 @@ class OpenedRecording {
 Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
                     Output& output);
 
-/// A scan that passed the check.
-struct SoundScan {
-  EngineSetup setup;  ///< for its engine
-  GammaChoice gamma;  ///< the response correction in use
-  CheckedScan checked;
-  double choosing = 0, checking = 0;  ///< time of both, s
-};
+/// What these flags ask of a scan.
+ScanJobSettings job_settings(const CloudFlags& flags, ScanOutput output = ScanOutput::points);
 
-/// Results of a scan. Only points need a scanner.
-enum class Wanted { points, maps };
-
-/// Chooses the scan's gamma and checks it; may reorder its frames. For maps the setup has no
-/// geometry. Throws Error if it cannot be reconstructed or is refused.
-SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output,
-                     Wanted wanted = Wanted::points);
+/// Chooses the scan's gamma and checks it; may reorder its frames. Prints the findings. Throws
+/// Error if it cannot be reconstructed or is refused.
+CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSettings& settings,
+                        Output& output);
 
 inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;

@@ -1,6 +1,7 @@
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"
+#include "base/stopwatch.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"

@@ -120,19 +120,21 @@ struct ViewPathFlags {
 view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked,
                                 const std::string& save_to, Output& output) {
   require_valid(asked.settings.clean);
-  Scan scan = load_checkable(path, asked, false, output);
-  const SoundScan sound = sound_scan(scan, path, asked, output);
-  const EngineSetup& setup = sound.setup;
-  const auto given = sound.gamma.response;
+
+  CheckedJob job =
+      checked_scan(load_checkable(path, asked, false, output), path, job_settings(asked), output);
+  const EngineSetup& setup = job.setup;
+  const auto given = job.gamma.response;
   const auto blind =
-      choose_gamma("blind", given, setup.sequence.strategy.layout(), scan.frames).response;
-  view::ViewSource source = view::still_source(std::move(scan.frames), setup);
-  source.findings = sound.checked.findings;
+      choose_gamma("blind", given, setup.sequence.strategy.layout(), job.scan.frames).response;
+
+  view::ViewSource source = view::still_source(std::move(job.scan.frames), setup);
+  source.findings = job.checked.findings;
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},
                    {"from the frames", blind}};
-  source.save = [save_to, remarks = doubts(sound.checked.findings)](const view::ShownCloud& cloud,
-                                                                    const EngineSetup& used) {
+  source.save = [save_to, remarks = doubts(job.checked.findings)](const view::ShownCloud& cloud,
+                                                                  const EngineSetup& used) {
     return save_in_new_folder(cloud.frames, used, save_to, remarks);
   };
   return source;

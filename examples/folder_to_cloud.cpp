@@ -2,16 +2,16 @@
 #include <cstdio>
 
 #include "slipstream/cloud_file.h"
-#include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/scan_job.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   try {
-    const slipstream::Cloud cloud = slipstream::reconstruct(slipstream::load_scan(argv[1]));
-    slipstream::write_cloud(argv[2], cloud);
-    std::printf("%zu points\n", slipstream::point_count(cloud));
+    const slipstream::ScanResult result = slipstream::reconstruct(slipstream::load_scan(argv[1]));
+    slipstream::write_cloud(argv[2], result.cloud);
+    std::printf("%zu points\n", result.counts[0]);
   } catch (const slipstream::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

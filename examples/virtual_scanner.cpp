@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
+#include "slipstream/scan_job.h"
 
 using namespace slipstream;
 
@@ -17,7 +17,7 @@ int main() {
   const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner), pattern_set(sequence),
                                      {.ambient = 5, .noise_variance = 1.55, .bits = 8});
   const Cloud cloud =
-      reconstruct({.frames = scan.frames, .sequence = sequence, .scanner = scanner});
+      reconstruct({.frames = scan.frames, .sequence = sequence, .scanner = scanner}).cloud;
 
   double squares = 0;
   for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {

@@ -84,13 +84,22 @@ class Engine {
   std::shared_ptr<Memory> memory_;  ///< not shared by copies
 };
 
-/// Cloud of a scan, by an engine made for it. Throws Error as setup_for.
-Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings = {});
-
 /// Setup of an engine for this scan: its scanner, completed from the scan, its sequence, and the
 /// settings. Throws Error if the scan has no scanner, does not fit it, or has a cue that needs the
 /// ambient light and the scanner does not know it.
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {});
+
+/// Result of comparing a scan with patterns along the other axis. It reveals only errors across the
+/// epipolar line: where the line runs along x, errors of x alone stay hidden.
+struct EpipolarCheck {
+  double median = 0;         ///< of the points' distances, projector pixels
+  double median_length = 0;  ///< of their absolute values
+  double median_sigma = 0;   ///< of their standard deviations due to noise
+  std::size_t doubted = 0;   ///< points farther off than noise explains
+
+  /// Whether the distances far exceed noise, so that calibration and scan do not match.
+  [[nodiscard]] bool contradicts() const;
+};
 
 /// Light in the frames of a scan, with or without a scanner.
 struct PictureReport {

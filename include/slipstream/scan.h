@@ -18,6 +18,8 @@ struct Scan {
   std::vector<int> order{};
   Sequence sequence{};
   std::optional<Scanner> scanner{};  ///< if known
+  /// Of two cameras without a calibrated projector: the first camera, and the second as projector.
+  std::optional<Scanner> camera_pair{};
   std::vector<double> exposures{1};  ///< merged into these frames; a single one if not merged
   /// With patterns along both axes: the scan along y.
   std::vector<Scan> other_axis{};

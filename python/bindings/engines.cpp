@@ -2,11 +2,10 @@
 #include <condition_variable>
 
 #include "python/bindings/bindings.h"
-#include "reconstruct/epipolar.h"
-#include "reconstruct/phase_matcher.h"
 #include "slipstream/gamma.h"
 #include "slipstream/live_pipeline.h"
 #include "slipstream/named_source.h"
+#include "slipstream/scan_job.h"
 
 namespace slipstream::python {
 namespace {
@@ -64,53 +63,26 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
   });
 }
 
-/// Reconstructs a checked scan.
-void reconstruct(const Scan& scan, const EngineSetup& setup, Cloud& cloud) {
-  // Two cameras match their phases; patterns along both axes check each other by the epipolar
-  // lines.
-  if (!scan.further_cameras.empty()) {
-    const Scan& second = scan.further_cameras.front();
-    PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings);
-    cloud = match(scan, second).cloud;
-  } else if (!scan.other_axis.empty()) {
-    Maps maps;
-    Engine(setup).cloud_and_maps(scan.frames, cloud, maps);
-    check_epipolar(setup, scan.other_axis.front(), maps, cloud);
-  } else {
-    Engine(setup).cloud(scan.frames, cloud);
-  }
-}
-
 std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bool anyway,
                                          const py::kwargs& given) {
-  const auto settings = settings_from<ReconstructSettings>(given);
+  const ScanJobSettings settings{.reconstruct = settings_from<ReconstructSettings>(given),
+                                 .gamma = gamma,
+                                 .keep_refused = anyway};
 
-  const bool two_cameras = !scan.further_cameras.empty();
-  EngineSetup setup;
+  const CheckedJob job = unlocked([&] { return checked_job(std::move(scan), settings); });
+  refuse_or_warn(job.checked, "scan", anyway);
 
-  // 1. Checks and repairs the scan.
-  const CheckedScan checked = unlocked([&] {
-    choose_response(scan, gamma);
-    setup = setup_for(scan, settings);
-    two_cameras ? require_valid(setup) : require_reconstructible(setup);
-    return check_and_repair(scan, {.minimum_modulation = settings.minimum_modulation});
-  });
+  ScanResult made = unlocked([&] { return ScanJob(settings)(job, "scan"); });
+  const auto found =
+      made.checked.findings.begin() + static_cast<std::ptrdiff_t>(job.checked.findings.size());
+  for (auto finding = found; finding != made.checked.findings.end(); ++finding) {
+    warn_of("scan", {text_of(*finding)});
+  }
 
-  refuse_or_warn(checked, "scan", anyway);
-
-  // 2. The response, chosen again if repairs changed the frames.
-  const py::gil_scoped_release release;
-  if (!checked.repairs.empty()) choose_response(scan, gamma);
-
-  auto& response = setup.scanner.photometry.response;
-  response = scan.scanner->photometry.response;
-  if (two_cameras) response.reset();  // two cameras match any phase, so no response is needed
-
-  // 3. The points, with the doubts about them as remarks.
+  // The doubts about the points are remarks of the cloud's files.
   auto result = std::make_shared<HeldCloud>();
-  result->remarks = doubts(checked.findings);
-  reconstruct(scan, setup, result->cloud);
-
+  result->cloud = std::move(made.cloud);
+  result->remarks = doubts(made.checked.findings);
   return result;
 }
 

@@ -285,13 +285,16 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
                                                           .scanner = changes.second_scanner});
 
   // A file that calibrates both cameras has no projector, so it is neither scan's own scanner.
+  std::optional<Scanner> pair;
   if (files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
+    pair = read_camera_pair(*files.scanner);
     files.scanner.reset();
     second.scanner.reset();
   }
 
   Scan scan = load_scan(files);
   scan.further_cameras.push_back(load_scan(second));
+  scan.camera_pair = std::move(pair);
 
   const Sequence& further = scan.further_cameras.front().sequence;
   throw_if(further.strategy != scan.sequence.strategy || further.axis != scan.sequence.axis,

@@ -328,10 +328,4 @@ EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings) {
   return setup;
 }
 
-Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings) {
-  Cloud cloud;
-  Engine(setup_for(scan, settings)).cloud(scan.frames, cloud);
-  return cloud;
-}
-
 }  // namespace slipstream

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/triangulator.h"
+#include "slipstream/engine.h"
 #include "slipstream/reconstruct_settings.h"
 #include "slipstream/scan.h"
 
@@ -17,18 +18,6 @@ struct EpipolarDistance {
 /// along both axes. NaN where the projector's lens model has no inverse.
 EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d& ray, double x,
                                    double y);
-
-/// Result of comparing a scan with patterns along the other axis. It reveals only errors across the
-/// epipolar line: where the line runs along x, errors of x alone stay hidden.
-struct EpipolarCheck {
-  double median = 0;         ///< of the points' distances, projector pixels
-  double median_length = 0;  ///< of their absolute values
-  double median_sigma = 0;   ///< of their standard deviations due to noise
-  std::size_t doubted = 0;   ///< points farther off than noise explains
-
-  /// Whether the distances far exceed noise, so that calibration and scan do not match.
-  [[nodiscard]] bool contradicts() const;
-};
 
 /// Compares a cloud and its maps, along x, with `other`, a scan of the same scene along y. Sets the
 /// maps' epipolar distance. Marks points as `doubtful_order` if they are off their epipolar lines

@@ -9,6 +9,8 @@
 
 #include "io/file.h"
 #include "slipstream/cloud_file.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/scan_job.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"
@@ -56,6 +58,17 @@ TEST_F(TwoCameras, live_gives_the_cloud_of_reconstruct) {
                  "replay:" + folder + "/second", "--headless", "-o", path("live.ply")});
     EXPECT_EQ(live["clouds"], 1) << what;
     EXPECT_EQ(read_file(path("live.ply")), read_file(path("scan.ply"))) << what;
+  }
+}
+
+TEST_F(TwoCameras, the_library_gives_the_cloud_of_reconstruct) {
+  for (const std::vector<std::string>& patterns :
+       {std::vector<std::string>{"--strategy", "dual-frequency"},
+        std::vector<std::string>{"--strategy", "dual-frequency", "--axis", "both"}}) {
+    const std::string folder = scan(patterns);
+    json_of({"reconstruct", folder, "-o", path("program.ply")});
+    write_cloud(path("library.ply"), reconstruct(load_scan(folder)).cloud);
+    EXPECT_EQ(read_file(path("library.ply")), read_file(path("program.ply")));
   }
 }
 

@@ -28,6 +28,12 @@ const Sequence sequence{.strategy = PhaseMeasuring{.steps = 4},
                         .light = {.alpha_p = 200, .beta_p = 30},
                         .projector = scanner.projector.size};
 
+Cloud cloud_of(const Scan& scan) {
+  Cloud cloud;
+  Engine(setup_for(scan)).cloud(scan.frames, cloud);
+  return cloud;
+}
+
 VirtualScan some_scan(std::optional<int> bits = 8) {
   return take_scan(scanner, scene_named("sphere", scanner), pattern_set(sequence), {.bits = bits});
 }
@@ -53,9 +59,8 @@ TEST(SavedScan, ComesBackWhole) {
     EXPECT_EQ(read.scanner, scanner);
     EXPECT_TRUE(read.further_cameras.empty());
     expect_same_frames(read.frames, frames);
-    EXPECT_EQ(
-        point_count(reconstruct(read)),
-        point_count(reconstruct({.frames = frames, .sequence = sequence, .scanner = scanner})));
+    EXPECT_EQ(point_count(cloud_of(read)),
+              point_count(cloud_of({.frames = frames, .sequence = sequence, .scanner = scanner})));
   }
 }
 
@@ -105,7 +110,7 @@ TEST(SavedScan, MayHaveNoScannerButGivesNoCloudThen) {
   save_scan(folder.path(), some_scan().frames, sequence, std::nullopt);
   const Scan read = load_scan(folder.path());
   EXPECT_FALSE(read.scanner);
-  expect_error([&] { (void)reconstruct(read); }, {"scanner"});
+  expect_error([&] { (void)cloud_of(read); }, {"scanner"});
 }
 
 TEST(SavedScan, IsNotWrittenOfFramesThatWereTakenApart) {
@@ -183,7 +188,7 @@ TEST(SavedScan, IsComparedWithTheTruthBesideIt) {
   const TemporaryFolder folder;
   const VirtualScan scan = some_scan(std::nullopt);
   save_scan(folder.path(), scan.frames, sequence, scanner);
-  const Cloud cloud = reconstruct(load_scan(folder.path()));
+  const Cloud cloud = cloud_of(load_scan(folder.path()));
   EXPECT_FALSE(error_against_truth(folder.path(), cloud));
   fs::create_directory(folder.path() / "truth");
   Image<double> depth = scan.depth;

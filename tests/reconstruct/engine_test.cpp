@@ -301,23 +301,4 @@ TEST(Engine, IsAssignedAndMoved) {
   EXPECT_TRUE(same_bytes(cloud, expected));
 }
 
-TEST(Reconstruct, IsTheCloudOfAnEngineMadeForTheScan) {
-  const Scanner scanner = scanner_of({64, 48});
-  for (const Strategy& strategy : all_strategies()) {
-    SCOPED_TRACE(strategy.name());
-    Scan scan{.frames = frames_of(scanner, strategy), .sequence = {.strategy = strategy}};
-    EXPECT_THROW(reconstruct(scan), Error) << "no scanner";
-    scan.scanner = scanner;
-    Cloud expected;
-    Engine(scanner, scan.sequence).cloud(scan.frames, expected);
-    EXPECT_TRUE(same_bytes(reconstruct(scan), expected));
-    scan.scanner->photometry.ambient.reset();
-    if (needs_ambient_light(strategy.layout())) {
-      EXPECT_THROW(reconstruct(scan), Error);
-    } else {
-      EXPECT_NO_THROW(reconstruct(scan));
-    }
-  }
-}
-
 }  // namespace slipstream::engine_test

@@ -35,6 +35,12 @@ TrueScan scan_of(const char* scene, const Scanner& scanner, const Photometry& ph
           std::move(taken.depth)};
 }
 
+Cloud cloud_of(const Scan& scan) {
+  Cloud cloud;
+  Engine(setup_for(scan)).cloud(scan.frames, cloud);
+  return cloud;
+}
+
 struct Checked {
   Cloud cloud;
   Maps maps;
@@ -100,8 +106,7 @@ TEST(BothAxes, GiveTheCloudOfTheFirst) {
   ASSERT_EQ(taken.scan.frames.count(), 6);
   ASSERT_EQ(taken.scan.other_axis.front().sequence, along(both, Axis::y));
   const Checked result = checked(taken.scan);
-  const Cloud alone =
-      reconstruct(scan_of("statue", scanner, photometry, along(both, Axis::x)).scan);
+  const Cloud alone = cloud_of(scan_of("statue", scanner, photometry, along(both, Axis::x)).scan);
   int points = 0, other = 0;
   for (std::size_t i = 0; i < alone.z.pixel_count(); ++i) {
     if (alone.validity.begin()[i] != Validity::valid) continue;
@@ -142,7 +147,7 @@ TEST(BothAxes, ShowNoWrongPointOfExchangedFrames) {
       std::iota(order.begin(), order.end(), 0);
       std::swap(order[static_cast<std::size_t>(a)], order[static_cast<std::size_t>(b)]);
       const auto [scan, depth] = scan_of("boxes", scanner, {.noise_variance = 1.6}, both, order);
-      const Cloud cloud = checked(scan).cloud, along_x = reconstruct(scan);
+      const Cloud cloud = checked(scan).cloud, along_x = cloud_of(scan);
       for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
         wrong_before += std::abs(along_x.z.begin()[i] - depth.begin()[i]) > 3 ? 1 : 0;
         if (cloud.validity.begin()[i] != Validity::valid) continue;

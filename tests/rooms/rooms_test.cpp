@@ -196,8 +196,8 @@ TEST(Rooms, AnInnerIncludeIsFound) {
 
 /// The rooms in the table of docs/reference/architecture.md and the rooms they use, except `base`.
 Uses uses_in_docs(const std::string& text) {
-  static const std::regex row("\\| `([a-z]+)` \\|[^|\n]*\\| ?([a-z, ]*) ?\\|");
-  static const std::regex word("[a-z]+");
+  static const std::regex row("\\| `([a-z_]+)` \\|[^|\n]*\\| ?([a-z_, ]*) ?\\|");
+  static const std::regex word("[a-z_]+");
   Uses uses;
   for (std::sregex_iterator match(text.begin(), text.end(), row), end; match != end; ++match) {
     const std::string used = (*match)[2];

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/check.h"
+#include "slipstream/cloud.h"
+#include "slipstream/engine.h"
+#include "slipstream/gamma.h"
+#include "slipstream/image.h"
+#include "slipstream/maps.h"
+#include "slipstream/reconstruct_settings.h"
+#include "slipstream/scan.h"
+#include "slipstream/scanner.h"
+
+// From a scan to its results: response, check, reconstruction by one camera or two, comparison of
+// both axes, doubts. The program, the Python module and other programs take this one way.
+namespace slipstream {
+
+/// What a scan gives. Only points need a scanner.
+enum class ScanOutput { points, maps };
+
+/// What a user wants of scans.
+struct ScanJobSettings {
+  ReconstructSettings reconstruct{};
+  /// How the response is chosen that phases are corrected for: see choose_gamma. Two cameras match
+  /// phases as measured.
+  std::string gamma = "scanner";
+  /// Light and noise of a scan whose scanner is unknown.
+  PhotometricCalibration photometry{};
+
+  ScanOutput output = ScanOutput::points;
+  bool maps = false;              ///< also ScanResult::maps, beside points
+  bool uncertainty = false;       ///< also ScanResult::uncertainty
+  bool sure_coordinates = false;  ///< the maps' coordinate only where neighbours confirm it
+
+  /// Reconstructs a scan although its check says that no point can be right.
+  bool keep_refused = false;
+  /// With two cameras, half the width, pixels, of the window whose matches are smoothed by a plane;
+  /// 0: each match as found. See PhaseMatcher.
+  int match_window = 5;
+};
+
+/// A scan that was checked, and repaired if that was certain.
+struct CheckedJob {
+  Scan scan{};
+  EngineSetup setup{};  ///< for its engine, with the chosen response
+  GammaChoice gamma{};  ///< the response in use
+  CheckedScan checked{};
+  double choosing = 0, checking = 0;  ///< time taken, s
+};
+
+/// Chooses the response and checks the scan; puts slipped frames in order. Does not refuse it: see
+/// any_wrong. `name`: of the scan in messages. Throws Error if it cannot be reconstructed: without
+/// a scanner or a camera pair, if the scanner does not fit it, or if its frames give no depth. May
+/// be called from several threads.
+CheckedJob checked_job(Scan scan, const ScanJobSettings& settings,
+                       const std::string& name = "the scan");
+
+/// The results of one scan, in the first camera's picture and frame.
+struct ScanResult {
+  Cloud cloud{};            ///< with ScanOutput::maps only the validity of its pixels
+  ValidityCounts counts{};  ///< pixels by validity; first the points
+  Maps maps{};              ///< if wanted; of two cameras always
+  std::optional<Uncertainty> uncertainty{};
+  std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes
+
+  EngineSetup setup{};
+  GammaChoice gamma{};
+  /// Findings of the check, then those of the reconstruction; repairs.
+  CheckedScan checked{};
+
+  std::string backend{};          ///< see Engine::backend_for; "coordinates" for a camera pair
+  std::string fallback_reason{};  ///< see Engine::fallback_reason
+  double least_modulation = 0;    ///< minimum modulation of a point, grey levels of 255
+  double choosing = 0, checking = 0, tables = 0, computing = 0;  ///< time taken, s
+};
+
+/// Reconstructs scans one after another. Keeps the engine's tables from scan to scan as long as the
+/// setup stays the same. For one thread at a time.
+class ScanJob {
+ public:
+  explicit ScanJob(ScanJobSettings settings = {});
+
+  [[nodiscard]] const ScanJobSettings& settings() const { return settings_; }
+
+  /// Two cameras match their phases (with a calibrated projector) or their coordinates (a camera
+  /// pair); one camera meets the projector's light. Patterns along both axes check each other by
+  /// the epipolar lines. `name`: of the scan in messages. Throws Error as checked_job, and with the
+  /// findings if the scan is refused and ScanJobSettings::keep_refused is off.
+  [[nodiscard]] ScanResult operator()(Scan scan, const std::string& name = "the scan");
+
+  /// The same for a scan that was checked before, with these settings.
+  [[nodiscard]] ScanResult operator()(const CheckedJob& job, const std::string& name = "the scan");
+
+  /// Standard deviations of a result of this job, of one camera's `frames`; computes the maps if
+  /// the result has none.
+  [[nodiscard]] Uncertainty uncertainty_of(const ScanResult& result, const FrameViews& frames);
+
+  /// Gives back the memory of a cloud that is no longer needed, for the next result.
+  void reuse(Cloud cloud) { clouds_.push_back(std::move(cloud)); }
+
+ private:
+  void match_cameras(const CheckedJob& job, ScanResult& result);
+  void compute(const CheckedJob& job, ScanResult& result);
+
+  ScanJobSettings settings_;
+  std::optional<Engine> engine_{};
+  std::vector<Cloud> clouds_{};
+};
+
+/// One scan, once.
+ScanResult reconstruct(Scan scan, const ScanJobSettings& settings = {});
+
+/// Points of a map of projector coordinates, 0 to 1, made by any instrument: see
+/// cloud_of_coordinates. `modulation`: grey levels of 255; empty: all pixels are lit.
+ScanResult reconstruct_map(const Image<double>& coordinates, const EngineSetup& setup,
+                           const Image<float>& modulation = {});
+
+}  // namespace slipstream

@@ -1,0 +1,296 @@
+#include "slipstream/scan_job.h"
+
+#include <algorithm>
+#include <future>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/parallel_rows.h"
+#include "base/stopwatch.h"
+#include "base/throw_if-inl.h"
+#include "reconstruct/coordinate_map.h"
+#include "reconstruct/coordinate_matcher.h"
+#include "reconstruct/engine_setup.h"
+#include "reconstruct/epipolar.h"
+#include "reconstruct/phase_matcher.h"
+
+namespace slipstream {
+namespace {
+
+/// Two cameras match any phase, so no response is needed.
+GammaChoice choose_response_for(Scan& scan, const ScanJobSettings& settings) {
+  GammaChoice choice = choose_response(scan, settings.gamma);
+  if (scan.further_cameras.empty()) return choice;
+  return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
+}
+
+/// The pair with the light and noise that the settings give, else those of its file.
+Scanner pair_of(const Scan& scan, const PhotometricCalibration& given) {
+  Scanner pair = completed(*scan.camera_pair, "the camera pair", scan.frames.size(),
+                           scan.further_cameras.front().frames.size());
+
+  PhotometricCalibration& known = pair.photometry;
+  if (given.ambient) known.ambient = given.ambient;
+  if (given.noise_variance) {
+    known.noise_variance = given.noise_variance;
+    known.noise_gain = given.noise_gain;
+  }
+  known.response.reset();
+  return pair;
+}
+
+/// A setup without geometry: for maps, and for the check of a camera pair.
+EngineSetup setup_for_maps(const Scan& scan, const ScanJobSettings& settings,
+                           const PhotometricCalibration& known, const std::string& name) {
+  EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
+                    scan.sequence, settings.reconstruct};
+  require_ambient_known(setup, name);
+  return setup;
+}
+
+/// Two coordinates of one pixel that do not meet in one projector pixel.
+Finding contradiction(const EpipolarCheck& check) {
+  return {
+      .what = "the coordinates along x and y do not meet in one projector pixel",
+      .evidence = {{"median distance from the epipolar lines, projector pixels",
+                    check.median_length},
+                   {"expected sigma", check.median_sigma}},
+      .likely = "the camera or projector moved since calibration, or frames are in the wrong order",
+      .advice =
+          "calibrate again with slipstream calibrate geometry; scans along x alone do not show "
+          "this"};
+}
+
+/// The cameras do not agree on the fringe order where one band of many periods leaves it open.
+Finding undecided_order() {
+  return {.what = "the cameras do not agree on the fringe order of most surfaces",
+          .likely = "several orders fit at the depths tried, or the calibration does not",
+          .advice =
+              "name the depths, mm, between which everything lit lies: --nearest "
+              "NUMBER --farthest NUMBER"};
+}
+
+/// No point, or under half of the pixels that are lit and within the user's limits.
+std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSettings& settings) {
+  const std::size_t points = counts.front();
+
+  // Pixels that the user excludes do not count, nor dark ones.
+  const auto ignore = [&](Validity kind, bool if_true = true) {
+    if (if_true && points > 0) counts[static_cast<std::size_t>(kind)] = 0;
+  };
+  ignore(Validity::too_dark);
+  ignore(Validity::outside_region);
+  ignore(Validity::out_of_range, settings.nearest || settings.farthest);
+  ignore(Validity::low_trust, settings.clean.largest_sigma.has_value());
+
+  const std::size_t lit = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  if (2 * points >= lit) return std::nullopt;
+
+  const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
+  return Finding{
+      .what = points == 0 ? "not one pixel became a point"
+                          : "under 50 % of the lit pixels became points",
+      .evidence = {{"share", static_cast<double>(points) / static_cast<double>(lit)}},
+      .likely = fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most))),
+      .advice = "look at the frames with slipstream view"};
+}
+
+/// Counts the pixels by validity; warns of missing points.
+void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput output) {
+  result.counts = count_by_validity(result.cloud.validity);
+  if (output == ScanOutput::maps) return;
+
+  if (auto missing = missing_points(result.counts, settings)) {
+    result.checked.findings.push_back(*std::move(missing));
+  }
+}
+
+}  // namespace
+
+CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::string& name) {
+  const bool has_pair = settings.output == ScanOutput::points && !scan.scanner && scan.camera_pair;
+  const bool wants_points = settings.output == ScanOutput::points && !has_pair;
+  throw_if(wants_points && !scan.scanner,
+           "{}: no scanner is known; name its file with --scanner or in scan.yaml", name);
+
+  Stopwatch watch;
+  CheckedJob job{.scan = std::move(scan)};
+  std::optional<Scanner> pair;
+  PhotometricCalibration known = settings.photometry;
+  if (has_pair) {
+    pair = pair_of(job.scan, settings.photometry);
+    known = pair->photometry;
+  } else if (job.scan.scanner) {
+    known = job.scan.scanner->photometry;
+  }
+
+  // 1. The response, and the setup of the engine that reads the frames.
+  job.gamma = choose_response_for(job.scan, settings);
+  if (wants_points) {
+    job.setup = setup_for(job.scan, settings.reconstruct);
+  } else {
+    known.response = job.gamma.response;
+    job.setup = setup_for_maps(job.scan, settings, known, name);
+  }
+  job.choosing = watch.lap();
+  if (wants_points) {
+    job.scan.further_cameras.empty() ? require_reconstructible(job.setup)
+                                     : require_valid(job.setup);
+  }
+
+  // 2. The check, which may put the frames in another order; then the response may differ.
+  job.checked =
+      check_and_repair(job.scan, {.minimum_modulation = settings.reconstruct.minimum_modulation,
+                                  .photometry = job.setup.scanner.photometry,
+                                  .blind = job.gamma.blind});
+  if (!job.checked.repairs.empty()) job.gamma = choose_response_for(job.scan, settings);
+
+  if (pair) job.setup.scanner = *pair;
+  if (!pair) job.setup.scanner.photometry.response = job.gamma.response;
+  job.checking = watch.lap();
+  return job;
+}
+
+ScanJob::ScanJob(ScanJobSettings settings) : settings_(std::move(settings)) {}
+
+ScanResult ScanJob::operator()(Scan scan, const std::string& name) {
+  return (*this)(checked_job(std::move(scan), settings_, name), name);
+}
+
+void ScanJob::match_cameras(const CheckedJob& job, ScanResult& result) {
+  const Scan& scan = job.scan;
+  const Scan& second = scan.further_cameras.front();
+  const EngineSetup& setup = job.setup;
+
+  // 1. Without a calibrated projector, places with equal coordinates match.
+  if (!scan.scanner) {
+    CoordinateMatcher::Result matched =
+        CoordinateMatcher(setup.scanner, setup.sequence, setup.settings)(scan);
+    result.cloud = std::move(matched.cloud);
+    result.maps = std::move(matched.maps);
+    if (settings_.uncertainty) result.uncertainty = std::move(matched.uncertainty);
+    result.backend = "coordinates";
+    return;
+  }
+
+  // 2. With one, phases match along epipolar lines, Liu 2010, Section 4.4.
+  throw_if(!second.scanner,
+           "the second camera's scanner is unknown; name its file with --second-scanner");
+  PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
+                     {.window = settings_.match_window});
+  PhaseMatcher::Result matched = match(scan, second);
+
+  // 3. What the cameras say about the phase's origin and the fringe order.
+  std::vector<Finding>& findings = result.checked.findings;
+  const bool limited = setup.settings.nearest && setup.settings.farthest;
+  if (matched.agreement && matched.agreement->phase_shift != 0) {
+    findings.push_back(wrong_origin(setup.sequence.strategy, matched.agreement->phase_shift));
+  } else if (!matched.agreement && !has_coordinate(setup.sequence.strategy) && !limited) {
+    findings.push_back(undecided_order());
+  }
+
+  result.cloud = std::move(matched.cloud);
+  result.maps = std::move(matched.maps);
+  result.backend = match.method_for(scan.frames);
+}
+
+void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
+  const Scan& scan = job.scan;
+  Engine& engine = *engine_;
+
+  if (settings_.output == ScanOutput::maps) {
+    engine.maps(scan.frames, result.maps);
+    result.cloud = Cloud();
+    result.cloud.validity =
+        picture_report(engine.merged(scan.frames), result.maps, engine.setup().settings).validity;
+  } else if (!scan.other_axis.empty()) {
+    engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
+    result.epipolar =
+        check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
+  } else if (settings_.maps || settings_.uncertainty) {
+    engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
+  } else {
+    engine.cloud(scan.frames, result.cloud);
+  }
+
+  result.backend = engine.backend_for(scan.frames);
+  result.fallback_reason = engine.fallback_reason();
+  if (result.epipolar && result.epipolar->contradicts()) {
+    result.checked.findings.push_back(contradiction(*result.epipolar));
+  }
+}
+
+ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
+  if (!settings_.keep_refused) require_right(job.checked, name);
+
+  const EngineSetup& setup = job.setup;
+  const bool two_cameras =
+      !job.scan.further_cameras.empty() && settings_.output == ScanOutput::points;
+  throw_if(settings_.uncertainty && two_cameras && job.scan.scanner,
+           "the uncertainty is known of one camera and the projector, not of two cameras");
+
+  ScanResult result{.setup = setup,
+                    .gamma = job.gamma,
+                    .checked = job.checked,
+                    .choosing = job.choosing,
+                    .checking = job.checking};
+  if (!clouds_.empty()) {
+    result.cloud = std::move(clouds_.back());
+    clouds_.pop_back();
+  }
+
+  // 1. Tables of the engine, unless the last scan's serve. Meanwhile the cloud's memory, whose
+  // pages take as long to get.
+  Stopwatch watch;
+  auto memory =
+      std::async(parallel_threads() == 1 ? std::launch::deferred : std::launch::async, [&] {
+        const Size size = job.scan.frames.size();
+        if (result.cloud.size() != size) result.cloud = Cloud(size);
+      });
+  result.least_modulation =
+      two_cameras ? setup.settings.minimum_modulation : least_modulation(setup);
+  if (!two_cameras && (!engine_ || engine_->setup() != setup)) engine_.emplace(setup);
+  memory.get();
+  result.tables = watch.lap();
+
+  // 2. Points or maps.
+  two_cameras ? match_cameras(job, result) : compute(job, result);
+  count(result, setup.settings, settings_.output);
+
+  // 3. Maps and uncertainty, if wanted.
+  if (settings_.uncertainty && !result.uncertainty) {
+    result.uncertainty = engine_->uncertainty(result.cloud, result.maps, job.scan.frames);
+  }
+  if (settings_.sure_coordinates && !two_cameras) {
+    result.maps.coordinate =
+        converted<float>(measured_coordinates(*engine_, job.scan.frames, result.maps));
+  }
+  result.computing = watch.lap();
+  return result;
+}
+
+Uncertainty ScanJob::uncertainty_of(const ScanResult& result, const FrameViews& frames) {
+  if (!engine_ || engine_->setup() != result.setup) engine_.emplace(result.setup);
+  Maps maps;
+  engine_->maps(frames, maps);
+  return engine_->uncertainty(result.cloud, maps, frames);
+}
+
+ScanResult reconstruct(Scan scan, const ScanJobSettings& settings) {
+  return ScanJob(settings)(std::move(scan));
+}
+
+ScanResult reconstruct_map(const Image<double>& coordinates, const EngineSetup& setup,
+                           const Image<float>& modulation) {
+  Stopwatch watch;
+  ScanResult result{.setup = setup, .backend = "reference"};
+  result.cloud = cloud_of_coordinates(coordinates, setup, modulation);
+  result.maps.coordinate = converted<float>(coordinates);
+  count(result, setup.settings, ScanOutput::points);
+  result.computing = watch.lap();
+  return result;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,33 @@
+"""Daily: scans of two cameras and along both axes, and a broken one, give the same from Python as
+from the program. Not a case of clouds_test.py, which has one camera and one axis."""
+
+import pytest
+from conftest import program, run_program
+
+import slipstream
+
+SCANS = [("--second-camera",), ("--axis", "both"), ("--second-camera", "--axis", "both")]
+
+
+@pytest.mark.parametrize("flags", SCANS)
+def test_clouds_are_those_of_the_program(flags, tmp_path):
+    scan = tmp_path / "scan"
+    program("simulate", scan, "--camera", "160x120", "--strategy", "dual-frequency", *flags)
+    program("reconstruct", scan, "-o", tmp_path / "program.ply")
+
+    slipstream.reconstruct(slipstream.load_scan(scan)).write(tmp_path / "python.ply")
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "program.ply").read_bytes()
+
+
+def test_a_broken_scan_is_refused_by_both(tmp_path):
+    scan = tmp_path / "scan"
+    program("simulate", scan, "--camera", "160x120", "--strategy", "dual-frequency")
+    (scan / "frame_01.png").rename(tmp_path / "one.png")
+    (scan / "frame_02.png").rename(scan / "frame_01.png")
+    (tmp_path / "one.png").rename(scan / "frame_02.png")
+
+    refused = run_program("reconstruct", scan, "-o", tmp_path / "program.ply")
+    assert refused.returncode == 2
+    with pytest.raises(slipstream.Error) as error:
+        slipstream.reconstruct(slipstream.load_scan(scan))
+    assert str(error.value).removeprefix("scan: ") in refused.stderr

@@ -224,8 +224,10 @@ class QuietCeres {
     level_before = FLAGS_minloglevel;
     FLAGS_minloglevel = google::GLOG_FATAL;
   }
+
   QuietCeres(const QuietCeres&) = delete;
   QuietCeres& operator=(const QuietCeres&) = delete;
+
   ~QuietCeres() {
     const std::scoped_lock lock(mutex);
     if (--living == 0) FLAGS_minloglevel = level_before;

@@ -54,6 +54,7 @@ struct ShareFit {
     product += (std::conj(whole) * pixel.second).real();
     square += std::norm(whole);
   }
+
   [[nodiscard]] double share() const { return product / square; }
 };
 

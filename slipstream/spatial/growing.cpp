@@ -17,6 +17,7 @@ struct Border {
   [[nodiscard]] int step() const {
     return static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin()) - 1;
   }
+
   [[nodiscard]] int lead() const {
     return 2 * *std::max_element(votes.begin(), votes.end()) - votes[0] - votes[1] - votes[2];
   }

@@ -340,7 +340,6 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
     corners.push_back((of_left + markers[right - ids.begin()][odd ? 0 : 3]) / 2);
     places.push_back(row * board.columns + column);
   });
-
   if (corners.size() < fewest_corners) return std::nullopt;
 
   // 3. Refined as on a chessboard.

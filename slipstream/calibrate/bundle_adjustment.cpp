@@ -103,7 +103,6 @@ class CameraError : public ceres::SizedCostFunction<2, lens_size, 6, 3> {
         moved_point(parameters[1], Eigen::Map<const Eigen::Vector3d>(parameters[2]));
     const SeenPoint predicted = seen_point(parameters[0], in_camera.point);
     Eigen::Map<Eigen::Vector2d>{residuals} = (seen_ - predicted.pixel) / deviation_;
-
     if (jacobians == nullptr) return true;
 
     // By the chain rule: pixel by camera point, camera point by pose and place.
@@ -142,7 +141,6 @@ class PairError : public ceres::SizedCostFunction<4, lens_size, lens_size, 6, 6,
     Eigen::Vector4d distances;
     distances << camera_seen_ - camera.pixel, projector_seen_ - projector.pixel;
     Eigen::Map<Eigen::Vector4d>{residuals} = to_residuals_ * distances;
-
     if (jacobians == nullptr) return true;
 
     // By the chain rule; the pose and the place move the point in both devices' frames.

@@ -132,7 +132,6 @@ Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spa
   throw_if(pixels_per_spacing < 8 || pixels_per_spacing > 1000,
            "{} pixels for each spacing of the board is out of range; 8 to 1000",
            pixels_per_spacing);
-
   if (board.row_spacing) throw Error("a board to print has one spacing; omit the row spacing");
 
   constexpr std::array draw{drawn_chessboard, drawn_circles, drawn_charuco};  // in order of kinds

@@ -218,7 +218,6 @@ bool has_moved(const GeometryCalibration& calibration) {
   constexpr double least_misfit = 4, dominance = 3;
   // Without movement, a second rig reduces the squared error by 1 to 5 %.
   constexpr double least_gain = 1.3;
-
   if (!calibration.moved || calibration.moved->gain < least_gain) return false;
 
   std::vector<double> misfits;

@@ -158,7 +158,6 @@ void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
     projector.push_back(point_of(view.projector[i]));
     corners.push_back(i);
   }
-
   if (corners.size() < fewest) return;
 
   // RANSAC: whole fringes are many pixels, far beyond the effect of lens distortion.

@@ -45,7 +45,6 @@ struct OddPose {
 std::optional<OddPose> odd_pose(const BoardViews& views, const BundleState& state,
                                 const BoardPlaces& printed) {
   if (views.size() <= fewest_poses) return std::nullopt;
-
   const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
 
   std::optional<OddPose> odd;
@@ -170,9 +169,7 @@ std::optional<MovedRig> moved_rig(const BoardViews& views, const BundleState& st
 
   BundleSettings settings{.hold_camera = true, .hold_projector = true};
   settings.pixel_deviations = pixel_deviations(views, state);
-
   if (views.size() < fewest_in_all) return std::nullopt;
-
   const double one = error_of_own_rig(views, state, 0, views.size(), settings);
 
   std::vector<double> two(views.size() - 2 * fewest + 1);

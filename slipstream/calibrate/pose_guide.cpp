@@ -115,7 +115,7 @@ std::array<bool, 4> tilts_of(const BoardViews& taken, const CalibrationBoard& bo
 std::vector<std::string> missing_places(const Image<std::uint8_t>& coverage) {
   constexpr std::array rows{"top", "middle", "bottom"}, columns{"left", "middle", "right"};
 
-  // Upper left corner of a ninth of the coverage map.
+  // Corners of the ninths of the coverage map.
   const auto corner = [&](int across, int down) {
     return cv::Point(across * coverage.width() / 3, down * coverage.height() / 3);
   };
@@ -123,8 +123,8 @@ std::vector<std::string> missing_places(const Image<std::uint8_t>& coverage) {
   std::vector<std::string> places;
   for_each_pixel_in_order({3, 3}, [&](int column, int row) {
     const cv::Rect part(corner(column, row), corner(column + 1, row + 1));
-
     if (2 * cv::countNonZero(mat_of(coverage)(part)) >= part.area()) return;
+
     const bool is_middle = column == 1 && row == 1;
     places.push_back(is_middle ? "middle" : fmt::format("{} {}", rows[row], columns[column]));
   });
@@ -148,7 +148,6 @@ std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
     advice.push_back(
         fmt::format("hold it towards the {} of the picture", places[turn % places.size()]));
   }
-
   if (advice.empty()) advice.emplace_back("change its tilt or its distance");
 
   return fmt::format("{}", fmt::join(advice, ", and "));
@@ -195,7 +194,6 @@ void dim_uncovered(const Drawing& drawing, const Image<std::uint8_t>& coverage) 
 void draw_outline(const Drawing& drawing, const PixelPlaces& corners, const cv::Scalar& colour) {
   std::vector<cv::Point> places, hull;
   for (const Eigen::Vector2d& corner : corners) places.push_back(drawing.place(corner));
-
   if (places.empty()) return;
 
   cv::convexHull(places, hull);
@@ -240,7 +238,6 @@ struct GuidedPoses {
   void judge(const Glimpse& glimpse) {
     const FringeFreePictures pictures =
         fringe_free_pictures(glimpse.frames.front(), glimpse.frames.back());
-
     PoseVerdict verdict = judge_pose(pictures, glimpse.still, board, taken);
 
     // A refused pose is not tried again before the board has moved.
@@ -326,7 +323,6 @@ PoseNeeds pose_needs(const BoardViews& taken, const CalibrationBoard& board, Siz
   PoseNeeds needs{.coverage = coverage_map(taken, Device::camera, camera)};
   needs.covered = covered_share(needs.coverage);
   needs.tilted = tilts_of(taken, board, camera);
-
   const bool all_ways = std::ranges::count(needs.tilted, false) == 0;
 
   // Without a wanted number: twenty, or ten that include every tilt and cover the picture.

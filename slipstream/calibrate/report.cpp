@@ -284,7 +284,6 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
   page.heading("Lens models");
   page.paragraph("Camera: {}. Projector: {}.", name_of_lens_model(camera.coefficients),
                  name_of_lens_model(projector.coefficients));
-
   if (camera.scores.empty() && projector.scores.empty()) return;
 
   page.paragraph(

@@ -272,7 +272,6 @@ ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, con
   for (std::size_t bin = 1, first = 0, end = 0; bin <= bins; ++bin, first = end) {
     const double limit = 2 * pi / steps * static_cast<double>(bin) / static_cast<double>(bins);
     while (end < samples.size() && (bin == bins || samples[end].measured < limit)) ++end;
-
     if (end - first < fewest) continue;
 
     // The bin's place and modulation: its middle sample, and the median.
@@ -406,7 +405,6 @@ PhaseCorrection phase_correction(const Response& response, int steps, double acc
 std::optional<PhaseCorrection> phase_correction(const Response& response, const Band& band) {
   constexpr int count = 8192;  // of samples and entries: accurate to 1e-6 rad
   const Eigen::MatrixX3d frames = frames_of(band);
-
   if (!has_angles(frames) || band.share < 1 || band.carrier > 0) return std::nullopt;
 
   // 1. The measured phase at evenly spaced true phases.
@@ -420,7 +418,6 @@ std::optional<PhaseCorrection> phase_correction(const Response& response, const 
     for (Eigen::Index n = 0; n < sinusoid.size(); ++n) {
       sum += light_at(response, 0.5 + 0.5 * sinusoid[n]) * Complex(band.cosine[n], band.sine[n]);
     }
-
     measured.push_back(phi + std::arg(sum * std::polar(1.0, -phi)));
 
     // A phase that does not rise has no inverse.

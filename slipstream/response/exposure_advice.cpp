@@ -261,7 +261,6 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
   for (const double t : exposures) advice.taken.push_back(prediction.of({t}));
   if (exposures.size() > 1) advice.taken.push_back(prediction.of(exposures));
   propose(prediction, needs, advice);
-
   advice.light = std::min(1.0, advice.proposed.front().exposures.front() / shortest);
 
   return advice;

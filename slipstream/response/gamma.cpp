@@ -403,7 +403,6 @@ GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modula
   GammaCalibration found{.steps = run.steps, .fit = find_gamma(pixels, lit, run.steps)};
   throw_if(found.fit.refusal == BlindRefusal::too_few_pixels,
            "{}; use brighter patterns or a longer exposure", reason_of(found.fit.refusal));
-
   add_response(found, pixels, lit, frames, run);
 
   // Fewer steps alias too much onto the second harmonic.

@@ -58,7 +58,6 @@ bool of_one_band(const Layout& layout) {
 std::string disagreement(const NoiseMeasurement& other, const NoiseMeasurement& trusted) {
   const double difference = other.variance - trusted.variance;
   const double error = std::hypot(other.standard_error, trusted.standard_error);
-
   if (std::abs(difference) < std::max(4 * error, 0.05 * trusted.variance)) return "";
 
   if (mistakes_gamma_for_noise(other) || other.equation == "3.19") {

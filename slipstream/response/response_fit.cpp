@@ -175,7 +175,6 @@ std::optional<NamedResponse> curve_that_serves(
   const Logistic nearest = lowest_near(
       [&](const Logistic& logistic) { return distance(curve_of(logistic)); }, {std::log(6), 0.5});
   const Response s_curve = curve_of(nearest);
-
   if (!serves(s_curve)) return std::nullopt;
 
   return NamedResponse{fmt::format("logistic:{:.4g}:{:.4g}", std::exp(nearest[0]), nearest[1]),

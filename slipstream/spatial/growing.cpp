@@ -200,7 +200,6 @@ Orders orders_by_quality(const WrappedCycles& wrapped) {
     const std::uint64_t place = 2 * static_cast<std::uint64_t>(at) + (to - at == width ? 1 : 0);
     edges.push_back(std::uint64_t{both} << 32U | place);
   });
-
   std::sort(edges.begin(), edges.end());
 
   PhaseGroups groups(rough.pixel_count());

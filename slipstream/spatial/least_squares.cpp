@@ -142,7 +142,6 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
   solver.setMaxIterations(50);
   solver.setTolerance(1e-4F);
   solver.compute(matrix);
-
   const Eigen::VectorXf surface = solver.solve(right);
 
   // 3. Each region's surface is known up to a constant: choose the one at which most phases agree.

@@ -227,7 +227,6 @@ Image<float> smoothness(const WrappedCycles& wrapped) {
   for (std::size_t i = 0; i < result.pixel_count(); ++i) {
     if (wrapped.has(i)) some.push_back(result.begin()[i]);
   }
-
   if (some.empty()) return result;
 
   // A weight of a half at four times the median roughness; 1e-9 avoids 0 / 0.

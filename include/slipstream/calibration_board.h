@@ -26,6 +26,7 @@ BoardKind board_kind_named(std::string_view name);
 
 /// Places on a board, or measured points, mm.
 using BoardPlaces = std::vector<Eigen::Vector3d>;
+
 /// Places in a device's picture.
 using PixelPlaces = std::vector<Eigen::Vector2d>;
 

@@ -13,6 +13,7 @@ struct SpatialUnwrapping {
   std::string_view name;  ///< "quality"
   std::string_view text;  ///< short description
 };
+
 std::vector<SpatialUnwrapping> spatial_unwrappings();
 
 /// Connected pixels: the phase between them is known, but not relative to other regions.

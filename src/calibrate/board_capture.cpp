@@ -32,20 +32,24 @@ void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSet
                       std::vector<Finding>& findings) {
   const int wanted = frame_count(scan.sequence.strategy);
   throw_if(scan.frames.count() != wanted, "{} frames; a scan has {}", scan.frames.count(), wanted);
+
   // Darker pixels are too noisy for the check.
   const double least = std::max(10.0, 2 * settings.minimum_modulation);
   ScanFindings found =
       check_frames(scan.frames, scan.sequence, std::nullopt,
                    {.minimum_modulation = least, .photometry = {.response = settings.response}});
+
   // These are reported once for all poses, by their effect on the corners.
   for (const std::string_view known :
        {gamma_is_to_blame, clipping_is_to_blame, darkness_is_to_blame}) {
     found.findings = without_cause(std::move(found.findings), known);
   }
+
   for (Finding& finding : found.findings) {
     finding.what = fmt::format("{} along {}: {}", pose, name_of(scan.sequence.axis), finding.what);
     findings.push_back(std::move(finding));
   }
+
   if (!found.order.empty()) scan.frames = reordered(std::move(scan.frames), found.order);
 }
 
@@ -57,10 +61,12 @@ struct ReadScan {
 
 ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSettings& settings) {
   const Strategy& strategy = scan.sequence.strategy;
+
   PhaseCorrections corrections;
   if (settings.response) {
     corrections = phase_corrections(settings.response->response, strategy.layout());
   }
+
   const Decoder decode(strategy.layout(), length_along(scan.sequence.axis, scan.sequence.projector),
                        PhaseMethod::equation, corrections, {.light = scan.sequence.light});
   return {decode(scan.frames),
@@ -103,9 +109,11 @@ void require_same(Size& known, Size size, const std::string& pose, const char* w
 Scan scan_of(const BoardScans& pose, Axis axis, Size projector, PoseCaptures& captures) {
   Scan scan = pose.along(axis);
   if (scan.sequence.projector == Size{}) scan.sequence.projector = projector;
+
   captures.warnings.insert(captures.warnings.end(), scan.warnings.begin(), scan.warnings.end());
   throw_if(scan.sequence.projector == Size{}, "{}: no projector size; set it with --projector",
            pose.name);
+
   require_same(captures.camera, scan.frames.size(), pose.name, "frames of");
   require_same(captures.projector, scan.sequence.projector, pose.name, "patterns for");
   return scan;
@@ -116,13 +124,16 @@ std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const Cali
                      const BoardCaptureSettings& settings) {
   Scan x = scan_of(scans, Axis::x, settings.projector, captures);
   Scan y = scan_of(scans, Axis::y, settings.projector, captures);
+
   try {
     BoardCapture found = board_capture(scans.name, board, std::move(x), std::move(y), settings);
     captures.findings.insert(captures.findings.end(), found.findings.begin(), found.findings.end());
+
     if (found.view) {
       captures.views.push_back(std::move(*found.view));
       return found.told;
     }
+
     captures.unused.push_back({scans.name, found.told});
     return fmt::format("rejected: {}", found.told);
   } catch (const Error& error) {
@@ -135,6 +146,8 @@ std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const Cali
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board, Scan along_x,
                            Scan along_y, const BoardCaptureSettings& settings) {
   constexpr int fewest_lit = 8;
+
+  // 1. The settings, and both scans together.
   require_valid(settings);
   const Size projector = along_x.sequence.projector;
   require_coordinate(along_x.sequence.strategy);
@@ -142,27 +155,38 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   throw_if(projector == Size{} || along_y.sequence.projector != projector,
            "the scans are for projectors of {} and {}; both must have one known size",
            text_of(projector), text_of(along_y.sequence.projector));
+
+  // 2. The corners in the camera's picture.
   const FringeFreePictures pictures = fringe_free_pictures(along_x.frames, along_y.frames);
   std::optional<BoardCorners> found = find_board(board, pictures);
   if (!found) return {std::nullopt, why_none(board, pictures)};
+
+  // 3. The frames: puts slipped ones in order, and refuses wrong ones.
   std::vector<Finding> findings;
   for (Scan* const scan : {&along_x, &along_y}) check_and_repair(*scan, name, settings, findings);
+
   const auto wrong = std::ranges::find(findings, Gravity::wrong, &Finding::gravity);
   if (wrong != findings.end()) {
     std::string told = fmt::format("likely {}", wrong->likely);
     return {std::nullopt, std::move(told), std::move(findings)};
   }
+
+  // 4. The projector coordinate of every pixel, and the quality of the frames.
   const ReadScan x = read(along_x, *found, settings), y = read(along_y, *found, settings);
   const CaptureSigns signs{x.signs, y.signs,
                            edge_softness(pictures.mean, board, found->places, found->pixels)};
+
   const ProjectorMap map = projector_map(along_x.frames, x.maps, along_y.frames, y.maps, projector,
                                          settings.minimum_modulation);
+
+  // 5. The projector pixel of each corner.
   BoardView view{name, std::move(found->places), std::move(found->pixels), {}, {}, signs};
   for (const ProjectorCorner& corner :
        projector_corners(map, view.camera, settings.neighbourhood)) {
     view.projector.push_back(corner.pixel);
     view.slopes.push_back(corner.slope);
   }
+
   const int lit = lit_corners(view);
   if (lit < fewest_lit) {
     constexpr double much = 0.3;  // of the board's pixels
@@ -174,6 +198,7 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
                             : "too dark, or outside the projector's light: light the whole board"),
             std::move(findings)};
   }
+
   std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",
                                  view.places.size(), found->detector, lit);
   return {std::move(view), std::move(told), std::move(findings)};
@@ -181,10 +206,12 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
 
 void require_enough_poses(const PoseCaptures& captures, const std::string& folder) {
   if (captures.views.size() >= fewest_poses) return;
+
   const std::string first_reason =
       captures.unused.empty()
           ? ""
           : fmt::format(" ({}: {})", captures.unused[0].name, captures.unused[0].why);
+
   throw Error(fmt::format("{}: {} of {} poses are usable{}; at least {} are required", folder,
                           captures.views.size(), captures.views.size() + captures.unused.size(),
                           first_reason, fewest_poses));
@@ -198,6 +225,7 @@ PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardSca
     throw_if(std::ranges::count(poses, name, &BoardScans::name) == 0,
              "--exclude {}: no such pose in {}", name, folder);
   }
+
   PoseCaptures captures;
   for (const BoardScans& pose : poses) {
     if (std::ranges::count(excluded, pose.name) == 0) {

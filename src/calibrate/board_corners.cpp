@@ -29,6 +29,7 @@ void add_frames(const FrameViews& frames, FringeFreePictures& pictures, int tota
       for_each_pixel_in_order(image.size(), [&](int column, int row) {
         const float grey = scale * static_cast<float>(image(column, row));
         pictures.mean(column, row) += grey / static_cast<float>(total);
+
         float& brightest = pictures.brightest(column, row);
         brightest = std::max(brightest, grey);
       });
@@ -41,6 +42,7 @@ cv::Mat stretched(const cv::Mat& picture) {
   std::vector<float> values(picture.begin<float>(), picture.end<float>());
   const double low = quantile(values, 0.01),
                high = std::max<double>(quantile(values, 0.995), low + 1);
+
   cv::Mat grey;
   picture.convertTo(grey, CV_8U, 255 / (high - low), -low * 255 / (high - low));
   return grey;
@@ -63,28 +65,38 @@ Eigen::Vector2d meeting_of_edges(const cv::Mat& picture, const Eigen::Vector2d& 
   constexpr int most_rounds = 50;
   constexpr double least_step = 1e-4;  // pixels
   Eigen::Vector2d corner = start, step(radius, radius);
+
   for (int round = 0; round < most_rounds && step.norm() > least_step; ++round) {
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
+
+    // The window, one pixel inside the border, as gradients need the neighbours.
     const Eigen::Array2i first = (corner.array() - radius).ceil().cast<int>().max(1);
     const Eigen::Array2i last = (corner.array() + radius)
                                     .floor()
                                     .cast<int>()
                                     .min(Eigen::Array2i(picture.cols, picture.rows) - 2);
+
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
         const Eigen::Vector2d offset = Eigen::Vector2d(x, y) - corner;
         const double rest = std::max(0.0, 1 - offset.squaredNorm() / (radius * radius));
+
+        // The edge through a pixel runs across its gradient: gradient . (corner - pixel) = 0.
         const Eigen::Vector2d gradient(picture.at<float>(y, x + 1) - picture.at<float>(y, x - 1),
                                        picture.at<float>(y + 1, x) - picture.at<float>(y - 1, x));
         normal += rest * rest * gradient * gradient.transpose();
         right += rest * rest * gradient.dot(offset) * gradient;
       }
     }
+
     step = normal.ldlt().solve(right);
     corner += step;
+
+    // The iteration has left the window, or diverged: the detector's corner stays.
     if (!((corner - start).norm() < radius)) return start;
   }
+
   return corner;
 }
 
@@ -93,10 +105,14 @@ Eigen::Vector2d meeting_of_edges(const cv::Mat& picture, const Eigen::Vector2d& 
 void refine(const cv::Mat& mean, Corners& corners) {
   constexpr double smoothing = 1;      // pixels; 0.7 to 1.4 give the same residuals on real boards
   constexpr double half_square = 0.5;  // of the distance to the next corner
+
   cv::Mat smooth;
   cv::GaussianBlur(mean, smooth, {}, smoothing);
+
+  // Half a square in pixels, 2 to 12; the round window has the reach of a square one's corner.
   const double radius =
       std::numbers::sqrt2 * std::clamp(half_square * least_distance(corners), 2.0, 12.0);
+
   for (cv::Point2f& corner : corners) {
     const Eigen::Vector2d found = meeting_of_edges(smooth, {corner.x, corner.y}, radius);
     corner = {static_cast<float>(found.x()), static_cast<float>(found.y())};
@@ -112,6 +128,7 @@ std::optional<Detection> find_chessboard(const cv::Size& size, const cv::Mat& me
                                          const cv::Mat& brightest) {
   const std::array<std::pair<const char*, cv::Mat>, 2> pictures{
       {{"mean", stretched(mean)}, {"maximum", stretched(brightest)}}};
+
   constexpr int classic_flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   Detection found;
   for (const int flags : {0, int{cv::CALIB_CB_NORMALIZE_IMAGE}}) {
@@ -122,21 +139,25 @@ std::optional<Detection> find_chessboard(const cv::Size& size, const cv::Mat& me
       }
     }
   }
+
   for (const auto& [name, picture] : pictures) {
     if (cv::findChessboardCorners(picture, size, found.corners, classic_flags)) {
       found.detector = fmt::format("classic, {}", name);
       return found;
     }
   }
+
   return std::nullopt;
 }
 
 std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
                                       const cv::Mat& brightest) {
+  // Dots of 20 pixels or more, up to a fiftieth of the picture.
   cv::SimpleBlobDetector::Params blobs;
   blobs.minArea = 20;
   blobs.maxArea = static_cast<float>(mean.total()) / 50;
   const cv::Ptr<cv::FeatureDetector> detector = cv::SimpleBlobDetector::create(blobs);
+
   Detection found;
   for (const auto& [name, picture] : {std::pair("mean", mean), std::pair("maximum", brightest)}) {
     for (const auto& [method, clustering] :
@@ -148,6 +169,7 @@ std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
       }
     }
   }
+
   return std::nullopt;
 }
 
@@ -157,10 +179,15 @@ void order_as_seen(const CalibrationBoard& board, Corners& corners) {
   const auto at = [&](int column, int row) -> cv::Point2f& {
     return corners[row * board.columns + column];
   };
+
+  // The first row must run to the right.
   if (at(board.columns - 1, 0).x < at(0, 0).x) std::ranges::reverse(corners);
+
+  // Columns must run down: if not, the rows are in reverse order.
   const cv::Point2f along = at(board.columns - 1, 0) - at(0, 0);
   const cv::Point2f down = at(0, board.rows - 1) - at(0, 0);
   if (along.cross(down) > 0) return;
+
   for (int row = 0; row < board.rows / 2; ++row) {
     std::swap_ranges(&at(0, row), &at(0, row) + board.columns, &at(0, board.rows - 1 - row));
   }
@@ -176,9 +203,11 @@ std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, c
     if (!cv::Rect({}, mean.size()).contains(pixel)) return std::nullopt;
     return mean.at<float>(pixel);
   };
+
   constexpr float middle = 0.3F;  // of a square, from the corner
   const auto a = grey(-middle, -middle), b = grey(middle, -middle), c = grey(-middle, middle),
              d = grey(middle, middle);
+
   if (!a || !b || !c || !d) return std::nullopt;
   return std::abs((*a + *d) - (*b + *c)) / 2;
 }
@@ -189,6 +218,7 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
   constexpr double share_of_contrast = 0.75;
   constexpr std::size_t fewest_seen = 3;
   const auto at = [&](int column, int row) { return corners[row * board.columns + column]; };
+
   // Contrast `outwards` places beyond the end of each line of corners; corner_of(i, k) lies k
   // places inside the end of line i.
   const auto contrast = [&](int count, const auto& corner_of, float outwards) {
@@ -201,6 +231,7 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
     }
     return seen;
   };
+
   const int right = board.columns - 1, bottom = board.rows - 1;
   const auto check = [&](int count, const auto& corner_of) {
     const std::vector<double> inside = contrast(count, corner_of, 0);
@@ -209,6 +240,8 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
     throw_if(median(outside) >= share_of_contrast * median(inside),
              "the board has more than {}x{} corners; check --corners", board.columns, board.rows);
   };
+
+  // The left, right, upper and lower side.
   check(board.rows, [&](int i, int inwards) { return at(inwards, i); });
   check(board.rows, [&](int i, int inwards) { return at(right - inwards, i); });
   check(board.columns, [&](int i, int inwards) { return at(i, inwards); });
@@ -227,6 +260,8 @@ Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eige
   const Eigen::Vector3d c = centre.homogeneous();
   const Eigen::Matrix3d dual =  // of the circle's conic; a homography H maps it to H dual H^T
       c * c.transpose() - radius * radius * Eigen::Vector3d(1, 1, 0).asDiagonal().toDenseMatrix();
+
+  // The pole of the line at infinity is the conic's centre: the dual conic's last column.
   const Eigen::Matrix3d seen = homography * dual * homography.transpose();
   return seen.col(2).hnormalized();
 }
@@ -235,15 +270,18 @@ Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eige
 /// centre.
 void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) {
   const BoardPlaces places = printed_places(board);
+
   std::vector<cv::Point2d> on_board, in_picture;
   for (std::size_t i = 0; i < found.pixels.size(); ++i) {
     const Eigen::Vector3d& place = places[found.places[i]];
     on_board.emplace_back(place.x(), place.y());
     in_picture.emplace_back(found.pixels[i].x(), found.pixels[i].y());
   }
+
   const cv::Matx33d H = cv::findHomography(on_board, in_picture);
   const Eigen::Matrix3d homography =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(H.val);
+
   for (std::size_t i = 0; i < found.pixels.size(); ++i) {
     const Eigen::Vector2d centre(on_board[i].x, on_board[i].y);
     const Eigen::Vector2d picture_of_centre = (homography * centre.homogeneous()).hnormalized();
@@ -258,11 +296,13 @@ cv::Mat without_markers(const cv::Mat& mean, const std::vector<Corners>& markers
                         double marker_side) {
   const auto growth = static_cast<float>((1 + 1 / marker_side) / 2);
   constexpr int samples = 20;  // along each side
+
   cv::Mat plain = mean.clone();
   for (const Corners& marker : markers) {
     const cv::Point2f middle = (marker[0] + marker[1] + marker[2] + marker[3]) / 4;
     std::vector<cv::Point> outline;
     std::vector<double> margin;
+
     for (std::size_t side = 0; side < 4; ++side) {
       const cv::Point2f from = middle + growth * (marker[side] - middle);
       const cv::Point2f to = middle + growth * (marker[(side + 1) % 4] - middle);
@@ -272,16 +312,22 @@ cv::Mat without_markers(const cv::Mat& mean, const std::vector<Corners>& markers
         if (cv::Rect({}, mean.size()).contains(pixel)) margin.push_back(mean.at<float>(pixel));
       }
     }
+
     if (!margin.empty()) cv::fillConvexPoly(plain, outline, median(margin));
   }
+
   return plain;
 }
 
 std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv::Mat& mean) {
   constexpr std::size_t fewest_corners = 6;
+
+  // 1. The markers.
   std::vector<Corners> markers;
   std::vector<int> ids, places;
   marker_detector(board).detectMarkers(stretched(mean), markers, ids);
+
+  // 2. The corners between two markers.
   Corners corners;
   for_each_pixel_in_order({board.columns, board.rows}, [&](int column, int row) {
     // The corner lies midway between the two markers beside it.
@@ -289,11 +335,14 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
     const auto left = std::ranges::find(ids, marker_id(board, column, row + 1 - odd));
     const auto right = std::ranges::find(ids, marker_id(board, column + 1, row + odd));
     if (left == ids.end() || right == ids.end()) return;
+
     const cv::Point2f of_left = markers[left - ids.begin()][odd ? 2 : 1];
     corners.push_back((of_left + markers[right - ids.begin()][odd ? 0 : 3]) / 2);
     places.push_back(row * board.columns + column);
   });
   if (corners.size() < fewest_corners) return std::nullopt;
+
+  // 3. Refined as on a chessboard.
   refine(without_markers(mean, markers, board.marker_side), corners);
   return board_corners(std::move(places), corners, "ChArUco, mean");
 }
@@ -304,6 +353,7 @@ FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameVi
   throw_if(along_x.size() != along_y.size(),
            "the frames along x are {}, along y {}; both must have one size",
            text_of(along_x.size()), text_of(along_y.size()));
+
   FringeFreePictures pictures{Image<float>(along_x.size()), Image<float>(along_x.size())};
   const int total = along_x.count() + along_y.count();
   add_frames(along_x, pictures, total);
@@ -313,6 +363,7 @@ FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameVi
 
 std::optional<Size> chessboard_size(const FringeFreePictures& pictures) {
   const QuietOpenCv quiet;
+
   Corners corners;
   cv::Mat seen;  // a cell for each corner
   for (const Image<float>* picture : {&pictures.mean, &pictures.brightest}) {
@@ -320,6 +371,7 @@ std::optional<Size> chessboard_size(const FringeFreePictures& pictures) {
                                                    cv::CALIB_CB_LARGER, seen);
     if (found) return Size{std::max(seen.cols, seen.rows), std::min(seen.cols, seen.rows)};
   }
+
   return std::nullopt;
 }
 
@@ -328,19 +380,23 @@ std::optional<BoardCorners> find_board(const CalibrationBoard& board,
   require_valid(board);
   const QuietOpenCv quiet;
   const cv::Mat mean = mat_of(pictures.mean), brightest = mat_of(pictures.brightest);
+
   if (board.kind == BoardKind::charuco) return find_charuco(board, mean);
   const bool has_circles = board.kind == BoardKind::circles;
   const auto find = has_circles ? find_circles : find_chessboard;
   std::optional<Detection> found = find({board.columns, board.rows}, mean, brightest);
   if (!found) return std::nullopt;
+
   if (!has_circles) {
     refine(mean, found->corners);
     order_as_seen(board, found->corners);
     require_whole(board, mean, found->corners);
   }
+
   std::vector<int> all(place_count(board));
   std::iota(all.begin(), all.end(), 0);
   BoardCorners corners = board_corners(std::move(all), found->corners, std::move(found->detector));
+
   if (has_circles) correct_circle_centres(board, corners);
   return corners;
 }

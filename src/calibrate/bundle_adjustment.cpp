@@ -74,6 +74,7 @@ void with_row(BundleDeviation& deviation, const RigNumbers& row, const Use& use)
   const auto each = [&](auto& values) {
     for (double& value : values) use(value, *next++);
   };
+
   for (auto* lens : {&deviation.camera, &deviation.projector}) {
     each(lens->focal);
     each(lens->principal_point);
@@ -104,6 +105,8 @@ class CameraError : public ceres::SizedCostFunction<2, lens_size, 6, 3> {
     const SeenPoint predicted = seen_point(parameters[0], in_camera.point);
     Eigen::Map<Eigen::Vector2d>{residuals} = (seen_ - predicted.pixel) / deviation_;
     if (jacobians == nullptr) return true;
+
+    // By the chain rule: pixel by camera point, camera point by pose and place.
     const Eigen::Matrix<double, 2, 3> by_point = -predicted.by_point / deviation_;
     set_block<lens_size>(jacobians, 0, -predicted.by_lens / deviation_);
     set_block<6>(jacobians, 1, by_point * in_camera.by_pose);
@@ -135,15 +138,19 @@ class PairError : public ceres::SizedCostFunction<4, lens_size, lens_size, 6, 6,
     const MovedPoint in_projector = moved_point(parameters[2], in_camera.point);
     const SeenPoint camera = seen_point(parameters[0], in_camera.point);
     const SeenPoint projector = seen_point(parameters[1], in_projector.point);
+
     Eigen::Vector4d distances;
     distances << camera_seen_ - camera.pixel, projector_seen_ - projector.pixel;
     Eigen::Map<Eigen::Vector4d>{residuals} = to_residuals_ * distances;
     if (jacobians == nullptr) return true;
+
+    // By the chain rule; the pose and the place move the point in both devices' frames.
     const Eigen::Matrix<double, 4, 2> by_camera = -to_residuals_.leftCols<2>();
     const Eigen::Matrix<double, 4, 2> by_projector = -to_residuals_.rightCols<2>();
     const Eigen::Matrix<double, 4, 3> by_projector_point = by_projector * projector.by_point;
     const Eigen::Matrix<double, 4, 3> by_point =
         by_camera * camera.by_point + by_projector_point * in_projector.by_point;
+
     set_block<lens_size>(jacobians, 0, by_camera * camera.by_lens);
     set_block<lens_size>(jacobians, 1, by_projector * projector.by_lens);
     set_block<6>(jacobians, 2, by_projector_point * in_projector.by_pose);
@@ -191,9 +198,11 @@ struct Parameters {
   void write_to(BundleState& state) const {
     set_lens(state.scanner.camera, camera);
     set_lens(state.scanner.projector, projector);
+
     const Eigen::Isometry3d to_projector = pose_of(rig);
     state.scanner.rotation = to_projector.linear();
     state.scanner.translation = to_projector.translation();
+
     for (std::size_t i = 0; i < poses.size(); ++i) state.poses[i] = pose_of(poses[i]);
     state.places = places;
   }
@@ -214,8 +223,10 @@ class QuietCeres {
     level_before = FLAGS_minloglevel;
     FLAGS_minloglevel = google::GLOG_FATAL;
   }
+
   QuietCeres(const QuietCeres&) = delete;
   QuietCeres& operator=(const QuietCeres&) = delete;
+
   ~QuietCeres() {
     const std::scoped_lock lock(mutex);
     if (--living == 0) FLAGS_minloglevel = level_before;
@@ -233,14 +244,19 @@ std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> J(
       jacobian.num_rows, jacobian.num_cols, std::ssize(jacobian.values), jacobian.rows.data(),
       jacobian.cols.data(), jacobian.values.data());
+
   const Eigen::MatrixXd normal = J.transpose() * J;
   if (!(normal.diagonal().array() > 0).all()) return std::nullopt;
+
   // Scale away the units: pixels, radians and millimetres.
   const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+
+  // A tiny pivot means a combination of parameters that the data leave free.
   const Eigen::LDLT<Eigen::MatrixXd> factors(scaled);
   constexpr double least_pivot = 1e-13;
   if (!(factors.vectorD().minCoeff() > least_pivot)) return std::nullopt;
+
   const Eigen::MatrixXd inverse =
       factors.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
   return inverse.diagonal().cwiseProduct(scale.cwiseAbs2());
@@ -256,6 +272,7 @@ class BundleProblem {
     for (std::size_t v = 0; v < views.size(); ++v) add_view(views[v], v, deviations);
     settle_lens(parameters_.camera, settings.hold_camera, settings.camera_coefficients);
     settle_lens(parameters_.projector, settings.hold_projector, settings.projector_coefficients);
+
     if (settings.hold_rig) hold(parameters_.rig.data());
     settle_places(printed, settings.print_deviation);
   }
@@ -267,6 +284,7 @@ class BundleProblem {
     options.function_tolerance = tolerance;
     options.parameter_tolerance = tolerance;
     options.logging_type = ceres::SILENT;
+
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
     throw_if(!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost),
@@ -278,22 +296,29 @@ class BundleProblem {
 
   /// Returns false if the data do not determine the parameters.
   bool estimate(BundleDeviation& deviation) {
+    // 1. The columns of the free parameters in the Jacobian.
     ceres::Problem::EvaluateOptions options;
     options.apply_loss_function = false;
+
     std::vector<double*> blocks;
     problem_.GetParameterBlocks(&blocks);
     std::map<const double*, int> first_column;
     int columns = 0;
+
     for (double* block : blocks) {
       if (problem_.IsParameterBlockConstant(block)) continue;
       options.parameter_blocks.push_back(block);
       first_column[block] = columns;
       columns += problem_.ParameterBlockTangentSize(block);
     }
+
+    // 2. The variances of all free parameters together.
     ceres::CRSMatrix jacobian;
     if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) return false;
     const std::optional<Eigen::VectorXd> variances = variances_of(jacobian);
     if (!variances) return false;
+
+    // 3. The standard deviations of lenses and rig, in the order of RigNumbers; 0 if held.
     RigNumbers deviations = RigNumbers::Zero();
     const auto put = [&](const double* block, int first) {
       const auto found = first_column.find(block);
@@ -301,10 +326,12 @@ class BundleProblem {
       const int free = problem_.ParameterBlockTangentSize(block);
       deviations.segment(first, free) = variances->segment(found->second, free).cwiseSqrt();
     };
+
     put(parameters_.camera.data(), 0);
     put(parameters_.projector.data(), lens_size);
     put(parameters_.rig.data(), 2 * lens_size);
     with_row(deviation, deviations, [](double& value, double number) { value = number; });
+
     return true;
   }
 
@@ -313,6 +340,8 @@ class BundleProblem {
     for (std::size_t i = 0; i < view.places.size(); ++i) {
       double* place = parameters_.places[view.places[i]].data();
       double* pose = parameters_.poses[v].data();
+
+      // A corner without a projector pixel still determines the pose and the camera's lens.
       if (view.projector[i].allFinite()) {
         problem_.AddResidualBlock(
             owned(std::make_unique<PairError>(view.camera[i], view.projector[i], slope_at(view, i),
@@ -333,9 +362,11 @@ class BundleProblem {
   void settle_lens(LensNumbers& lens, bool held, int coefficients) {
     if (!problem_.HasParameterBlock(lens.data())) return;
     if (held) return hold(lens.data());
+
     std::vector<int> constant;
     for (int i = 4 + coefficients; i < lens_size; ++i) constant.push_back(i);
     if (constant.empty()) return;
+
     manifolds_.push_back(std::make_unique<ceres::SubsetManifold>(lens_size, constant));
     problem_.SetManifold(lens.data(), manifolds_.back().get());
   }
@@ -382,13 +413,17 @@ BundleState bundle_adjusted(const BoardViews& views, BundleState start, const Bo
                             const BundleSettings& settings, BundleDeviation* deviation) {
   const QuietCeres quiet;
   const int rounds = settings.pixel_deviations ? 1 : 3;
+
   BundleState state = std::move(start);
   PixelDeviations deviations = settings.pixel_deviations.value_or(pixel_deviations(views, state));
+
   for (int round = 0; round < rounds; ++round) {
     BundleProblem problem(views, state, printed, settings, deviations);
+
     problem.solve(settings.pixel_deviations ? 1e-7 : 1e-9);  // first solution or refinement
     problem.parameters().write_to(state);
     deviations = pixel_deviations(views, state);
+
     throw_if(
         round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation),
         "the poses do not determine the calibration; likely too few tilts of the board: tilt it "
@@ -399,9 +434,11 @@ BundleState bundle_adjusted(const BoardViews& views, BundleState start, const Bo
 
 BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one) {
   const auto m = static_cast<double>(without_one.size());
+
   RigNumbers mean = RigNumbers::Zero(), squares = RigNumbers::Zero();
   for (const Scanner& scanner : without_one) mean += numbers_of(scanner) / m;
   for (const Scanner& scanner : without_one) squares += (numbers_of(scanner) - mean).cwiseAbs2();
+
   const RigNumbers jackknife = ((m - 1) / m * squares).cwiseSqrt();
   with_row(deviation, jackknife,
            [](double& value, double number) { value = std::max(value, number); });

@@ -63,6 +63,7 @@ struct SomePoses {
   BoardViews views;
   BundleState state;
 };
+
 /// The poses whose index `takes` accepts.
 SomePoses some_poses(const BoardViews& views, const BundleState& state,
                      const std::function<bool(std::size_t pose)>& takes);
@@ -81,10 +82,12 @@ struct Squares {
     sum += square;
     ++count;
   }
+
   void add(const Squares& other) {
     sum += other.sum;
     count += other.count;
   }
+
   /// 0 if empty.
   [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
 };

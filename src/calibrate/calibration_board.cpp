@@ -19,16 +19,20 @@ cv::Mat drawn_chessboard(const CalibrationBoard& board, int side) {
   for_each_pixel_in_order({board.columns + 1, board.rows + 1}, [&](int column, int row) {
     if ((row + column) % 2 == 0) picture({(column + 1) * side, (row + 1) * side, side, side}) = 0;
   });
+
   return picture;
 }
 
 cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
   cv::Mat picture((board.rows + 3) * pixels_per_spacing,
                   (2 * board.columns + 4) * pixels_per_spacing, CV_8U, cv::Scalar(white));
+
+  // OpenCV draws with subpixel accuracy from integers in 256ths of a pixel.
   constexpr int fraction_bits = 8;
   const auto fixed_point = [&](double pixels) {
     return static_cast<int>(std::lround(std::ldexp(pixels, fraction_bits)));
   };
+
   for (const Eigen::Vector3d& place : printed_places(board)) {
     // Places are relative to the picture's edge, pixels to their centres.
     const Eigen::Vector3d pixel =
@@ -38,6 +42,7 @@ cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
                fixed_point(board.circle_diameter / 2 * pixels_per_spacing), cv::Scalar(0),
                cv::FILLED, cv::LINE_AA, fraction_bits);
   }
+
   return picture;
 }
 
@@ -46,14 +51,19 @@ cv::Mat drawn_charuco(const CalibrationBoard& board, int side) {
   const int bits = board.marker_bits, width = cvRound(board.marker_side * side);
   const int margin = side + (side - width) / 2;
   const cv::aruco::ArucoDetector detector = marker_detector(board);
+
   for_each_pixel_in_order({board.columns + 1, board.rows + 1}, [&](int column, int row) {
     if ((row + column) % 2 == 0) return;
+
+    // The marker's bits with a black border of one cell.
     const cv::Mat code = detector.getDictionary().bytesList.row(marker_id(board, column, row));
     cv::Mat cells = cv::Mat::zeros(bits + 2, bits + 2, CV_8U);
     cells({1, 1, bits, bits}).setTo(white, cv::aruco::Dictionary::getBitsFromByteList(code, bits));
+
     cv::resize(cells, picture({column * side + margin, row * side + margin, width, width}),
                {width, width}, 0, 0, cv::INTER_NEAREST);
   });
+
   return picture;
 }
 
@@ -76,21 +86,26 @@ void require_valid(const CalibrationBoard& board) {
   constexpr int most = 200;
   const int fewest = board.kind == BoardKind::charuco ? 2 : 3;
   const auto& [kind, columns, rows, spacing, row_spacing, diameter, side, bits] = board;
+
   throw_if(columns < fewest || rows < fewest || columns > most || rows > most,
            "board of {}x{} corners is out of range; {} to {} each way", columns, rows, fewest,
            most);
+
   const auto require = [](bool holds, const std::string& what, const char* range) {
     throw_if(!holds, "{} is out of range; {}", what, range);
   };
   require(spacing > 0 && std::isfinite(spacing), fmt::format("spacing {} mm", spacing),
           "more than 0");
+
   const double down = row_spacing.value_or(spacing);
   require(down > 0 && std::isfinite(down), fmt::format("spacing of rows {} mm", down),
           "more than 0");
+
   require(diameter > 0.1 && diameter < 1.4, fmt::format("circle diameter {} spacings", diameter),
           "0.1 to 1.4");
   require(side > 0.2 && side < 1, fmt::format("marker side {} squares", side), "0.2 to 1");
   require(bits >= 4 && bits <= 7, fmt::format("marker bits {}", bits), "4 to 7");
+
   const int markers = (columns + 1) * (rows + 1) / 2;
   throw_if(kind == BoardKind::charuco && markers > charuco_dictionary_size,
            "a ChArUco board of {}x{} corners needs {} markers; OpenCV has {}: use fewer corners",
@@ -103,6 +118,7 @@ int place_count(const CalibrationBoard& board) {
 
 BoardPlaces printed_places(const CalibrationBoard& board) {
   const double down = board.row_spacing.value_or(board.spacing);
+
   BoardPlaces places;
   for_each_pixel_in_order({board.columns, board.rows}, [&](int column, int row) {
     const int x = board.kind == BoardKind::circles ? 2 * column + row % 2 : column;
@@ -117,6 +133,7 @@ Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spa
            "{} pixels for each spacing of the board is out of range; 8 to 1000",
            pixels_per_spacing);
   if (board.row_spacing) throw Error("a board to print has one spacing; omit the row spacing");
+
   constexpr std::array draw{drawn_chessboard, drawn_circles, drawn_charuco};  // in order of kinds
   return image_from<std::uint8_t>(
       draw.at(static_cast<std::size_t>(board.kind))(board, pixels_per_spacing));
@@ -128,10 +145,14 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
   throw_if(!((is > 0).all() && is.isFinite().all()),
            "--measured {:g}x{:g} mm: both lengths must be above 0", measured.along_row,
            measured.along_column);
+
+  // The printed lengths of a row and a column; a shifted last row of circles ends further right.
   const Eigen::Vector3d last = printed_places(board).back();
   const double shifted = board.kind == BoardKind::circles && board.rows % 2 == 0 ? 1 : 0;
   const Eigen::Array2d said(last.x() - shifted * board.spacing, last.y()), scale = is / said;
+
   if (((is - said).abs() <= ruler_error).all()) return {};
+
   const double row_spacing = board.row_spacing.value_or(board.spacing);
   Finding finding{
       .what = fmt::format("the print has the wrong size, off by over {:g} mm", ruler_error),
@@ -139,12 +160,15 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
                    {"columns, % too long", 100 * (scale[1] - 1)}},
       .likely = "a print of the wrong scale, such as by 'fit to page'",
       .advice = ""};
+
   // One scale fits both lengths within the ruler's error.
   const double common = is.sum() / said.sum();
   const bool stretched = ((is - common * said).abs() > ruler_error).any();
+
   const auto spacings = [&](double across, double down) {
     return fmt::format("use --spacing {:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
   };
+
   if (((is.reverse() - said).abs() <= ruler_error).all()) {
     finding.likely = "the lengths of row and column are swapped";
     finding.advice = fmt::format("use --measured {:g}x{:g}", is[1], is[0]);
@@ -156,6 +180,7 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
                          ? spacings(common, common)
                          : fmt::format("use --spacing {:.4g}", common * board.spacing);
   }
+
   return {finding};
 }
 

@@ -10,6 +10,7 @@ namespace cv::aruco {
 /// The part of OpenCV 4.7's class that is used here.
 struct ArucoDetector {
   Ptr<Dictionary> dictionary;
+
   [[nodiscard]] const Dictionary& getDictionary() const { return *dictionary; }
   void detectMarkers(const Mat& picture, std::vector<std::vector<Point2f>>& corners,
                      std::vector<int>& ids) const {

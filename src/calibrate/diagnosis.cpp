@@ -23,6 +23,7 @@ void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& s
   const auto rippled = std::ranges::count_if(scans, has_ripple);
   // A response affects all scans; a ripple in only a few has another cause.
   if (2 * rippled < std::ssize(scans) || rippled == 0) return;
+
   const double ripple = median_of(scans, &FringeSigns::ripple);
   const double pixels = median_of(
       scans, [](const FringeSigns& signs) { return signs.ripple * signs.period / two_pi; });
@@ -39,6 +40,8 @@ void add_blur(std::vector<Finding>& findings, const BoardViews& views,
               const std::vector<FringeSigns>& scans) {
   // Half as much modulation doubles the noise of the phase; sharp fringes keep over 0.9.
   constexpr double least_contrast = 0.6;
+
+  // A camera out of focus blurs the fringes too, so the print is judged first.
   std::vector<EdgeSoftness> edges;
   for (const BoardView& view : views) {
     if (view.signs.edges.pixels > 0) edges.push_back(view.signs.edges);
@@ -55,9 +58,11 @@ void add_blur(std::vector<Finding>& findings, const BoardViews& views,
       return;
     }
   }
+
   if (scans.empty()) return;
   const double contrast = median_of(scans, &FringeSigns::contrast);
   if (contrast >= least_contrast) return;
+
   findings.push_back(
       {.what = fmt::format("the fine fringes keep less than {:g} of the coarse ones' modulation, "
                            "although the print is sharp",
@@ -70,10 +75,12 @@ void add_blur(std::vector<Finding>& findings, const BoardViews& views,
 /// Returns k if the shift equals k of a fringe's N steps, else nullopt.
 std::optional<int> slipped_steps(double shift, const FringeSigns& signs) {
   if (signs.steps == 0 || signs.period <= 0) return std::nullopt;
+
   constexpr double tolerance = 0.05;  // of a step: chance hits one in ten
   const double steps = shift / signs.period * signs.steps;
   const double whole = std::round(steps);
   if (std::abs(steps - whole) > tolerance || whole == 0) return std::nullopt;
+
   return (static_cast<int>(whole) % signs.steps + signs.steps) % signs.steps;
 }
 
@@ -81,8 +88,10 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
               const char* device, const Lens& lens, const LensDeviation& deviation) {
   constexpr double most_doubt = 0.002;  // relative error of lengths at the ends of the depth range
   constexpr double enough_tilt = 30 * degree;
+
   const double doubt = deviation.focal.maxCoeff() / lens.intrinsic(0, 0);
   if (doubt <= most_doubt) return;
+
   const char* const likely = calibration.largest_tilt < enough_tilt ? "too few tilts of the board"
                              : calibration.poses.size() < 8
                                  ? "too few poses"
@@ -101,6 +110,7 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
   constexpr double least_lit = 0.9;
   // The devices share about two thirds of each picture, and boards cannot reach all that area.
   constexpr double least_covered = 0.4;
+
   for (const CalibratedPose& pose : calibration.poses) {
     if (pose.lit >= least_lit * pose.corners) continue;
     findings.push_back(
@@ -111,6 +121,7 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
          .likely = "parts of the board too dark, overexposed, or outside the projector's light",
          .advice = "light the whole board, change the exposure or lower --min-modulation"});
   }
+
   const auto count = calibration.poses.size();
   if (count < few_poses) {
     findings.push_back({.what = fmt::format("only {} poses, fewer than {}", count, few_poses),
@@ -118,6 +129,7 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
                         .likely = "too few poses, or too many unusable ones",
                         .advice = "take ten or more"});
   }
+
   if (nearly_parallel) {
     findings.push_back(
         {.what = "all boards are nearly parallel, within 15 degrees: focal lengths are uncertain",
@@ -125,6 +137,7 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
          .likely = "too few tilts of the board",
          .advice = "tilt the board by 20 to 40 degrees in each direction"});
   }
+
   for (const auto& [device, covered] : {std::pair("camera", calibration.covered_camera),
                                         std::pair("projector", calibration.covered_projector)}) {
     if (covered >= least_covered) continue;
@@ -142,6 +155,7 @@ void add_print(std::vector<Finding>& findings, const PrintShape& print) {
   constexpr double deviations = 6;         // the places' errors are correlated
   constexpr double least_bend = 0.001;     // of the board's size: allowed for a flat board
   constexpr double least_stretch = 0.004;  // four times a good printer's
+
   if (print.bend > std::max(least_bend * print.size, deviations * print.bend_deviation)) {
     findings.push_back(
         {.what = fmt::format("the board is bent by over {:g} % of its size", 100 * least_bend),
@@ -149,6 +163,7 @@ void add_print(std::vector<Finding>& findings, const PrintShape& print) {
          .likely = "a bent board",
          .advice = "glue the print to something flat, such as glass, or use --print estimated"});
   }
+
   if (std::abs(print.stretch) > std::max(least_stretch, deviations * print.stretch_deviation)) {
     findings.push_back(
         {.what = fmt::format("the spacings of the board's rows and columns differ by over {:g} %",
@@ -161,14 +176,17 @@ void add_print(std::vector<Finding>& findings, const PrintShape& print) {
 
 void add_projector_size(std::vector<Finding>& findings, const GeometryCalibration& calibration) {
   constexpr double least = 0.02, deviations = 6;
+
   const auto aspect = [](const Lens& lens) { return lens.intrinsic(1, 1) / lens.intrinsic(0, 0); };
   const Scanner& scanner = calibration.state.scanner;
   const double ratio = aspect(scanner.projector) / aspect(scanner.camera);
   const double deviation =
       calibration.deviation.projector.focal.norm() / scanner.projector.intrinsic(0, 0);
-  const auto off = [&](double pixels) { return std::abs(ratio / pixels - 1); };
+
   // Some projectors' pixels are twice or half as high as wide.
+  const auto off = [&](double pixels) { return std::abs(ratio / pixels - 1); };
   if (std::min({off(1), off(2), off(0.5)}) < std::max(least, deviations * deviation)) return;
+
   findings.push_back(
       {.what = fmt::format("the projector's pixels are over {:g} % off square", 100 * least),
        .evidence = {{"height to width", 1 / ratio}},
@@ -186,9 +204,11 @@ void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& c
   // A shift: twice the RMS of the others; chance gives 1 to 2.5. Otherwise the lens model may not
   // extrapolate to the pose, which gives up to 8 on real boards.
   constexpr double largest_of_shift = 4, largest = 12;
+
   const auto& poses = calibration.poses;
   const auto worst = std::ranges::max_element(poses, {}, &CalibratedPose::misfit);
   if (worst->misfit <= (is_shift(worst->offset) ? largest_of_shift : largest)) return;
+
   findings.push_back(finding_of_pose(calibration.views[worst - poses.begin()], worst->offset));
   findings.back().evidence.push_back({"its RMS, px", worst->rms.stereo});
   findings.back().evidence.push_back({"RMS of all, px", calibration.rms.stereo});
@@ -200,22 +220,26 @@ bool has_moved(const GeometryCalibration& calibration) {
   // Without movement, a second rig reduces the squared error by 1 to 5 %.
   constexpr double least_gain = 1.3;
   if (!calibration.moved || calibration.moved->gain < least_gain) return false;
+
   std::vector<double> misfits;
   for (const CalibratedPose& pose : calibration.poses) {
     if (is_shift(pose.offset) && pose.misfit > least_misfit) misfits.push_back(pose.misfit);
   }
   std::sort(misfits.rbegin(), misfits.rend());
+
   return misfits.size() >= 2 && misfits[0] < dominance * misfits[1];
 }
 
 void add_large_rms(std::vector<Finding>& findings, const ReprojectionRms& rms) {
   constexpr double largest_camera = 0.5, largest_projector = 0.7;  // pixels
+
   if (rms.camera > largest_camera) {
     findings.push_back({.what = fmt::format("the camera's RMS is above {:g} px", largest_camera),
                         .evidence = {{"camera RMS, px", rms.camera}},
                         .likely = "inaccurate corners: the board moved, darkness or noise",
                         .advice = "hold the board still, lengthen the exposure"});
   }
+
   if (rms.projector > largest_projector) {
     findings.push_back(
         {.what = fmt::format("the projector's RMS is above {:g} px", largest_projector),
@@ -229,10 +253,12 @@ void add_large_rms(std::vector<Finding>& findings, const ReprojectionRms& rms) {
 
 std::vector<Finding> findings_of_frames(const BoardViews& views) {
   std::vector<Finding> findings;
+
   constexpr double most_saturated = 0.25;  // half of the bright squares
   const double saturated = median_of(views, [](const BoardView& view) {
     return std::max(view.signs.x.saturated, view.signs.y.saturated);
   });
+
   if (saturated > most_saturated) {
     findings.push_back({.what = fmt::format("over {:g} % of the board is saturated and ignored",
                                             100 * most_saturated),
@@ -240,12 +266,14 @@ std::vector<Finding> findings_of_frames(const BoardViews& views) {
                         .likely = "overexposed frames",
                         .advice = "shorten the exposure, stop down or dim the projector"});
   }
+
   std::vector<FringeSigns> scans;  // those measured
   for (const BoardView& view : views) {
     for (const FringeSigns& signs : {view.signs.x, view.signs.y}) {
       if (signs.period > 0) scans.push_back(signs);
     }
   }
+
   add_blur(findings, views, scans);
   add_gamma(findings, scans);
   return findings;
@@ -256,6 +284,7 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
   const Eigen::Vector2d shift = offset.mean;
   const bool along_x = std::abs(shift.y()) < most_beside * std::abs(shift.x());
   const bool along_y = std::abs(shift.x()) < most_beside * std::abs(shift.y());
+
   Finding finding{
       .what = fmt::format("{}: the corners do not fit the other poses", view.name),
       .evidence = {{"shift along x, projector px", shift.x()},
@@ -263,11 +292,14 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
                    {"spread about it, projector px", offset.spread}},
       .likely = "one bad pose: the board moved or bent, or the frames are another camera's",
       .advice = fmt::format("capture it again, or calibrate with --exclude {}", view.name)};
+
   if (!is_shift(offset)) return finding;
+
   const auto slip = along_x   ? slipped_steps(shift.x(), view.signs.x)
                     : along_y ? slipped_steps(shift.y(), view.signs.y)
                               : std::nullopt;
   const char* const axis = along_x ? "x" : "y";
+
   if (slip) {
     finding.likely = fmt::format(
         "a slip: the frames along {} are in the wrong order, {} steps late", axis, *slip);
@@ -277,6 +309,7 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
   } else {
     finding.likely = "one bad pose: camera, projector or board moved during it";
   }
+
   return finding;
 }
 
@@ -289,6 +322,7 @@ Finding finding_of_moved_rig(const std::string& last, const std::string& first) 
 
 std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
   std::vector<Finding> findings = findings_of_frames(calibration.views);
+
   if (has_moved(calibration)) {
     const auto& [first, gain] = *calibration.moved;
     findings.push_back(
@@ -297,8 +331,10 @@ std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
   } else {
     add_worst_pose(findings, calibration);
   }
+
   constexpr double least_tilt = 15 * degree;
   const bool nearly_parallel = calibration.largest_tilt < least_tilt;
+
   // Problems found so far also bend the estimated board and make other results uncertain.
   if (findings.empty() && !nearly_parallel) {
     add_print(findings, calibration.print);
@@ -311,6 +347,7 @@ std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
       add_large_rms(findings, calibration.rms);
     }
   }
+
   add_poses(findings, calibration, nearly_parallel);
   return findings;
 }

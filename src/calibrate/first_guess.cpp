@@ -30,8 +30,10 @@ SharedCorners corners_seen_by(Device device, const BoardViews& views, const Boar
     shared.board.emplace_back();
     shared.camera.emplace_back();
     shared.projector.emplace_back();
+
     for (std::size_t i = 0; i < view.places.size(); ++i) {
       if (!corners_of(view, device)[i].allFinite()) continue;
+
       const Eigen::Vector3d& place = printed[view.places[i]];
       shared.board.back().emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()),
                                        0.0F);
@@ -39,6 +41,7 @@ SharedCorners corners_seen_by(Device device, const BoardViews& views, const Boar
       shared.projector.back().push_back(point_of(view.projector[i]));
     }
   }
+
   return shared;
 }
 
@@ -62,9 +65,11 @@ struct OneDevice {
 OneDevice calibrated(const std::vector<std::vector<cv::Point3f>>& board,
                      const std::vector<std::vector<cv::Point2f>>& pixels, Size size) {
   OneDevice device;
+
   cv::calibrateCamera(board, pixels, {size.width, size.height}, device.intrinsic, device.distortion,
                       device.rotations, device.translations,
                       cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K3);
+
   round_off(device.intrinsic);
   round_off(device.distortion);
   for (cv::Mat& turn : device.rotations) round_off(turn);
@@ -83,17 +88,22 @@ Lens lens_of(const OneDevice& device, Size size) {
 Eigen::Isometry3d pose_of(const cv::Mat& turn, const cv::Mat& translation) {
   cv::Mat rotation;
   cv::Rodrigues(turn, rotation);
+
   Eigen::Matrix3d turned;
   Eigen::Vector3d moved;
   cv::cv2eigen(rotation, turned);
   cv::cv2eigen(translation, moved);
+
   return Eigen::Translation3d(moved) * Eigen::Isometry3d(turned);
 }
 
 BundleState guess(const SharedCorners& shared, const BoardPlaces& printed, Size camera_size,
                   Size projector_size) {
+  // 1. Each device alone.
   OneDevice camera = calibrated(shared.board, shared.camera, camera_size);
   OneDevice projector = calibrated(shared.board, shared.projector, projector_size);
+
+  // 2. The projector's pose relative to the camera, with both lenses fixed.
   cv::Mat rotation, turn, translation, essential, fundamental;
   cv::stereoCalibrate(shared.board, shared.camera, shared.projector, camera.intrinsic,
                       camera.distortion, projector.intrinsic, projector.distortion,
@@ -103,13 +113,17 @@ BundleState guess(const SharedCorners& shared, const BoardPlaces& printed, Size 
   round_off(turn);
   round_off(translation);
   const Eigen::Isometry3d rig = pose_of(turn, translation);
+
+  // 3. Lenses, rig and the boards' poses before the camera.
   BundleState state{{lens_of(camera, camera_size), lens_of(projector, projector_size), rig.linear(),
                      rig.translation()},
                     {},
                     printed};
+
   for (std::size_t v = 0; v < shared.board.size(); ++v) {
     state.poses.push_back(pose_of(camera.rotations[v], camera.translations[v]));
   }
+
   return state;
 }
 
@@ -118,6 +132,7 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
   const int count = lit_corners(view);
   Eigen::MatrixX3d camera(count, 3);
   Eigen::MatrixX2d projector(count, 2);
+
   int row = 0;
   for (std::size_t i = 0; i < view.camera.size(); ++i) {
     if (!view.projector[i].allFinite()) continue;
@@ -125,6 +140,7 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
     projector.row(row) = view.projector[i].transpose();
     ++row;
   }
+
   const Eigen::Matrix<double, 3, 2> solution = camera.colPivHouseholderQr().solve(projector);
   return solution.topRows<2>().transpose();
 }
@@ -132,8 +148,10 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
 void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
   constexpr std::size_t fewest = 6;
   constexpr double reach = 8;
+
   std::vector<cv::Point2f> board, projector;
   std::vector<std::size_t> corners;
+
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     if (!view.projector[i].allFinite()) continue;
     const Eigen::Vector3d& place = printed[view.places[i]];
@@ -142,9 +160,12 @@ void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
     corners.push_back(i);
   }
   if (corners.size() < fewest) return;
+
+  // RANSAC: whole fringes are many pixels, far beyond the effect of lens distortion.
   cv::Mat inliers;
   const QuietOpenCv quiet;
   cv::findHomography(board, projector, inliers, cv::RANSAC, reach);
+
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const bool agrees = !inliers.empty() && inliers.at<std::uint8_t>(static_cast<int>(k)) != 0;
     if (!agrees) view.projector[corners[k]] = {nan, nan};
@@ -154,10 +175,13 @@ void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
 void require_same_handedness(const BoardView& view) {
   const Eigen::Matrix2d A = affine_map(view);
   if (A.determinant() > 0) return;
+
+  // Swapped axes have the larger elements off the diagonal, a mirrored picture on it.
   throw_if(A.diagonal().squaredNorm() < A.squaredNorm() / 2,
            "{}: projector x and y are swapped; likely the scans along x and y are exchanged: check "
            "the frame order or --first-axis",
            view.name);
+
   throw Error(
       fmt::format("{}: the projector's (or camera's) picture is mirrored along {}; turn off "
                   "mirroring in the device",
@@ -190,9 +214,11 @@ Lens simple_lens(const BoardViews& views, const BoardPlaces& printed, Size camer
   const QuietOpenCv quiet;
   const cv::Mat found =
       cv::initCameraMatrix2D(seen.board, seen.camera, {camera.width, camera.height}, 1);
+
   // Boards with little tilt do not determine the focal length.
   const double focal = found.at<double>(0, 0), usual = 1.3 * camera.width;
   const double used = focal > 0.5 * camera.width && focal < 10 * camera.width ? focal : usual;
+
   Lens lens;
   lens.size = camera;
   lens.intrinsic << used, 0, 0.5 * camera.width, 0, used, 0.5 * camera.height, 0, 0, 1;
@@ -203,13 +229,16 @@ Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
                                      const BoardPlaces& printed) {
   std::vector<cv::Point3d> board;
   std::vector<cv::Point2d> seen;  // by a camera without distortion and of focal length 1
+
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     const Eigen::Vector3d& place = printed[view.places[i]];
     const Eigen::Vector3d ray = ray_through(camera, view.camera[i]);
     if (!ray.allFinite()) continue;
+
     board.emplace_back(place.x(), place.y(), 0);
     seen.emplace_back(ray.x(), ray.y());
   }
+
   const QuietOpenCv quiet;
   cv::Mat turn, translation;
   try {
@@ -219,6 +248,7 @@ Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
         fmt::format("{}: OpenCV finds no pose for its corners: {}; exclude it with --exclude",
                     view.name, exception.err));
   }
+
   return pose_of(turn, translation);
 }
 

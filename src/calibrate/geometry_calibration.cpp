@@ -24,6 +24,8 @@ struct Fitted {
 
 Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   Fitted fit{A.colPivHouseholderQr().solve(b), {}};
+
+  // Variance of the residuals; the inverse of A^T A gives each value's share of it.
   const double variance = (A * fit.values - b).squaredNorm() /
                           static_cast<double>(std::max<Eigen::Index>(1, A.rows() - A.cols()));
   fit.deviations = ((A.transpose() * A).inverse().diagonal() * variance).cwiseSqrt();
@@ -32,15 +34,18 @@ Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
 
 /// `places`: estimated corners, mm, in the frame of the `printed` ones.
 PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
+  // Coordinates u, v from -1 to 1 over the board.
   const auto count = static_cast<Eigen::Index>(printed.size());
   const Eigen::Map<const Eigen::Matrix3Xd> is(places.front().data(), 3, count);
   const Eigen::Map<const Eigen::Matrix3Xd> ought(printed.front().data(), 3, count);
   const Eigen::Vector3d least = ought.rowwise().minCoeff(), most = ought.rowwise().maxCoeff();
   const Eigen::ArrayXd u = (2 * ought.row(0).array() - most.x() - least.x()) / (most - least).x();
   const Eigen::ArrayXd v = (2 * ought.row(1).array() - most.y() - least.y()) / (most - least).y();
+
   Eigen::MatrixXd terms(count, 6);
   terms << Eigen::VectorXd::Ones(count), u, v, u * u, u * v, v * v;
 
+  // 1. Bend: the largest quadratic term of the heights.
   PrintShape shape{.size = (most - least).norm()};
   const Fitted heights = fitted(terms, is.row(2).transpose());
   for (const Eigen::Index term : {3, 4, 5}) {
@@ -48,6 +53,8 @@ PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
     shape.bend = std::abs(heights.values[term]);
     shape.bend_deviation = heights.deviations[term];
   }
+
+  // 2. Stretch: the scale of the columns over the rows', from the linear terms.
   const Fitted across = fitted(terms.leftCols<3>(), is.row(0).transpose());
   const Fitted down = fitted(terms.leftCols<3>(), is.row(1).transpose());
   const double wide = (most - least).x() / 2, high = (most - least).y() / 2;
@@ -62,21 +69,27 @@ std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& 
                                     const BoardPlaces& printed, BundleSettings settings,
                                     std::vector<CalibratedPose>& poses) {
   settings.pixel_deviations = pixel_deviations(views, state);
+
   const auto count = static_cast<double>(views.size());
   const double all = count * mean_squared_error(views, state, *settings.pixel_deviations);
   std::vector<Scanner> scanners(views.size());
+
   for_each_row(static_cast<int>(views.size()), [&](int pose) {
     SomePoses others =
         some_poses(views, state, [&](std::size_t i) { return std::cmp_not_equal(i, pose); });
     const BundleState rest =
         bundle_adjusted(others.views, std::move(others.state), printed, settings);
+
     const double of_others = mean_squared_error(others.views, rest, *settings.pixel_deviations);
     poses[pose].left_out = board_quality(views[pose], rest.scanner, printed);
     poses[pose].offset =
         projector_offset(views[pose], rest.scanner, state.poses[pose], rest.places);
+
+    // How much the pose adds to the sum over the others: 1 if it fits as well as they do.
     poses[pose].misfit = all / of_others - (count - 1);
     scanners[pose] = rest.scanner;
   });
+
   return scanners;
 }
 
@@ -113,11 +126,13 @@ void require_known_model(const std::optional<int>& coefficients, const char* dev
 double left_out_error(const BoardViews& views, const BundleState& state, BundleSettings settings,
                       std::size_t fold, std::size_t folds) {
   const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
+
   SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
   forget_held_coefficients(kept.state.scanner, settings);
   const BundleState calibrated =
       bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
 
+  // The held-out poses may move, but lenses and rig stay.
   SomePoses left_out = some_poses(views, state, is_left_out);
   left_out.state.scanner = calibrated.scanner;
   settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
@@ -136,9 +151,11 @@ bool clearly_worse(const std::vector<double>& errors, const std::vector<double>&
   std::vector<double> differences;
   for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
   const double average = mean(differences);
+
   double squares = 0;
   for (const double difference : differences) squares += std::pow(difference - average, 2);
   const auto n = static_cast<double>(differences.size());
+
   constexpr double least_share = 0.005;
   return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
 }
@@ -151,31 +168,42 @@ bool clearly_worse(const std::vector<double>& errors, const std::vector<double>&
 LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views,
                         const BundleState& state, Device device) {
   if (asked) return {*asked, {}};
+
   // Hold out one of few poses at a time, or a quarter of many, to save time.
   constexpr std::size_t few = 6, parts = 4;
   const std::size_t folds = views.size() <= few ? views.size() : parts;
+
   // Four for the other device: an unsupported fifth could spoil the predictions.
   BundleSettings settings{.camera_coefficients = 4, .projector_coefficients = 4};
   settings.pixel_deviations = pixel_deviations(views, state);
+
   std::vector<std::vector<double>> errors;
   std::size_t best = 0;
   LensChoice choice;
+
   for (const int coefficients : lens_models) {
     // Without tangential coefficients the principal point absorbs their effect, and its standard
     // deviation does not reveal that.
     if (coefficients == 2) continue;
+
     (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
         coefficients;
+
     std::vector<double> by_fold(folds);
     for_each_row(static_cast<int>(folds), [&](int fold) {
       by_fold[fold] = left_out_error(views, state, settings, fold, folds);
     });
+
     errors.push_back(by_fold);
     choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
     if (mean(by_fold) < mean(errors[best])) best = errors.size() - 1;
+
+    // Two larger models in a row without a smaller error.
     const bool gains_nothing_more = errors.size() > best + 2;
     if (gains_nothing_more) break;
   }
+
+  // The simplest model that is not clearly worse than the best.
   std::size_t chosen = 0;
   while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
   choice.coefficients = choice.scores[chosen].coefficients;
@@ -212,14 +240,17 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   require_known_model(settings.projector_coefficients, "projector");
   throw_if(views.size() < fewest_poses, "{} usable poses; at least {} are required, take ten",
            views.size(), fewest_poses);
+
   const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);
 
+  // 1. A simple calibration, to see whether all poses are of one rig.
   GeometryCalibration result;
   BundleState& state = result.state;
   state = simple_calibration(views, printed, camera, projector);
   require_one_rig(views, state, printed);
 
+  // 2. The lens models that the data support.
   BundleSettings bundle;
   if (settings.print_deviation) bundle.print_deviation = *settings.print_deviation * board.spacing;
   state = bundle_adjusted(views, std::move(state), printed, bundle);
@@ -227,6 +258,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   result.projector_lens =
       chosen_model(settings.projector_coefficients, views, state, Device::projector);
 
+  // 3. The calibration itself, and the standard deviations of its parameters.
   bundle.camera_coefficients = result.camera_lens.coefficients;
   bundle.projector_coefficients = result.projector_lens.coefficients;
   forget_held_coefficients(state.scanner, bundle);
@@ -234,6 +266,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   state.scanner.calibrated_depths = depths_of(views, state);
   require_valid(state.scanner);
 
+  // 4. Figures for each pose and for all.
   Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Reprojection of_pose = reprojection(views[v], state, v);
@@ -244,21 +277,26 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
                             .lit = lit_corners(views[v]),
                             .rms = of_pose.rms()});
   }
+
   result.rms = all.rms();
   result.deviation =
       widened(result.deviation, leave_each_out(views, state, printed, bundle, result.poses));
+
   result.covered_camera = covered_share(coverage_map(views, Device::camera, camera));
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);
   result.moved = moved_rig(views, state);
+
   // The shape of a print that is taken for exact shows only if its corners are freed.
   BoardPlaces places = state.places;
   if (!bundle.print_deviation) {
     bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * board.spacing;
     places = bundle_adjusted(views, state, printed, bundle).places;
   }
+
   result.print = print_shape(places, printed);
   result.views = std::move(views);
+
   result.findings = findings_about(result);
   return result;
 }

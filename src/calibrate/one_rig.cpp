@@ -48,14 +48,17 @@ std::optional<OddPose> odd_pose(const BoardViews& views, const BundleState& stat
                                 const BoardPlaces& printed) {
   if (views.size() <= fewest_poses) return std::nullopt;
   const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
+
   std::optional<OddPose> odd;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const BoardViews rest = some_poses(views, state, [&](std::size_t i) { return i != v; }).views;
     const BundleState others = simple_calibration(rest, printed, camera, projector);
+
     const double rms = largest_rms(rest, others);
     if (rms > blunder(camera) || (odd && rms > odd->rms_of_others)) continue;
     odd = {v, rms, projector_offset(views[v], others.scanner, state.poses[v], printed)};
   }
+
   return odd;
 }
 
@@ -69,6 +72,7 @@ std::optional<OtherRig> other_rig(const BoardViews& views, const BundleState& st
                                   const BoardPlaces& printed) {
   const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
   std::optional<OtherRig> other;
+
   for (std::size_t k = fewest_poses; k + fewest_poses <= views.size(); ++k) {
     double largest = 0;
     for (const auto& takes : {from_to(0, k), from_to(k, views.size())}) {
@@ -76,8 +80,10 @@ std::optional<OtherRig> other_rig(const BoardViews& views, const BundleState& st
       const BundleState own = simple_calibration(half, printed, camera, projector);
       largest = std::max(largest, largest_rms(half, own));
     }
+
     if (largest < (other ? other->rms : blunder(camera))) other = {k, largest};
   }
+
   return other;
 }
 
@@ -95,10 +101,12 @@ double error_of_own_rig(const BoardViews& views, const BundleState& state, std::
 
 ProjectorOffset projector_offset(const BoardView& view, const Scanner& scanner,
                                  const Eigen::Isometry3d& start, const BoardPlaces& places) {
+  // The board's pose by the camera alone.
   BoardView by_camera = view;
   for (Eigen::Vector2d& pixel : by_camera.projector) pixel = {nan, nan};
   const BundleState seen = bundle_adjusted({by_camera}, {scanner, {start}, places}, places,
                                            {.hold_camera = true, .hold_rig = true});
+
   ProjectorOffset offset;
   int count = 0;
   for (const Eigen::Vector2d& residual :
@@ -108,6 +116,8 @@ ProjectorOffset projector_offset(const BoardView& view, const Scanner& scanner,
     offset.spread += residual.squaredNorm();
     ++count;
   }
+
+  // Variance about the mean: mean square less squared mean.
   offset.mean /= count;
   offset.spread = std::sqrt(std::max(0.0, offset.spread / count - offset.mean.squaredNorm()));
   return offset;
@@ -126,12 +136,14 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
   const std::vector<double> rms = stereo_rms(views, state);
   const double limit = std::max(1.5, std::min(bound, most_of_median * median(rms)));
   if (std::ranges::max(rms) < limit) return;
+
   // A problem common to all frames also spoils the fit.
   const std::vector<Finding> of_frames = findings_of_frames(views);
   if (!of_frames.empty()) {
     throw Error(fmt::format("the poses do not fit one camera and projector: {}",
                             text_of(of_frames.front())));
   }
+
   const auto odd = odd_pose(views, state, printed);
   const auto other = other_rig(views, state, printed);
   // One bad pose is the simpler cause: two rigs must fit far better.
@@ -139,11 +151,13 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
     throw Error(
         text_of(finding_of_moved_rig(views[other->first - 1].name, views[other->first].name)));
   }
+
   if (odd) {
     Finding finding = finding_of_pose(views[odd->pose], odd->offset);
     finding.evidence.push_back({"its RMS, px", rms[odd->pose]});
     throw Error(text_of(finding));
   }
+
   throw Error(
       fmt::format("the poses do not fit one camera and projector (median RMS {:.3g} px); likely "
                   "frames of two cameras are mixed, the rig was moved between poses, or the board "
@@ -154,16 +168,19 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
 std::optional<MovedRig> moved_rig(const BoardViews& views, const BundleState& state) {
   // With five poses or fewer, two rigs also explain one bad pose.
   constexpr std::size_t fewest = 2, fewest_in_all = 6;
+
   BundleSettings settings{.hold_camera = true, .hold_projector = true};
   settings.pixel_deviations = pixel_deviations(views, state);
   if (views.size() < fewest_in_all) return std::nullopt;
   const double one = error_of_own_rig(views, state, 0, views.size(), settings);
+
   std::vector<double> two(views.size() - 2 * fewest + 1);
   for_each_row(static_cast<int>(two.size()), [&](int split) {
     const std::size_t k = split + fewest;
     two[split] = error_of_own_rig(views, state, 0, k, settings) +
                  error_of_own_rig(views, state, k, views.size(), settings);
   });
+
   const auto best = std::ranges::min_element(two);
   return MovedRig{(best - two.begin()) + fewest, one / *best};
 }

@@ -18,8 +18,10 @@ class QuietOpenCv {
   QuietOpenCv()
       : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)),
         callback_(cv::redirectError(silent)) {}
+
   QuietOpenCv(const QuietOpenCv&) = delete;
   QuietOpenCv& operator=(const QuietOpenCv&) = delete;
+
   ~QuietOpenCv() {
     cv::redirectError(callback_);
     cv::utils::logging::setLogLevel(level_);
@@ -57,6 +59,7 @@ inline cv::Point nearest_pixel(const Eigen::Vector2d& place) {
 inline cv::Mat within_hull(const std::vector<cv::Point>& pixels, cv::Size size) {
   std::vector<cv::Point> hull;
   cv::convexHull(pixels, hull);
+
   cv::Mat mask(size, CV_8U, cv::Scalar(0));
   cv::fillConvexPoly(mask, hull, cv::Scalar(1));
   return mask;

@@ -51,6 +51,7 @@ double usual_length(const Residuals& residuals) {
       if (residual.allFinite()) lengths.push_back(residual.norm());
     }
   }
+
   return lengths.empty() ? 1 : std::max(quantile(lengths, 0.95), 1e-6);
 }
 
@@ -59,11 +60,14 @@ cv::Mat drawn_coverage(const Image<std::uint8_t>& coverage, cv::Size size) {
   cv::Mat picture(coverage.height(), coverage.width(), CV_8UC3);
   for_each_pixel_in_order(coverage.size(), [&](int column, int row) {
     const double share = std::min(1.0, coverage(column, row) / 8.0);
+
+    // From white without a board to blue with eight or more.
     const auto fade = [&](double dark) {
       return cv::saturate_cast<std::uint8_t>(255 - share * (255 - dark));
     };
     picture.at<cv::Vec3b>(row, column) = {fade(150), fade(190), fade(230)};
   });
+
   cv::Mat enlarged;
   cv::resize(picture, enlarged, size, 0, 0, cv::INTER_NEAREST);
   return enlarged;
@@ -75,6 +79,8 @@ Image<Colour> residual_map(const BoardViews& views, const Residuals& residuals, 
                            Size size) {
   constexpr int width = 800, legend = 34;
   constexpr double arrow = 24;  // pixels, of a usual residual
+
+  // The picture, with the coverage as shading, above a strip for the legend.
   const double scale = static_cast<double>(width) / size.width;
   const int height = cvRound(scale * size.height);
   cv::Mat picture(height + legend, width, CV_8UC3, paper);
@@ -82,17 +88,21 @@ Image<Colour> residual_map(const BoardViews& views, const Residuals& residuals, 
       .copyTo(picture(cv::Rect(0, 0, width, height)));
   cv::rectangle(picture, {0, 0, width, height}, faint);
 
+  // Each residual as an arrow from the observed corner.
   const double enlarged = arrow / usual_length(residuals);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const auto& seen = corners_of(views[v], device);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!residuals[v][i].allFinite()) continue;
+
       const Eigen::Vector2d from = scale * seen[i];
       const Eigen::Vector2d to = from + enlarged * residuals[v][i];
       cv::arrowedLine(picture, nearest_pixel(from), nearest_pixel(to), colour_of_pose(v), 1,
                       cv::LINE_AA, 0, 0.25);
     }
   }
+
+  // The scale bar.
   const double unit = round_below(2 * arrow / enlarged);
   const int length = cvRound(unit * enlarged), y = height + legend / 2;
   cv::line(picture, {12, y}, {12 + length, y}, ink, 2);
@@ -107,24 +117,31 @@ Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residua
   const double scale = side / 2.0 / reach;
   const cv::Point centre(side / 2, side / 2);
   cv::Mat picture(side, side + names_width, CV_8UC3, paper);
+
+  // Axes, and a ring that shows the scale.
   const double ring = round_below(reach);
   cv::line(picture, {0, centre.y}, {side, centre.y}, faint);
   cv::line(picture, {centre.x, 0}, {centre.x, side}, faint);
   cv::circle(picture, centre, cvRound(ring * scale), faint, 1, cv::LINE_AA);
+
+  // A dot for each residual within reach, and the names of the poses that have room.
   const cv::Rect field(0, 0, side, side);
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (const Eigen::Vector2d& residual : residuals[v]) {
       if (!residual.allFinite()) continue;
+
       const cv::Point at = centre + nearest_pixel(scale * residual);
       if (field.contains(at)) {
         cv::circle(picture, at, 2, colour_of_pose(v), cv::FILLED, cv::LINE_AA);
       }
     }
+
     const int y = 20 + 18 * static_cast<int>(v);
     if (y > side - 30) continue;
     cv::circle(picture, {side + 14, y - 4}, 4, colour_of_pose(v), cv::FILLED, cv::LINE_AA);
     write(picture, views[v].name, {side + 26, y});
   }
+
   write(picture, fmt::format("ring: {:g} px", ring), {side + 10, side - 10});
   return image_from<Colour>(picture);
 }
@@ -138,6 +155,7 @@ std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
 void write_findings(Page& page, const std::vector<Finding>& findings) {
   page.verdict(verdict_of(findings));
   if (findings.empty()) return;
+
   page.heading("Diagnostics");
   page.table({"symptom", "evidence", "likely cause", "remedy"});
   for (const Finding& finding : findings) {
@@ -145,6 +163,7 @@ void write_findings(Page& page, const std::vector<Finding>& findings) {
     for (const auto& [name, value] : finding.evidence) {
       numbers.push_back(fmt::format("{}: {:.3g}", name, value));
     }
+
     page.row({finding.what, fmt::format("{}", fmt::join(numbers, "; ")), finding.likely,
               finding.advice});
   }
@@ -154,15 +173,18 @@ void write_poses(Page& page, const CalibrationReport& report) {
   page.heading("Poses");
   page.paragraph("RMS distances between observed and predicted corners, in pixels of the device.");
   page.table({"pose", "corners", "with projector coordinate", "camera", "projector", "stereo"});
+
   const auto row = [&](const std::string& name, const std::string& corners, const std::string& lit,
                        const ReprojectionRms& rms) {
     page.row({name, corners, lit, fmt::format("{:.3f}", rms.camera),
               fmt::format("{:.3f}", rms.projector), fmt::format("{:.3f}", rms.stereo)});
   };
+
   for (const CalibratedPose& pose : report.calibration.poses) {
     row(pose.name, std::to_string(pose.corners), std::to_string(pose.lit), pose.rms);
   }
   row("all", "", "", report.calibration.rms);
+
   for (const UnusedPose& pose : report.unused) {
     page.paragraph("{} was not used: {}.", pose.name, pose.why);
   }
@@ -181,15 +203,18 @@ void write_left_out(Page& page, const CalibrationReport& report) {
                                      "may have been made from these poses.",
                                      other->name)
                        : "");
+
   std::vector<std::string> columns{"pose"};
   const auto add_columns = [&](const std::string& of) {
     for (const char* column : {"flatness, mm", "distances, mm", "scale error, %"}) {
       columns.push_back(of + column);
     }
   };
+
   add_columns("");
   if (other != nullptr) add_columns(other->name + ": ");
   page.table(columns);
+
   const auto row = [&](const std::string& name, const std::optional<BoardQuality>& ours,
                        const std::optional<BoardQuality>& theirs) {
     std::vector<std::string> all{name};
@@ -197,10 +222,12 @@ void write_left_out(Page& page, const CalibrationReport& report) {
     if (other != nullptr) std::ranges::copy(cells(theirs), std::back_inserter(all));
     page.row(all);
   };
+
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
     row(pose.name, pose.left_out, other != nullptr ? other->poses[i] : std::nullopt);
   }
+
   row("root mean square", overall(left_out_qualities(calibration)),
       other != nullptr ? std::optional(overall(other->poses)) : std::nullopt);
 }
@@ -212,15 +239,18 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
   const BundleDeviation& deviation = calibration.deviation;
   const Eigen::AngleAxisd turn(scanner.rotation);
   const Eigen::Vector3d angles = turn.angle() * turn.axis() / degree;
+
   page.heading("Parameters");
   page.paragraph(
       "The standard deviation is the larger of two: the effect of independent corner noise, and "
       "the scatter of calibrations that each omit one pose.");
   page.table({"parameter", "value", "standard deviation", "unit"});
+
   const auto row = [&](std::string name, double value, double its_deviation, const char* unit) {
     page.row({std::move(name), fmt::format("{:.6g}", value),
               its_deviation > 0 ? fmt::format("{:.2g}", its_deviation) : "held", unit});
   };
+
   const auto add_lens = [&](const std::string& device, const Lens& lens, const LensDeviation& off,
                             int coefficients) {
     const Eigen::Matrix3d& K = lens.intrinsic;
@@ -228,14 +258,17 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
     row(device + " fy", K(1, 1), off.focal.y(), "px");
     row(device + " cx", K(0, 2), off.principal_point.x(), "px");
     row(device + " cy", K(1, 2), off.principal_point.y(), "px");
+
     for (int i = 0; i < coefficients; ++i) {
       row(fmt::format("{} {}", device, names[i]), lens.distortion.coefficients[i],
           off.coefficients[i], "");
     }
   };
+
   add_lens("camera", scanner.camera, deviation.camera, calibration.camera_lens.coefficients);
   add_lens("projector", scanner.projector, deviation.projector,
            calibration.projector_lens.coefficients);
+
   for (int i = 0; i < 3; ++i) {
     row(fmt::format("rotation about {}", "xyz"[i]), angles[i], deviation.rotation[i] / degree,
         "degrees");
@@ -244,6 +277,7 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
     row(fmt::format("translation {}", "xyz"[i]), scanner.translation[i], deviation.translation[i],
         "mm");
   }
+
   page.paragraph("Baseline: {:.3f} mm.", scanner.translation.norm());
 }
 
@@ -253,14 +287,17 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
   page.paragraph("Camera: {}. Projector: {}.", name_of_lens_model(camera.coefficients),
                  name_of_lens_model(projector.coefficients));
   if (camera.scores.empty() && projector.scores.empty()) return;
+
   page.paragraph(
       "RMS error of both devices on held-out poses, in standard deviations, over all poses in "
       "turn. The simplest model that is not clearly worse than the best is chosen.");
   page.table({"model", "camera", "projector"});
+
   const auto score = [](const LensChoice& choice, int model) {
     const auto found = std::ranges::find(choice.scores, model, &LensModelScore::coefficients);
     return found != choice.scores.end() ? fmt::format("{:.4f}", found->error) : std::string("-");
   };
+
   for (const int model : lens_models) {
     page.row(
         {std::string(name_of_lens_model(model)), score(camera, model), score(projector, model)});
@@ -274,10 +311,12 @@ void write_field(Page& page, const GeometryCalibration& calibration) {
       "largest angle between two boards was {:.0f} degrees.",
       100 * calibration.covered_camera, 100 * calibration.covered_projector,
       calibration.largest_tilt / degree);
+
   page.paragraph(
       "Enlarged arrows show observed minus predicted corners; they should look random. A pattern "
       "common to all poses indicates too simple a lens model, one pose with long arrows a board "
       "that moved.");
+
   const Scanner& scanner = calibration.state.scanner;
   const BoardViews& views = calibration.views;
   for (const auto& [device, name, size] :
@@ -287,6 +326,7 @@ void write_field(Page& page, const GeometryCalibration& calibration) {
     for (std::size_t v = 0; v < views.size(); ++v) {
       of_views.push_back(residuals(views[v], calibration.state, v, device));
     }
+
     page.picture(fmt::format("residuals of the {} over its picture", name),
                  fmt::format("residuals_{}.png", name),
                  residual_map(views, of_views, device, size));
@@ -328,6 +368,7 @@ BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses) {
     scale.add(pose->scale_error * pose->scale_error);
     distances.add(pose->distance_error * pose->distance_error);
   }
+
   if (flatness.count == 0) return {nan, nan, nan};
   return {flatness.rms(), scale.rms(), distances.rms()};
 }
@@ -336,18 +377,22 @@ std::string text_of(const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   const auto& [camera, projector, stereo] = calibration.rms;
   const BoardQuality left_out = overall(left_out_qualities(calibration));
+
   const auto told = [](const BoardQuality& quality) {
     return fmt::format("flat to {:.4f} mm, distances off by {:.4f} mm, scale error {:.3f} %",
                        quality.flatness, quality.distance_error, 100 * quality.scale_error);
   };
+
   std::string text = fmt::format(
       "RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px\n"
       "held-out poses, measured with a calibration of the others: {}\n",
       camera, projector, stereo, told(left_out));
+
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
     text += fmt::format("measured with {}: {}\n", report.comparison->name, told(compared));
   }
+
   return text + fmt::format("lens models: camera {}, projector {}",
                             name_of_lens_model(calibration.camera_lens.coefficients),
                             name_of_lens_model(calibration.projector_lens.coefficients));
@@ -362,6 +407,7 @@ Page calibration_report(const CalibrationReport& report) {
       calibration.poses.size(), name_of(report.board.kind), report.board.columns, report.board.rows,
       report.board.spacing, calibration.rms.camera, calibration.rms.projector,
       calibration.rms.stereo);
+
   write_findings(page, report.findings);
   write_poses(page, report);
   write_left_out(page, report);

@@ -42,9 +42,12 @@ Squares squares_of(const PixelPlaces& residuals) {
 /// The point nearest to the rays through a camera and a projector pixel, camera frame, mm.
 Eigen::Vector3d point_between(const Scanner& scanner, const Eigen::Vector2d& camera,
                               const Eigen::Vector2d& projector) {
+  // Rays from the camera's and the projector's centre, in the camera frame.
   const Eigen::Vector3d u = ray_through(scanner.camera, camera).normalized();
   const Eigen::Vector3d v =
       (scanner.rotation.transpose() * ray_through(scanner.projector, projector)).normalized();
+
+  // Least squares of the distances: each matrix removes the part along its ray.
   const Eigen::Matrix3d across_u = Eigen::Matrix3d::Identity() - u * u.transpose();
   const Eigen::Matrix3d across_v = Eigen::Matrix3d::Identity() - v * v.transpose();
   return (across_u + across_v).inverse() * (across_v * projector_centre(scanner));
@@ -54,10 +57,13 @@ Eigen::Vector3d point_between(const Scanner& scanner, const Eigen::Vector2d& cam
 double flatness_of(const BoardPlaces& points) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) centre += point / static_cast<double>(points.size());
+
+  // The scatter's smallest eigenvalue is the sum of squared distances from the best plane.
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& point : points) {
     scatter += (point - centre) * (point - centre).transpose();
   }
+
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / static_cast<double>(points.size()));
 }
@@ -74,6 +80,7 @@ void measure_distances(const BoardPlaces& points, const BoardPlaces& printed,
       squares += error * error;
     }
   }
+
   const double pairs = static_cast<double>(points.size() * (points.size() - 1)) / 2;
   quality.scale_error = ratios / pairs;
   quality.distance_error = std::sqrt(squares / pairs);
@@ -92,6 +99,7 @@ PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size
                             : view.projector[i] -
                                   project(scanner.projector, in_projector_frame(scanner, point)));
   }
+
   return result;
 }
 
@@ -103,20 +111,24 @@ SomePoses some_poses(const BoardViews& views, const BundleState& state,
     some.views.push_back(views[v]);
     some.state.poses.push_back(state.poses[v]);
   }
+
   return some;
 }
 
 PixelDeviations pixel_deviations(const BoardViews& views, const BundleState& state) {
   std::vector<double> camera, projector;
+
   const auto collect = [](const Eigen::Vector2d& residual, std::vector<double>& sizes) {
     if (!residual.allFinite()) return;
     sizes.push_back(std::abs(residual.x()));
     sizes.push_back(std::abs(residual.y()));
   };
+
   for_each_corner(views, state, [&](const auto& of_camera, const auto&, const auto& own) {
     collect(of_camera, camera);
     collect(own, projector);
   });
+
   return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
 }
 
@@ -148,13 +160,17 @@ std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& 
   BoardPlaces points, places;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     if (!view.projector[i].allFinite()) continue;
+
     const Eigen::Vector3d point = point_between(scanner, view.camera[i], view.projector[i]);
     if (!point.allFinite()) continue;
+
     points.push_back(point);
     places.push_back(printed[view.places[i]]);
   }
+
   constexpr std::size_t fewest = 4;
   if (points.size() < fewest) return std::nullopt;
+
   BoardQuality quality{.flatness = flatness_of(points)};
   measure_distances(points, places, quality);
   return quality;

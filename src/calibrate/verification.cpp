@@ -26,10 +26,12 @@ double epipolar_distance(const Scanner& scanner, const Eigen::Vector2d& camera,
 /// Measures a view, which is pose `v` of the state.
 BoardMeasure measured(const BoardView& view, const BundleState& state, std::size_t v) {
   Squares epipolar;
+
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     if (!view.projector[i].allFinite()) continue;
     epipolar.add(std::pow(epipolar_distance(state.scanner, view.camera[i], view.projector[i]), 2));
   }
+
   const auto quality = board_quality(view, state.scanner, state.places);
   throw_if(!quality, "{}: fewer than 4 corners are lit; light the whole board", view.name);
   return {epipolar.rms(), reprojection(view, state, v).rms(), *quality};
@@ -43,6 +45,7 @@ BoardMeasure overall(const std::vector<VerifiedPose>& poses,
     for (const VerifiedPose& pose : poses) squares.add(std::pow(figure_of(pose.*which), 2));
     return squares.rms();
   };
+
   return {rms([](const BoardMeasure& of) { return of.epipolar; }),
           {rms([](const BoardMeasure& of) { return of.rms.camera; }),
            rms([](const BoardMeasure& of) { return of.rms.projector; }),
@@ -61,8 +64,10 @@ bool is_good(const BoardMeasure& measure, double size) {
 bool only_scale(const Verification& verification, const Scanner& scanner) {
   constexpr double negligible_turn = 0.05 * degree;
   constexpr double most_across = 0.2;  // of the movement
+
   const Eigen::Vector3d moved = verification.corrected.translation - scanner.translation;
   const double across = moved.cross(scanner.translation.normalized()).norm();
+
   return verification.before.epipolar <= largest_epipolar &&
          verification.rotation < negligible_turn && across < most_across * moved.norm();
 }
@@ -70,6 +75,7 @@ bool only_scale(const Verification& verification, const Scanner& scanner) {
 Finding finding_of(const Verification& verification, const Scanner& scanner,
                    const CalibrationBoard& board) {
   const BoardMeasure& before = verification.before;
+
   Finding finding{
       .what = fmt::format("the scanner is no longer accurate: limits {:g} px, {:g} % and "
                           "{:g} of the board's size",
@@ -77,6 +83,7 @@ Finding finding_of(const Verification& verification, const Scanner& scanner,
       .evidence = {{"epipolar distance, px", before.epipolar},
                    {"scale error, %", 100 * before.quality.scale_error},
                    {"flatness, mm", before.quality.flatness}}};
+
   if (verification.mended) {
     finding.likely = fmt::format(
         "camera and projector moved relative to each other, by {:.2g} degrees and {:.2g} mm",
@@ -91,6 +98,7 @@ Finding finding_of(const Verification& verification, const Scanner& scanner,
     finding.likely = "more than movement: focus, zoom or a lens changed, or wrong board settings";
     finding.advice = "check the board's flags, then run slipstream calibrate geometry again";
   }
+
   return finding;
 }
 
@@ -104,15 +112,20 @@ Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
   const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);
 
+  // 1. The boards' poses before the scanner as it is.
   BundleState state{scanner, {}, printed};
   for (const BoardView& view : views) {
     state.poses.push_back(pose_before_camera(view, scanner.camera, printed));
   }
+
   BundleSettings settings{.hold_camera = true, .hold_projector = true, .hold_rig = true};
   state = bundle_adjusted(views, std::move(state), printed, settings);
+
+  // 2. The correction: the same with a free rig.
   settings.hold_rig = false;
   const BundleState moved = bundle_adjusted(views, state, printed, settings);
 
+  // 3. Each board by both.
   Verification result;
   result.findings = findings_of_frames(views);
   result.corrected = moved.scanner;
@@ -120,11 +133,15 @@ Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
     result.poses.push_back(
         {views[v].name, measured(views[v], state, v), measured(views[v], moved, v)});
   }
+
   result.before = overall(result.poses, &VerifiedPose::before);
   result.after = overall(result.poses, &VerifiedPose::after);
+
   result.rotation =
       Eigen::AngleAxisd(scanner.rotation.transpose() * moved.scanner.rotation).angle();
   result.translation = (moved.scanner.translation - scanner.translation).norm();
+
+  // 4. The verdict.
   const double size = (printed.back() - printed.front()).norm();
   result.holds = is_good(result.before, size);
   result.mended = !result.holds && is_good(result.after, size) && !only_scale(result, scanner);

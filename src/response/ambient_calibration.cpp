@@ -35,6 +35,8 @@ PatternLight linear_equivalent(const PatternLight& light, const Response& respon
     mean += shown / samples;
     first += 2 * shown * std::cos(angle) / samples;
   }
+
+  // A linear sinusoid has the mean alpha_p / 2 + beta_p and the modulation alpha_p / 2.
   return {2 * first, mean - first};
 }
 
@@ -54,6 +56,7 @@ struct ShareFit {
     product += (std::conj(whole) * pixel.second).real();
     square += std::norm(whole);
   }
+
   [[nodiscard]] double share() const { return product / square; }
 };
 
@@ -67,6 +70,7 @@ double mode_of(const std::vector<double>& sorted) {
       best_first = first;
     }
   }
+
   double sum = 0;
   for (std::size_t i = best_first; i < best_first + best_count; ++i) sum += sorted[i];
   return sum / static_cast<double>(best_count);
@@ -77,9 +81,11 @@ double mode_of(const std::vector<double>& sorted) {
 void require_response(const ScanAverage& scans, const std::optional<Response>& response) {
   const auto linearity = response_linearity(scans);
   if (!linearity) return;
+
   const double expected =
       response ? second_harmonic(scans.sequence.light, *response, linearity->steps) : 0;
   if (has_second_harmonic(*linearity, expected)) return;
+
   const double percent = 100 * linearity->second;
   throw_if(response.has_value(),
            "the frames do not match the response in the scanner file (second harmonic "
@@ -97,6 +103,8 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
 double second_harmonic(const PatternLight& light, const Response& response, int steps) {
   constexpr int phases = 90;
   ShareFit fit;
+
+  // Frames of pixels at phases all around the circle, all harmonics included.
   for (int i = 0; i < phases; ++i) {
     MeasuredHarmonics pixel;
     for (int n = 0; n < steps; ++n) {
@@ -105,19 +113,25 @@ double second_harmonic(const PatternLight& light, const Response& response, int 
       pixel.fundamental += 2 * shown / steps * std::polar(1.0, turn);
       pixel.second += 2 * shown / steps * std::polar(1.0, 2 * turn);
     }
+
     fit.add(pixel, steps);
   }
+
   return fit.share();
 }
 
 std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
   constexpr std::size_t fewest_pixels = 100;
+
+  // Three steps alias the second harmonic onto the first.
   const std::vector<StepRun> runs = step_runs(scans.sequence.strategy.layout());
   const auto run = std::ranges::find_if(runs, [](const StepRun& of) { return of.steps >= 4; });
   if (run == runs.end()) return std::nullopt;
+
   const FrameSet frames = scans.frames.mean();
   const auto pixels = pixel_harmonics(frames, run->first, run->steps);
   const Image<std::uint8_t> serves = in_both(well_lit(pixels, frames), scans.unclipped);
+
   ResponseLinearity found{.steps = run->steps};
   ShareFit fit;
   for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
@@ -125,8 +139,11 @@ std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
     fit.add(pixels.begin()[i], run->steps);
     ++found.pixels;
   }
+
   if (found.pixels < fewest_pixels) return std::nullopt;
   found.second = fit.share();
+
+  // Standard error of a slope through the origin, from the scatter about the fit.
   double residual = 0;
   for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
     if (serves.begin()[i] == 0) continue;
@@ -134,6 +151,7 @@ std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
     residual += std::norm(pixel.second - found.second * whole_second(pixel, run->steps));
   }
   found.standard_error = std::sqrt(residual / static_cast<double>(found.pixels) / fit.square);
+
   return found;
 }
 
@@ -153,7 +171,10 @@ Image<double> ambient_map(const Image<double>& mean, const Image<double>& modula
   Image<double> map(mean.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < map.pixel_count(); ++i) {
     const double alpha = reflectivity(modulation.begin()[i], light.alpha_p);
+
+    // Negated so that a NaN reflectivity is skipped too.
     if (measured.begin()[i] == 0 || !(alpha >= least_alpha)) continue;
+
     map.begin()[i] = ambient_light(mean.begin()[i], alpha, light);
   }
   return map;
@@ -161,19 +182,23 @@ Image<double> ambient_map(const Image<double>& mean, const Image<double>& modula
 
 AmbientEstimate ambient_estimate(const Image<double>& map) {
   constexpr std::size_t fewest = 100;
+
   std::vector<double> values = finite_values(map);
   throw_if(values.size() < fewest,
            "{} pixels are bright enough to measure ambient light; at least {} are required",
            values.size(), fewest);
+
   std::ranges::sort(values);
   const auto count = static_cast<double>(values.size());
   AmbientEstimate estimate{
       .mode = mode_of(values), .median = values[values.size() / 2], .pixels = values.size()};
+
   for (const double value : values) estimate.mean += value / count;
   for (const double value : values) {
     const double from_mean = value - estimate.mean;
     estimate.variance += from_mean * from_mean / (count - 1);
   }
+
   return estimate;
 }
 
@@ -181,6 +206,7 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
   throw_if(scan.exposures.size() > 1,
            "{}: {} exposures; measuring ambient light requires a single one", name,
            scan.exposures.size());
+
   const Strategy& strategy = scan.sequence.strategy;
   const Layout& layout = strategy.layout();
   throw_if(order_source(layout) == OrderSource::neighbours || carrier_periods(strategy) != 0,
@@ -192,20 +218,26 @@ AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alph
                                      const std::optional<Response>& response) {
   require_in_range(least_alpha > 0 && least_alpha <= 1, "--least-reflectivity", least_alpha,
                    "above 0, at most 1");
+
   const Sequence& sequence = scans.sequence;
   require_response(scans, response);
+
   const Band& band = sequence.strategy.layout().bands.front();
   const PhaseMaps maps = PhaseDecoder(PhaseMethod::equation, {})(scans.frames.mean(), band);
+
+  // Mean and modulation suffice for linear patterns that have them in common with the real ones.
   const PatternLight light =
       response ? linear_equivalent(sequence.light, *response) : sequence.light;
   const Image<double> map =
       ambient_map(maps.mean, maps.modulation, light, least_alpha, scans.unclipped);
+
   AmbientCalibration found{.estimate = ambient_estimate(map)};
   const double reach = std::max(1.0, 5 * std::sqrt(found.estimate.variance));
   found.histogram =
       histogram(map, found.estimate.median - reach, found.estimate.median + reach, 60);
   found.least_reliable_alpha =
       least_reliable_reflectivity(sequence.light.beta_p, found.estimate.mode);
+
   return found;
 }
 

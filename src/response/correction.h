@@ -24,6 +24,7 @@ struct MeasuredHarmonics {
 
   /// The modulation, Eq. (4.36): B_1 in Eq. (4.50).
   [[nodiscard]] double B_1() const { return std::abs(fundamental); }
+
   /// B_2 with its sign, which Eq. (4.50) loses: the component of the second harmonic in phase with
   /// the fundamental. Negative for gamma < 1.
   [[nodiscard]] double B_2() const {

@@ -36,6 +36,7 @@ Image<double> modulation(const FrameViews& frames, const Layout& layout) {
     std::ranges::transform(least, B, least.begin(),
                            [](double one, double other) { return std::min(one, other); });
   }
+
   return least;
 }
 
@@ -49,6 +50,7 @@ Image<double> brightest_level(const FrameViews& frames) {
       });
     }
   });
+
   return brightest;
 }
 
@@ -56,10 +58,14 @@ Image<double> brightest_level(const FrameViews& frames) {
 LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shortest,
                      double noise_variance) {
   constexpr double deviations = 5;
+
+  // The modulation that noise alone does not reach, even in the noisiest band.
   const double noise = std::ranges::max(layout.bands | std::views::transform(component_noise));
   const double least = deviations * std::sqrt(noise * noise_variance);
+
   const double grey_level = frames.full_scale() / 255;
   const Image<double> B = modulation(frames, layout), peak = brightest_level(frames);
+
   LitPixels lit{.all = B.pixel_count()};
   for_each_pixel_in_order(B.size(), [&](int column, int row) {
     const double level = peak(column, row);
@@ -86,31 +92,38 @@ struct Prediction {
   [[nodiscard]] ExposureChoice of(const std::vector<double>& exposures) const {
     std::vector<double> measured;
     std::size_t saturated = 0;
+
     for (const LitPixel& pixel : samples) {
       const double B = merged_modulation(pixel, exposures);
       if (B == 0) ++saturated;
       if (B >= needs.least_modulation) measured.push_back(B);
     }
+
+    // Pixels saturated in the scan count as saturated: their level is unknown.
     const double share =
         (1 - unknown) / static_cast<double>(std::max<std::size_t>(samples.size(), 1));
     ExposureChoice choice{.exposures = exposures,
                           .measured = share * static_cast<double>(measured.size()),
                           .saturated = unknown + share * static_cast<double>(saturated)};
     choice.too_dark = std::max(0.0, 1 - choice.measured - choice.saturated);
+
     if (!measured.empty()) {
       choice.sigma =
           std::sqrt(coordinate_variance(layout, quantile(measured, 0.5), needs.noise_variance));
     }
+
     return choice;
   }
 
   /// The measured share, with a weight of one per cent for its quality.
   [[nodiscard]] double worth(const std::vector<double>& exposures) const {
     double worth = 0;
+
     for (const LitPixel& pixel : samples) {
       const double B = merged_modulation(pixel, exposures);
       if (B >= needs.least_modulation) worth += 1 - 0.01 * needs.least_modulation / B;
     }
+
     return worth;
   }
 
@@ -121,6 +134,7 @@ struct Prediction {
     for (const double t : exposures) {
       if (pixel.peak * t < brightest) squares += t * t;
     }
+
     return pixel.modulation * std::sqrt(squares);
   }
 };
@@ -129,11 +143,13 @@ struct Prediction {
 Prediction prediction_of(const LitPixels& lit, const Layout& layout, const ExposureNeeds& needs) {
   constexpr std::size_t most = 20000;
   const double unknown = static_cast<double>(lit.saturated) / static_cast<double>(lit.count());
+
   Prediction prediction{.unknown = unknown, .layout = layout, .needs = needs};
   const std::size_t step = lit.known.size() / most + 1;
   for (std::size_t i = 0; i < lit.known.size(); i += step) {
     prediction.samples.push_back(lit.known[i]);
   }
+
   return prediction;
 }
 
@@ -141,16 +157,21 @@ Prediction prediction_of(const LitPixels& lit, const Layout& layout, const Expos
 std::vector<double> candidates(const Prediction& prediction, double least_modulation) {
   constexpr double few = 0.001;  // fraction of pixels to ignore
   constexpr std::size_t most = 32;
+
   std::vector<double> peaks, modulations;
   for (const LitPixel& pixel : prediction.samples) {
     peaks.push_back(pixel.peak);
     modulations.push_back(pixel.modulation);
   }
+
+  // From 5 % below saturation of the brightest to 20 % above the limit of the darkest.
   const double longest = 1.2 * least_modulation / quantile(modulations, few);
   std::vector<double> exposures{0.95 * prediction.brightest / quantile(peaks, 1 - few)};
+
   while (exposures.back() < longest && exposures.size() < most) {
     exposures.push_back(exposures.back() * std::sqrt(2.0));
   }
+
   return exposures;
 }
 
@@ -163,12 +184,16 @@ std::vector<double> best_of(std::size_t count, const Prediction& prediction,
       for (const double candidate : candidates) {
         std::vector<double> other = exposures;
         other[i] = candidate;
+
+        // Ignores gains of rounding errors, which would never end.
         if (prediction.worth(other) <= prediction.worth(exposures) * (1 + 1e-9)) continue;
+
         exposures = other;
         changed = true;
       }
     }
   }
+
   return exposures;
 }
 
@@ -179,16 +204,20 @@ double rounded(double exposure) {
 }
 
 void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureAdvice& advice) {
+  // Share of the lit pixels that makes one more exposure worth its time.
   constexpr double worth_one_more = 0.02;
   const std::vector<double> from = candidates(prediction, needs.least_modulation);
+
   std::vector<double> exposures;
   for (const std::size_t count : {1U, 2U, 3U}) {
     exposures = best_of(count, prediction, from, exposures);
+
     std::vector<double> choice = exposures;
     std::ranges::sort(choice);
     std::ranges::transform(choice, choice.begin(), rounded);
     advice.proposed.push_back(prediction.of(choice));
   }
+
   while (advice.best + 1 < advice.proposed.size() &&
          advice.proposed[advice.best + 1].measured >=
              advice.proposed[advice.best].measured + worth_one_more) {
@@ -204,28 +233,36 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
                    needs.least_modulation, "above 0, up to 127 grey levels");
   require_in_range(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance),
                    "noise variance", needs.noise_variance, "0 or more");
+
   const std::vector<double>& exposures = sequence.exposures;
   if (!given.merged() && exposures.size() > 1) {
     return exposure_advice(merged_exposures(given, exposures), sequence, needs);
   }
+
   const Layout& layout = sequence.strategy.layout();
   throw_if(given.count() != layout.frames, "{} frames given; the strategy has {}", given.count(),
            layout.frames);
+
   const double shortest = *std::ranges::min_element(exposures);
   const LitPixels lit = lit_pixels(given, layout, shortest, needs.noise_variance);
+
   if (lit.known.empty()) {
     throw Error(lit.saturated > 0
                     ? "every lit pixel is saturated; use a shorter exposure"
                     : "no pixel shows the patterns; use a longer exposure, or inspect "
                       "the frames with slipstream view");
   }
+
   const Prediction prediction = prediction_of(lit, layout, needs);
   ExposureAdvice advice{.lit = static_cast<double>(lit.count()) / static_cast<double>(lit.all),
                         .unknown = prediction.unknown};
+
+  // The exposures of the frames themselves, alone and merged, then better ones.
   for (const double t : exposures) advice.taken.push_back(prediction.of({t}));
   if (exposures.size() > 1) advice.taken.push_back(prediction.of(exposures));
   propose(prediction, needs, advice);
   advice.light = std::min(1.0, advice.proposed.front().exposures.front() / shortest);
+
   return advice;
 }
 

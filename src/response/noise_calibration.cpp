@@ -18,16 +18,22 @@ NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor
   constexpr std::size_t fewest = 100;
   double mean = 0, squares = 0;
   std::size_t count = 0;
+
   for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
     if (measured.begin()[i] == 0) continue;
     ++count;
+
+    // Welford's update: no cancellation of large sums.
     const double x = value(i);
     const double from_mean = x - mean;
     mean += from_mean / static_cast<double>(count);
     squares += from_mean * (x - mean);
   }
+
   throw_if(count < fewest, "{} pixels are too few to measure noise; at least {} are required",
            count, fewest);
+
+  // The variance of n Gaussian values has a relative standard error of sqrt(2 / (n - 1)).
   const double variance = factor * squares / static_cast<double>(count - 1);
   return {.variance = variance,
           .standard_error = variance * std::sqrt(2.0 / static_cast<double>(count - 1)),
@@ -53,6 +59,7 @@ std::string disagreement(const NoiseMeasurement& other, const NoiseMeasurement& 
   const double difference = other.variance - trusted.variance;
   const double error = std::hypot(other.standard_error, trusted.standard_error);
   if (std::abs(difference) < std::max(4 * error, 0.05 * trusted.variance)) return "";
+
   if (mistakes_gamma_for_noise(other) || other.equation == "3.19") {
     return "the response is not linear, and this counts its effect as noise: calibrate gamma";
   }
@@ -72,33 +79,44 @@ NoiseEstimate noise_from_means(const Image<double>& mean_1, int steps_1,
 NoiseLine noise_line_from_means(const Image<double>& mean_1, const Image<double>& mean_2, int steps,
                                 const Image<std::uint8_t>& measured) {
   const NoiseEstimate all = noise_from_means(mean_1, steps, mean_2, steps, measured);
+
   double shift = 0;  // light that changed between the scans
   for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
     if (measured.begin()[i] != 0) shift += mean_1.begin()[i] - mean_2.begin()[i];
   }
   shift /= static_cast<double>(all.pixels);
+
   NoiseLine line{.at_half = all.variance};
+
   // Weights: squared Gaussian values have a variance proportional to their squared mean.
   for (int iteration = 0; iteration < 5; ++iteration) {
     double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
     for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
       if (measured.begin()[i] == 0) continue;
+
+      // x: grey level from half of full scale; y: sigma_w^2 from this pixel's two means alone.
       const double a = mean_1.begin()[i], b = mean_2.begin()[i];
       const double x = (a + b) / 2 - 127.5, y = steps / 2.0 * (a - b - shift) * (a - b - shift);
+
       const double predicted = std::max(line.at_half + line.gain * x, all.variance / 20);
       const double weight = 1 / (2 * predicted * predicted);
+
       w += weight;
       wx += weight * x;
       wxx += weight * x * x;
       wy += weight * y;
       wxy += weight * x * y;
     }
+
+    // Without any spread of grey levels there is no slope to find.
     const double determinant = w * wxx - wx * wx;
     if (!(determinant > 1e-9 * w * wxx)) return {.at_half = all.variance};
+
     line = {.at_half = (wxx * wy - wx * wxy) / determinant,
             .gain = (w * wxy - wx * wy) / determinant,
             .gain_error = std::sqrt(w / determinant)};
   }
+
   return line;
 }
 
@@ -131,26 +149,32 @@ bool mistakes_gamma_for_noise(const NoiseMeasurement& measurement) {
 NoiseScan::NoiseScan(const Scan& scan) : strategy(scan.sequence.strategy) {
   const FrameViews frames = scan.frames;
   const double grey_level = frames.full_scale() / 255;
+
   const auto in_8_bits = [&](Image<double> image) {
     for (double& value : image) value /= grey_level;
     return image;
   };
+
   const Layout& layout = strategy.layout();
   const Band& band = layout.bands.front();
   const auto run = step_run(band);
   if (!run) throw Error(strategy.name() + ": measuring noise requires a run of phase steps");
+
   steps = run->steps;
   const PhaseDecoder decode(PhaseMethod::equation, {});
   const PhaseMaps maps = decode(frames, band);
   mean = in_8_bits(maps.mean);
+
   if (steps == 4 && !layout.cue) {
     b_cos = in_8_bits(weighted_sum(frames.part(run->first, 4), half_phase_weights()));
   }
+
   const Image<double> modulation = in_8_bits(maps.modulation);
   measured = unclipped_mask(frames);
   std::ranges::transform(measured, modulation, measured.begin(), [](std::uint8_t good, double B) {
     return static_cast<std::uint8_t>(good != 0 && B >= least_modulation ? 1 : 0);
   });
+
   if (order_source(layout) == OrderSource::neighbours && !layout.cue) {
     modulations[0] = modulation;
     modulations[1] = in_8_bits(decode(frames, layout.bands[1]).modulation);
@@ -163,25 +187,32 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
   NoiseMeasurement unequal_means{{}, "3.19", "means of two scans with different step counts"};
   NoiseMeasurement modulations{{}, "3.99", "two modulations of one scan"};
   NoiseMeasurement half{{}, "3.79", "half phase channel of one scan"};
+
+  // The sums of each measurement over all scans and pairs that allow it.
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const NoiseScan& a = scans[i];
     const Layout& layout = a.strategy.layout();
+
     if (!a.b_cos.empty()) add(half, noise_from_half_phase(a.b_cos, a.measured));
     if (!a.modulations[1].empty()) {
       add(modulations, noise_from_modulations(a.modulations[0], a.modulations[1], a.steps,
                                               layout.bands[0].share, a.measured));
     }
+
     for (const NoiseScan& b : scans.subspan(i + 1)) {
       const bool alike = a.strategy == b.strategy;
       if (!alike && !(of_one_band(layout) && of_one_band(b.strategy.layout()))) continue;
       throw_if(alike && std::ranges::equal(a.mean, b.mean),  // noise would make them differ
                "two of the scans have identical frames: copies, or virtual scans with the same "
                "--seed; measuring noise requires two takes");
+
       const Image<std::uint8_t> both = in_both(a.measured, b.measured);
       add(alike ? means : unequal_means, noise_from_means(a.mean, a.steps, b.mean, b.steps, both));
       if (alike && !a.b_cos.empty()) add(halves, noise_from_half_phases(a.b_cos, b.b_cos, both));
     }
   }
+
+  // Sums to means, most trusted first.
   std::vector<NoiseMeasurement> all;
   for (NoiseMeasurement mean : {halves, means, unequal_means, modulations, half}) {
     if (mean.count == 0) continue;
@@ -189,9 +220,11 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
     mean.standard_error = std::sqrt(mean.standard_error) / mean.count;
     all.push_back(mean);
   }
+
   throw_if(all.empty(),
            "these scans cannot measure noise; expected two equal scans of a static scene, one of 4 "
            "steps of one frequency, or one with a second band in the same frames");
+
   for (NoiseMeasurement& other : all) other.reason = disagreement(other, all.front());
   return all;
 }
@@ -199,10 +232,12 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
 std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans) {
   NoiseLine sum;
   int pairs = 0;
+
   for (std::size_t i = 0; i < scans.size(); ++i) {
     for (const NoiseScan& b : scans.subspan(i + 1)) {
       const NoiseScan& a = scans[i];
       if (!(a.strategy == b.strategy)) continue;
+
       const NoiseLine line =
           noise_line_from_means(a.mean, b.mean, a.steps, in_both(a.measured, b.measured));
       sum.at_half += line.at_half;
@@ -211,6 +246,7 @@ std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans) {
       ++pairs;
     }
   }
+
   if (pairs == 0 || !(sum.gain > 4 * sum.gain_error)) return std::nullopt;
   return NoiseLine{sum.at_half / pairs, sum.gain / pairs, sum.gain_error / pairs};
 }

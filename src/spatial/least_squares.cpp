@@ -21,15 +21,19 @@ using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajo
 void transform_rows(Rows& rows, bool back) {
   const auto n = static_cast<int>(rows.cols());
   if (n == 1) return;
+
+  // The phase factors that turn the FFT of reordered samples into a cosine transform.
   std::vector<std::complex<float>> turns(n);
   for (int k = 0; k < n; ++k) {
     turns[k] = std::polar(1.F, static_cast<float>(-std::numbers::pi * k / (2 * n)));
   }
+
   for_each_row(static_cast<int>(rows.rows()), [&](int row) {
     Eigen::FFT<float> fft;
     Eigen::VectorXcf in(n), out(n);
     // Even indices from the left, odd ones from the right.
     const auto place = [&](int i) { return i % 2 == 0 ? i / 2 : n - 1 - i / 2; };
+
     if (!back) {
       for (int i = 0; i < n; ++i) in[place(i)] = rows(row, i);
       fft.fwd(out, in);
@@ -39,6 +43,7 @@ void transform_rows(Rows& rows, bool back) {
         const std::complex<float> value(rows(row, k), k == 0 ? 0.F : -rows(row, n - k));
         in[k] = value * std::conj(turns[k]);
       }
+
       fft.inv(out, in);
       for (int i = 0; i < n; ++i) rows(row, i) = out[place(i)].real();
     }
@@ -60,6 +65,7 @@ int next_fast(int length) {
 class CosinePreconditioner {
  public:
   void set_size(Size size) { size_ = size; }
+
   template <class Matrix>
   CosinePreconditioner& compute(const Matrix&) {
     return *this;
@@ -68,12 +74,16 @@ class CosinePreconditioner {
 
   [[nodiscard]] Eigen::VectorXf solve(const Eigen::VectorXf& of) const {
     const int width = next_fast(size_.width), height = next_fast(size_.height);
+
+    // 1. The transform of the padded picture, rows first.
     Rows rows = Rows::Zero(height, width);
     rows.topLeftCorner(size_.height, size_.width) =
         Eigen::Map<const Rows>(of.data(), size_.height, size_.width);
     transform_rows(rows, false);
     Rows columns = rows.transpose();
     transform_rows(columns, false);
+
+    // 2. Divides by the eigenvalues of the discrete Laplacian; the constant term is free.
     const auto curvature = [](int place, int length) {
       return 2 - 2 * std::cos(std::numbers::pi * place / length);
     };
@@ -81,9 +91,12 @@ class CosinePreconditioner {
       const double both = curvature(x, width) + curvature(y, height);
       columns(x, y) = x + y == 0 ? 0 : static_cast<float>(columns(x, y) / both);
     });
+
+    // 3. Back, and without the padding.
     transform_rows(columns, true);
     rows = columns.transpose();
     transform_rows(rows, true);
+
     const Rows inside = rows.topLeftCorner(size_.height, size_.width);
     return Eigen::Map<const Eigen::VectorXf>(inside.data(), of.size());
   }
@@ -98,22 +111,30 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
   const EdgeSteps steps = edge_steps(wrapped.cycles);
   const float* const cycles = wrapped.cycles.begin();
   const auto pixels = static_cast<int>(wrapped.cycles.pixel_count());
+
   Orders orders = flood(wrapped, steps);
   if (pixels == 0) return orders;
+
+  // 1. Normal equations: a weighted Laplacian, at most four neighbours to a pixel.
   const Image<float> weights = smoothness(wrapped);
   Eigen::SparseMatrix<float, Eigen::RowMajor> matrix(pixels, pixels);
   matrix.reserve(Eigen::VectorXi::Constant(pixels, 5));
   Eigen::VectorXf right = Eigen::VectorXf::Zero(pixels);
+
   for (int at = 0; at < pixels; ++at) {
     float sum = 0;
+
     steps.for_each_neighbour(at, [&](int to, int step) {
       const float weight = std::min(weights.begin()[at], weights.begin()[to]);
       sum += weight;
       right[at] -= weight * (cycles[to] - cycles[at] + static_cast<float>(step));
       matrix.insert(at, to) = -weight;
     });
+
     matrix.insert(at, at) = sum;
   }
+
+  // 2. The surface; its errors need only be small compared to a period.
   Eigen::ConjugateGradient<Eigen::SparseMatrix<float, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper,
                            CosinePreconditioner>
       solver;
@@ -122,7 +143,8 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
   solver.setTolerance(1e-4F);
   solver.compute(matrix);
   const Eigen::VectorXf surface = solver.solve(right);
-  // Each region's surface is known up to a constant: choose the one at which most phases agree.
+
+  // 3. Each region's surface is known up to a constant: choose the one at which most phases agree.
   constexpr float turn = 2 * std::numbers::pi_v<float>;
   std::vector<std::complex<float>> phases(pixels);
   for (int at = 0; at < pixels; ++at) {
@@ -130,12 +152,16 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
     if (region < 0) continue;
     phases[region] += std::polar(1.F, turn * (surface[at] - cycles[at]));
   }
+
+  // 4. The whole periods between each phase and the surface.
   for (int at = 0; at < pixels; ++at) {
     const int region = orders.region.begin()[at];
     if (region < 0) continue;
+
     const float constant = std::arg(phases[region]) / turn;
     orders.order.begin()[at] = static_cast<int>(std::lrint(surface[at] - cycles[at] - constant));
   }
+
   return orders;
 }
 

@@ -57,11 +57,13 @@ struct EdgeSteps {
     const int width = size().width;
     const std::int16_t* const to_right = right.begin();
     const std::int16_t* const to_below = down.begin();
+
     if (to_right[at] != closed) visit(at + 1, to_right[at]);
     if (to_below[at] != closed) visit(at + width, to_below[at]);
     if (at >= 1 && to_right[at - 1] != closed) visit(at - 1, -to_right[at - 1]);
     if (at >= width && to_below[at - width] != closed) visit(at - width, -to_below[at - width]);
   }
+
   /// Calls `visit(at, to, step)` for each edge, edges to the right first.
   template <class Visit>
   void for_each_edge(const Visit& visit) const {
@@ -71,11 +73,13 @@ struct EdgeSteps {
       }
     }
   }
+
   /// The edge between two neighbours; `at` is the left or upper one.
   std::int16_t& edge(int at, int to) {
     return to - at == size().width ? down.begin()[at] : right.begin()[at];
   }
 };
+
 EdgeSteps edge_steps(const Image<float>& cycles);
 
 /// Residue at each corner: sum of the steps around it, closed edges counting 0. Pixel (x, y) lies
@@ -100,6 +104,7 @@ inline int cost_of_change(const WrappedCycles& wrapped, const Image<float>& smoo
                           int to, int change) {
   const float first = wrapped.cycles.begin()[from], second = wrapped.cycles.begin()[to];
   const float rest = second - first + static_cast<float>(step_between(first, second));
+  // Costs are whole numbers: hundredths of a squared period.
   const float weight = 100 * std::min(smoothness.begin()[from], smoothness.begin()[to]);
   return 1 + static_cast<int>(weight * (1 + 2 * static_cast<float>(change) * rest));
 }
@@ -116,11 +121,14 @@ class PhaseGroups {
   };
   Place find(int pixel) {
     int order = 0;
+
     while (true) {
       Member& member = members_[pixel];
       if (member.before < 0) return {pixel, order};
+
       const Member before = members_[member.before];
       if (before.before < 0) return {member.before, order + member.order};
+
       member = {before.before, member.order + before.order};  // path halving
       order += member.order;
       pixel = member.before;
@@ -131,23 +139,29 @@ class PhaseGroups {
   void join(int from, int to, int step) {
     Place first = find(from), second = find(to);
     if (first.group == second.group) return;
+
+    // The step from root to root; the larger group keeps its root.
     step += first.order - second.order;
     if (members_[first.group].before > members_[second.group].before) {
       std::swap(first, second);
       step = -step;
     }
+
     members_[first.group].before += members_[second.group].before;
     members_[second.group] = {first.group, step};
   }
 
   Orders orders(const WrappedCycles& wrapped) {
     Orders orders{Image<int>(wrapped.cycles.size()), Image<int>(wrapped.cycles.size(), -1)};
+
     for (std::size_t i = 0; i < members_.size(); ++i) {
       if (!wrapped.has(i)) continue;
+
       const Place place = find(static_cast<int>(i));
       orders.region.begin()[i] = place.group;
       orders.order.begin()[i] = place.order;
     }
+
     return orders;
   }
 

@@ -1,5 +1,9 @@
 #include "simulate/accuracy.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/source_flags.h"
 #include "io/file.h"
 #include "io/image_file.h"

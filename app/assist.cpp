@@ -1,3 +1,7 @@
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/source_flags.h"
 #include "live/cyclic_scans.h"
 #include "response/exposure_advice.h"

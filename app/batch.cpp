@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <map>
+#include <string>
 #include <unordered_set>
+#include <vector>
 
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"

@@ -1,5 +1,9 @@
 #include "app/board_flags.h"
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "base/numbers.h"
 #include "simulate/looped_scene.h"
 #include "simulate/rendered_reel.h"

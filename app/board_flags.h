@@ -1,5 +1,10 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/commands.h"
 #include "io/scan_folder.h"
 #include "simulate/rendered_reel.h"

@@ -1,7 +1,13 @@
 // calibrate board, geometry and verify: draw a board, calibrate from its scans, check a scanner
 // file.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/board_flags.h"
 #include "app/scan_flags.h"

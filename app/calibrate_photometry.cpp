@@ -1,4 +1,9 @@
 // calibrate ambient, colour, gamma and noise: photometric calibration into the scanner file.
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/scan_flags.h"
 #include "base/statistics.h"
 #include "decode/equations.h"

@@ -1,5 +1,11 @@
 // Commands camera (list, serve a virtual one), record and gpu.
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "app/board_flags.h"
 #include "app/process.h"

@@ -1,5 +1,14 @@
 #include "app/capture.h"
 
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/process.h"
 #include "calibrate/pose_guide.h"
 #include "frames/colour_channels.h"

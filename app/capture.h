@@ -1,6 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
 
 #include "app/board_flags.h"
 #include "app/live.h"

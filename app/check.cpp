@@ -1,3 +1,7 @@
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "slipstream/measure.h"

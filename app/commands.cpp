@@ -1,8 +1,12 @@
 #include "app/commands.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <set>
+#include <string>
+#include <string_view>
 #include <tuple>
 
 #include "base/numbers.h"

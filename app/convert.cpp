@@ -1,4 +1,10 @@
+#include <chrono>
+#include <cstdint>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "app/scan_flags.h"
 #include "base/numbers.h"

@@ -1,3 +1,5 @@
+#include <string>
+
 #include "app/commands.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"

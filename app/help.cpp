@@ -1,4 +1,10 @@
+#include <algorithm>
+#include <map>
+#include <memory>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/Formatter.hpp>
 #include <sys/ioctl.h>

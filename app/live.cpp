@@ -1,8 +1,17 @@
 #include "app/live.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "app/process.h"
 #include "frames/paired_source.h"

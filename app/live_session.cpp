@@ -1,4 +1,14 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "app/live.h"
 #include "base/numbers.h"

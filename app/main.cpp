@@ -1,7 +1,14 @@
 #include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
 #include <new>
+#include <optional>
 #include <span>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>

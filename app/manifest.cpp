@@ -1,5 +1,7 @@
 #include "app/manifest.h"
 
+#include <optional>
+
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 

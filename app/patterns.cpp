@@ -1,4 +1,7 @@
 #include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/scan_flags.h"
 #include "codes/design.h"

@@ -1,4 +1,7 @@
 #include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/process.h"
 #include "app/scan_flags.h"

@@ -1,4 +1,8 @@
+#include <chrono>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "app/process.h"
 #include "app/scan_flags.h"

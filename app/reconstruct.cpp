@@ -1,7 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <future>
 #include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/process.h"
 #include "app/reconstructed_scan.h"
@@ -11,10 +15,10 @@
 #include "io/depth_truth.h"
 #include "io/file.h"
 #include "io/image_file.h"
+#include "reconstruct/coordinate_map.h"
 #include "reconstruct/engine_setup.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/surface.h"
-#include "reconstruct/coordinate_map.h"
 
 namespace slipstream::app {
 namespace {

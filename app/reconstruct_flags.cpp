@@ -1,6 +1,10 @@
 #include "app/reconstruct_flags.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "io/file.h"
 #include "slipstream/scan_files.h"

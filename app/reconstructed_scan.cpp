@@ -1,5 +1,11 @@
 #include "app/reconstructed_scan.h"
 
+#include <array>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
 #include "app/process.h"
 #include "base/stopwatch.h"
 #include "io/file.h"

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"
 #include "slipstream/scan_job.h"

@@ -1,6 +1,12 @@
 #include "app/scan_flags.h"
 
+#include <algorithm>
 #include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include "app/process.h"
 #include "base/numbers.h"

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "app/commands.h"
 #include "slipstream/cloud_file.h"

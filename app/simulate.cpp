@@ -1,3 +1,7 @@
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"

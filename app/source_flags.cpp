@@ -1,5 +1,10 @@
 #include "app/source_flags.h"
 
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "base/numbers.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/recording.h"

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <vector>
+
 #include "app/scan_flags.h"
 #include "io/recorder.h"
 #include "slipstream/named_source.h"

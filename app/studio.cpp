@@ -1,5 +1,12 @@
 // One window from camera and projector to a cloud.
 #include <algorithm>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/capture.h"
 #include "app/process.h"

@@ -1,3 +1,9 @@
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <tbb/global_control.h>
 
 #include "app/commands.h"

@@ -1,5 +1,11 @@
 // Commands and displays that need windows, for builds with SLIPSTREAM_VIEW.
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "app/live.h"
 #include "devices/monitor.h"

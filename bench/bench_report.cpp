@@ -1,6 +1,8 @@
 #include "bench/bench_report.h"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -3,7 +3,9 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "bench/timing.h"
 

@@ -1,9 +1,14 @@
 #include "bench/bench_rows.h"
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "bench/timing.h"
 #include "slipstream/cloud.h"
 #include "slipstream/scan.h"

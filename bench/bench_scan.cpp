@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <numbers>
 #include <utility>
 

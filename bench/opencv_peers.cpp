@@ -1,6 +1,7 @@
 #include "bench/opencv_peers.h"
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #ifdef SLIPSTREAM_OPENCV_PHASE_UNWRAPPING
 #include <opencv2/phase_unwrapping/histogramphaseunwrapping.hpp>

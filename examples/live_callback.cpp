@@ -1,9 +1,7 @@
 // Live pipeline: after each new frame, a callback gets a cloud of the newest four.
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <memory>
-#include <thread>
 
 #include "slipstream/live_pipeline.h"
 #include "slipstream/named_scenes.h"
@@ -27,7 +25,7 @@ int main() {
 
   LivePipeline pipeline(std::move(camera), {scanner, sequence}, settings);
   pipeline.start();
-  while (pipeline.running()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  pipeline.wait();
   pipeline.stop();
   const LiveStatistics statistics = pipeline.statistics();
   std::printf("%llu clouds, the last of %zu points, half of them within %.1f ms of capture\n",

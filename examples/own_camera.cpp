@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -43,8 +44,7 @@ int main() {
   LivePipeline pipeline(std::move(camera), {scanner, sequence},
                         {.indexing = PatternIndexing::counted});
   pipeline.start();
-  while (pipeline.running()) {
-  }
+  pipeline.wait();  // until the camera has no more frames
   pipeline.stop();
   std::printf("%llu clouds of 16 frames\n",
               static_cast<unsigned long long>(pipeline.statistics().clouds));

@@ -1,6 +1,7 @@
 #include "paper/board_experiment.h"
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "decode/phase_decoder.h"

@@ -1,5 +1,6 @@
 #include "paper/cloud_views.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

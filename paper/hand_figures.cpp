@@ -1,4 +1,6 @@
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,8 @@
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,9 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>

@@ -1,7 +1,10 @@
 // Figures 3.16 to 3.24: a board and an angel under PMP and PCMP.
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 

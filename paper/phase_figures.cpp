@@ -1,6 +1,8 @@
 // Figures 1.27 and 1.28: noise of the phase, and temporal unwrapping.
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "slipstream/cloud.h"
 #include "slipstream/surface.h"

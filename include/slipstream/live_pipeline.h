@@ -1,5 +1,12 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "slipstream/cloud.h"
@@ -71,6 +78,10 @@ class LivePipeline {
   void stop();
   /// True if started and not stopped, the source has not ended and no stage has failed.
   [[nodiscard]] bool running() const;
+
+  /// Returns once it is no longer running, without using a processor meanwhile. Frames captured
+  /// until then may still become clouds: stop() waits for those.
+  void wait() const;
   /// Exception of a stage, the source or a consumer that ended the pipeline; null if there is none.
   [[nodiscard]] std::exception_ptr failure() const;
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "slipstream/scene.h"
 #include "slipstream/virtual_scanner.h"

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
 
 #include "slipstream/camera.h"
 #include "slipstream/sequence.h"

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <concepts>
+#include <cstdint>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "slipstream/image.h"

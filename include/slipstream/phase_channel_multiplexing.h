@@ -1,5 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <string_view>
+
 #include "slipstream/phase_shifting.h"
 
 namespace slipstream {

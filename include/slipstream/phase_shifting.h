@@ -1,7 +1,10 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "slipstream/layout.h"
 

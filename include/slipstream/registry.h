@@ -1,7 +1,12 @@
 #pragma once
 
+#include <concepts>
 #include <map>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <variant>
+#include <vector>
 
 #include "slipstream/one_frame.h"
 #include "slipstream/pattern_set.h"

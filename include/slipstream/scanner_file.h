@@ -2,6 +2,9 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "slipstream/scanner.h"
 

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "slipstream/layout.h"
 

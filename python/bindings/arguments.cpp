@@ -1,4 +1,11 @@
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <tbb/global_control.h>
 

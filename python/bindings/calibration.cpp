@@ -1,5 +1,8 @@
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "calibrate/report.h"

@@ -1,4 +1,11 @@
+#include <array>
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <type_traits>
 
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"

@@ -1,5 +1,11 @@
 #include <chrono>
 #include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
 
 #include "python/bindings/bindings.h"
 #include "slipstream/gamma.h"

@@ -1,4 +1,9 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include <pybind11/eigen.h>
 #include <pybind11/operators.h>

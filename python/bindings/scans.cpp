@@ -1,5 +1,13 @@
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdint>
+#include <memory>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "python/bindings/bindings.h"

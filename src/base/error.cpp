@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/throw_if-inl.h"

@@ -1,6 +1,7 @@
 #include "slipstream/image.h"
 
 #include <cmath>
+#include <span>
 
 #include "base/numbers.h"
 

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
 

@@ -1,6 +1,7 @@
 #include "slipstream/board_capture.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "base/throw_if-inl.h"
 #include "calibrate/board_corners.h"

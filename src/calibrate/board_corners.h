@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "slipstream/calibration_board.h"
 #include "slipstream/frame_set.h"

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <optional>
+#include <vector>
 
 #include <Eigen/QR>
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "decode/phase_decoder.h"
 #include "slipstream/board_capture.h"

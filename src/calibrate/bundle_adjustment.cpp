@@ -2,9 +2,12 @@
 #include "calibrate/bundle_adjustment.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>

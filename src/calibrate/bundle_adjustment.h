@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,9 @@
 #include "slipstream/calibration_board.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "base/throw_if-inl.h"
 #include "calibrate/charuco.h"

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <opencv2/core/version.hpp>
 
 #include "slipstream/calibration_board.h"

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "slipstream/geometry_calibration.h"
 
 namespace slipstream {

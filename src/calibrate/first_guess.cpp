@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include <Eigen/LU>
 #include <Eigen/QR>

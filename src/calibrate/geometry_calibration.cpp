@@ -1,6 +1,8 @@
 #include "slipstream/geometry_calibration.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>

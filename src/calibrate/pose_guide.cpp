@@ -1,8 +1,15 @@
 #include "calibrate/pose_guide.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <opencv2/calib3d.hpp>
 

@@ -1,7 +1,14 @@
 #include "calibrate/report.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include <fmt/ranges.h>
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "base/page.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/geometry_calibration.h"

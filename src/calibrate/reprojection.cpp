@@ -1,4 +1,8 @@
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -1,3 +1,6 @@
+#include <cmath>
+#include <vector>
+
 #include <Eigen/Geometry>
 
 #include "base/numbers.h"

@@ -1,5 +1,6 @@
 // What the frames of a code reveal without geometry.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <complex>

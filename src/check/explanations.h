@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "check/fit.h"
 #include "slipstream/check.h"
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include "check/frame_model.h"
 

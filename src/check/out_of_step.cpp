@@ -1,8 +1,10 @@
 // Frames that contain a share of the pattern before: exposures that span two patterns.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <ranges>
 #include <tuple>
+#include <vector>
 
 #include "base/statistics.h"
 #include "check/explanations.h"

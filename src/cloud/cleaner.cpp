@@ -1,5 +1,12 @@
 #include "slipstream/cleaner.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
 #include "base/parallel_rows.h"
 #include "cloud/depth_planes.h"
 #include "cloud/depth_rows.h"

@@ -1,5 +1,11 @@
 #include "cloud/depth_planes.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
 #include "cloud/depth_rows.h"

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
+#include <vector>
 
 #include "cloud/depth_rows.h"
 #include "slipstream/cleaner.h"

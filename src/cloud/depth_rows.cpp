@@ -1,6 +1,8 @@
 #include "cloud/depth_rows.h"
 
+#include <algorithm>
 #include <limits>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cloud/depth_rows.cpp"

@@ -1,7 +1,11 @@
 #include "slipstream/measure.h"
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <random>
+#include <string_view>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,11 @@
 #include "cloud/object_model.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
 #include <Eigen/Eigenvalues>
 
 #include "slipstream/error.h"

@@ -1,5 +1,11 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include <Eigen/Geometry>
 

@@ -1,5 +1,10 @@
 #include "slipstream/surface.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Geometry>

@@ -1,7 +1,12 @@
 #include "codes/design.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "slipstream/sequence.h"
 
 namespace slipstream {

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "slipstream/phase_shifting.h"

@@ -1,5 +1,6 @@
 #include "slipstream/layout.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <iterator>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "slipstream/layout.h"

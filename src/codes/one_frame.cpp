@@ -1,9 +1,13 @@
 #include "slipstream/one_frame.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <unordered_set>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 

@@ -1,6 +1,10 @@
 #include "slipstream/pattern_set.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
 
 #include "base/throw_if-inl.h"
 

@@ -1,5 +1,6 @@
 #include "slipstream/phase_channel_multiplexing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,9 +1,13 @@
 #include "slipstream/phase_shifting.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string_view>
 #include <tuple>
+#include <vector>
 
 #include <Eigen/QR>
 

@@ -2,6 +2,7 @@
 
 #include <numbers>
 #include <numeric>
+#include <vector>
 
 #include "slipstream/unwrapping.h"
 

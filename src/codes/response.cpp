@@ -1,5 +1,6 @@
 #include "slipstream/response.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 

@@ -1,6 +1,10 @@
 #include "slipstream/sequence.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "frames/colour_channels.h"

@@ -1,6 +1,13 @@
 #include "slipstream/unwrapping.h"
 
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <Eigen/Dense>
 

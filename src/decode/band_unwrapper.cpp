@@ -1,6 +1,11 @@
 #include "decode/band_unwrapper.h"
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
+#include <limits>
+#include <span>
+#include <vector>
 
 #include <Eigen/Dense>
 

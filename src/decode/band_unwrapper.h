@@ -1,5 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <span>
+#include <vector>
+
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,5 +1,9 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <complex>
 #include <numeric>
+#include <vector>
 
 #include "base/numbers.h"
 #include "decode/frame_adapter.h"

@@ -1,5 +1,6 @@
 #include "decode/cue_evidence.h"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 

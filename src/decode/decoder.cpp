@@ -1,5 +1,12 @@
 #include "decode/decoder.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
 #include "decode/cue_evidence.h"

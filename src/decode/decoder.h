@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "decode/cue_evidence.h"
 #include "decode/phase_decoder.h"
 #include "slipstream/maps.h"

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "slipstream/pattern_set.h"
 

@@ -1,5 +1,11 @@
 #include "decode/frame_adapter.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"

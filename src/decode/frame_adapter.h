@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "frames/pattern_windows.h"
 #include "slipstream/sequence.h"

@@ -1,5 +1,6 @@
 #include "decode/frame_motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/numbers.h"

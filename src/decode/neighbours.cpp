@@ -1,3 +1,10 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <vector>
+
 #include "base/parallel_rows.h"
 #include "decode/frame_adapter.h"
 

@@ -1,5 +1,15 @@
 #include "decode/phase_decoder.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <type_traits>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
 #include <map>
+#include <span>
+#include <vector>
 
 #include "decode/equations.h"
 #include "slipstream/frame_set.h"

@@ -1,6 +1,9 @@
 #include "decode/surface_orders.h"
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
+#include <numbers>
 #include <numeric>
 
 #include "base/numbers.h"

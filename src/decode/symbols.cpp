@@ -1,3 +1,10 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <vector>
+
 #include "base/statistics.h"
 #include "decode/frame_adapter.h"
 

@@ -1,9 +1,16 @@
 #include "slipstream/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstdint>
 #include <cstring>
+#include <memory>
 #include <regex>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"

@@ -1,7 +1,13 @@
 #include "devices/dlp.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 

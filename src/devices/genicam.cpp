@@ -1,6 +1,14 @@
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <exception>
 #include <future>
+#include <memory>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "devices/aravis_connection-inl.h"
 #include "devices/camera_source.h"

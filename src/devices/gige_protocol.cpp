@@ -1,6 +1,7 @@
 #include "devices/gige_protocol.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/numbers.h"
 

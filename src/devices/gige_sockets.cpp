@@ -1,10 +1,12 @@
 #include "devices/gige_sockets.h"
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include <arpa/inet.h>
 #include <fmt/format.h>

@@ -1,4 +1,11 @@
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "devices/dlp.h"
 #include "slipstream/error.h"

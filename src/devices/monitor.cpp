@@ -1,7 +1,12 @@
 #include "devices/monitor.h"
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <thread>
+#include <type_traits>
+#include <vector>
 
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>

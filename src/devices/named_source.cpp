@@ -1,8 +1,14 @@
 #include "slipstream/named_source.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <ranges>
+#include <string>
+#include <string_view>
 
 #include "base/throw_if-inl.h"
 #include "frames/colour_channels.h"

@@ -1,6 +1,12 @@
 #include "devices/virtual_gige_camera.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/names.h"
 #include "base/throw_if-inl.h"

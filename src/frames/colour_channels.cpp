@@ -1,7 +1,16 @@
 #include "frames/colour_channels.h"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/LU>

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "slipstream/frame_set.h"
 #include "slipstream/frame_source.h"
 #include "slipstream/image.h"

@@ -1,5 +1,10 @@
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
+#include <variant>
+#include <vector>
 
 #include "base/statistics.h"
 #include "frames/pattern_windows.h"

@@ -1,10 +1,12 @@
 #include "slipstream/frame_set.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 #include <span>
+#include <type_traits>
 
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"

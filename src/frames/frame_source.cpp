@@ -1,6 +1,8 @@
 #include "slipstream/frame_source.h"
 
 #include <numeric>
+#include <string>
+#include <string_view>
 
 #include "base/names.h"
 #include "base/throw_if-inl.h"

@@ -1,5 +1,11 @@
 #include "frames/paired_source.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
 #include "base/throw_if-inl.h"
 
 namespace slipstream {

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
 
 #include "slipstream/frame_source.h"
 

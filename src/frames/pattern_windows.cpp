@@ -1,7 +1,12 @@
 #include "frames/pattern_windows.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <ranges>
+#include <variant>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 

@@ -1,6 +1,13 @@
 #include "frames/scan_camera.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 

@@ -1,7 +1,13 @@
 #include "frames/stepped_source.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <memory>
 #include <numeric>
+#include <optional>
+#include <variant>
+#include <vector>
 
 #include "slipstream/error.h"
 

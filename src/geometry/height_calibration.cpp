@@ -1,5 +1,6 @@
 #include "geometry/height_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 

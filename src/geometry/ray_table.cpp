@@ -1,3 +1,9 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
 #include "base/parallel_rows.h"
 #include "geometry/stripe_geometry.h"
 

@@ -1,7 +1,10 @@
 #include "slipstream/scanner.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <variant>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,5 +1,8 @@
 #include "geometry/stripe_geometry.h"
 
+#include <array>
+#include <optional>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 

@@ -1,6 +1,7 @@
 #include "geometry/triangulator.h"
 
 #include <cmath>
+#include <type_traits>
 
 #include <Eigen/LU>
 

@@ -1,7 +1,12 @@
 #include "slipstream/cloud_file.h"
 
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/ranges.h>
 

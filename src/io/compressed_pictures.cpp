@@ -1,13 +1,21 @@
 // Losslessly compressed pictures: PNG by libpng, TIFF by libtiff. No exception passes through
 // either library.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <csetjmp>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
+#include <new>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <fcntl.h>
 #include <png.h>

@@ -1,11 +1,15 @@
 #include "io/file.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cctype>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <random>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>

@@ -6,6 +6,8 @@
 #include <initializer_list>
 #include <limits>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/ranges.h>

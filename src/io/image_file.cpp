@@ -1,8 +1,18 @@
 #include "io/image_file.h"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
+#include <cstdint>
 #include <exception>
 #include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/parallel_rows.h"

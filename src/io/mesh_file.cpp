@@ -1,7 +1,15 @@
 // Mesh formats: writers, and the readers that cloud_reader.cpp lacks.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <iterator>
+#include <span>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,14 @@
 // Reads and writes OpenCV's FileStorage files, YAML and XML.
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <set>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <pugixml.hpp>
 #include <yaml-cpp/yaml.h>

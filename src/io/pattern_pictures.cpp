@@ -1,6 +1,12 @@
 #include "io/pattern_pictures.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"

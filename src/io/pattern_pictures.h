@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <vector>
 
 #include "slipstream/pattern_set.h"
 #include "slipstream/sequence.h"

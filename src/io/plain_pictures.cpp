@@ -1,8 +1,16 @@
 // Uncompressed picture formats: BMP, PGM and NumPy; and JPEG, by libjpeg-turbo.
+#include <algorithm>
 #include <bit>
 #include <cctype>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <turbojpeg.h>
 

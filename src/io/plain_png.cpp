@@ -1,9 +1,16 @@
 // Most PNG files: grey or RGB of 8 or 16 bits, not interlaced. libdeflate unpacks them half again
 // as fast as libpng does.
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include <libdeflate.h>
 

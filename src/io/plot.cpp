@@ -1,5 +1,12 @@
 #include "io/plot.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/canvas.h"

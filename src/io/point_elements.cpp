@@ -1,8 +1,13 @@
 #include "io/point_elements.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <map>
+#include <vector>
 
 namespace slipstream {
 namespace {

@@ -1,7 +1,13 @@
 #pragma once
 
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"

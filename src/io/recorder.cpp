@@ -1,8 +1,17 @@
 #include "io/recorder.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <exception>
+#include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
+#include <optional>
 #include <regex>
+#include <string>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"

@@ -1,8 +1,16 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "slipstream/frame_source.h"
 #include "slipstream/recording.h"

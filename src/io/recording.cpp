@@ -1,10 +1,17 @@
 #include "slipstream/recording.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <ranges>
 #include <regex>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <variant>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"

@@ -1,7 +1,17 @@
 // Replays recorded frames: as cycles, and as if from a camera.
 #include "io/replay_source.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
 #include <thread>
+#include <type_traits>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "decode/frame_adapter.h"

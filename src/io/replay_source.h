@@ -1,6 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "io/scan_folder.h"
 #include "slipstream/recording.h"

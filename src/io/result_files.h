@@ -1,7 +1,13 @@
 #pragma once
 
 #include <compare>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "slipstream/cloud_file.h"
 #include "slipstream/maps.h"

@@ -1,5 +1,8 @@
 #include "io/rig_file.h"
 
+#include <algorithm>
+#include <set>
+
 #include <yaml-cpp/yaml.h>
 
 #include "io/file.h"

@@ -1,6 +1,7 @@
 #include "slipstream/scan_files.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "base/throw_if-inl.h"
 #include "frames/colour_channels.h"

@@ -1,8 +1,15 @@
 #include "io/scan_folder.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
 #include <set>
+#include <string_view>
 #include <tuple>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 

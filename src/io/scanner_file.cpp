@@ -1,7 +1,15 @@
 #include "slipstream/scanner_file.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <variant>
+#include <vector>
 
 #include <Eigen/LU>
 

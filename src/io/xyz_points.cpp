@@ -1,5 +1,12 @@
+#include <algorithm>
+#include <array>
 #include <cctype>
+#include <cstdint>
 #include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"

@@ -1,7 +1,11 @@
 #include "live/cyclic_scans.h"
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/throw_if-inl.h"
 #include "decode/frame_adapter.h"

@@ -1,5 +1,11 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "frames/pattern_windows.h"
 #include "frames/scan_camera.h"
 #include "slipstream/sequence.h"

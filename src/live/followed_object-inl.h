@@ -1,5 +1,12 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+
 #include "cloud/object_model.h"
 #include "live/cloud_follower.h"
 #include "live/object_tracker.h"

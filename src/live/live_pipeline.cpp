@@ -1,5 +1,11 @@
 #include "slipstream/live_pipeline.h"
 
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+
 #include "base/throw_if-inl.h"
 #include "live/cloud_follower.h"
 #include "live/live_run-inl.h"
@@ -94,6 +100,10 @@ Answer LivePipeline::asked(Answer (LiveRun::*question)() const) const {
 
 bool LivePipeline::running() const {
   return asked(&LiveRun::capturing);
+}
+
+void LivePipeline::wait() const {
+  if (const std::shared_ptr<LiveRun> now = run(); now) now->wait();
 }
 
 std::exception_ptr LivePipeline::failure() const {

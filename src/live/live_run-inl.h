@@ -1,7 +1,19 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
 #include <tuple>
+#include <vector>
 
 #include "base/thread_priority.h"
 #include "decode/frame_adapter.h"
@@ -70,6 +82,12 @@ class LiveRun {
   }
 
   [[nodiscard]] bool capturing() const { return capturing_; }
+
+  /// Returns once no more frames are captured.
+  void wait() const {
+    std::unique_lock lock(mutex_);
+    captured_all_.wait(lock, [this] { return !capturing_; });
+  }
 
   void change(std::shared_ptr<WindowEngine> plan) {
     const std::lock_guard lock(mutex_);
@@ -187,8 +205,16 @@ class LiveRun {
       if (frame) pass_on(std::move(frame));
     }
 
-    capturing_ = false;
+    end_capture();
     captured_.close();
+  }
+
+  void end_capture() {
+    {
+      const std::lock_guard lock(mutex_);
+      capturing_ = false;
+    }
+    captured_all_.notify_all();
   }
 
   void make_windows() {
@@ -313,7 +339,7 @@ class LiveRun {
     }
 
     stopping_ = true;
-    capturing_ = false;
+    end_capture();
     // Closed queues wake the stages that wait for values or room.
     captured_.close();
     windows_.close();
@@ -387,7 +413,8 @@ class LiveRun {
   const Clock::time_point start_ = Clock::now();
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
-  mutable std::mutex mutex_;  ///< guards the next seven
+  mutable std::condition_variable captured_all_;  ///< see wait()
+  mutable std::mutex mutex_;                      ///< guards the next seven
   FindingLog findings_;
   std::shared_ptr<WindowEngine> plan_;
   Pooled<LiveCloud> newest_;

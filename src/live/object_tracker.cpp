@@ -1,6 +1,11 @@
 #include "live/object_tracker.h"
 
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 

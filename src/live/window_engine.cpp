@@ -1,6 +1,12 @@
 #include "live/window_engine.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "decode/frame_adapter.h"
 #include "frames/pattern_windows.h"

@@ -1,5 +1,13 @@
 #pragma once
 
+#include <bitset>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "check/fit.h"
 #include "reconstruct/phase_matcher.h"
 #include "slipstream/check.h"

@@ -1,8 +1,16 @@
 #include "slipstream/cloud_sink.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <ranges>
+#include <string>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/thread_priority.h"

@@ -1,6 +1,12 @@
 #include "publish/dds_messages.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <memory>
 #include <new>
+#include <span>
+#include <string>
 
 #include <dds/ddsi/ddsi_serdata.h>
 #include <dds/ddsi/q_radmin.h>

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <string>
+
 #include <dds/dds.h>
 
 #include "slipstream/ros_messages.h"

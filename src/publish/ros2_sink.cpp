@@ -1,8 +1,18 @@
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <regex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>

@@ -1,7 +1,10 @@
 #include "slipstream/ros_messages.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <optional>
 #include <variant>
 
 #include "base/throw_if-inl.h"

@@ -1,6 +1,7 @@
 #include "publish/ros_parameters.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/ranges.h>
 

@@ -1,10 +1,16 @@
 #include "publish/scan3d.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <limits>
+#include <string>
+#include <string_view>
 #include <tuple>
+#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
 #include <bit>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "devices/gige_protocol.h"
 #include "slipstream/cloud_sink.h"

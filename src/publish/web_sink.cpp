@@ -1,9 +1,19 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
 #include <numeric>
+#include <optional>
 #include <random>
+#include <string>
+#include <string_view>
+#include <thread>
 #include <utility>  // missing from Boost 1.74
+#include <vector>
 
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>

@@ -1,6 +1,11 @@
 #include "reconstruct/camera_agreement.h"
 
+#include <algorithm>
+#include <cmath>
+#include <complex>
 #include <map>
+#include <optional>
+#include <vector>
 
 #include "base/numbers.h"
 #include "decode/surface_orders.h"

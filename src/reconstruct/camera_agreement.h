@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "reconstruct/epipolar_tables.h"
 #include "reconstruct/phase_matcher.h"
 

@@ -1,5 +1,13 @@
 #include "reconstruct/camera_orders.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "decode/band_unwrapper.h"

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "reconstruct/epipolar_tables.h"
 
 namespace slipstream {

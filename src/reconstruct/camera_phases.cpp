@@ -1,5 +1,9 @@
 #include "reconstruct/camera_phases.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "decode/phase_decoder.h"

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "decode/decoder.h"

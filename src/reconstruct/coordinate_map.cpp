@@ -1,5 +1,9 @@
 #include "reconstruct/coordinate_map.h"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"

@@ -1,5 +1,11 @@
 #include "reconstruct/coordinate_matcher.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
 #include <Eigen/Geometry>
 #include <fmt/ranges.h>
 

@@ -1,3 +1,9 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"

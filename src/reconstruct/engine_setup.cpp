@@ -1,5 +1,7 @@
 #include "reconstruct/engine_setup.h"
 
+#include <algorithm>
+
 #include "base/throw_if-inl.h"
 #include "decode/cue_evidence.h"
 #include "decode/phase_decoder.h"

@@ -1,5 +1,10 @@
 #include "reconstruct/epipolar.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 #include <Eigen/Geometry>
 
 #include "base/numbers.h"

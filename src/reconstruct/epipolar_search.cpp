@@ -1,5 +1,10 @@
 #include "reconstruct/epipolar_search.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
 #include "base/numbers.h"
 #include "slipstream/unwrapping.h"
 

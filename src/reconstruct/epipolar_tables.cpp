@@ -1,5 +1,11 @@
 #include "reconstruct/epipolar_tables.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
 #include <Eigen/LU>
 
 #include "base/numbers.h"

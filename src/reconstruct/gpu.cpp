@@ -2,8 +2,13 @@
 
 #ifdef SLIPSTREAM_GPU
 
+#include <algorithm>
+#include <array>
+#include <initializer_list>
 #include <map>
 #include <mutex>
+#include <stdexcept>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <vulkan/vulkan_raii.hpp>

@@ -1,5 +1,12 @@
 #include "reconstruct/phase_matcher.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"

@@ -2,6 +2,9 @@
 // the patterns and the settings; numbers in parentheses are equations of the dissertation.
 #include "reconstruct/pipeline.h"
 
+#include <algorithm>
+#include <cstdint>
+
 #include <fmt/format.h>
 
 #include "decode/equations.h"

@@ -1,5 +1,12 @@
 // Which pixels become points, where the points are, and their uncertainty.
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"

@@ -1,5 +1,7 @@
 #include "slipstream/reconstruct_settings.h"
 
+#include <cmath>
+
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <type_traits>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/parallel_rows.h"

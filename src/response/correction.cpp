@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <variant>
 
 #include <Eigen/Dense>
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/statistics.h"

@@ -1,6 +1,12 @@
 #include "simulate/accuracy.h"
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "base/numbers.h"
 #include "base/statistics.h"

@@ -1,5 +1,12 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "base/page.h"
 #include "slipstream/reconstruct_settings.h"
 #include "slipstream/virtual_world.h"

@@ -1,6 +1,11 @@
 #include "simulate/comparison.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
+#include <variant>
+#include <vector>
 
 #include "base/statistics.h"
 #include "slipstream/engine.h"

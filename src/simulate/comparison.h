@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "slipstream/reconstruct_settings.h"
 #include "slipstream/virtual_world.h"

@@ -1,5 +1,8 @@
 #include "simulate/hand.h"
 
+#include <memory>
+#include <vector>
+
 #include "base/numbers.h"
 #include "simulate/sculptures.h"
 

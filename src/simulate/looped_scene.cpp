@@ -1,6 +1,9 @@
 #include "simulate/looped_scene.h"
 
+#include <algorithm>
+#include <optional>
 #include <thread>
+#include <type_traits>
 
 #include "base/throw_if-inl.h"
 #include "simulate/rendered_reel.h"

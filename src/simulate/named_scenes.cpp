@@ -1,5 +1,13 @@
 #include "slipstream/named_scenes.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <vector>
+
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "simulate/hand.h"

@@ -1,4 +1,10 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <numeric>
+#include <vector>
 
 #include "simulate/seen_scene.h"
 

@@ -1,4 +1,8 @@
+#include <array>
+#include <cmath>
 #include <map>
+#include <memory>
+#include <string>
 
 #include <fmt/format.h>
 

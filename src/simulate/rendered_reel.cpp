@@ -1,6 +1,10 @@
 #include "simulate/rendered_reel.h"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
+#include <stop_token>
+#include <vector>
 
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"

@@ -6,7 +6,9 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <thread>
+#include <vector>
 
 #include "slipstream/frame_source.h"
 #include "slipstream/virtual_scanner.h"

@@ -1,5 +1,6 @@
 #include "slipstream/scene.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 

@@ -1,6 +1,8 @@
 #include "simulate/sculptures.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace slipstream {
 namespace {

@@ -1,6 +1,14 @@
 #include "simulate/seen_scene.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <numeric>
+#include <optional>
+#include <stop_token>
+#include <type_traits>
+#include <vector>
 
 #include "base/parallel_rows.h"
 #include "decode/equations.h"

@@ -1,5 +1,12 @@
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
 #include "base/numbers.h"
 #include "slipstream/virtual_scanner.h"
 

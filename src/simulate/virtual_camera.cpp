@@ -1,5 +1,7 @@
 #include "slipstream/virtual_camera.h"
 
+#include <algorithm>
+#include <cmath>
 #include <thread>
 
 #include "base/throw_if-inl.h"

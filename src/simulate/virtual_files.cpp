@@ -1,5 +1,11 @@
 #include "simulate/virtual_files.h"
 
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/image_file.h"

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
 #include "io/scan_folder.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/virtual_world.h"

@@ -1,5 +1,12 @@
 #include "slipstream/virtual_scanner.h"
 
+#include <algorithm>
+#include <iterator>
+#include <numbers>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
 #include "simulate/seen_scene.h"

@@ -1,5 +1,10 @@
 #include "slipstream/virtual_world.h"
 
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
 #include <fmt/ranges.h>
 
 #include "base/numbers.h"

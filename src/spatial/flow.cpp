@@ -1,6 +1,10 @@
 // Minimum-cost flow between residues, the cheapest change of steps that closes every loop:
 // Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include <lemon/bucket_heap.h>
 #include <lemon/maps.h>
 

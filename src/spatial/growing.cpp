@@ -1,8 +1,12 @@
 // Methods that join pixels into groups, edge by edge.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <functional>
+#include <vector>
 
 #include "spatial/methods.h"
 

@@ -1,7 +1,10 @@
 #include "slipstream/spatial_unwrapping.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "base/numbers.h"
 #include "base/parallel_rows.h"

@@ -1,8 +1,14 @@
 #pragma once
 
+#include <array>
+#include <chrono>
+#include <functional>
 #include <future>
+#include <optional>
 #include <span>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "slipstream/engine.h"
 #include "slipstream/viewer.h"

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "slipstream/measure.h"
 #include "slipstream/viewer.h"
 #include "view/opengl.h"

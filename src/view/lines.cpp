@@ -1,6 +1,9 @@
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include <epoxy/gl.h>
 #include <glm/common.hpp>

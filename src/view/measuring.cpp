@@ -1,3 +1,10 @@
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include <fmt/ranges.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

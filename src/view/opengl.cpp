@@ -1,5 +1,9 @@
 #include "view/opengl.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
 #include <GLFW/glfw3.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>

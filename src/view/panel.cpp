@@ -1,4 +1,11 @@
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include <fmt/format.h>
 #include <imgui.h>

@@ -1,4 +1,8 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <type_traits>
 
 #include "view/cloud_screen.h"
 #include "view/scene_renderer.h"

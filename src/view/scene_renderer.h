@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include "slipstream/viewer.h"
 #include "view/opengl.h"

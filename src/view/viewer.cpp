@@ -1,5 +1,7 @@
 #include "slipstream/viewer.h"
 
+#include <algorithm>
+
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>

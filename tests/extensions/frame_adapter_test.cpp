@@ -69,7 +69,7 @@ TEST(OwnFrameAdapter, StandsBeforeTheLivePipeline) {
       seen.setup,
       {.most_frames = count, .on_cloud = [&](const auto& made) { live = made->cloud; }});
   pipeline.start();
-  while (pipeline.running()) std::this_thread::yield();
+  pipeline.wait();
   pipeline.stop();
   EXPECT_GT(point_count(live), 1500U);
   EXPECT_TRUE(std::equal(live.validity.begin(), live.validity.end(), expected.validity.begin()));

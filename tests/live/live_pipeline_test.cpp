@@ -280,6 +280,25 @@ TEST(LivePipeline, stops_in_every_state_and_starts_again) {
   pipeline.start();  // the destructor stops it
 }
 
+TEST(LivePipeline, waits_for_its_end_whoever_brings_it) {
+  LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(four_steps)),
+                        scan_of(four_steps));
+  pipeline.wait();  // it has not begun
+
+  pipeline.start();
+  std::atomic<bool> has_ended = false;
+  std::thread waiting([&] {
+    pipeline.wait();
+    has_ended = true;
+  });
+  std::this_thread::sleep_for(5ms);
+  EXPECT_FALSE(has_ended);
+  pipeline.stop();
+  waiting.join();
+  EXPECT_FALSE(pipeline.running());
+  pipeline.wait();
+}
+
 TEST(LivePipeline, stops_at_once_while_the_source_is_silent) {
   LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(four_steps), 0.001),
                         scan_of(four_steps));

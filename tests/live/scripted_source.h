@@ -76,7 +76,7 @@ class ScriptedSource : public FrameSource {
 };
 
 inline void wait_for_end(LivePipeline& pipeline) {
-  while (pipeline.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  pipeline.wait();
   pipeline.stop();
 }
 

@@ -1,3 +1,10 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+
 #include "decode/surface_window.h"
 #include "reconstruct/fused/rows.h"
 

@@ -1,5 +1,11 @@
 // Turns of a band from the sums of its frames, corrected for the projector's response.
+#include <algorithm>
+#include <cmath>
 #include <complex>
+#include <iterator>
+#include <numbers>
+#include <optional>
+#include <vector>
 
 #include "base/numbers.h"
 #include "decode/equations.h"

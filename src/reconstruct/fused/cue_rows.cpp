@@ -1,5 +1,9 @@
 // Coordinates of a row from frames with a cue.
 
+#include <algorithm>
+#include <array>
+#include <variant>
+
 #include "reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,5 +1,15 @@
 #include "reconstruct/fused/fused_engine.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
 #include "base/throw_if-inl.h"
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"

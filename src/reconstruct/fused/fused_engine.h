@@ -1,6 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "decode/phase_decoder.h"
 #include "reconstruct/fused/fused_stages.h"

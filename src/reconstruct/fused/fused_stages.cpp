@@ -1,5 +1,13 @@
 #include "reconstruct/fused/fused_stages.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <string>
+
 #include <fmt/format.h>
 
 #include "base/numbers.h"

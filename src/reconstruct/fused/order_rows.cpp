@@ -1,4 +1,8 @@
 // Coordinates of a row from the fringe order that fits all frames of a pixel best.
+#include <array>
+#include <limits>
+#include <variant>
+
 #include "reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,6 +1,9 @@
 // Phases of a row of frames, and planes through the matches of two cameras.
 #include "reconstruct/fused/pair_rows.h"
 
+#include <algorithm>
+#include <type_traits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/pair_rows.cpp"
 #include <hwy/foreach_target.h>

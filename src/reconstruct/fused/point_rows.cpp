@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <tuple>
 
 #include "reconstruct/fused/rows.h"

@@ -6,6 +6,10 @@
 #define SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
 #endif
 
+#include <array>
+#include <cstdint>
+#include <limits>
+
 #include <hwy/highway.h>
 
 #include "base/vectors-inl.h"

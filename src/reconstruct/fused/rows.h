@@ -1,6 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <variant>
+#include <vector>
 
 #include "decode/neighbourhood_vote.h"
 #include "geometry/stripe_geometry.h"

@@ -1,5 +1,11 @@
 // Turns, flags and levels of a row from frames.
 
+#include <algorithm>
+#include <array>
+#include <span>
+#include <type_traits>
+#include <variant>
+
 #include "reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/sinusoid_rows.cpp"

@@ -6,6 +6,10 @@
 #define SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_
 #endif
 
+#include <cstdint>
+#include <limits>
+#include <span>
+
 #include <hwy/highway.h>
 
 #include "base/vectors-inl.h"

@@ -1,4 +1,7 @@
 // Coordinates of a row from phases: by a code, a coarser coordinate, or the phase alone.
+#include <span>
+#include <variant>
+
 #include "reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE

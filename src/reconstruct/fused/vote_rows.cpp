@@ -1,5 +1,12 @@
 // Finds pixels that disagree with their neighbours, and the costs of their other fringe orders.
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
+#include <variant>
+#include <vector>
 
 #include "reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE

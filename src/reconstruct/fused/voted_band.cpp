@@ -1,4 +1,12 @@
 // The fused pass for frames with a cue: the neighbours vote on the fringe orders.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <tuple>
+#include <vector>
+
 #include "decode/cue_evidence.h"
 #include "reconstruct/fused/fused_engine.h"
 

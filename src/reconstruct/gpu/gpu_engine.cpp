@@ -1,6 +1,14 @@
 #include "reconstruct/gpu/gpu_engine.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
 
 namespace slipstream {
 namespace {

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/gpu.h"
 #include "reconstruct/gpu/gpu_stages.h"

@@ -1,6 +1,12 @@
 #include "reconstruct/gpu/gpu_stages.h"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <iterator>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 namespace slipstream {
 namespace {

@@ -2,6 +2,10 @@
 #ifdef __cplusplus
 #pragma once
 
+#include <array>
+#include <optional>
+#include <vector>
+
 #include "reconstruct/fused/fused_stages.h"
 
 namespace slipstream {

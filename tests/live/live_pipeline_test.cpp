@@ -1,6 +1,7 @@
 #include "slipstream/live_pipeline.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <future>
 #include <map>

@@ -105,7 +105,7 @@ std::optional<double> predicted_rms(const FrameViews& frames, ScanJob& job,
 
 /// State passed from one scan to the next.
 struct Reused {
-  /// The job, by what the scan gives.
+  /// A job for each kind of result.
   std::map<ScanOutput, ScanJob> jobs;
   bool fallback_told = false;
 };

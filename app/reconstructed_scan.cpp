@@ -56,7 +56,7 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   if (flags.modulation) loaded.modulation = converted<float>(read_map(*flags.modulation));
 }
 
-/// Reads the scan, and decides what it can give.
+/// Reads the scan, and chooses its kind of result.
 Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, ReconstructedScan& result) {
   const std::string& path = result.name.path;
   Scan scan = load_checkable(path, input, !flags.one_camera, result.words);

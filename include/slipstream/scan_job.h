@@ -18,10 +18,10 @@
 // both axes, doubts. The program, the Python module and other programs take this one way.
 namespace slipstream {
 
-/// What a scan gives. Only points need a scanner.
+/// The kind of result of a scan. Only points need a scanner.
 enum class ScanOutput { points, maps };
 
-/// What a user wants of scans.
+/// The results that a user wants of scans, and how they are made.
 struct ScanJobSettings {
   ReconstructSettings reconstruct{};
   /// How the response is chosen that phases are corrected for: see choose_gamma. Two cameras match

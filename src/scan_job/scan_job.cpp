@@ -182,7 +182,7 @@ void ScanJob::match_cameras(const CheckedJob& job, ScanResult& result) {
                      {.window = settings_.match_window});
   PhaseMatcher::Result matched = match(scan, second);
 
-  // 3. What the cameras say about the phase's origin and the fringe order.
+  // 3. Findings about the phase's origin and the fringe order.
   std::vector<Finding>& findings = result.checked.findings;
   const bool limited = setup.settings.nearest && setup.settings.farthest;
   if (matched.agreement && matched.agreement->phase_shift != 0) {

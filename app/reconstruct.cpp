@@ -73,7 +73,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
                  .remarks = doubts(result.checked.findings)});
 }
 
-/// Warns of what the reconstruction found, after the `told` findings of the check; compares with
+/// Warns of the findings that follow the `told` ones of the check, and compares the points with
 /// the truth.
 void judge(const ReconstructFlags& flags, std::size_t told, ReconstructedScan& scan) {
   const std::vector<Finding>& findings = scan.result.checked.findings;

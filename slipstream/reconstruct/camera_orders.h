@@ -32,6 +32,7 @@ class CameraOrders {
   void find_candidates(const CameraPhases& camera, const Image<float>& phase);
   void vote(const CameraPhases& camera, const Image<float>& phase, const CameraPhases& other);
   void sum_windows(const CameraPhases& camera, const Image<float>& phase, bool along_rows);
+
   [[nodiscard]] std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(row * coordinate_.width() + column) *
            static_cast<std::size_t>(candidates_.most);

@@ -75,6 +75,7 @@ struct ReconstructSettings {
   /// All except `clean` and settings with named values: see set_backend and cue_rule_named.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
+    // Light.
     visit({.name = "minimum_modulation",
            .flag = "--min-modulation",
            .help = "least modulation, grey levels of 255 for any bit depth of the camera",
@@ -89,8 +90,12 @@ struct ReconstructSettings {
            .flag_clears = true,
            .live = {"pixels with a saturated frame become points"}},
           self.drop_saturated);
+
+    // Fringe orders.
     FringeOrderConsensus::for_each_setting(self.fringe_order, visit);
     visit({.name = "least_voting_share"}, self.least_voting_share);
+
+    // Where a point may lie.
     visit({.name = "field_margin", .least = 0}, self.field_margin);
     visit({"nearest", "--nearest", "least depth, mm; default: half the nearest calibrated depth"},
           self.nearest);

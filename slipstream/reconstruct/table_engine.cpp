@@ -31,6 +31,8 @@ struct LookedUp {
 
 FormTable form_table(const Lens& camera, const ProjectionMatrices& matrices) {
   const Image<PointForm3> exact = point_table(undistorted_pixels(camera), matrices, point_form3);
+
+  // One coefficient of all pixels, in float.
   const auto part = [&](double PointForm3::*coefficient) {
     Image<float> plane(exact.size());
     std::ranges::transform(exact, plane.begin(), [&](const PointForm3& form) {
@@ -38,6 +40,7 @@ FormTable form_table(const Lens& camera, const ProjectionMatrices& matrices) {
     });
     return plane;
   };
+
   return {.M_z = part(&PointForm3::M_z),
           .N_z = part(&PointForm3::N_z),
           .C = part(&PointForm3::C),
@@ -90,8 +93,11 @@ struct TableEngine::Tables {
     const double length = length_along(other, projector.size);
     safe_margin = static_cast<float>(of.settings.field_margin -
                                      2 * largest_shift(projector, other) - 1 / length);
+
     across_coordinate = projection_matrices(of.scanner, other).projector_coordinate.cast<float>();
     projector_depth = matrices.projector_depth.cast<float>();
+
+    // A little inside the range, so that rounding to float cannot put a depth beyond its ends.
     constexpr double rounding = 1e-5;
     nearest = static_cast<float>(depths.nearest * (1 + rounding));
     farthest = static_cast<float>(depths.farthest * (1 - rounding));
@@ -108,18 +114,23 @@ struct TableEngine::Tables {
   [[nodiscard]] bool is_exact() const {
     constexpr int pixels = 16, coordinates = 24;
     Block block{};
+
     for (int i = 0; i < pixels * pixels * coordinates; ++i) {
       const int column = (i % pixels) * (size().width - 1) / (pixels - 1);
       const int row = (i / pixels % pixels) * (size().height - 1) / (pixels - 1);
       const double y = (i / (pixels * pixels) + 0.5) / coordinates;
+
+      // A block must begin with a lens segment.
       const int first = column / LensSegment::pixels * LensSegment::pixels, at = column - first;
       block.y.fill(static_cast<float>(y));
       find_points(first, row, at + 1, block);
       if (block.is_sure[at] == 0) continue;
+
       const Eigen::Vector3d exact = triangulate(column, row, y);
       const Eigen::Vector3d by_tables(block.X[at], block.Y[at], block.Z[at]);
       if (!((by_tables - exact).norm() < 1e-5 * exact.z())) return false;
     }
+
     return true;
   }
 
@@ -146,10 +157,12 @@ void TableEngine::Tables::find_phases(const std::array<const std::uint8_t*, N>& 
   constexpr auto turn = static_cast<float>(1 / two_pi);
 
   for (int i = 0; i < count; ++i) {
+    // U and V, sums of intensities, are the place in the table, counted from U = V = 0.
     std::array<int, N> I;
     for (int n = 0; n < N; ++n) I[n] = rows[n][i];
     const auto [U, V] = table_index<int>(form, std::span<const int>(I));
     block.entry[i] = V * stride + U;
+
     block.mean[i] = static_cast<float>(std::accumulate(I.begin(), I.end(), 0)) / float{N};
     block.greatest[i] = *std::ranges::max_element(I);
   }
@@ -231,15 +244,18 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
     *why_not = why;
     return std::nullopt;
   };
+
   if (setup.settings.phase_method != PhaseMethod::tables) return refuse("phases by other methods");
   if (unwraps_by_picture(setup)) return refuse("fringe orders come from the whole picture");
 
   const Layout& layout = setup.sequence.strategy.layout();
   const std::optional<StepRun> run = step_run(layout.bands.front());
   const bool has_tables = run && (run->steps == 3 || run->steps == 4 || run->steps == 6);
+
   const bool is_plain = layout.bands.size() == 1 && !layout.cue && !layout.code &&
                         layout.single_frames.empty() && layout.unwrapping == Unwrapping::none &&
                         layout.bands.front().periods == 1 && layout.bands.front().carrier == 0;
+
   if (!has_tables || !is_plain || run->first != 0 || run->steps != layout.frames ||
       run->shifts != Shifts{}) {
     return refuse("patterns other than 3, 4 or 6 steps of one period");
@@ -248,6 +264,7 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
   const auto correction = corrections.find(run->steps);
   auto tables = std::make_shared<Tables>(
       setup, *run, correction == corrections.end() ? nullptr : &correction->second);
+
   if (!tables->is_exact()) return refuse("a projector lens that no short polynomial describes");
   return TableEngine(std::move(tables));
 }
@@ -279,6 +296,7 @@ void TableEngine::prepare(const Outputs& outputs, Size size) {
   const auto give_size = [&](auto&... images) {
     ((images.size() == size ? void() : void(images = std::decay_t<decltype(images)>(size))), ...);
   };
+
   if (Cloud* const cloud = outputs.cloud) {
     give_size(cloud->x, cloud->y, cloud->z, cloud->intensity, cloud->validity);
   }
@@ -288,6 +306,7 @@ void TableEngine::prepare(const Outputs& outputs, Size size) {
     give_size(maps->mean, maps->modulation, maps->wrapped_phase, maps->coordinate);
     maps->fringe_order_doubt = {};
   }
+
   if (outputs.modulation != nullptr) give_size(*outputs.modulation);
 }
 
@@ -296,6 +315,7 @@ void TableEngine::write_phases(const Block& block, int column, int row, int coun
   const auto write = [&](const std::array<float, Block::pixels>& from, Image<float>& to) {
     std::copy_n(from.begin(), count, to.row(row) + column);
   };
+
   if (outputs.modulation != nullptr) write(block.modulation, *outputs.modulation);
   if (Maps* const maps = outputs.maps) {
     write(block.mean, maps->mean);
@@ -310,6 +330,7 @@ void TableEngine::write_points(const Block& block, int column, int row, int coun
   const auto write = [&](const auto& from, auto& to) {
     std::copy_n(from.begin(), count, to.row(row) + column);
   };
+
   if (Cloud* const cloud = outputs.cloud) {
     write(block.X, cloud->x);
     write(block.Y, cloud->y);
@@ -317,10 +338,12 @@ void TableEngine::write_points(const Block& block, int column, int row, int coun
     write(block.mean, cloud->intensity);
     write(block.validity, cloud->validity);
   }
+
   if (Depth* const depth = outputs.depth) {
     write(block.Z, depth->z);
     write(block.validity, depth->validity);
   }
+
   if (outputs.depth16 != nullptr) {
     std::transform(block.Z.begin(), block.Z.begin() + count, outputs.depth16->row(row) + column,
                    outputs.scale);
@@ -338,6 +361,7 @@ void TableEngine::judge(int column, int row, int count, Block& block) const {
     validity = block.modulation[i] < least       ? Validity::too_dark
                : block.greatest[i] >= saturation ? Validity::saturated
                                                  : Validity::valid;
+
     if (validity == Validity::valid && block.is_sure[i] == 0) {
       const Eigen::Vector3d point = tables_->triangulate(column + i, row, block.y[i]);
       validity = validity_of(block.y[i], point, setup);
@@ -345,6 +369,7 @@ void TableEngine::judge(int column, int row, int count, Block& block) const {
       block.Y[i] = static_cast<float>(point.y());
       block.Z[i] = static_cast<float>(point.z());
     }
+
     if (validity != Validity::valid) {
       block.X[i] = block.Y[i] = block.Z[i] = std::numeric_limits<float>::quiet_NaN();
     }

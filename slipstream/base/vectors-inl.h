@@ -59,6 +59,7 @@ using Together = std::integral_constant<std::size_t, count>;
 template <std::size_t most = at_once, class Body>
 HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
   const std::size_t lanes = hn::Lanes(FloatTag()), together = most * lanes;
+
   std::size_t i = 0;
   for (; i + together <= width; i += together) body(Together<most>(), i);
   for (; i < width; i += lanes) body(Together<1>(), std::min(i, width - lanes));
@@ -86,6 +87,7 @@ HWY_INLINE void each(const Step& step) {
 /// for the cache; `to` must then be aligned to eight floats.
 HWY_INLINE void store(Floats values, float* to, bool past_cache) {
   const FloatTag d;
+
   if (!past_cache) return hn::StoreU(values, d, to);
 #if HWY_MAX_BYTES == 64
   if (reinterpret_cast<std::uintptr_t>(to) % 64 != 0) {
@@ -94,6 +96,7 @@ HWY_INLINE void store(Floats values, float* to, bool past_cache) {
     return hn::Stream(hn::UpperHalf(half, values), half, to + hn::Lanes(half));
   }
 #endif
+
   hn::Stream(values, d, to);
 }
 

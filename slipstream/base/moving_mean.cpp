@@ -145,7 +145,6 @@ std::vector<float> inverse_counts(int length, int reach) {
     const int count = std::min(i + reach, length - 1) - std::max(i - reach, 0) + 1;
     inverse[static_cast<std::size_t>(i)] = 1 / static_cast<float>(count);
   }
-
   return inverse;
 }
 

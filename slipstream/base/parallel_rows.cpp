@@ -43,7 +43,7 @@ int parallel_threads() {
 }
 
 void for_each_row(int height, const std::function<void(int row)>& body) {
-  // Each thread takes the next row until none is left; an exception ends the others too.
+  // Each thread takes the next row until all are taken; an exception ends the others too.
   std::atomic<int> next_row = 0;
   const auto work = [&] {
     try {

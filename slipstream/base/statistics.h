@@ -20,11 +20,9 @@ Number quantile(std::vector<Number>& values, double share) {
 template <class Number>
 std::vector<Number> finite_values(const Image<Number>& image, std::size_t step = 1) {
   std::vector<Number> finite;
-
   for (std::size_t i = 0; i < image.pixel_count(); i += step) {
     if (std::isfinite(image.begin()[i])) finite.push_back(image.begin()[i]);
   }
-
   return finite;
 }
 
@@ -62,12 +60,10 @@ struct Histogram {
 
 inline Histogram histogram(const Image<double>& map, double low, double high, int bins) {
   Histogram result{low, high, std::vector<std::size_t>(static_cast<std::size_t>(bins))};
-
   for (const double value : map) {
     const double place = (value - low) / (high - low) * bins;
     if (place >= 0 && place < bins) ++result.counts[static_cast<std::size_t>(place)];
   }
-
   return result;
 }
 

@@ -59,7 +59,6 @@ using Together = std::integral_constant<std::size_t, count>;
 template <std::size_t most = at_once, class Body>
 HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
   const std::size_t lanes = hn::Lanes(FloatTag()), together = most * lanes;
-
   std::size_t i = 0;
   for (; i + together <= width; i += together) body(Together<most>(), i);
   for (; i < width; i += lanes) body(Together<1>(), std::min(i, width - lanes));

@@ -75,7 +75,6 @@ double rms_error(const Image<float>& heights, double height) {
     sum += (found - height) * (found - height);
     ++count;
   }
-
   return std::sqrt(sum / count);
 }
 
@@ -116,7 +115,6 @@ Image<HeightCurve> fitted_curves(const std::vector<PlanePhase>& planes) {
 std::size_t calibrated_pixels(const Image<HeightCurve>& curves) {
   const auto count = std::ranges::count_if(
       curves, [](const HeightCurve& curve) { return !std::isnan(curve.reference); });
-
   if (count == 0) throw Error("no pixel has a monotonic phase over three known heights");
   return count;
 }
@@ -156,12 +154,10 @@ HeightFit fit_heights(const std::vector<PlanePhase>& planes) {
 
 Image<float> heights(const Image<HeightCurve>& curves, const Image<double>& phase) {
   require_one_size(curves.size(), phase.size());
-
   Image<float> found(phase.size());
   std::ranges::transform(curves, phase, found.begin(), [](const HeightCurve& curve, double at) {
     return static_cast<float>(curve.height(at));
   });
-
   return found;
 }
 

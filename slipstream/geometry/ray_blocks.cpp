@@ -37,7 +37,6 @@ Eigen::Matrix<double, 1, count> chebyshev_polynomials(double x) {
   T(0) = 1;
   T(1) = x;
   for (int k = 2; k < count; ++k) T(k) = 2 * x * T(k - 1) - T(k - 2);
-
   return T;
 }
 

@@ -89,7 +89,6 @@ CellWeights cell_weights(int cell, int knots) {
     const CubicWeights cubic = cubic_weights(cell * spacing + pixel, knots);
     for (std::size_t k = 0; k < 4; ++k) weights[k][pixel] = cubic.weight[k];
   }
-
   return weights;
 }
 

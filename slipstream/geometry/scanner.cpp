@@ -116,7 +116,6 @@ void require_valid(const Lens& lens, std::string_view device) {
   const Eigen::Matrix3d& K = lens.intrinsic;
   const bool camera_matrix = K.allFinite() && K(0, 0) > 0 && K(1, 1) > 0 && K(1, 0) == 0 &&
                              K(2, 0) == 0 && K(2, 1) == 0 && K(2, 2) == 1;
-
   throw_if(!camera_matrix,
            "{}: invalid camera matrix; expected [fx s cx; 0 fy cy; 0 0 1] with fx, fy > 0", device);
 }
@@ -229,12 +228,10 @@ Eigen::Vector3d ray_through(const Lens& lens, const Eigen::Vector2d& pixel) {
 
 Image<PixelPosition> undistorted_pixels(const Lens& lens) {
   Image<PixelPosition> positions(lens.size);
-
   for_each_pixel(lens.size, [&](int column, int row) {
     const Eigen::Vector3d ideal = lens.intrinsic * ray_through(lens, {column, row});
     positions(column, row) = {ideal.x(), ideal.y()};
   });
-
   return positions;
 }
 
@@ -325,7 +322,6 @@ void require_depth_visible(const Scanner& scanner, Axis axis) {
   // camera must not lie on the line common to all of them.
   const Eigen::Vector3d& T = scanner.translation;
   const double across_stripes = std::hypot(axis == Axis::x ? T.x() : T.y(), T.z());
-
   throw_if(across_stripes < 1e-6 * T.norm(),
            "the baseline is parallel to the stripes of axis {0}, which give no depth: use axis {1}",
            name_of(axis), name_of(across(axis)));

@@ -102,6 +102,7 @@ struct PhotometricCalibration {
   /// sigma_w^2 at half of full scale, including rounding.
   std::optional<double> noise_variance{};
   double noise_gain = 0;  ///< increase per grey level, from shot noise
+
   /// From pattern value to light, projector and camera combined; phases are corrected for it.
   std::optional<MeasuredResponse> response{};
   /// For colour devices: used to separate pictures when they are read.
@@ -139,6 +140,7 @@ struct Scanner {
   Lens projector{};
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
+
   PhotometricCalibration photometry{};
   /// Depth range of the calibration boards; nullopt if unknown.
   std::optional<DepthRange> calibrated_depths{};

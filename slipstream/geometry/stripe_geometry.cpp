@@ -88,6 +88,7 @@ class ProjectorPlane {
     const double A = along()(3), B = across()(3), D = depth()(3);
     return (B - w.y() * D) / (A - w.x() * D);
   }
+
   /// The coordinate on the epipolar line through (y, place) that the lens distorts to y, by the
   /// secant method from `start`, or NaN.
   [[nodiscard]] double undistorted_on_line(double y, double place, double start) const {
@@ -112,12 +113,14 @@ class ProjectorPlane {
   [[nodiscard]] double size(int direction) const {
     return direction == 0 ? lens_.size.width : lens_.size.height;
   }
+
   [[nodiscard]] Eigen::Vector2d to_direction(const Eigen::Vector2d& place) const {
     Eigen::Vector3d pixel(0, 0, 1);
     pixel(along_) = place.x() * along_length();
     pixel(1 - along_) = place.y() * across_length();
     return (inverse_intrinsic_ * pixel).head<2>();
   }
+
   [[nodiscard]] Eigen::Vector2d from_direction(const Eigen::Vector2d& direction) const {
     const Eigen::Vector3d pixel = lens_.intrinsic * direction.homogeneous();
     return {pixel(along_) / along_length(), pixel(1 - along_) / across_length()};

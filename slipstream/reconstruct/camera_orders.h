@@ -47,12 +47,14 @@ class CameraOrders {
   float periods_;
   DepthRange depths_;
   bool of_other_;
+
   Image<Bounds> bounds_;
   CandidateOrders candidates_;
   /// For every pixel and candidate: in the low bits the disagreement of the two cameras' phases, 1
   /// - cos of their difference, in steps of 1 / 4096, in the high ones the pixels that the other
   /// camera sees.
   std::vector<std::uint32_t> votes_, summed_;
+
   Image<float> coordinate_;
 };
 

@@ -127,7 +127,7 @@ void PhaseReader::read_maps(const FrameViews& frames, CameraPhases& to) const {
 }
 
 void PhaseReader::judge(const FrameViews& frames, CameraPhases& to) const {
-  // A cue or a code can contradict its neighbours: the full judgement.
+  // Unless bands alone give the order, neighbours may contradict it: the full judgement.
   if (order_source(decode_.layout()) != OrderSource::bands) {
     BasicMaps<double> maps;
     convert(to.maps, maps);
@@ -135,7 +135,7 @@ void PhaseReader::judge(const FrameViews& frames, CameraPhases& to) const {
     return;
   }
 
-  // Several bands: only the light decides.
+  // Bands alone: only the light decides.
   const auto least = static_cast<float>(least_modulation(setup_.settings, frames.full_scale()));
   if (to.validity.size() != frames.size()) to.validity = Image<Validity>(frames.size());
   std::ranges::transform(to.maps.modulation, saturation_mask(frames), to.validity.begin(),

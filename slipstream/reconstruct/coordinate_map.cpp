@@ -24,7 +24,6 @@ bool is_wrapped(double least, double largest) {
   constexpr double nearly = 0.95, rounding = 1e-3;
   const bool in_turn = (least >= 0 && largest <= two_pi + rounding) ||
                        (least >= -two_pi / 2 - rounding && largest <= two_pi / 2 + rounding);
-
   return in_turn && largest - least > nearly * two_pi;
 }
 

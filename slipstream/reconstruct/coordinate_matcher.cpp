@@ -127,7 +127,6 @@ Decoded decoded(const Scan& scan, EngineSetup setup) {
   result.variance = Image<double>(y.size());
   std::ranges::transform(mean, modulation, result.variance.begin(), [&](double A, double B) {
     if (is_code) return of_code;
-
     return unit * noise_variance_at(A / grey_level, noise, known.noise_gain) *
            std::pow(grey_level / B, 2);
   });

@@ -13,7 +13,6 @@ namespace {
 double coordinate_at(const EngineSetup& setup, const Eigen::Vector3d& ray, double depth) {
   const Eigen::Vector3d point = in_projector_frame(setup.scanner, depth * ray);
   if (!(point.z() > 0)) return nan;
-
   const Lens& projector = setup.scanner.projector;
   return coordinate_along(setup.sequence.axis, project(projector, point), projector.size);
 }

@@ -34,7 +34,6 @@ void pack(const Cloud& cloud, PackedPoints& points) {
 /// Scales all pixels to the brightness of the shortest exposure.
 void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   if (!frames.merged()) return;
-
   for_each_row(intensity.height(), [&](int row) {
     std::transform(intensity.row(row), intensity.row(row) + intensity.width(),
                    frames.gain().row(row), intensity.row(row), std::divides<>());
@@ -148,6 +147,7 @@ struct Engine::Tables {
                              setup.scanner.photometry.noise_gain) *
            grey_level * grey_level;
   }
+
   void require_geometry() const {
     if (!has_geometry(setup.scanner))
       throw Error("points require a scanner; without one, frames give only maps");
@@ -156,15 +156,19 @@ struct Engine::Tables {
   EngineSetup setup;
   /// See as_reconstructed; with the least modulation that the cue needs.
   EngineSetup complete;
+
   PhaseCorrections corrections;
   DepthNoise noise;                                 ///< for 8-bit frames
   std::optional<MotionMeasurement> measure_motion;  ///< for windows longer than a cycle
+
   std::optional<FusedEngine> fused;
   std::optional<GpuEngine> gpu;
   std::optional<TableEngine> table_engine;  ///< in place of the reference engine where it can be
+
   std::once_flag once_fallen_back;
   std::string fallback_reason;  ///< set when it falls back
   std::atomic<bool> fell_back = false;
+
   std::once_flag once;
   std::optional<ReferenceEngine> built;
 };
@@ -175,11 +179,14 @@ struct Engine::Memory {
   FusedMemory fused;
   GpuScanMemory gpu;
   FrameAdapter adapt;
+
   Image<float> modulation;
   std::optional<Cloud> cloud;  ///< source of packed points; constructed when needed
-  Image<float> coarse;         ///< coordinates with orders from the whole image
-  Maps phases;                 ///< from which these orders are found
+
+  Image<float> coarse;  ///< coordinates with orders from the whole image
+  Maps phases;          ///< from which these orders are found
   DepthOrders orders;
+
   FrameMotion motion;
   Cleaner clean;
   std::atomic<bool> unquantised = false;  ///< the newest frames, which no fused engine takes
@@ -346,7 +353,6 @@ void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
 
 double Engine::moving_share(const FrameViews& frames) const {
   if (!tables_->measure_motion) return 0;
-
   const double grey_level = frames.full_scale() / 255;
   return tables_->measure_motion->moving_share(
       frames, tables_->complete.settings.minimum_modulation * grey_level,

@@ -63,12 +63,15 @@ class EpipolarTables {
 
   Scanner scanner_;
   Axis axis_;
+
   Eigen::Matrix3f turn_;         ///< from the camera's frame to the other's
   Eigen::Vector3f translation_;  ///< mm
+
   std::array<float, untilted_coefficient_count> lens_{};  ///< of the other camera
   bool straight_ = true;                                  ///< the lens does not bend
   bool tilted_ = false;
   Eigen::Matrix3f sensor_;  ///< from bent directions to multiples of pixels, with its tilt
+
   Image<Ray> rays_;
 };
 

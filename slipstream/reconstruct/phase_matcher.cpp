@@ -65,9 +65,11 @@ struct PhaseMatcher::Tables {
 
   EngineSetup first, second;
   PhaseMatchSettings match;
+
   EpipolarTables there;                ///< of the first camera in the second
   std::optional<EpipolarTables> back;  ///< of the second in the first, to search orders
   BandSearch bands;
+
   double period;   ///< of the finest band, fields
   bool searches;   ///< the second camera gives the order
   bool by_bands;   ///< else the first camera's own order must be the second camera's, too

@@ -10,7 +10,6 @@ namespace slipstream {
 
 void require_size(const FrameViews& frames, Size camera) {
   if (frames.size() == camera) return;
-
   throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
                           text_of(frames.size()), text_of(camera)));
 }
@@ -87,7 +86,7 @@ void ReferenceEngine::run(const FrameViews& frames, const Outputs& outputs) cons
     outputs.depth->validity = cloud.validity;
   }
 
-  // Depths are quantised from float, as in the other engines, so that all round alike.
+  // Quantised from float as in the other engines, so that all round in the same way.
   if (outputs.depth16 != nullptr) {
     const Image<float> z = converted<float>(cloud.z);
     *outputs.depth16 = Image<std::uint16_t>(z.size());

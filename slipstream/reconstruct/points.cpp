@@ -199,7 +199,7 @@ BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity
 
 Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSetup& setup,
                            double full_scale) {
-  // 1. What all pixels share: noise, and the response whose correction amplifies it.
+  // 1. Common to all pixels: noise, and the response whose correction amplifies it.
   const Layout& layout = setup.sequence.strategy.layout();
   const double grey_level = full_scale / 255;
   const double at_half = cue_settings(setup).noise_variance;

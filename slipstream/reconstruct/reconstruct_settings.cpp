@@ -156,7 +156,6 @@ int projector_length(const EngineSetup& setup) {
 double least_modulation(const EngineSetup& setup) {
   const Layout& layout = setup.sequence.strategy.layout();
   const double least = setup.settings.minimum_modulation;
-
   if (order_source(layout) != OrderSource::neighbours) return least;
   return std::max(least, CueEvidence(layout, cue_settings(setup)).least_modulation());
 }

@@ -69,9 +69,11 @@ struct TableEngine::Block {
   std::array<int, pixels> entry;  ///< in the table of modulation and phase
   std::array<float, pixels> mean, modulation, phase, y;
   std::array<int, pixels> greatest;
+
   std::array<float, pixels> X, Y, Z;
   std::array<int, pixels>
       is_sure;  ///< 1: the point is valid for certain; others need `validity_of`
+
   std::array<Validity, pixels> validity;
 };
 
@@ -137,9 +139,11 @@ struct TableEngine::Tables {
   EngineSetup setup;
   PhaseTables phases;
   std::vector<LookedUp> entries;
+
   Triangulator triangulate;
   FormTable forms;
   Image<LensSegment> lens;  ///< empty without distortion
+
   DepthRange depths;
   double least_coordinate;  ///< left edge of the field's first pixel
   float safe_margin = 0, nearest = 0, farthest = 0;

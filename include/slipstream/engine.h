@@ -22,6 +22,7 @@ class Engine {
   explicit Engine(const EngineSetup& setup);
   Engine(const Scanner& scanner, const Sequence& sequence,
          const ReconstructSettings& settings = {});
+
   Engine(const Engine& other);
   Engine(Engine&& other) noexcept = default;
   Engine& operator=(Engine other) noexcept;
@@ -41,17 +42,22 @@ class Engine {
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {
     return run(frames, {.cloud = &cloud});
   }
+
   /// Computes and writes less than a cloud does; not cleaned.
   void depth(const FrameViews& frames, Depth& depth) { run(frames, {.depth = &depth}); }
+
   /// Depth only, quantised to 16 bits; pixels without a point are 0.
   void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers) {
     run(frames, {.depth16 = &numbers, .scale = scale});
   }
+
   /// Only the valid points, not cleaned, in an order that does not depend on the number of threads.
   /// Written by the fused pass unless frames are merged or a motion window, else copied.
   void points(const FrameViews& frames, PackedPoints& points) { run(frames, {.points = &points}); }
+
   /// Coordinates from each pixel alone, not yet confirmed or rejected by its neighbours.
   void maps(const FrameViews& frames, Maps& maps) { run(frames, {.maps = &maps}); }
+
   /// Both in one pass.
   ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps) {
     return run(frames, {.cloud = &cloud, .maps = &maps});
@@ -69,6 +75,7 @@ class Engine {
   /// Backend used for such frames: "fused", "gpu" until it fails in any copy, or the phase method
   /// of the reference engine: "lut", "equation", "closed-form".
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
+
   /// Why the chosen or default engine does not take scans such as the newest, and what replaces it,
   /// one line; empty if it does.
   [[nodiscard]] std::string fallback_reason() const;

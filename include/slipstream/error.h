@@ -43,14 +43,18 @@ template <class Names>
 std::string did_you_mean(std::string_view name, const Names& known) {
   std::string_view nearest;
   std::size_t least = name.size() / 3 + 2;  // more edits than a typo has
+
   for (const auto& candidate : known) {
     const std::string_view other = candidate;
+    // A name cut short counts as one edit, however much is missing.
     const bool begun = name.size() >= 3 && other.starts_with(name);
     const std::size_t distance = begun ? 1 : edit_distance(name, other);
     if (distance >= least || distance >= other.size()) continue;
+
     least = distance;
     nearest = other;
   }
+
   return nearest.empty() ? "" : "; did you mean " + std::string(nearest) + "?";
 }
 

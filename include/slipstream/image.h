@@ -79,21 +79,26 @@ class Image {
     std::fill(begin(), end(), value);
   }
   Image(Size size, Uninitialised) : pixels_(allocate(size)), size_(size) {}
+
   Image(const Image& other) : pixels_(allocate(other.size_)), size_(other.size_) {
     std::copy(other.begin(), other.end(), begin());
   }
+
   Image(Image&& other) noexcept
       : pixels_(std::move(other.pixels_)), size_(std::exchange(other.size_, Size{})) {}
+
   Image& operator=(const Image& other) {
     if (size_ != other.size_) return *this = Image(other);
     if (this != &other) std::copy(other.begin(), other.end(), begin());
     return *this;
   }
+
   Image& operator=(Image&& other) noexcept {
     std::swap(pixels_, other.pixels_);
     std::swap(size_, other.size_);
     return *this;
   }
+
   ~Image() = default;
 
   operator ImageView<Pixel>() { return {pixels_.get(), size_}; }
@@ -117,17 +122,21 @@ class Image {
 
  private:
   static constexpr std::align_val_t alignment{64};
+
   struct Free {
     void operator()(Pixel* pixels) const { ::operator delete(pixels, alignment); }
   };
+
   using Storage = std::unique_ptr<Pixel[], Free>;
 
   static std::size_t count(Size size) {
     return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   }
+
   static Storage allocate(Size size) {
     return Storage(static_cast<Pixel*>(::operator new(count(size) * sizeof(Pixel), alignment)));
   }
+
   [[nodiscard]] std::ptrdiff_t offset(int row) const {
     return static_cast<std::ptrdiff_t>(row) * size_.width;
   }

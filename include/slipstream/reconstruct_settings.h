@@ -53,27 +53,33 @@ struct ReconstructSettings {
   EngineKind engine = EngineKind::automatic;
   std::shared_ptr<const OwnEngine> own_engine{};   ///< replaces `engine` unless null
   PhaseMethod phase_method = PhaseMethod::tables;  ///< of the reference engine
+
   double minimum_modulation = 15;  ///< least modulation B^c, grey levels of 255 for any bit depth
   /// Drops pixels with a saturated frame; `false` keeps them, biased.
   bool drop_saturated = true;
+
   /// When to trust a fringe order from several bands or from a cue.
   FringeOrderConsensus fringe_order{};
   /// For strategies whose fringe order comes from a cue in the same frames.
   CueRule cue_rule = CueRule::consensus;
   /// For the same strategies: share of the least modulation from which even dark pixels vote.
   double least_voting_share = 0.8;
+
   /// How far outside the field a point may lie, as a share of its length across the stripes.
   double field_margin = 0.02;
   std::optional<double> nearest{};   ///< mm, least depth; nullopt: see depth_range
   std::optional<double> farthest{};  ///< mm, largest depth; nullopt: see depth_range
+
   /// Which points of a finished cloud are removed.
   CleanSettings clean{};
+
   /// For EngineKind::gpu: the device, see gpu_devices; nullopt: Gpu::open chooses one.
   std::optional<int> gpu{};
 
   /// All except `clean` and settings with named values: see set_backend and cue_rule_named.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
+    // Light.
     visit({.name = "minimum_modulation",
            .flag = "--min-modulation",
            .help = "least modulation, grey levels of 255 for any bit depth of the camera",
@@ -88,8 +94,12 @@ struct ReconstructSettings {
            .flag_clears = true,
            .live = {"pixels with a saturated frame become points"}},
           self.drop_saturated);
+
+    // Fringe orders.
     FringeOrderConsensus::for_each_setting(self.fringe_order, visit);
     visit({.name = "least_voting_share"}, self.least_voting_share);
+
+    // Where a point may lie.
     visit({.name = "field_margin", .least = 0}, self.field_margin);
     visit({"nearest", "--nearest", "least depth, mm; default: half the nearest calibrated depth"},
           self.nearest);

@@ -16,16 +16,19 @@ struct Scan {
   FrameSet frames{};
   /// Original indices if the frames were reordered: frame n was frame order[n]; otherwise empty.
   std::vector<int> order{};
+
   Sequence sequence{};
   std::optional<Scanner> scanner{};  ///< if known
   /// Of two cameras without a calibrated projector: the first camera, and the second as projector.
   std::optional<Scanner> camera_pair{};
   std::vector<double> exposures{1};  ///< merged into these frames; a single one if not merged
+
   /// With patterns along both axes: the scan along y.
   std::vector<Scan> other_axis{};
   /// Scans of further cameras, taken at the same time with the same projector, each with its own
   /// scanner. World coordinates are in the frame of this scan's camera.
   std::vector<Scan> further_cameras{};
+
   std::vector<std::string> warnings{};  ///< about reading the frames, for the user
 };
 

@@ -81,13 +81,16 @@ Eigen::Matrix<Number, 2, 1> distort_untilted(const Coefficient* k,
                                              const Eigen::Matrix<Number, 2, 1>& direction) {
   const Coefficient &k1 = k[0], &k2 = k[1], &p1 = k[2], &p2 = k[3], &k3 = k[4], &k4 = k[5];
   const Coefficient &k5 = k[6], &k6 = k[7], &s1 = k[8], &s2 = k[9], &s3 = k[10], &s4 = k[11];
+
   const Number x = direction.x();
   const Number y = direction.y();
   const Number r2 = x * x + y * y;
   const Number r4 = r2 * r2;
   const Number r6 = r4 * r2;
+
   const Number one(1), two(2);
   const Number radial = (one + k1 * r2 + k2 * r4 + k3 * r6) / (one + k4 * r2 + k5 * r4 + k6 * r6);
+
   return {x * radial + two * p1 * x * y + p2 * (r2 + two * x * x) + s1 * r2 + s2 * r4,
           y * radial + p1 * (r2 + two * y * y) + two * p2 * x * y + s3 * r2 + s4 * r4};
 }
@@ -98,6 +101,7 @@ struct PhotometricCalibration {
   /// sigma_w^2 at half of full scale, including rounding.
   std::optional<double> noise_variance{};
   double noise_gain = 0;  ///< increase per grey level, from shot noise
+
   /// From pattern value to light, projector and camera combined; phases are corrected for it.
   std::optional<MeasuredResponse> response{};
   /// For colour devices: used to separate pictures when they are read.
@@ -135,6 +139,7 @@ struct Scanner {
   Lens projector{};
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
+
   PhotometricCalibration photometry{};
   /// Depth range of the calibration boards; nullopt if unknown.
   std::optional<DepthRange> calibrated_depths{};

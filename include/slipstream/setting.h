@@ -22,10 +22,13 @@ struct Setting {
   const char* flag = "";  ///< command-line flag, e.g. "--fill"; empty: none
   const char* help = "";  ///< of the flag
   const char* unit = "";  ///< e.g. "mm"
+
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
+
   bool above_least = false;  ///< excludes `least` itself from the range
   bool flag_clears = false;  ///< the flag of a boolean sets it to false
+
   Live live{};
 };
 

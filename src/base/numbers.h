@@ -44,10 +44,12 @@ std::optional<Number> number_in(std::string_view text) {
 template <class Number>
 std::vector<Number> numbers_in(std::string_view text, char mark) {
   std::vector<Number> numbers;
+
   while (true) {
     const std::size_t end = std::min(text.find(mark), text.size());
     const auto number = number_in<Number>(text.substr(0, end));
     if (!number) return {};
+
     numbers.push_back(*number);
     if (end == text.size()) return numbers;
     text.remove_prefix(end + 1);
@@ -74,8 +76,10 @@ inline std::optional<Size> size_of_text(std::string_view text) {
 inline std::optional<Rectangle> rectangle_of_text(std::string_view text) {
   const std::size_t plus = std::min(text.find('+'), text.size());
   const std::optional<Size> size = size_of_text(text.substr(0, plus));
+
   if (!size || plus == text.size())
     return size ? std::optional(Rectangle{0, 0, *size}) : std::nullopt;
+
   const std::vector<int> place = numbers_in<int>(text.substr(plus + 1), '+');
   if (place.size() != 2 || place[0] < 0 || place[1] < 0) return std::nullopt;
   return Rectangle{place[0], place[1], *size};

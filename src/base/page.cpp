@@ -24,11 +24,13 @@ img { max-width: 100%; } figcaption { font-size: .85rem; opacity: .75; }
 std::string escaped(std::string_view text) {
   static const std::map<char, std::string> entities{
       {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
+
   std::string safe;
   for (const char letter : text) {
     const auto entity = entities.find(letter);
     safe += entity == entities.end() ? std::string(1, letter) : entity->second;
   }
+
   return safe;
 }
 

@@ -27,14 +27,18 @@ class Page {
 
   /// In a line, in the colour of its grade.
   void verdict(const Verdict& verdict);
+
   void heading(std::string_view text) { add("h2", text); }
+
   template <class... Values>
   void paragraph(fmt::format_string<Values...> format, Values&&... values) {
     add("p", fmt::format(format, std::forward<Values>(values)...));
   }
+
   /// Starts a table with those columns; rows follow.
   void table(const std::vector<std::string>& columns);
   void row(const std::vector<std::string>& cells) { cells_in("td", cells); }
+
   /// `file` is relative to the page's folder.
   void picture(std::string_view says, const std::string& file);
   void picture(std::string_view says, const std::string& file, Image<Colour> pixels) {
@@ -46,8 +50,10 @@ class Page {
   [[nodiscard]] std::string text() const {
     return text_ + (in_table_ ? "</table>\n" : "") + "</html>\n";
   }
+
   /// The files of all pictures.
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+
   /// File names and pixels of the pictures added with pixels.
   [[nodiscard]] const std::vector<std::pair<std::string, Image<Colour>>>& drawn() const {
     return drawn_;

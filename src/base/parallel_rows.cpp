@@ -43,6 +43,7 @@ int parallel_threads() {
 }
 
 void for_each_row(int height, const std::function<void(int row)>& body) {
+  // Each thread takes the next row until all are taken; an exception ends the others too.
   std::atomic<int> next_row = 0;
   const auto work = [&] {
     try {
@@ -52,9 +53,12 @@ void for_each_row(int height, const std::function<void(int row)>& body) {
       throw;
     }
   };
+
   // Their destructors wait, also after an exception.
   std::vector<std::future<void> > others(
       static_cast<std::size_t>(std::clamp(height, 1, parallel_threads()) - 1));
+
+  // This thread works as well; get() rethrows.
   for (auto& other : others) other = std::async(std::launch::async, work);
   work();
   for (auto& other : others) other.get();

@@ -58,6 +58,7 @@ struct Histogram {
   double high = 1;
   std::vector<std::size_t> counts;
 };
+
 inline Histogram histogram(const Image<double>& map, double low, double high, int bins) {
   Histogram result{low, high, std::vector<std::size_t>(static_cast<std::size_t>(bins))};
   for (const double value : map) {

@@ -15,8 +15,11 @@ void slipstream::let_others_go_first() {
 }
 
 void slipstream::go_when_woken() {
+  // Real time, if the system allows it.
   const sched_param first{.sched_priority = 1};
   if (::pthread_setschedparam(::pthread_self(), SCHED_RR, &first) == 0) return;
+
+  // Otherwise the shortest time slice: the scheduler runs such a thread sooner.
   struct {  // the kernel's sched_attr; libc headers do not define it
     std::uint32_t size = 48, policy = SCHED_OTHER;
     std::uint64_t flags = 0;
@@ -24,6 +27,7 @@ void slipstream::go_when_woken() {
     std::uint32_t priority = 0;
     std::uint64_t slice = 100'000, deadline = 0, period = 0;  // ns; 100 us is the shortest slice
   } share;
+
   static_assert(sizeof share == 48);
   static_cast<void>(::syscall(SYS_sched_setattr, 0, &share, 0));
 }

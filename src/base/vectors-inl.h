@@ -86,6 +86,7 @@ HWY_INLINE void each(const Step& step) {
 /// for the cache; `to` must then be aligned to eight floats.
 HWY_INLINE void store(Floats values, float* to, bool past_cache) {
   const FloatTag d;
+
   if (!past_cache) return hn::StoreU(values, d, to);
 #if HWY_MAX_BYTES == 64
   if (reinterpret_cast<std::uintptr_t>(to) % 64 != 0) {
@@ -94,6 +95,7 @@ HWY_INLINE void store(Floats values, float* to, bool past_cache) {
     return hn::Stream(hn::UpperHalf(half, values), half, to + hn::Lanes(half));
   }
 #endif
+
   hn::Stream(values, d, to);
 }
 

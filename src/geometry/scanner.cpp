@@ -24,6 +24,7 @@ using Vector2 = Eigen::Matrix<Number, 2, 1>;
 template <class Number>
 Vector2<Number> distort_generic(const Distortion& distortion, const Vector2<Number>& direction) {
   const double tau_x = distortion.coefficients[12], tau_y = distortion.coefficients[13];
+
   const Vector2<Number> bent = distort_untilted(distortion.coefficients.data(), direction);
   if (tau_x == 0 && tau_y == 0) return bent;
 
@@ -42,11 +43,14 @@ struct Bent {
 };
 
 Bent bent(const Distortion& distortion, const Eigen::Vector2d& direction) {
+  // Automatic differentiation: u and v each carry their derivative.
   using Dual = Eigen::AutoDiffScalar<Eigen::Vector2d>;
   const Vector2<Dual> bent =
       distort_generic<Dual>(distortion, {Dual(direction.x(), 2, 0), Dual(direction.y(), 2, 1)});
+
   Eigen::Matrix2d jacobian;
   jacobian << bent.x().derivatives().transpose(), bent.y().derivatives().transpose();
+
   return {{bent.x().value(), bent.y().value()}, jacobian};
 }
 
@@ -67,22 +71,29 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(left);
   throw_if(!matrix.allFinite() || !lu.isInvertible(),
            "{}: the projection matrix is singular or not finite", device);
+
   // K R = left: with rows and columns of both reversed and transposed, this is a QR decomposition
   // into an orthogonal and an upper triangular matrix.
   const Eigen::Matrix3d turned = left.colwise().reverse().transpose();
+
   const Eigen::HouseholderQR<Eigen::Matrix3d> qr(turned);
   const Eigen::Matrix3d upper = qr.matrixQR().triangularView<Eigen::Upper>();
   const Eigen::Matrix3d orthogonal = qr.householderQ();
+
   Eigen::Matrix3d K = upper.transpose().reverse();
   Eigen::Matrix3d R = orthogonal.transpose().colwise().reverse();
+
+  // A decomposition is unique up to signs: make the focal lengths positive.
   const Eigen::Vector3d signs = K.diagonal().cwiseSign();
   K = (K * signs.asDiagonal()).eval();
   R = (signs.asDiagonal() * R).eval();
+
   Eigen::Vector3d T = K.triangularView<Eigen::Upper>().solve(matrix.col(3));
   if (R.determinant() < 0) {  // the matrix is known only up to its sign
     R = -R;
     T = -T;
   }
+
   const Eigen::Matrix3d intrinsic = K.triangularView<Eigen::Upper>();
   return {intrinsic / K(2, 2), R, T};
 }
@@ -93,12 +104,14 @@ Distortion make_distortion(std::span<const double> coefficients) {
   constexpr std::array<std::size_t, 6> known_counts{0, 4, 5, 8, 12, 14};
   throw_if(std::ranges::find(known_counts, coefficients.size()) == known_counts.end(),
            "{} distortion coefficients; expected 0, 4, 5, 8, 12 or 14", coefficients.size());
+
   Distortion distortion;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
     throw_if(!std::isfinite(coefficients[i]), "distortion coefficient {} is {}; it must be finite",
              i, coefficients[i]);
     distortion.coefficients[i] = coefficients[i];
   }
+
   return distortion;
 }
 
@@ -114,8 +127,11 @@ Eigen::Matrix3d sensor_tilt(double tau_x, double tau_y) {
   const Eigen::Matrix3d R = (Eigen::AngleAxisd(-tau_y, Eigen::Vector3d::UnitY()) *
                              Eigen::AngleAxisd(-tau_x, Eigen::Vector3d::UnitX()))
                                 .toRotationMatrix();
+
+  // Projects the turned direction onto the tilted sensor, as in OpenCV.
   Eigen::Matrix3d onto_sensor;
   onto_sensor << R(2, 2), 0, -R(0, 2), 0, R(2, 2), -R(1, 2), 0, 0, 1;
+
   return onto_sensor * R;
 }
 
@@ -133,6 +149,7 @@ Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& d
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const auto [image, jacobian] = bent(distortion, direction);
     const double apart = (image - distorted).norm();
+
     // Newton's method; where it would leave the part that is invertible, with shorter steps, and
     // from the middle if it begins outside.
     if (!(jacobian.determinant() > 0) || !(apart < farthest || step.norm() < small)) {
@@ -143,6 +160,7 @@ Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& d
       }
       continue;
     }
+
     farthest = apart;
     step = jacobian.inverse() * (image - distorted);
     direction -= step;
@@ -157,33 +175,46 @@ std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& m
   constexpr int rays = 96, steps = 48;
   constexpr double steepest = 20;
   const Eigen::Array2d size(lens.size.width, lens.size.height);
+
+  // Place in the picture, 0 to 1 across its width and height.
   const auto place = [&](const Eigen::Vector2d& image) -> Eigen::Array2d {
     return (lens.intrinsic * image.homogeneous()).head<2>().array() / size;
   };
+
+  // 1. The corners of the picture with its margin. fmax ignores a corner without an inverse.
   double largest = 0;
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 0), std::pair(1, 1)}) {
     const Eigen::Array2d corner = Eigen::Array2d(x, y) * (1 + 2 * margin.array()) - margin.array();
     largest = std::fmax(largest, ray_through(lens, (corner * size).matrix()).head<2>().norm());
   }
   if (largest == 0) return std::nullopt;
+
   // The axis may lie beside the picture.
   const Eigen::Array2d axis = place({0, 0});
   const Eigen::Array2d low = axis.min(-margin.array()), high = axis.max(1 + margin.array());
+
+  // 2. Rays outwards from the axis, until their images leave the picture: on the way, the model
+  //    must not turn back.
   const double longest_step = largest / steps;
+
   for (int i = 0; i < rays; ++i) {
     const double angle = 2 * std::numbers::pi * i / rays;
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
     for (double r = 0;;) {
       const auto [image, jacobian] = bent(lens.distortion, r * along);
+
       const Eigen::Array2d at = place(image);
       if ((at < low).any() || (at > high).any()) break;
+
       const double area = jacobian.determinant();
       if (!(area > 0) || r > steepest) return std::nullopt;
+
       // A fold narrower than a step begins with a small area.
       r += longest_step * std::clamp(area, 0.05, 1.0);
       largest = std::max(largest, r);
     }
   }
+
   return largest;
 }
 
@@ -215,10 +246,13 @@ Scanner without_geometry(Size camera, Size projector, const PhotometricCalibrati
 }
 
 void require_valid(const Scanner& scanner) {
+  // Lenses.
   require_valid(scanner.camera, "camera");
   require_valid(scanner.projector, "projector");
   require_size(scanner.camera, "camera");
   require_size(scanner.projector, "projector");
+
+  // Pose.
   const Eigen::Matrix3d& R = scanner.rotation;
   throw_if(!(R.allFinite() && R.determinant() > 0 && (R.transpose() * R).isIdentity(1e-4)),
            "rotation: the matrix is not a rotation; its rows must be orthonormal");
@@ -228,6 +262,8 @@ void require_valid(const Scanner& scanner) {
   throw_if(scanner.translation.norm() < 1e-9,
            "baseline 0 mm: camera and projector at one position give no depth; check "
            "the translation");
+
+  // Light and depths.
   require_valid(scanner.photometry);
   const auto& depths = scanner.calibrated_depths;
   if (depths && !(depths->nearest >= 0 && depths->nearest < depths->farthest)) {
@@ -238,6 +274,7 @@ void require_valid(const Scanner& scanner) {
 
 void require_valid(const PhotometricCalibration& photometry) {
   require_in_range(photometry);
+
   if (!photometry.response) return;
   if (const auto* law = std::get_if<PowerLaw>(&photometry.response->response)) {
     require_gamma(law->gamma, "gamma");
@@ -254,22 +291,29 @@ Scanner completed(Scanner scanner, const std::string& file, Size camera, Size pr
     throw_if(said != Size{} && known != said, "{}: the {} has {}, but {} {}; both must match", file,
              device, text_of(known), by, text_of(said));
   };
+
   complete(scanner.camera.size, camera, "camera", "the frames are");
   complete(scanner.projector.size, projector, "projector", "the patterns are for");
+
   throw_if(scanner.projector.size == Size{},
            "{}: the projector size is missing; set it with --projector", file);
+
   try {
     require_valid(scanner);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", file, error.what()));
   }
+
   return scanner;
 }
 
 Scanner scanner_of(const Eigen::Matrix<double, 3, 4>& camera, Size camera_size,
                    const Eigen::Matrix<double, 3, 4>& projector, Size projector_size) {
   const Posed first = posed(camera, "camera"), second = posed(projector, "projector");
+
+  // From the camera's frame to the projector's, by way of the world's.
   const Eigen::Matrix3d rotation = second.rotation * first.rotation.transpose();
+
   return {.camera = {.intrinsic = first.intrinsic, .distortion = {}, .size = camera_size},
           .projector = {.intrinsic = second.intrinsic, .distortion = {}, .size = projector_size},
           .rotation = rotation,

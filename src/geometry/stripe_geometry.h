@@ -75,10 +75,13 @@ template <int count>
 Eigen::Matrix<double, count, count> chebyshev_coefficients() {
   Eigen::Matrix<double, count, count> T = Eigen::Matrix<double, count, count>::Zero();
   T(0, 0) = T(1, 1) = 1;
+
+  // T_k = 2 x T_(k-1) - T_(k-2).
   for (int k = 2; k < count; ++k) {
     T.row(k).tail(count - 1) = 2 * T.row(k - 1).head(count - 1);
     T.row(k) -= T.row(k - 2);
   }
+
   return T;
 }
 
@@ -103,13 +106,17 @@ struct PlanePolynomial {
   /// `Number`: double, or an Eigen array.
   template <class Number>
   [[nodiscard]] Number operator()(const Number& p, const Number& q) const {
+    // Horner's scheme in q within p. p - p is 0 in the operands' shape: an Eigen array has no plain
+    // 0.
     Number sum = p - p;
     auto c = coefficients.rbegin();
+
     for (int i = degree; i >= 0; --i) {
       Number inner = q - q;
       for (int j = degree - i; j >= 0; --j) inner = inner * q + *c++;
       sum = sum * p + inner;
     }
+
     return sum;
   }
 };
@@ -121,6 +128,7 @@ struct UnitMap {
   static UnitMap of(double low, double high) {
     return {2 / (high - low), (high + low) / (low - high)};
   }
+
   [[nodiscard]] double operator()(double value) const { return scale * value + offset; }
   [[nodiscard]] double inverse(double unit) const { return (unit - offset) / scale; }
 };
@@ -134,12 +142,15 @@ struct UnitMap {
 /// The projector's lens, for Newton's method. A direction is (a, b, 1), along and across the axis.
 struct SolvedLens {
   static constexpr int start_degree = 7;  ///< of StripeGeometry::lens, at most
+
   /// (a, b) of (w, q, 1): on the epipolar line, q changes with the undistorted coordinate w.
   Eigen::Matrix<float, 2, 3> direction;
+
   /// k1 k2 k3 k4 k5 k6 t_a t_b u_a v_a u_b v_b: with r^2 = a^2 + b^2 and the quotient R as in
   /// distort_untilted, a bends to a (R + t_a a + t_b b) + r^2 (u_a + v_a r^2), and b in the same
   /// way.
   Eigen::Matrix<float, 12, 1> bend;
+
   /// From the bent direction to multiples of (y, place, 1); |place| <= 1 in the field and its
   /// margin.
   Eigen::Matrix3f image;
@@ -156,6 +167,7 @@ struct SolvedLens {
 struct StripeGeometry {
   Eigen::RowVector4d coordinate;  ///< m^p of the coordinate, as in ProjectionMatrices
   Eigen::RowVector4d depth;       ///< m^p of the depth
+
   /// q, the position x_p mapped to [-1, 1], is (place_constant e + p place_slope e) / (facing e),
   /// where p is y mapped to [-1, 1].
   Eigen::RowVector3d place_constant, place_slope;
@@ -164,10 +176,13 @@ struct StripeGeometry {
 
   double least_coordinate = 0, largest_coordinate = 1;  ///< range of y for which the rest is valid
   UnitMap unit_coordinate;                              ///< from y to p
+
   PlanePolynomial lens;  ///< undistorted minus decoded coordinate, of (p, q)
+
   static constexpr int edge_terms = 6;
   /// q at the ends of the field and its margin along the stripe, as polynomials in p.
   std::array<double, edge_terms> low_edge{}, high_edge{};
+
   /// For a lens that no polynomial describes: `lens` is where Newton's method starts, and the edges
   /// are not used.
   std::optional<SolvedLens> solved{};

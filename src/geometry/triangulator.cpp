@@ -16,14 +16,18 @@ using Row = Eigen::Matrix<double, 1, 4>;
 Eigen::Vector4d meet(const Row& p, const Row& q, const Row& r) {
   Eigen::Matrix<double, 3, 4> rows;
   rows << p, q, r;
+
   Eigen::Vector4d point;
   for (int left_out = 0; left_out < 4; ++left_out) {
+    // The determinant without one column, with alternating sign.
     Eigen::Matrix3d minor;
     for (int column = 0, next = 0; column < 4; ++column) {
       if (column != left_out) minor.col(next++) = rows.col(column);
     }
+
     point(left_out) = (left_out % 2 == 0 ? 1 : -1) * minor.determinant();
   }
+
   return point;
 }
 
@@ -55,6 +59,7 @@ Eigen::Vector3d triangulate(const ProjectionMatrices& matrices, double x, double
   equations << m.row(0) - m.row(2) * x,  //
       m.row(1) - m.row(2) * y,           //
       matrices.projector_coordinate - matrices.projector_depth * y_p;
+
   const Eigen::Matrix3d left = equations.leftCols<3>();
   const Eigen::Vector3d right = -equations.col(3);
   return left.inverse() * right;  // (1.15)
@@ -70,9 +75,11 @@ PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y
   const Eigen::Vector3d pixel(x, y, 1);
   const Eigen::Vector4d a = coefficients.with_coordinate * pixel;
   const Eigen::Vector4d b = coefficients.constant * pixel;
+
   // Zero if the pixel's ray is parallel to the plane y^p = 0. Its points are still valid, so the
   // tables store the limit.
   const double D = 1 / (b.w() == 0 ? 1e-100 : b.w());
+
   return {a.x() * D, b.x() * D, a.y() * D, b.y() * D, a.z() * D, b.z() * D, a.w() * D};
 }
 
@@ -80,12 +87,15 @@ PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y
   const PointForm1 form = point_form1(coefficients, x, y);
   const double M_z = form.A_z / form.C;
   const auto& m = coefficients.camera;
+
   // Minors of M^c's columns p and q, as a function of the pixel; E and F are ratios of them.
   const auto minors = [&](int p, int q) {
     return (m(1, p) * m(2, q) - m(1, q) * m(2, p)) * x +
            (m(0, q) * m(2, p) - m(0, p) * m(2, q)) * y + (m(0, p) * m(1, q) - m(0, q) * m(1, p));
   };
+
   const double denominator = minors(0, 1);
+
   return {.M_z = M_z,
           .N_z = form.B_z - M_z,
           .C = form.C,
@@ -109,6 +119,8 @@ Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method
     : scanner_(scanner), axis_(axis) {
   require_valid(scanner);
   require_depth_visible(scanner, axis);
+
+  // The camera's lens goes into the table, and so does all that does not depend on the coordinate.
   matrices_ = projection_matrices(scanner, axis);
   const Image<PixelPosition> pixels = undistorted_pixels(scanner.camera);
   if (method == PointMethod::inverse) table_ = pixels;
@@ -117,6 +129,7 @@ Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method
 }
 
 Eigen::Vector3d Triangulator::operator()(int column, int row, double y) const {
+  // Each method's table has entries of its own type.
   return std::visit(
       [&]<class Entry>(const Image<Entry>& table) {
         const Entry& entry = table(column, row);
@@ -142,17 +155,20 @@ Eigen::Vector3d Triangulator::through_projector_lens(const PointOf& point_of, do
     const Eigen::Vector3d point = in_projector_frame(scanner_, point_of(undistorted));
     return coordinate_along(axis_, project(scanner_.projector, point), scanner_.projector.size) - y;
   };
+
   double before = y;
   double error_before = error(before);
   double now = y - error_before;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const double error_now = error(now);
     if (std::abs(error_now) <= tolerance) return point_of(now);
+
     const double slope = (error_now - error_before) / (now - before);
     before = now;
     error_before = error_now;
     now -= error_now / slope;
   }
+
   return Eigen::Vector3d::Constant(nan);
 }
 

@@ -41,12 +41,14 @@ PointCoefficients point_coefficients(const ProjectionMatrices& matrices);
 /// First form, Eqs. (2.21)-(2.24): 7 multiplications, 1 division, 4 additions.
 struct PointForm1 {
   double A_x, B_x, A_y, B_y, A_z, B_z, C;
+
   [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
 };
 
 /// Third form, Eqs. (2.29)-(2.31): 3 multiplications, 1 division, 4 additions.
 struct PointForm3 {
   double M_z, N_z, C, E_x, F_x, E_y, F_y;
+
   [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
 };
 

@@ -24,20 +24,27 @@ struct SurfaceSample {
 };
 
 std::vector<SurfaceSample> large_surfaces(const Image<float>& phase) {
+  // Pixels: a smaller surface may fit a wrong order by chance; 2000 are enough of a large one.
   constexpr std::size_t fewest = 1500, sampled = 2000;
   std::vector<SurfaceSample> samples;
   SurfaceOrders orders;
+
+  // This pass only collects samples; no surface gets a final order.
   orders(phase, [&](const ConnectedSurface& surface) -> std::optional<int> {
     if (surface.pixels < fewest) return std::nullopt;
+
     const std::size_t every = std::max<std::size_t>(1, surface.pixels / sampled);
     SurfaceSample& sample = samples.emplace_back();
     sample.lit = surface.pixels;
+
     std::size_t seen = 0;
     surface.for_each([&](int column, int row, int order) {
       if (seen++ % every == 0) sample.pixels.push_back({column, row, order});
     });
+
     return std::nullopt;
   });
+
   return samples;
 }
 
@@ -69,6 +76,7 @@ class Agreement {
                                                    double phase_shift) const {
     const double turns = (phase_(pixel.column, pixel.row) + phase_shift) / two_pi;
     const double y = (turns + pixel.order + shift) / periods_;
+
     const float w = tables_.inverse_depth(pixel.column, pixel.row, static_cast<float>(y));
     const bool possible =
         y >= 0 && y <= 1 && w > 0 && 1 / w > set_.nearest && 1 / w < set_.farthest;
@@ -79,6 +87,8 @@ class Agreement {
   [[nodiscard]] Fit best(const SurfaceSample& surface, double phase_shift) const {
     const auto [low, high] =
         std::ranges::minmax_element(surface.pixels, {}, &SurfaceSample::Pixel::order);
+
+    // All shifts that keep at least one pixel's order inside the field.
     Fit best;
     const int last = static_cast<int>(std::ceil(periods_)) - low->order;
     for (int shift = -high->order; shift <= last; ++shift) {
@@ -87,15 +97,20 @@ class Agreement {
       for (const SurfaceSample::Pixel& pixel : surface.pixels) {
         const auto w = inverse_depth(pixel, shift, phase_shift);
         if (!w) continue;
+
         const Phasor other =
             near_phasor(second_, second_.bands[0], tables_.place(pixel.column, pixel.row, *w));
         const Phasor own = first_.bands[0](pixel.column, pixel.row);
         if (other == Phasor(0) || own == Phasor(0)) continue;
+
+        // Unit phasors of the phase difference: only the angle counts, not the modulation.
         const Phasor apart = other * std::conj(own);
         sum += apart / std::sqrt(std::norm(apart));
         ++seen;
       }
+
       if (2 * seen < static_cast<int>(surface.pixels.size())) continue;
+
       const double misfit = 1 - sum.real() / seen;
       if (misfit < best.misfit) {
         best = {.shift = shift, .misfit = misfit, .next = best.misfit};
@@ -103,6 +118,7 @@ class Agreement {
         best.next = std::min(best.next, misfit);
       }
     }
+
     return best;
   }
 
@@ -125,9 +141,13 @@ DepthRange depths_of(const Agreement& agreement, const std::vector<SurfaceSample
         inverse.push_back(*w);
     }
   }
+
+  // The extremes without half a percent of the pixels at either end.
   std::ranges::sort(inverse);
   const double nearest = 1 / inverse[inverse.size() - 1 - inverse.size() / 200];
   const double farthest = 1 / inverse[inverse.size() / 200];
+
+  // Half of the depth found on both sides, for flat scenes 4 % of the distance.
   const double margin = std::max(0.5 * (farthest - nearest), 0.04 * farthest);
   return {std::max(set.nearest, nearest - margin), std::min(set.farthest, farthest + margin)};
 }
@@ -140,6 +160,7 @@ std::optional<CameraAgreement> camera_agreement(const EpipolarTables& tables, do
                                                 const CameraPhases& second) {
   const std::vector<SurfaceSample> surfaces = large_surfaces(phase);
   const Agreement agreement(tables, periods, set, phase, first, second);
+
   std::vector<Fit> fits(surfaces.size());
   std::size_t lit = 0;
   for (const SurfaceSample& surface : surfaces) lit += surface.lit;
@@ -167,6 +188,8 @@ std::optional<CameraAgreement> camera_agreement(const EpipolarTables& tables, do
   for (int i = 1; i < tried; ++i) {
     const double shift = std::remainder(two_pi * i / tried, two_pi);
     if (!enough(fitting(shift))) continue;
+
+    // The mean misfit of the surfaces that fit, weighted by their pixels.
     double sum = 0, weight = 0;
     for (std::size_t k = 0; k < surfaces.size(); ++k) {
       if (!fits[k].is_clear()) continue;
@@ -176,9 +199,13 @@ std::optional<CameraAgreement> camera_agreement(const EpipolarTables& tables, do
     }
     misfits[shift] = sum / weight;
   }
+
   if (misfits.empty()) return std::nullopt;
   const auto best = std::ranges::min_element(misfits, {}, [](const auto& of) { return of.second; });
+
   const double shift = best->first;
+
+  // Each attempt overwrites the fits: find those of the best one again.
   fitting(shift);
   return CameraAgreement{shift, depths_of(agreement, surfaces, fits, shift, set)};
 }

@@ -36,6 +36,7 @@ int best_order(const std::uint32_t* votes, int count) {
   constexpr float fits = 0.1F;      // mean for phases half a radian apart
   constexpr float clearly = 0.15F;  // margin to the second best
   constexpr float fewest = 40;      // regions of fewer pixels may match by chance
+
   float most = 0;
   for (int k = 0; k < count; ++k) most = std::max(most, Disagreement(votes[k]).seen);
 
@@ -53,6 +54,7 @@ int best_order(const std::uint32_t* votes, int count) {
       second = std::min(second, mean);
     }
   }
+
   return least < fits && second > least + clearly ? best : -1;
 }
 
@@ -65,12 +67,16 @@ struct Line {
         length(along_row ? phase.width() : phase.height()) {}
 
   [[nodiscard]] bool is_valid(int i) const { return validity[i * stride] == Validity::valid; }
+
   /// Whole periods from pixel i - 1 to i; nullopt where the phase is not continuous.
   [[nodiscard]] std::optional<int> turn_before(int i) const {
+    // A step of more than half a turn is the jump of a wrapped phase.
     const float rise = phi[i * stride] - phi[(i - 1) * stride];
     const int turn = rise > std::numbers::pi_v<float>    ? -1
                      : rise < -std::numbers::pi_v<float> ? 1
                                                          : 0;
+
+    // Still more than a quarter turn: an edge of a surface.
     const float step = rise + static_cast<float>(two_pi) * static_cast<float>(turn);
     if (!(std::abs(step) < std::numbers::pi_v<float> / 2)) return std::nullopt;
     return turn;
@@ -107,9 +113,11 @@ CameraOrders::CameraOrders(const EpipolarTables& tables, double periods, const D
         largest = std::min(end, std::max(near, far));
       }
     }
+
     bounds_(column, row) = {static_cast<float>(least * periods),
                             static_cast<float>(largest * periods)};
   });
+
   candidates_.first = Image<std::int16_t>(tables.size());
   candidates_.count = Image<std::uint8_t>(tables.size());
 }
@@ -120,6 +128,7 @@ const Image<float>& CameraOrders::operator()(const CameraPhases& camera, const I
   vote(camera, phase, other);
   sum_windows(camera, phase, true);
   sum_windows(camera, phase, false);
+
   for_each_pixel(phase.size(), [&](int column, int row) {
     const int k = best_order(votes_.data() + at(column, row), candidates_.count(column, row));
     coordinate_(column, row) =
@@ -127,23 +136,29 @@ const Image<float>& CameraOrders::operator()(const CameraPhases& camera, const I
               : static_cast<float>(unwrapped_coordinate(
                     phase(column, row), candidates_.first(column, row) + k, periods_));
   });
+
   return coordinate_;
 }
 
 void CameraOrders::find_candidates(const CameraPhases& camera, const Image<float>& phase) {
+  // Largest count of each row: rows are visited in parallel.
   std::vector<int> most(static_cast<std::size_t>(phase.height()));
   for_each_pixel(phase.size(), [&](int column, int row) {
     const float turn = phase(column, row) / static_cast<float>(two_pi);
     const Bounds& bounds = bounds_(column, row);
+
+    // Orders k for which turn + k lies between the bounds and in the field.
     const int first = std::max(0, static_cast<int>(std::ceil(bounds.least - turn)));
     const int last = std::min(static_cast<int>(std::ceil(periods_)) - 1,
                               static_cast<int>(std::floor(bounds.largest - turn)));
+
     const bool valid = camera.validity(column, row) == Validity::valid;
     const int count = valid ? std::max(0, last - first + 1) : 0;
     candidates_.first(column, row) = static_cast<std::int16_t>(first);
     candidates_.count(column, row) = static_cast<std::uint8_t>(std::min(count, 255));
     most[row] = std::max(most[row], count);
   });
+
   candidates_.most = std::min(255, *std::ranges::max_element(most));
 }
 
@@ -152,19 +167,24 @@ void CameraOrders::vote(const CameraPhases& camera, const Image<float>& phase,
   const std::size_t size = phase.pixel_count() * static_cast<std::size_t>(candidates_.most);
   votes_.assign(size, 0);
   summed_.assign(size, 0);
+
   for_each_pixel(phase.size(), [&](int column, int row) {
     const int count = candidates_.count(column, row);
     const Phasor reference = std::conj(camera.bands[0](column, row));
     for (int k = 0; k < count; ++k) {
+      // The candidate's point, if it lies in the depth range.
       const auto y = static_cast<float>(
           unwrapped_coordinate(phase(column, row), candidates_.first(column, row) + k, periods_));
       const float w = tables_.inverse_depth(column, row, y);
       if (!(w > 0)) continue;
       const float depth = of_other_ ? tables_.other_depth(column, row, w) : 1 / w;
       if (!(depth > depths_.nearest && depth < depths_.farthest)) continue;
+
+      // The phase that the other camera sees there, minus the pixel's own.
       const Phasor seen = near_phasor(other, other.bands[0], tables_.place(column, row, w));
       if (seen == Phasor(0) || reference == Phasor(0)) continue;
       const Phasor turned = seen * reference;
+
       const float apart = 1 - turned.real() / std::sqrt(std::norm(turned));
       votes_[at(column, row) + static_cast<std::size_t>(k)] =
           one_pixel + static_cast<std::uint32_t>(apart / vote_step);
@@ -179,11 +199,15 @@ void CameraOrders::sum_windows(const CameraPhases& camera, const Image<float>& p
   const int lines = along_rows ? phase.height() : phase.width();
   for_each_row(lines, [&](int number) {
     const Line line(camera, phase, along_rows, number);
+
+    // Places in the votes and in the candidates of pixel i of the line.
     const auto index = [&](int i) { return along_rows ? at(i, number) : at(number, i); };
     const auto pixel = [&](int i) {
       return static_cast<std::size_t>(along_rows ? number * phase.width() + i
                                                  : i * phase.width() + number);
     };
+
+    // For each pixel its first candidate, and the running sums, one for each order.
     std::vector<int> shift(static_cast<std::size_t>(line.length));
     std::vector<std::uint32_t> window;
     for (int begin = 0, end = 0; begin < line.length; begin = end) {
@@ -209,21 +233,26 @@ void CameraOrders::sum_windows(const CameraPhases& camera, const Image<float>& p
 
       // 2. The sums of a window that moves along them.
       window.assign(static_cast<std::size_t>(most - least + candidates_.most), 0);
+
+      // Subtracts by adding 0 - votes, modulo 2^32: the sums stay exact.
       const auto change = [&](int i, bool enters) {
         const std::uint32_t* const votes = votes_.data() + index(i);
         std::uint32_t* const sums = window.data() + (shift[i] - least);
         const int count = candidates_.count.begin()[pixel(i)];
         for (int k = 0; k < count; ++k) sums[k] += enters ? votes[k] : 0 - votes[k];
       };
+
       for (int i = begin; i < std::min(end, begin + reach); ++i) change(i, true);
       for (int i = begin; i < end; ++i) {
         if (i + reach < end) change(i + reach, true);
         if (i - reach > begin) change(i - reach - 1, false);
+
         std::copy_n(window.begin() + (shift[i] - least), candidates_.count.begin()[pixel(i)],
                     summed_.begin() + static_cast<std::ptrdiff_t>(index(i)));
       }
     }
   });
+
   std::swap(votes_, summed_);
 }
 

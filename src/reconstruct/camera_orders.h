@@ -35,6 +35,7 @@ class CameraOrders {
   void find_candidates(const CameraPhases& camera, const Image<float>& phase);
   void vote(const CameraPhases& camera, const Image<float>& phase, const CameraPhases& other);
   void sum_windows(const CameraPhases& camera, const Image<float>& phase, bool along_rows);
+
   [[nodiscard]] std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(row * coordinate_.width() + column) *
            static_cast<std::size_t>(candidates_.most);
@@ -49,12 +50,14 @@ class CameraOrders {
   float periods_;
   DepthRange depths_;
   bool of_other_;
+
   Image<Bounds> bounds_;
   CandidateOrders candidates_;
   /// For every pixel and candidate: in the low bits the disagreement of the two cameras' phases, 1
   /// - cos of their difference, in steps of 1 / 4096, in the high ones the pixels that the other
   /// camera sees.
   std::vector<std::uint32_t> votes_, summed_;
+
   Image<float> coordinate_;
 };
 

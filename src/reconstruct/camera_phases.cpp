@@ -17,11 +17,14 @@ namespace slipstream {
 namespace {
 
 EngineSetup for_phases(EngineSetup setup) {
+  // Phases are matched as measured: no correction for the response, and no geometry.
   PhotometricCalibration light = setup.scanner.photometry;
   light.response.reset();
   setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size, light);
+
   setup.sequence = merged_sequence(setup.sequence);
   raise_least_modulation(setup);
+
   return setup;
 }
 
@@ -41,6 +44,8 @@ PhaseReader::PhaseReader(const EngineSetup& setup)
 
 void PhaseReader::operator()(const FrameViews& given, CameraPhases& to) {
   const FrameViews& frames = maps_.merged(given);
+
+  // 1. Phasors of the bands, maps, and which pixels are valid.
   read_bands(frames, to);
   if (has_coordinate(decode_.layout())) {
     maps_.maps(frames, to.maps);
@@ -49,13 +54,16 @@ void PhaseReader::operator()(const FrameViews& given, CameraPhases& to) {
   }
   judge(frames, to);
 
+  // 2. Which places between pixels can be interpolated: those with four valid pixels around them.
   const Size size = frames.size();
   if (to.surrounded.size() != size) to.surrounded = Image<std::uint8_t>(size);
   for_each_row(size.height - 1, [&](int row) {
     const Validity *const here = to.validity.row(row), *const below = to.validity.row(row + 1);
+
     const auto is_valid = [&](int column) {
       return here[column] == Validity::valid && below[column] == Validity::valid;
     };
+
     std::uint8_t* const inside = to.surrounded.row(row);
     for (int column = 0; column + 1 < size.width; ++column) {
       inside[column] = is_valid(column) && is_valid(column + 1) ? 1 : 0;
@@ -71,6 +79,7 @@ void PhaseReader::read_bands(const FrameViews& frames, CameraPhases& to) const {
     if (band.size() != frames.size()) band = Image<Phasor>(frames.size());
   }
 
+  // 8 to 16 bits, plain sums: several pixels at a time.
   const bool fits_vectors = frames.size().width >= least_row_width;
   if (frames.quantised() && fits_vectors && are_sums(layout)) {
     for_each_row(frames.size().height, [&](int row) {
@@ -81,6 +90,7 @@ void PhaseReader::read_bands(const FrameViews& frames, CameraPhases& to) const {
     return;
   }
 
+  // Other numbers, plain sums: over the whole image in double.
   if (are_sums(layout)) {
     for (std::size_t i = 0; i < order_.size(); ++i) {
       const Band& band = layout.bands[order_[i]];
@@ -91,6 +101,7 @@ void PhaseReader::read_bands(const FrameViews& frames, CameraPhases& to) const {
     return;
   }
 
+  // Carriers or other demodulation: by the reference decoder.
   const LayoutPhases decoded = decode_.demodulate(frames);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const PhaseMaps& band = decoded.bands[order_[i]];
@@ -107,24 +118,30 @@ void PhaseReader::read_maps(const FrameViews& frames, CameraPhases& to) const {
   for (Image<float>* const map : {&to.maps.modulation, &to.maps.wrapped_phase}) {
     if (map->size() != size) *map = Image<float>(size);
   }
+
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
       const Phasor phasor = band(column, row);
       to.maps.modulation(column, row) = std::sqrt(std::norm(phasor));
+
       const float phi = std::arg(phasor);
       to.maps.wrapped_phase(column, row) = phi < 0 ? phi + static_cast<float>(two_pi) : phi;
     }
   });
+
   convert(weighted_sum(frames, decode_.layout().bands.front().mean), to.maps.mean);
 }
 
 void PhaseReader::judge(const FrameViews& frames, CameraPhases& to) const {
+  // Unless bands alone give the order, neighbours may contradict it: the full judgement.
   if (order_source(decode_.layout()) != OrderSource::bands) {
     BasicMaps<double> maps;
     convert(to.maps, maps);
     to.validity = judged(maps, {}, frames, setup_);
     return;
   }
+
+  // Bands alone: only the light decides.
   const auto least = static_cast<float>(least_modulation(setup_.settings, frames.full_scale()));
   if (to.validity.size() != frames.size()) to.validity = Image<Validity>(frames.size());
   std::ranges::transform(to.maps.modulation, saturation_mask(frames), to.validity.begin(),

@@ -27,25 +27,32 @@ double coordinate_at(const EngineSetup& setup, const Eigen::Vector3d& ray, doubl
 
 /// Depth up to which a range from `nearest` spans this share of the field.
 double farthest_within(const EngineSetup& setup, const Eigen::Vector3d& ray, double share) {
+  // Bisection: 50 halvings reach the rounding of a double.
   double near = *setup.settings.nearest, far = *setup.settings.farthest;
   const double start = coordinate_at(setup, ray, near);
   for (int i = 0; i < 50; ++i) {
     const double middle = (near + far) / 2;
     (std::abs(coordinate_at(setup, ray, middle) - start) < share ? near : far) = middle;
   }
+
   return near;
 }
 
 void require_narrow(const EngineSetup& setup, double periods) {
   const double nearest = *setup.settings.nearest, farthest = *setup.settings.farthest;
   const Size size = setup.scanner.camera.size;
+
+  // The middle pixel stands for all.
   const Eigen::Vector3d ray =
       ray_through(setup.scanner.camera, {(size.width - 1) / 2.0, (size.height - 1) / 2.0});
   const double covered =
       std::abs(coordinate_at(setup, ray, farthest) - coordinate_at(setup, ray, nearest));
+
   throw_if(!std::isfinite(covered),
            "nearest depth {} mm is behind the projector; choose a larger one", nearest);
   if (covered * periods < 1 || setup.sequence.strategy.is_spectral()) return;
+
+  // The message proposes a range and a number of periods that would do.
   constexpr double sure = 0.95;  // of a period: the rest is for noise
   throw Error(fmt::format(
       "depths from {} to {} mm span {:.2f} of {} periods at the middle of the image; the "
@@ -65,12 +72,16 @@ DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
       least_modulation_(static_cast<float>(setup.settings.minimum_modulation)),
       bounds_(setup.scanner.camera.size) {
   require_narrow(setup, periods_);
+
+  // Bounds of each pixel's coordinate, up to a little past the field: the ends of the depth range.
   const double end = farthest_past_field(projector_length(setup));
   for_each_pixel(bounds_.size(), [&](int column, int row) {
     const Eigen::Vector3d ray = ray_through(setup.scanner.camera, {column, row});
+
     const double near = coordinate_at(setup, ray, *setup.settings.nearest);
     const double far = coordinate_at(setup, ray, *setup.settings.farthest);
     const bool known = std::isfinite(near) && std::isfinite(far);
+
     const double least = std::max(std::min(near, far), -end),
                  largest = std::min(std::max(near, far), 1 + end);
     bounds_(column, row) = {static_cast<float>(known ? least * periods_ : nan),
@@ -87,6 +98,8 @@ void DepthUnwrapper::operator()(const Image<float>& wrapped_phase, const Image<f
     to.possible = Image<OrderRange>(size);
     to.phase = Image<float>(size);
   }
+
+  // 1. The orders that each pixel's depth range leaves.
   const auto grey_level = static_cast<float>(full_scale / 255);
   for_each_pixel(size, [&](int column, int row) {
     const float phi = wrapped_phase(column, row), levels = modulation(column, row) / grey_level;
@@ -94,14 +107,20 @@ void DepthUnwrapper::operator()(const Image<float>& wrapped_phase, const Image<f
     to.phase(column, row) = lit ? phi : std::numeric_limits<float>::quiet_NaN();
     to.possible(column, row) = possible(phi, levels, bounds_(column, row));
   });
+
+  // 2. Spectral strategies: one order for each connected surface.
   const Image<int>* const orders =
       by_surfaces_ ? &to.by_surfaces(to.phase, by_possible_orders(to.possible)) : nullptr;
+
+  // 3. The order, if it is the only candidate or its surface's, and otherwise why there is none.
   for_each_pixel(size, [&](int column, int row) {
     const auto [first, last] = to.possible(column, row);
     const bool known = !std::isnan(bounds_(column, row).least);
+
     int order = first == last ? first : SurfaceOrders::none;
     if (orders != nullptr) order = (*orders)(column, row);
     to.order(column, row) = order;
+
     Validity& validity = to.validity(column, row);
     validity = known && first > last ? Validity::out_of_range : Validity::doubtful_order;
     if (order != SurfaceOrders::none) validity = Validity::valid;
@@ -133,12 +152,18 @@ Image<Validity> DepthUnwrapper::operator()(BasicMaps<double>& maps, double full_
 OrderRange DepthUnwrapper::possible(float phi, float modulation, const Bounds& bounds) const {
   constexpr float sigmas = 4;
   if (std::isnan(bounds.least)) return {};
+
+  // Phase noise is proportional to 1 / B. Coordinates are in periods: cycles + order.
   const float cycles = phi / (2 * std::numbers::pi_v<float>);
   const float margin = sigmas * noise_ / std::max(modulation, 1e-3F);
+
+  // Clamped, because in the dark the margin is huge and an int cannot hold it.
   const auto floor = [](float value) {
     const int towards_0 = static_cast<int>(std::clamp(value, -1e4F, 1e4F));
     return towards_0 - (static_cast<float>(towards_0) > value ? 1 : 0);
   };
+
+  // From the ceiling of the lower bound, -floor(-x), to the floor of the upper one.
   return {static_cast<std::int16_t>(-floor(cycles + margin - bounds.least)),
           static_cast<std::int16_t>(floor(bounds.largest + margin - cycles))};
 }

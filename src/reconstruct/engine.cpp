@@ -28,8 +28,11 @@ namespace {
 void pack(const Cloud& cloud, PackedPoints& points) {
   const std::array from{&cloud.x, &cloud.y, &cloud.z, &cloud.intensity};
   const std::array to{&points.x, &points.y, &points.z, &points.intensity};
+
+  // Plane by plane; each visits the same valid pixels, so that entries stay in step.
   for (std::size_t k = 0; k < from.size(); ++k) {
     if (to[k]->size() != cloud.size()) *to[k] = Image<float>(cloud.size(), uninitialised);
+
     points.count = 0;
     for (std::size_t i = 0; i < from[k]->pixel_count(); ++i) {
       if (cloud.validity.begin()[i] == Validity::valid)
@@ -59,16 +62,24 @@ std::string without_fused(const std::string& why) {
 /// and an arbitrary pose, on which maps do not depend.
 EngineSetup as_reconstructed(EngineSetup setup) {
   setup.sequence = merged_sequence(std::move(setup.sequence));
+
   Scanner& scanner = setup.scanner;
   if (has_geometry(scanner)) return setup;
+
   setup.settings.nearest.reset();  // depths need a geometry
+
+  // A projector of unknown size counts as fine enough for any pattern.
   constexpr int fine_enough = 1 << 14;
   if (scanner.projector.size == Size{}) scanner.projector.size = {fine_enough, fine_enough};
+
+  // The focal length is the picture's width; the baseline is oblique, so that the scanner is valid
+  // for patterns along either axis.
   for (Lens* const lens : {&scanner.camera, &scanner.projector}) {
     const auto [width, height] = lens->size;
     lens->intrinsic << width, 0, 0.5 * width, 0, width, 0.5 * height, 0, 0, 1;
   }
   scanner.translation = {-100, -100, 0};
+
   return setup;
 }
 
@@ -78,17 +89,23 @@ EngineSetup as_reconstructed(EngineSetup setup) {
 struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
       : setup(of), complete(as_reconstructed(of)), corrections(phase_corrections(of)) {
+    // 1. The setup: without geometry only maps are possible.
     has_geometry(of.scanner) ? require_reconstructible(complete) : require_valid(complete);
     raise_least_modulation(complete);
     noise = depth_noise(complete);
+
     const Band& band = measuring_band(complete.sequence.strategy.layout());
     if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
+
+    // 2. The fused pass, unless the reference or the caller's own engine was chosen.
     const ReconstructSettings& asked = setup.settings;
     if (asked.engine != EngineKind::reference && !asked.own_engine) {
       std::string why_not;
       fused = FusedEngine::make(complete, corrections, &why_not);
       if (!fused) fall_back(without_fused(why_not));
     }
+
+    // 3. The GPU runs the fused pass's stages, with its tables.
     if (fused && asked.engine == EngineKind::gpu) {
       try {
         gpu = GpuEngine::make(*fused, asked.gpu);
@@ -100,6 +117,8 @@ struct Engine::Tables {
         fall_back(without_gpu(error.what()));
       }
     }
+
+    // 4. The table engine takes the reference engine's place where it can.
     if (asked.engine == EngineKind::reference && !asked.own_engine && has_geometry(of.scanner)) {
       std::string why_not;
       table_engine = TableEngine::make(complete, corrections, &why_not);
@@ -107,6 +126,8 @@ struct Engine::Tables {
         fall_back(fmt::format("no table engine: {}; using the reference engine", why_not));
       }
     }
+
+    // 5. The reference engine: now if every scan needs it, otherwise with the first scan that does.
     if (!asked.own_engine && !table_engine && (!fused || fused->wants_coarse()))
       static_cast<void>(reference());
   }
@@ -116,6 +137,7 @@ struct Engine::Tables {
     if (!fused || !frames.quantised()) return EngineKind::reference;
     return gpu && !fell_back ? EngineKind::gpu : EngineKind::fused;
   }
+
   /// Switches all copies to another engine from now on.
   void fall_back(const std::string& why_not) {
     std::call_once(once_fallen_back, [&] {
@@ -135,6 +157,7 @@ struct Engine::Tables {
                              setup.scanner.photometry.noise_gain) *
            grey_level * grey_level;
   }
+
   void require_geometry() const {
     if (!has_geometry(setup.scanner))
       throw Error("points require a scanner; without one, frames give only maps");
@@ -143,15 +166,19 @@ struct Engine::Tables {
   EngineSetup setup;
   /// See as_reconstructed; with the least modulation that the cue needs.
   EngineSetup complete;
+
   PhaseCorrections corrections;
   DepthNoise noise;                                 ///< for 8-bit frames
   std::optional<MotionMeasurement> measure_motion;  ///< for windows longer than a cycle
+
   std::optional<FusedEngine> fused;
   std::optional<GpuEngine> gpu;
   std::optional<TableEngine> table_engine;  ///< in place of the reference engine where it can be
+
   std::once_flag once_fallen_back;
   std::string fallback_reason;  ///< set when it falls back
   std::atomic<bool> fell_back = false;
+
   std::once_flag once;
   std::optional<ReferenceEngine> built;
 };
@@ -162,11 +189,14 @@ struct Engine::Memory {
   FusedMemory fused;
   GpuScanMemory gpu;
   FrameAdapter adapt;
+
   Image<float> modulation;
   std::optional<Cloud> cloud;  ///< source of packed points; constructed when needed
-  Image<float> coarse;         ///< coordinates with orders from the whole image
-  Maps phases;                 ///< from which these orders are found
+
+  Image<float> coarse;  ///< coordinates with orders from the whole image
+  Maps phases;          ///< from which these orders are found
   DepthOrders orders;
+
   FrameMotion motion;
   Cleaner clean;
   std::atomic<bool> unquantised = false;  ///< the newest frames, which no fused engine takes
@@ -199,6 +229,9 @@ const FrameViews& Engine::merged(const FrameViews& frames) {
 ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   Memory& memory = *memory_;
   if (outputs.makes_points()) tables_->require_geometry();
+
+  // 1. Packed points: the fused pass writes them itself, unless exposures are merged or pixels that
+  //    moved must be left out. Otherwise they are packed from a whole cloud.
   const FrameViews& frames = merged(given);
   const bool packs = tables_->engine_for(frames) == EngineKind::fused && !frames.merged() &&
                      !tables_->measure_motion;
@@ -207,17 +240,25 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
     if (!memory.cloud) memory.cloud.emplace();
     made = {.cloud = &*memory.cloud};
   }
+
+  // Cleaning may need the modulation where it was not requested.
   if (outputs.cloud != nullptr && outputs.maps == nullptr && memory.clean.wants_modulation()) {
     made.modulation = &memory.modulation;
   }
+
+  // 2. Compute, and correct for motion and exposure.
   compute(frames, made, nullptr);
   leave_out_moved(frames, made);
+
   if (made.cloud == nullptr) return {};
   divide_by_gain(frames, made.cloud->intensity);
+
   if (outputs.points != nullptr) {
     pack(*made.cloud, *outputs.points);
     return {};
   }
+
+  // 3. Clean. The depth noise is for 8-bit frames; the modulation is in grey levels of these.
   const auto& modulation = outputs.maps != nullptr ? outputs.maps->modulation : memory.modulation;
   DepthNoise noise = tables_->noise;
   noise.noise *= static_cast<float>(frames.full_scale() / 255);
@@ -225,17 +266,24 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
 }
 
 void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse) {
+  // The caller's own engine comes first.
   if (setup().settings.own_engine) return setup().settings.own_engine->run(frames, outputs);
+
+  // Other layouts, lenses or frames: the tables or the reference engine.
   const EngineKind kind = tables_->engine_for(frames);
   memory_->unquantised = tables_->fused && !frames.quantised();
+
   if (kind == EngineKind::reference) {
     if (tables_->table_engine && TableEngine::takes(frames)) {
       return (*tables_->table_engine)(frames, outputs);
     }
     return tables_->reference().run(frames, outputs);
   }
+
+  // Fringe orders that need the whole image are found first, in a pass of their own.
   if (tables_->fused->wants_coarse() && coarse == nullptr)
     return compute_by_picture(frames, outputs);
+
   if (kind == EngineKind::gpu) {
     try {
       return (*tables_->gpu)(frames, outputs, memory_->gpu, coarse);
@@ -244,6 +292,8 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
       tables_->fall_back(without_gpu(error.what()));
     }
   }
+
+  // The CPU: the device's buffers, if a GPU was lost or given up, are not needed any more.
   memory_->gpu.slots.clear();
   (*tables_->fused)(frames, outputs, memory_->fused, coarse);
 }
@@ -253,6 +303,9 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
 void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs) {
   Memory& memory = *memory_;
   const DepthUnwrapper* const by_depth = tables_->reference().by_depth();
+
+  // 1. Coordinates from surfaces, by the reference engine, or from the depth range: the fused pass
+  //    gives the wrapped phase, which does not depend on the coordinates that it is given.
   if (by_depth == nullptr) {
     convert(tables_->reference().maps(frames).coordinate, memory.coarse);
   } else {
@@ -262,7 +315,11 @@ void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs
     (*by_depth)(phase, memory.phases.modulation, frames.full_scale(), memory.orders);
     by_depth->unwrap(phase, memory.orders.order, memory.coarse);
   }
+
+  // 2. The outputs from these coordinates.
   compute(frames, outputs, &memory.coarse);
+
+  // 3. Why pixels have no coordinate; those too dark or saturated keep that reason.
   const auto set_reasons = [&](Image<Validity>& validity) {
     for_each_pixel(validity.size(), [&](int column, int row) {
       Validity& pixel = validity(column, row);
@@ -271,6 +328,7 @@ void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs
       pixel = by_depth == nullptr ? Validity::doubtful_order : memory.orders.validity(column, row);
     });
   };
+
   if (outputs.cloud != nullptr) set_reasons(outputs.cloud->validity);
   if (outputs.depth != nullptr) set_reasons(outputs.depth->validity);
 }
@@ -279,21 +337,27 @@ void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
   if (!tables_->measure_motion) return;
   FrameMotion& motion = memory_->motion;
   (*tables_->measure_motion)(frames, motion);
+
+  // A residual beyond five standard deviations of the noise at full light is motion.
   constexpr double deviations = 5;
   const auto limit = static_cast<float>(deviations * std::sqrt(tables_->noise_variance_of(frames)));
+
   for_each_pixel(motion.unexplained.size(), [&](int column, int row) {
     if (!(motion.unexplained(column, row) > limit)) return;
+
     const auto leave_out = [&](Image<Validity>& validity, auto&... depths) {
       if (validity(column, row) != Validity::valid) return;
       validity(column, row) = Validity::moved;
       ((depths(column, row) = std::numeric_limits<float>::quiet_NaN()), ...);
     };
+
     if (Cloud* const cloud = outputs.cloud) {
       leave_out(cloud->validity, cloud->x, cloud->y, cloud->z);
     }
     if (Depth* const depth = outputs.depth) leave_out(depth->validity, depth->z);
     if (outputs.depth16 != nullptr) (*outputs.depth16)(column, row) = 0;
   });
+
   if (outputs.maps != nullptr) std::swap(outputs.maps->motion, motion.speed);
 }
 
@@ -312,12 +376,14 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 
 std::string Engine::backend_for(const FrameViews& frames) {
   if (setup().settings.own_engine) return setup().settings.own_engine->name;
+
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) {
     const bool by_tables = tables_->table_engine && TableEngine::takes(frames);
     return by_tables ? std::string(name_of(PhaseMethod::tables))
                      : tables_->reference().method_for(frames);
   }
+
   return kind == EngineKind::gpu ? "gpu" : "fused";
 }
 

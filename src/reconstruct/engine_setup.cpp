@@ -29,8 +29,11 @@ bool unwraps_by_picture(const EngineSetup& setup) {
 CueSettings cue_settings(const EngineSetup& setup) {
   const PhotometricCalibration& known = setup.scanner.photometry;
   CueSettings cue{.light = setup.sequence.light, .rule = setup.settings.cue_rule};
+
+  // A calibrated value replaces the default.
   cue.ambient = known.ambient.value_or(cue.ambient);
   cue.noise_variance = known.noise_variance.value_or(cue.noise_variance);
+
   return cue;
 }
 
@@ -55,6 +58,8 @@ void raise_least_modulation(EngineSetup& setup) {
   const double least = least_modulation(setup);
   ReconstructSettings& settings = setup.settings;
   if (!(least > settings.minimum_modulation)) return;
+
+  // The product of both stays the same, and with it the pixels that vote.
   settings.least_voting_share *= settings.minimum_modulation / least;
   settings.minimum_modulation = least;
 }

@@ -21,6 +21,8 @@ constexpr int fine_reach = 12;
 
 float angle_of(Phasor z) {
   if (!(std::abs(z.imag()) <= z.real())) return std::atan2(z.imag(), z.real());
+
+  // arctan t as an odd polynomial, for |t| up to 1.
   const float t = z.imag() / z.real(), t2 = t * t;
   return t * (0.9998660F +
               t2 * (-0.3302995F + t2 * (0.1801410F + t2 * (-0.0851330F + t2 * 0.0208351F))));
@@ -29,21 +31,27 @@ float angle_of(Phasor z) {
 EpipolarMatch EpipolarSearch::by_newton(std::size_t i, float start, int farthest) const {
   constexpr int most_steps = 4;
   constexpr float near = 0.01F;  // rad: the last step's error is of second order
+
   Eigen::Vector2f at = place(start);
   const Eigen::Vector2f direction = pixels_per_w(start, at);
   const float limit = static_cast<float>(farthest) / direction.norm();
+
   float w = start, slope = 0;
   for (int n = 0; n < most_steps; ++n) {
     const float d = difference(i, at);
     if (!std::isfinite(d)) return {};
+
     // The slope changes less than the phase: every other step takes the one of the step before.
     if (n % 2 == 0) slope = gradient(second_.bands[i], at).dot(direction);
+
     const float step = -d / slope;
     if (!(std::abs(w + step - start) <= limit)) return {};
+
     w += step;
     if (std::abs(d) < near) return {w, at + step * direction, direction};
     at = place(w);
   }
+
   return {};
 }
 
@@ -52,6 +60,7 @@ EpipolarMatch EpipolarSearch::by_places(std::size_t i, float start, int farthest
   const Eigen::Vector2f begin = place(start), direction = pixels_per_w(start, begin);
   const float step = static_cast<float>(stride) / direction.norm();
   if (!(step > 0) || !std::isfinite(step)) return {};
+
   const auto difference_at = [&](float w) {
     if (stride == 1) return difference(i, place(w));
     // A coarse phase hardly changes over the pixel or two by which the line is not straight.
@@ -64,14 +73,18 @@ EpipolarMatch EpipolarSearch::by_places(std::size_t i, float start, int farthest
     // At a full turn the sign changes too, but with a jump.
     const bool jumps = std::abs(d_far - d_near) > std::numbers::pi_v<float> / 2;
     if (!(d_near * d_far <= 0) || jumps) return none;
+
+    // The agreement by linear interpolation.
     const float w = std::lerp(near, far, d_near / (d_near - d_far));
     const float d = difference_at(w);
     if (!std::isfinite(d)) return w;
+
     // The phase is not linear between two places: interpolate again where the sign changes.
     if (d * d_near <= 0) return std::lerp(near, w, d_near == d ? 0 : d_near / (d_near - d));
     return std::lerp(w, far, d == d_far ? 0 : d / (d - d_far));
   };
 
+  // Outwards from the start on both sides, until the phases agree on one of them.
   float nearest = std::numeric_limits<float>::quiet_NaN();
   float d_nearer = difference_at(start), d_farther = d_nearer;
   for (int n = 1; n * stride <= farthest && std::isnan(nearest); ++n) {
@@ -80,12 +93,15 @@ EpipolarMatch EpipolarSearch::by_places(std::size_t i, float start, int farthest
       const float before = start + static_cast<float>(side * (n - 1)) * step;
       const float next = start + static_cast<float>(side * n) * step;
       const float d_next = difference_at(next);
+
       const float w = between(before, next, d_before, d_next);
       if (!(std::abs(w - start) >= std::abs(nearest - start)) && !std::isnan(w)) nearest = w;
       d_before = d_next;
     }
   }
+
   if (std::isnan(nearest)) return {};
+
   const Eigen::Vector2f at = place(nearest);
   return {nearest, at, pixels_per_w(nearest, at)};
 }
@@ -93,21 +109,29 @@ EpipolarMatch EpipolarSearch::by_places(std::size_t i, float start, int farthest
 BandSearch band_search(const Layout& layout, int width) {
   BandSearch search;
   double before = 0;
+
   for (const std::size_t i : coarse_to_fine(layout)) {
     const double periods = layout.bands[i].periods;
+
+    // Seen from the coarser band, a period of this one is a fraction of a turn.
     search.fringes.push_back(static_cast<float>(before == 0 ? two_pi : two_pi * before / periods));
+
+    // The coarsest of several bands is searched widely, in steps of two hundredths of its period.
     if (before == 0 && layout.bands.size() > 1) {
       constexpr double little = 0.02;  // periods
       search.reach = static_cast<int>(coarse_reach * width);
       search.stride = std::clamp(static_cast<int>(little * width / periods), 1, 12);
     }
+
     before = periods;
   }
+
   return search;
 }
 
 EpipolarMatch match_pixel(const EpipolarSearch& line, float guess, const BandSearch& bands) {
   const std::size_t finest = bands.fringes.size() - 1;
+
   // One fringe further a fine phase agrees again, but the coarser one does not.
   const auto is_in_fringe = [&](std::size_t i, const EpipolarMatch& match) {
     return std::abs(line.near_difference(i - 1, match.at)) < bands.fringes[i] / 3;
@@ -125,11 +149,13 @@ EpipolarMatch match_pixel(const EpipolarSearch& line, float guess, const BandSea
     const EpipolarMatch match = line.by_newton(i, start, reach);
     return match.is_found() ? match : line.by_places(i, start, reach, stride);
   };
+
   EpipolarMatch match = search(0, guess, bands.reach, bands.stride);
   for (std::size_t i = 1; i <= finest && match.is_found(); ++i) {
     match = search(i, match.w, fine_reach, 1);
     if (match.is_found() && !is_in_fringe(i, match)) return {};
   }
+
   return match;
 }
 

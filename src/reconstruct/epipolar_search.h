@@ -33,15 +33,19 @@ class EpipolarSearch {
   [[nodiscard]] float difference(std::size_t i, const Eigen::Vector2f& at) const {
     return difference(i, phasor_at(second_, second_.bands[i], at));
   }
+
   /// The same, faster, to a few hundredths of the phase's change from pixel to pixel.
   [[nodiscard]] float near_difference(std::size_t i, const Eigen::Vector2f& at) const {
     return difference(i, near_phasor(second_, second_.bands[i], at));
   }
+
   /// Change of the phase of band i along the line, rad per pixel of the second camera; NaN beside
   /// an invalid pixel.
   [[nodiscard]] float slope(std::size_t i, const EpipolarMatch& match) const {
     const Eigen::Vector2f pixel = match.direction.normalized();
     const Image<Phasor>& band = second_.bands[i];
+
+    // Central difference over two pixels of the second camera.
     const Phasor before = near_phasor(second_, band, match.at - pixel);
     const Phasor after = near_phasor(second_, band, match.at + pixel);
     if (before == Phasor(0) || after == Phasor(0)) return std::numeric_limits<float>::quiet_NaN();
@@ -51,6 +55,7 @@ class EpipolarSearch {
   /// The agreement of band i nearest to `start` by Newton's method; not found unless it converges
   /// within `farthest` pixels.
   [[nodiscard]] EpipolarMatch by_newton(std::size_t i, float start, int farthest) const;
+
   /// The same by trying one place after the other, `stride` pixels apart.
   [[nodiscard]] EpipolarMatch by_places(std::size_t i, float start, int farthest,
                                         int stride = 1) const;
@@ -60,12 +65,15 @@ class EpipolarSearch {
     if (seen == Phasor(0)) return std::numeric_limits<float>::quiet_NaN();
     return angle_of(seen * std::conj(first_.bands[i](column_, row_)));
   }
+
   [[nodiscard]] Eigen::Vector2f place(float w) const { return tables_.place(column_, row_, w); }
+
   /// Change of the pixel in the second camera over w, from its place at w.
   [[nodiscard]] Eigen::Vector2f pixels_per_w(float w, const Eigen::Vector2f& at) const {
     const float step = 1e-3F * w;
     return (place(w + step) - at) / step;
   }
+
   /// Change of the phase in the pixels around a place, rad.
   [[nodiscard]] static Eigen::Vector2f gradient(const Image<Phasor>& band,
                                                 const Eigen::Vector2f& at) {

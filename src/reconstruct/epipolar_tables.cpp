@@ -38,11 +38,13 @@ Scanner at_knots(Scanner scanner) {
 
 EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis axis)
     : scanner_(camera), axis_(axis), rays_(camera.camera.size) {
+  // 1. From the camera's frame to the other's, by way of the projector's.
   const Eigen::Matrix3d turn = other.rotation.transpose() * camera.rotation;
   turn_ = turn.cast<float>();
   translation_ =
       (other.rotation.transpose() * (camera.translation - other.translation)).cast<float>();
 
+  // 2. The other camera's lens in float, without the sensor's tilt, which goes with its matrix.
   const auto& coefficients = other.camera.distortion.coefficients;
   std::transform(coefficients.begin(), coefficients.begin() + untilted_coefficient_count,
                  lens_.begin(), [](double k) { return static_cast<float>(k); });
@@ -51,6 +53,7 @@ EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis
   sensor_ =
       (other.camera.intrinsic * sensor_tilt(coefficients[12], coefficients[13])).cast<float>();
 
+  // 3. The rays, in the other camera's frame; solved for each pixel if the table cannot be made.
   const auto rays = ray_table(camera.camera);
   for_each_pixel(rays_.size(), [&](int column, int row) {
     const Eigen::Vector3d ray =
@@ -59,14 +62,17 @@ EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis
     const Eigen::Vector3f turned = (turn * ray).cast<float>();
     rays_(column, row).turned = {turned.x(), turned.y(), turned.z()};
   });
+
   fill_depths(Triangulator(at_knots(camera), axis, PointMethod::form1));
 }
 
 /// Fits w by Chebyshev polynomials at the knots.
 void EpipolarTables::fill_depths(const Triangulator& triangulate) {
+  // 1. At the knots: w at the Chebyshev nodes, then coefficients, then powers of p.
   Image<Polynomial> depths(triangulate.scanner().camera.size);
   const Eigen::Matrix<double, terms, terms> to_powers =
       chebyshev_coefficients<terms>().transpose() * chebyshev_transform<terms>();
+
   for_each_pixel(depths.size(), [&](int column, int row) {
     Eigen::Matrix<double, terms, 1> values;
     for (int k = 0; k < terms; ++k) {
@@ -77,6 +83,7 @@ void EpipolarTables::fill_depths(const Triangulator& triangulate) {
     for (int k = 0; k < terms; ++k) depths(column, row)[k] = static_cast<float>(powers[k]);
   });
 
+  // 2. Between the knots: bilinear interpolation of the coefficients.
   for_each_pixel(rays_.size(), [&](int column, int row) {
     const int i = column / spacing, j = row / spacing;
     const float right = static_cast<float>(column % spacing) / spacing;
@@ -92,6 +99,8 @@ void EpipolarTables::fill_depths(const Triangulator& triangulate) {
 float EpipolarTables::inverse_depth(int column, int row, float y) const {
   const Polynomial& depth = rays_(column, row).depth;
   const float p = (y - 0.5F) / (0.5F - least_y);
+
+  // Horner's scheme.
   float w = depth[terms - 1];
   for (int k = terms - 2; k >= 0; --k) w = w * p + depth[k];
   return w;
@@ -101,6 +110,8 @@ Eigen::Vector2f EpipolarTables::place(int column, int row, float w) const {
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
   const Eigen::Vector3f point = turned(column, row) + w * translation_;
   if (!(point.z() > 0)) return {none, none};
+
+  // The direction, bent by the lens, on the sensor, which may be tilted.
   Eigen::Vector2f bent = point.head<2>() / point.z();
   if (!straight_) bent = distort_untilted<float>(lens_.data(), bent);
   const Eigen::Vector3f pixel = sensor_ * bent.homogeneous();
@@ -108,18 +119,22 @@ Eigen::Vector2f EpipolarTables::place(int column, int row, float w) const {
 }
 
 double EpipolarTables::coordinate_at(int column, int row, double w) const {
+  // The point at depth 1 / w on the pixel's ray, back in the camera's frame.
   const Eigen::Vector3d ray = (turn_.transpose() * turned(column, row)).cast<double>();
   const Eigen::Vector3d point = in_projector_frame(scanner_, ray / ray.z() / w);
   if (!(point.z() > 0)) return nan;
+
   const Lens& projector = scanner_.projector;
   return coordinate_along(axis_, project(projector, point), projector.size);
 }
 
 Phasor phasor_at(const CameraPhases& camera, const Image<Phasor>& band, const Eigen::Vector2f& at) {
+  // The cubic needs a further pixel on every side.
   if (!(at.x() >= 1 && at.y() >= 1 && at.x() < static_cast<float>(band.width() - 2) &&
         at.y() < static_cast<float>(band.height() - 2))) {
     return 0;
   }
+
   const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
   if (camera.surrounded(left, top) == 0) return 0;
   const auto across = cubic_weights(at.x() - static_cast<float>(left));
@@ -131,6 +146,7 @@ Phasor phasor_at(const CameraPhases& camera, const Image<Phasor>& band, const Ei
     const auto* const row = reinterpret_cast<const float*>(band.row(top - 1 + j) + left - 1);
     for (int i = 0; i < 8; ++i) sums[i] += down[j] * row[i];
   }
+
   float C = 0, S = 0;
   for (int i = 0; i < 4; ++i) {
     C += across[i] * sums[2 * i];
@@ -145,8 +161,10 @@ Phasor near_phasor(const CameraPhases& camera, const Image<Phasor>& band,
         at.y() < static_cast<float>(band.height() - 1))) {
     return 0;
   }
+
   const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
   if (camera.surrounded(left, top) == 0) return 0;
+
   const float right = at.x() - static_cast<float>(left), down = at.y() - static_cast<float>(top);
   const Phasor *const above = band.row(top) + left, *const below = band.row(top + 1) + left;
   return (1 - down) * ((1 - right) * above[0] + right * above[1]) +

@@ -28,18 +28,22 @@ class EpipolarTables {
 
   /// w at projector coordinate y, to a part in 1e4: the start of a search.
   [[nodiscard]] float inverse_depth(int column, int row, float y) const;
+
   /// Z of the point in the other camera's frame, mm.
   [[nodiscard]] float other_depth(int column, int row, float w) const {
     return (turned(column, row).z() + w * translation_.z()) / w;
   }
+
   /// w at a depth of the camera's frame, or of the other's if `of_other`; not positive behind the
   /// camera.
   [[nodiscard]] double inverse_of(int column, int row, double depth, bool of_other) const {
     if (!of_other) return 1 / depth;
     return turned(column, row).z() / (depth - translation_.z());
   }
+
   /// The point's pixel in the other camera; NaN behind it.
   [[nodiscard]] Eigen::Vector2f place(int column, int row, float w) const;
+
   /// Projector coordinate of the point, exactly; NaN behind the projector.
   [[nodiscard]] double coordinate_at(int column, int row, double w) const;
 
@@ -61,12 +65,15 @@ class EpipolarTables {
 
   Scanner scanner_;
   Axis axis_;
+
   Eigen::Matrix3f turn_;         ///< from the camera's frame to the other's
   Eigen::Vector3f translation_;  ///< mm
+
   std::array<float, untilted_coefficient_count> lens_{};  ///< of the other camera
   bool straight_ = true;                                  ///< the lens does not bend
   bool tilted_ = false;
   Eigen::Matrix3f sensor_;  ///< from bent directions to multiples of pixels, with its tilt
+
   Image<Ray> rays_;
 };
 

@@ -30,20 +30,24 @@ std::pair<double, double> coordinates_on(const Eigen::Vector3d& ray, DepthRange 
   constexpr double shortest = 10, longest = 2e4;  // mm, of a range without ends
   constexpr double past_field = 0.02, narrowest = 2e-3;
   constexpr int samples = 32;
+
   const double nearest = std::max(depths.nearest, shortest);
   const double farthest = std::min(depths.farthest, longest);
 
   double least = 1 + past_field, most = -past_field;
   for (int i = 0; i <= samples; ++i) {
+    // Evenly in the logarithm of the depth.
     const double depth = nearest * std::pow(farthest / nearest, 1.0 * i / samples);
     const Eigen::Vector3d point = in_projector_frame(scanner, depth * ray);
     const double y =
         coordinate_along(axis, project(scanner.projector, point), scanner.projector.size);
+
     if (!(point.z() > 0 && std::isfinite(y))) continue;
     const double held = std::clamp(y, -past_field, 1 + past_field);
     least = std::min(least, held);
     most = std::max(most, held);
   }
+
   return {least, std::max(most, least + narrowest)};
 }
 
@@ -52,6 +56,7 @@ std::pair<double, double> coordinates_on(const Eigen::Vector3d& ray, DepthRange 
 Eigen::Vector<double, lens_terms> lens_polynomial(const Triangulator& triangulate,
                                                   const ProjectionMatrices& matrices, int column,
                                                   int row, const LensSegment& segment) {
+  // From values at the nodes to powers of u.
   using Square = Eigen::Matrix<double, lens_terms, lens_terms>;
   static const std::array<double, lens_terms> places = node_places();
   static const Square solve = [] {
@@ -65,6 +70,9 @@ Eigen::Vector<double, lens_terms> lens_polynomial(const Triangulator& triangulat
   Eigen::Vector<double, lens_terms> shift;
   for (int j = 0; j < lens_terms; ++j) {
     const double y = segment.middle + places[j] / segment.scale;
+
+    // The reference finds the point with the lens; its linear projection gives the undistorted
+    // coordinate.
     const Eigen::Vector4d point = triangulate(column, row, y).homogeneous();
     const double undistorted =
         matrices.projector_coordinate.dot(point) / matrices.projector_depth.dot(point);
@@ -99,6 +107,8 @@ LensSegment lens_segment(const Triangulator& triangulate, const ProjectionMatric
     powers.row(i) << 1, t, t * t;
     values.row(i) = lens_polynomial(triangulate, matrices, columns[i], row, segment).transpose();
   }
+
+  // The least-norm solution, for segments of one or two pixels.
   const Eigen::Matrix<double, 3, lens_terms> parabolas =
       powers.completeOrthogonalDecomposition().solve(values);
   for (int k = 0; k < lens_terms; ++k) {
@@ -128,13 +138,16 @@ double largest_shift(const Lens& lens, Axis axis) {
     for (int j = 0; j <= steps; ++j) {
       const Eigen::Vector2d pixel(1.0 * lens.size.width * i / steps,
                                   1.0 * lens.size.height * j / steps);
+
       const Eigen::Vector3d straight = lens.intrinsic * ray_through(lens, pixel);
       const Eigen::Vector2d shift = straight.head<2>() - pixel;
+
       const double share = coordinate_along(axis, shift, lens.size);
       largest = std::max(largest, std::isfinite(share) ? std::abs(share)
                                                        : std::numeric_limits<double>::infinity());
     }
   }
+
   return largest;
 }
 

@@ -27,10 +27,13 @@ void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchS
   throw_if(first.projector.size != second.projector.size ||
                !first.projector.intrinsic.isApprox(second.projector.intrinsic),
            "the two cameras' scanners have different projectors; both must have the same");
+
+  // The difference is the second camera's position in the first one's frame, mm.
   throw_if((projector_centre(first) -
             first.rotation.transpose() * second.rotation * projector_centre(second))
                    .norm() < 1e-9,
            "the two cameras are in the same place and measure no depth; check their translations");
+
   throw_if(match.window < 0 || match.window > 100,
            "match window {} is out of range; 0 to 100 pixels", match.window);
 }
@@ -43,6 +46,7 @@ void require_size(const FrameViews& frames, const Scanner& scanner, std::string_
 
 EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence,
                      const ReconstructSettings& settings) {
+  // Each axis of a scan along both is read as a sequence of its own.
   Sequence merged = merged_sequence(sequence);
   merged.both_axes = false;
   return {scanner, std::move(merged), settings};
@@ -68,9 +72,11 @@ struct PhaseMatcher::Tables {
 
   EngineSetup first, second;
   PhaseMatchSettings match;
+
   EpipolarTables there;                ///< of the first camera in the second
   std::optional<EpipolarTables> back;  ///< of the second in the first, to search orders
   BandSearch bands;
+
   double period;   ///< of the finest band, fields
   bool searches;   ///< the second camera gives the order
   bool by_bands;   ///< else the first camera's own order must be the second camera's, too
@@ -82,6 +88,7 @@ struct PhaseMatcher::Memory {
   explicit Memory(const Tables& tables) : clean(tables.first.settings.clean) {}
 
   using Readers = std::array<PhaseReader, 2>;
+
   std::vector<Readers> readers;  ///< one for each first pattern of a window
   std::optional<Readers> other_readers;
   std::array<CameraPhases, 2> phases, others;  ///< `others`: of frames along the other axis
@@ -103,13 +110,19 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
                            const ReconstructSettings& settings, const PhaseMatchSettings& match) {
   require_pair(first, second, match);
   require_valid(setup_of(first, sequence, settings));
+
+  // Only sinusoids measured pixel by pixel can be matched: no whole stripes, and no frames that
+  // are separated by their spectra.
   const Unwrapping& unwrapping = sequence.strategy.layout().unwrapping;
   throw_if(unwrapping->whole_stripes || sequence.strategy.is_spectral(),
            "{}: frames cannot be matched between cameras; use a strategy of sinusoids, or "
            "--one-camera",
            sequence.strategy.name());
+
   tables_ = std::make_unique<Tables>(first, second, sequence, settings, match);
   memory_ = std::make_unique<Memory>(*tables_);
+
+  // A motion window may begin with any pattern of the cycle: a reader for each.
   const int starts = sequence.motion > 0 ? cycle_length(sequence) : 1;
   for (int start = 0; start < starts; ++start) {
     const auto reader = [&](EngineSetup setup) {
@@ -117,6 +130,7 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
       setup.sequence.both_axes = false;
       return PhaseReader(setup);
     };
+
     memory_->readers.push_back({reader(tables_->first), reader(tables_->second)});
   }
 }
@@ -140,6 +154,7 @@ PhaseMatcher::Result PhaseMatcher::operator()(const Scan& first, const Scan& sec
   read(first.frames, second.frames, 0);
   if (!first.other_axis.empty() && !second.other_axis.empty())
     read_across(first.other_axis.front().frames, second.other_axis.front().frames);
+
   match(result);
   return result;
 }
@@ -148,25 +163,29 @@ void PhaseMatcher::run(const FrameViews& first, const FrameViews& second, Result
                        int first_pattern) {
   if (!tables_->given.both_axes) {
     read(first, second, first_pattern);
-  } else {
+  } else {  // first the frames along x, then as many along y
     const int count = frame_count(tables_->first.sequence);
     read(first.part(0, count), second.part(0, count), 0);
     read_across(first.part(count, count), second.part(count, count));
   }
+
   match(result);
 }
 
 void PhaseMatcher::read(const FrameViews& first, const FrameViews& second, int first_pattern) {
   require_size(first, tables_->first.scanner, "first");
   require_size(second, tables_->second.scanner, "second");
+
   auto& [read_first, read_second] = memory_->readers[first_pattern];
   read_first(first, memory_->phases[0]);
   read_second(second, memory_->phases[1]);
+
   memory_->has_others = false;
   memory_->full_scale = first.full_scale();
 }
 
 void PhaseMatcher::read_across(const FrameViews& first, const FrameViews& second) {
+  // Made for the first scan that has frames along the other axis.
   if (!memory_->other_readers) {
     const auto turned = [](EngineSetup setup) {
       setup.sequence = along(setup.sequence, across(setup.sequence.axis));
@@ -174,6 +193,7 @@ void PhaseMatcher::read_across(const FrameViews& first, const FrameViews& second
     };
     memory_->other_readers.emplace(std::array{turned(tables_->first), turned(tables_->second)});
   }
+
   (*memory_->other_readers)[0](first, memory_->others[0]);
   (*memory_->other_readers)[1](second, memory_->others[1]);
   memory_->has_others = true;
@@ -185,6 +205,8 @@ void PhaseMatcher::search_orders() {
   Memory& memory = *memory_;
   const CameraPhases &first = memory.phases[0], &second = memory.phases[1];
   const double periods = 1 / tables_->period;
+
+  // Wrapped phases with the shift added, in [0, 2 pi) again.
   const auto wrap = [&](double phase_shift) {
     for (const int i : {0, 1}) {
       const CameraPhases& camera = memory.phases[i];
@@ -198,18 +220,23 @@ void PhaseMatcher::search_orders() {
     }
   };
 
+  // 1. Without an agreement of the cameras, search for one: at once, then again after 16 scans.
   const bool is_due = memory.scans_until_search == 0;
   if (!is_due) --memory.scans_until_search;
   if (!memory.agreement && is_due) {
     wrap(0);
+
     Image<float> lit = memory.wrapped[0];
     std::ranges::transform(lit, first.validity, lit.begin(), [](float phi, Validity pixel) {
       return pixel == Validity::valid ? phi : std::numeric_limits<float>::quiet_NaN();
     });
+
     const DepthRange set = depth_range(tables_->first);
     memory.agreement = camera_agreement(tables_->there, periods, set, lit, first, second);
     if (memory.agreement && tables_->first.settings.nearest && tables_->first.settings.farthest)
       memory.agreement->depths = set;
+
+    // The bounds of the orders depend on the depths.
     const DepthRange& depths = memory.agreement ? memory.agreement->depths : set;
     constexpr int scans_between_searches = 16;
     if (!memory.agreement) memory.scans_until_search = scans_between_searches;
@@ -220,6 +247,8 @@ void PhaseMatcher::search_orders() {
       memory.depths = depths;
     }
   }
+
+  // 2. Each camera's coordinates, confirmed by the other.
   wrap(memory.agreement ? memory.agreement->phase_shift : 0);
   memory.coordinates[0] = (*memory.orders)(first, memory.wrapped[0], second);
   memory.coordinates[1] = (*memory.back_orders)(second, memory.wrapped[1], first);
@@ -250,12 +279,14 @@ void PhaseMatcher::match_row(int row) {
     return std::abs(across.near_difference(memory.others[0].bands.size() - 1, at)) < most;
   };
 
+  // Rows of the maps, past their further columns.
   const auto side =
       static_cast<std::ptrdiff_t>(memory.inverse_depth.width() - first.validity.width()) / 2;
   float* const depths = memory.inverse_depth.row(row) + side;
   float* const weights = memory.weight.row(row) + side;
   float* const steps = memory.pixel_step.row(row) + side;
   for (int column = 0; column < first.validity.width(); ++column) {
+    // 1. The guess: inverse depth by the projector coordinate.
     depths[column] = std::numeric_limits<float>::quiet_NaN();
     if (first.validity(column, row) != Validity::valid) continue;
     if (!tables.there.has_ray(column, row)) continue;
@@ -263,11 +294,16 @@ void PhaseMatcher::match_row(int row) {
     const float guess = tables.there.inverse_depth(column, row, y);
     if (!(guess > 0)) continue;
 
+    // 2. The match, and the slope of its phase along the epipolar line.
     const EpipolarSearch line(tables.there, first, second, column, row);
     const EpipolarMatch match = match_pixel(line, guess, tables.bands);
     if (!match.is_found()) continue;
     const float slope = line.slope(tables.bands.fringes.size() - 1, match);
     if (!std::isfinite(slope) || slope == 0) continue;
+
+    // 3. Where the order is uncertain, the match must be nearer to the guess than a quarter of a
+    //    period, and the second camera must find the same point. With frames along the other axis,
+    //    their phases must agree too.
     if (tables.searches || !tables.by_bands) {
       const float beside = tables.there.inverse_depth(column, row, y + period / 4);
       if (!(std::abs(match.w - guess) < std::abs(beside - guess))) continue;
@@ -287,6 +323,8 @@ double PhaseMatcher::remaining_phase_shift() const {
   const Image<float>& coordinate = memory_->coordinates[0];
   const int side = (memory_->inverse_depth.width() - coordinate.width()) / 2;
   std::vector<double> shifts;
+
+  // Every second row and column: a sample is enough for a median.
   for (int row = 0; row < coordinate.height(); row += 2) {
     for (int column = 0; column < coordinate.width(); column += 2) {
       const float w = memory_->inverse_depth(column + side, row);
@@ -295,25 +333,33 @@ double PhaseMatcher::remaining_phase_shift() const {
       shifts.push_back(two_pi / tables_->period * (lit - coordinate(column, row)));
     }
   }
+
   return shifts.empty() ? 0 : median(std::move(shifts));
 }
 
 /// Shifts the phase as long as the matched points say so, and more pixels match.
 void PhaseMatcher::improve_phase_shift(const std::function<void()>& match_all) {
+  // A calibration alone may be off by this; a shift once found is refined to 0.01 rad.
   constexpr double of_calibration = 0.3;  // rad
   constexpr int most_steps = 4;
+
   const auto matched = [&] {
     return std::ranges::count_if(memory_->inverse_depth, [](float w) { return std::isfinite(w); });
   };
+
   double& shift = memory_->agreement->phase_shift;
   for (int step = 0; step < most_steps; ++step) {
     const double more = remaining_phase_shift(), before = shift;
     const bool is_small = shift == 0 ? std::abs(more) < of_calibration : std::abs(more) < 0.01;
     if (is_small) return;
+
+    // Shift, and match again.
     const auto points = matched();
     shift = std::remainder(shift + more, two_pi);
     search_orders();
     match_all();
+
+    // Unless this gives 2 % more matches, keep the origin as given.
     if (before == 0 && matched() < points + points / 50) {  // no better: as given
       shift = before;
       search_orders();
@@ -329,6 +375,7 @@ void PhaseMatcher::match(Result& result) {
   const CameraPhases& first = memory.phases[0];
   const Size size = first.validity.size();
   const bool had_agreement = memory.agreement.has_value();
+
   if (tables.searches) search_orders();
 
   // 1. Matches of all pixels.
@@ -338,6 +385,7 @@ void PhaseMatcher::match(Result& result) {
     memory.inverse_depth = Image<float>(padded, std::numeric_limits<float>::quiet_NaN());
     memory.weight = memory.pixel_step = Image<float>(padded);
   }
+
   const auto match_all = [&] { for_each_row(size.height, [&](int row) { match_row(row); }); };
   match_all();
   if (memory.agreement && !had_agreement) improve_phase_shift(match_all);
@@ -346,17 +394,22 @@ void PhaseMatcher::match(Result& result) {
   const DepthRange depths = depth_range(tables.first);
   const MatchedRows matches{tables.match.window, side, memory.inverse_depth, memory.weight,
                             memory.pixel_step};
+
   Cloud& cloud = result.cloud;
   if (cloud.size() != size) cloud = Cloud(size);
   cloud.validity = first.validity;
   const auto grey_level = static_cast<float>(memory.full_scale / 255);
+
   for_each_row(size.height, [&](int row) {
     std::vector<float> smooth(matches.inverse_depth.row(row) + side,
                               matches.inverse_depth.row(row) + side + size.width);
     if (tables.match.window > 0 && size.width >= least_row_width)
       plane_row(matches, row, smooth.data());
+
     for (int column = 0; column < size.width; ++column) {
       cloud.intensity(column, row) = first.maps.mean(column, row) / grey_level;
+
+      // Why a pixel becomes no point: without a depth, or outside the depth range.
       const float Z = 1 / smooth[column];
       Validity& pixel = cloud.validity(column, row);
       if (pixel == Validity::valid && std::isnan(Z)) {
@@ -365,22 +418,26 @@ void PhaseMatcher::match(Result& result) {
       } else if (pixel == Validity::valid && (Z < depths.nearest || Z > depths.farthest)) {
         pixel = Validity::out_of_range;
       }
+
       if (pixel != Validity::valid) {
         cloud.leave_out(column, row, pixel);
         continue;
       }
+
       const Eigen::Vector2f direction = tables.there.direction(column, row);
       cloud.x(column, row) = Z * direction.x();
       cloud.y(column, row) = Z * direction.y();
       cloud.z(column, row) = Z;
     }
   });
+
   result.cleaned = memory.clean(cloud);
 
   // 3. The maps, and the agreement of the cameras, which is kept unless the scene has changed.
   result.maps = first.maps;
   if (tables.searches) result.maps.coordinate = memory.coordinates[0];
   result.agreement = memory.agreement;
+
   const ValidityCounts counts = count_by_validity(cloud);
   const auto count = [&](Validity kind) { return counts[static_cast<std::size_t>(kind)]; };
   const std::size_t lit = cloud.z.pixel_count() - count(Validity::too_dark);

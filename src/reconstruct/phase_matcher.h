@@ -57,6 +57,7 @@ class PhaseMatcher {
   /// Error if frames do not fit.
   [[nodiscard]] Result operator()(const Scan& first, const Scan& second);
   [[nodiscard]] Result operator()(const FrameViews& first, const FrameViews& second);
+
   /// The same into `result`, whose memory is reused. Frames of a sequence along both axes contain
   /// both. `first_pattern`: of a window with motion frames, see merged_sequence.
   void run(const FrameViews& first, const FrameViews& second, Result& result,

@@ -80,6 +80,7 @@ class ReferenceEngine {
     Image<Validity> order;
     return maps(frames, order);
   }
+
   /// Computes the requested outputs, converted to float.
   void run(const FrameViews& frames, const Outputs& outputs) const;
 
@@ -87,6 +88,7 @@ class ReferenceEngine {
   [[nodiscard]] const DepthUnwrapper* by_depth() const {
     return unwrap_by_depth_ ? &*unwrap_by_depth_ : nullptr;
   }
+
   /// See Decoder::method_for.
   [[nodiscard]] std::string method_for(const FrameViews& frames) const {
     return decode_.method_for(frames);

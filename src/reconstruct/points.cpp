@@ -26,10 +26,14 @@ namespace {
 /// which its polynomial turns back, a lens model maps points outside the field into it.
 bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2d& pixel) {
   const Eigen::Vector3d direction = point / point.z();
+
   // Only a shift this large can turn back; the exact test is expensive.
   constexpr double least_turn = 0.1;  // of the field
   const Eigen::Vector2d moved = (lens.intrinsic * direction).head<2>() - pixel;
   if (!(moved.norm() > least_turn * lens.size.width)) return true;
+
+  // The ray through the pixel, by the inverse of the lens: another direction means that the model
+  // has turned back.
   constexpr double largest_error = 1e-2;
   return !((ray_through(lens, pixel) - direction).norm() > largest_error);
 }
@@ -39,11 +43,13 @@ bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2
 double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) {
   constexpr double step = 1e-6;  // small enough that y is linear in the distance
   const auto& [scanner, sequence, settings] = setup;
+
   const auto y = [&](double distance) {
     const Eigen::Vector2d pixel =
         project(scanner.projector, in_projector_frame(scanner, distance * point));
     return coordinate_along(sequence.axis, pixel, scanner.projector.size);
   };
+
   return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
 }
 
@@ -55,12 +61,16 @@ double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column
   // As where clouds are cleaned: distances between pixels, standard deviations.
   constexpr double steepest = 8, deviations = 5.5;
   constexpr double off_centre = 0.29;  // pixels: uniform between -0.5 and 0.5
+
+  // The eight neighbours: those on the same surface give the change of the coordinate, the others
+  // make an edge.
   const Eigen::Vector3d here = position_at(cloud, column, row);
   bool at_edge = false;
   float most = 0;
   for (int i = 0; i < 9; ++i) {
     const int x = column + i % 3 - 1, y = row + i / 3 - 1;
     if (i == 4 || x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
+
     const Eigen::Vector3d there = position_at(cloud, x, y);
     if (!on_one_surface(here, there, steepest)) {
       at_edge |= !((there - here).norm() < deviations * noise);  // also without a point
@@ -68,6 +78,7 @@ double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column
       most = std::max(most, std::abs(coordinate(x, y) - coordinate(column, row)));
     }
   }
+
   return at_edge ? off_centre * most : 0;
 }
 
@@ -77,28 +88,37 @@ double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sig
   std::vector<float> ratios;
   const Size size = cloud.size();
   if (std::min(size.width, size.height) < 2) return 1;
+
+  // The ratios at 4096 places spread over the picture.
   for (int i = 0; i < 4096; ++i) {
     const auto [x, y] = spread_place(i);
     const int column = static_cast<int>(x * (size.width - 1));
     const int row = static_cast<int>(y * (size.height - 1));
+
+    // With -1 the mixed difference of four pixels, with 1 their sum.
     const auto twist = [&](const Image<float>& map, float sign) {
       return (map(column, row) + sign * map(column + 1, row)) +
              sign * (map(column, row + 1) + sign * map(column + 1, row + 1));
     };
+
     // Four pixels of about equal sigma.
     const float ratio = 2 * std::abs(twist(maps.coordinate, -1)) / twist(sigma.coordinate, 1);
     if (ratio >= 0) ratios.push_back(ratio);  // no point, NaN, compares false
   }
+
   return ratios.size() < 100 ? 1 : deviation_from_median(double{quantile(ratios, 0.5)});
 }
 
 }  // namespace
 
 Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
+  // 1. In front of both devices.
   if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
   const auto& [scanner, sequence, settings] = setup;
   const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
   if (in_projector.z() <= 0) return Validity::no_point;
+
+  // 2. In the field, along the axis of the patterns and across it.
   const double end = farthest_past_field(projector_length(setup));
   if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
 
@@ -109,6 +129,8 @@ Validity validity_of(double coordinate, const Eigen::Vector3d& point, const Engi
       !is_lit(scanner.projector, in_projector, pixel)) {
     return Validity::outside_field;
   }
+
+  // 3. In the depth range.
   const auto [nearest, farthest] = depth_range(setup);
   const bool in_range = point.z() >= nearest && point.z() <= farthest;
   return in_range ? Validity::valid : Validity::out_of_range;
@@ -116,27 +138,36 @@ Validity validity_of(double coordinate, const Eigen::Vector3d& point, const Engi
 
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
                        const FrameViews& frames, const EngineSetup& setup) {
+  // 1. Pixels with enough modulation, and those saturated in a frame that measures.
   const ReconstructSettings& settings = setup.settings;
   const Layout& layout = setup.sequence.strategy.layout();
   const double full_scale = frames.full_scale();
   const Image<std::uint8_t> lit =
       modulation_mask(maps.modulation, least_modulation(settings, full_scale));
+
   const std::vector<int> measuring = measuring_frames(layout);
   Image<std::uint8_t> saturated(frames.size()), unconfirmed(frames.size());
   if (settings.drop_saturated && !measuring.empty()) {
     saturated = saturation_mask(frames.chosen(measuring));
   }
+
+  // 2. Fringe orders without enough neighbours that agree. Where neighbours voted on the order,
+  //    darker ones confirm it too.
   if (!maps.fringe_order_doubt.empty()) {
     const bool voted = order_source(layout) == OrderSource::neighbours;
     const Image<std::uint8_t> asked =
         voted ? modulation_mask(maps.modulation, least_neighbour_modulation(settings, full_scale))
               : lit;
+
     FringeOrderConsensus consensus = settings.fringe_order;
     // Of a code only pixels with doubtful bits need neighbours: these may be stripes apart.
     if (layout.unwrapping->whole_stripes) consensus.fewest_neighbours = 0;
+
     unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
                                             highest_frequency(layout), consensus);
   }
+
+  // 3. The first reason that applies.
   Image<Validity> validity = order.empty() ? Image<Validity>(frames.size()) : order;
   for (std::size_t i = 0; i < validity.pixel_count(); ++i) {
     Validity& pixel = validity.begin()[i];
@@ -148,6 +179,7 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
       pixel = Validity::doubtful_order;
     }
   }
+
   return validity;
 }
 
@@ -155,22 +187,27 @@ BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity
                                 const Triangulator& triangulate, const EngineSetup& setup) {
   BasicCloud<double> cloud(validity.size());
   cloud.validity = std::move(validity);
+
   for_each_pixel(cloud.size(), [&](int column, int row) {
     Validity& pixel = cloud.validity(column, row);
     if (pixel != Validity::valid) return;
+
     const double coordinate = coordinates(column, row);
     const Eigen::Vector3d point = triangulate(column, row, coordinate);
     pixel = validity_of(coordinate, point, setup);
     if (pixel != Validity::valid) return;
+
     cloud.x(column, row) = point.x();
     cloud.y(column, row) = point.y();
     cloud.z(column, row) = point.z();
   });
+
   return cloud;
 }
 
 Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSetup& setup,
                            double full_scale) {
+  // 1. Common to all pixels: noise, and the response whose correction amplifies it.
   const Layout& layout = setup.sequence.strategy.layout();
   const double grey_level = full_scale / 255;
   const double at_half = cue_settings(setup).noise_variance;
@@ -180,41 +217,53 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
   const auto& corrected = setup.scanner.photometry.response;
   const bool by_noise = !layout.unwrapping->whole_stripes;
   const double unit_variance = coordinate_variance(layout, 1, 1);
+
   Uncertainty sigma(cloud.size());
   for_each_pixel(cloud.size(), [&](int column, int row) {
     if (cloud.validity(column, row) != Validity::valid) return;
+
+    // 2. Random error of the coordinate: noise / B, amplified by the correction at this phase.
     const double modulation = maps.modulation(column, row) / grey_level;
     const double noise_variance =
         noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
     const double y = maps.coordinate(column, row);
     const double phi = 2 * std::numbers::pi * band.periods * y;
+
     const double gain =
         run && corrected && band.carrier == 0
             ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
             : 1;
+
     // Of a code, 1 + 8 doubt stripes are equally likely.
     const Image<float>& doubt = maps.fringe_order_doubt;
     const double stripes = doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
     const double random = std::sqrt(unit_variance) *
                           (by_noise ? gain * std::sqrt(noise_variance) / modulation : stripes);
+
+    // 3. The point moves along its ray by this much for a change of y. At an edge the pixel's
+    //    centre is uncertain as well.
     const Eigen::Vector3d point = position_at(cloud, column, row);
     const Eigen::Vector3d by_y = point.cwiseAbs() / change_along_ray(point, setup);
     const double at_edge =
         edge_sigma(cloud, maps.coordinate, column, row, std::abs(by_y.z()) * random);
     const double sigma_y = std::hypot(random, at_edge);
+
     const Eigen::Vector3d sigma_point = sigma_y * by_y;
     sigma.coordinate(column, row) = static_cast<float>(sigma_y);
     sigma.x(column, row) = static_cast<float>(sigma_point.x());
     sigma.y(column, row) = static_cast<float>(sigma_point.y());
     sigma.z(column, row) = static_cast<float>(sigma_point.z());
   });
+
   // Unexplained noise larger than the explained: one-bit patterns in focus, fine speckle.
   constexpr double most_excess = 1.5;
   const double excess = by_noise ? noise_excess(cloud, maps, sigma) : 1;
   if (excess <= most_excess) return sigma;
+
   for (Image<float>* const part : {&sigma.coordinate, &sigma.x, &sigma.y, &sigma.z}) {
     for (float& value : *part) value *= static_cast<float>(excess);
   }
+
   return sigma;
 }
 
@@ -223,10 +272,12 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
   const auto least = static_cast<float>(least_modulation(settings, frames.full_scale()));
   const Image<std::uint8_t> saturated = saturation_mask(frames);
   PictureReport report{.validity = Image<Validity>(frames.size())};
+
   std::vector<float> modulations;
   for (std::size_t i = 0; i < saturated.pixel_count(); ++i) {
     const float modulation = maps.modulation.begin()[i];
     Validity& pixel = report.validity.begin()[i];
+
     // Tested first: a pixel that is saturated in all frames has no modulation either.
     if (saturated.begin()[i] != 0) {
       pixel = Validity::saturated;
@@ -236,9 +287,11 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
       modulations.push_back(modulation);
     }
   }
+
   if (!modulations.empty()) {
     report.modulation = 255 / frames.full_scale() * static_cast<double>(quantile(modulations, 0.5));
   }
+
   return report;
 }
 
@@ -249,20 +302,25 @@ Image<double> measured_coordinates(Engine& engine, const FrameViews& frames) {
 }
 
 Image<double> measured_coordinates(Engine& engine, const FrameViews& given, const Maps& narrow) {
+  // As the engine itself sees them: merged frames, and the least modulation that a cue needs.
   EngineSetup setup = engine.setup();
   raise_least_modulation(setup);
   setup.sequence = merged_sequence(std::move(setup.sequence));
   const FrameViews& frames = engine.merged(given);
+
   throw_if(narrow.coordinate.empty(),
            "{}: more than one period covers the field, so these frames alone give "
            "no coordinate, only a wrapped phase",
            setup.sequence.strategy.name());
+
   BasicMaps<double> maps;
   convert(narrow, maps);
   const Image<Validity> validity = judged(maps, {}, frames, setup);
+
   std::ranges::transform(
       validity, maps.coordinate, maps.coordinate.begin(),
       [](Validity pixel, double y) { return pixel == Validity::valid ? y : nan; });
+
   return std::move(maps.coordinate);
 }
 

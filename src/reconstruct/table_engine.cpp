@@ -38,6 +38,8 @@ struct LookedUp {
 
 FormTable form_table(const Lens& camera, const ProjectionMatrices& matrices) {
   const Image<PointForm3> exact = point_table(undistorted_pixels(camera), matrices, point_form3);
+
+  // One coefficient of all pixels, in float.
   const auto part = [&](double PointForm3::*coefficient) {
     Image<float> plane(exact.size());
     std::ranges::transform(exact, plane.begin(), [&](const PointForm3& form) {
@@ -45,6 +47,7 @@ FormTable form_table(const Lens& camera, const ProjectionMatrices& matrices) {
     });
     return plane;
   };
+
   return {.M_z = part(&PointForm3::M_z),
           .N_z = part(&PointForm3::N_z),
           .C = part(&PointForm3::C),
@@ -73,9 +76,11 @@ struct TableEngine::Block {
   std::array<int, pixels> entry;  ///< in the table of modulation and phase
   std::array<float, pixels> mean, modulation, phase, y;
   std::array<int, pixels> greatest;
+
   std::array<float, pixels> X, Y, Z;
   std::array<int, pixels>
       is_sure;  ///< 1: the point is valid for certain; others need `validity_of`
+
   std::array<Validity, pixels> validity;
 };
 
@@ -97,8 +102,11 @@ struct TableEngine::Tables {
     const double length = length_along(other, projector.size);
     safe_margin = static_cast<float>(of.settings.field_margin -
                                      2 * largest_shift(projector, other) - 1 / length);
+
     across_coordinate = projection_matrices(of.scanner, other).projector_coordinate.cast<float>();
     projector_depth = matrices.projector_depth.cast<float>();
+
+    // A little inside the range, so that rounding to float cannot put a depth beyond its ends.
     constexpr double rounding = 1e-5;
     nearest = static_cast<float>(depths.nearest * (1 + rounding));
     farthest = static_cast<float>(depths.farthest * (1 - rounding));
@@ -115,27 +123,34 @@ struct TableEngine::Tables {
   [[nodiscard]] bool is_exact() const {
     constexpr int pixels = 16, coordinates = 24;
     Block block{};
+
     for (int i = 0; i < pixels * pixels * coordinates; ++i) {
       const int column = (i % pixels) * (size().width - 1) / (pixels - 1);
       const int row = (i / pixels % pixels) * (size().height - 1) / (pixels - 1);
       const double y = (i / (pixels * pixels) + 0.5) / coordinates;
+
+      // A block must begin with a lens segment.
       const int first = column / LensSegment::pixels * LensSegment::pixels, at = column - first;
       block.y.fill(static_cast<float>(y));
       find_points(first, row, at + 1, block);
       if (block.is_sure[at] == 0) continue;
+
       const Eigen::Vector3d exact = triangulate(column, row, y);
       const Eigen::Vector3d by_tables(block.X[at], block.Y[at], block.Z[at]);
       if (!((by_tables - exact).norm() < 1e-5 * exact.z())) return false;
     }
+
     return true;
   }
 
   EngineSetup setup;
   PhaseTables phases;
   std::vector<LookedUp> entries;
+
   Triangulator triangulate;
   FormTable forms;
   Image<LensSegment> lens;  ///< empty without distortion
+
   DepthRange depths;
   double least_coordinate;  ///< left edge of the field's first pixel
   float safe_margin = 0, nearest = 0, farthest = 0;
@@ -153,10 +168,12 @@ void TableEngine::Tables::find_phases(const std::array<const std::uint8_t*, N>& 
   constexpr auto turn = static_cast<float>(1 / two_pi);
 
   for (int i = 0; i < count; ++i) {
+    // U and V, sums of intensities, are the place in the table, counted from U = V = 0.
     std::array<int, N> I;
     for (int n = 0; n < N; ++n) I[n] = rows[n][i];
     const auto [U, V] = table_index<int>(form, std::span<const int>(I));
     block.entry[i] = V * stride + U;
+
     block.mean[i] = static_cast<float>(std::accumulate(I.begin(), I.end(), 0)) / float{N};
     block.greatest[i] = *std::ranges::max_element(I);
   }
@@ -238,15 +255,18 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
     *why_not = why;
     return std::nullopt;
   };
+
   if (setup.settings.phase_method != PhaseMethod::tables) return refuse("phases by other methods");
   if (unwraps_by_picture(setup)) return refuse("fringe orders come from the whole picture");
 
   const Layout& layout = setup.sequence.strategy.layout();
   const std::optional<StepRun> run = step_run(layout.bands.front());
   const bool has_tables = run && (run->steps == 3 || run->steps == 4 || run->steps == 6);
+
   const bool is_plain = layout.bands.size() == 1 && !layout.cue && !layout.code &&
                         layout.single_frames.empty() && layout.unwrapping == Unwrapping::none &&
                         layout.bands.front().periods == 1 && layout.bands.front().carrier == 0;
+
   if (!has_tables || !is_plain || run->first != 0 || run->steps != layout.frames ||
       run->shifts != Shifts{}) {
     return refuse("patterns other than 3, 4 or 6 steps of one period");
@@ -255,8 +275,10 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
   const auto correction = corrections.find(run->steps);
   auto tables = std::make_shared<Tables>(
       setup, *run, correction == corrections.end() ? nullptr : &correction->second);
-  if (!tables->is_exact())
+
+  if (!tables->is_exact()) {
     return refuse("its polynomials do not describe this projector lens exactly enough");
+  }
   return TableEngine(std::move(tables));
 }
 
@@ -287,6 +309,7 @@ void TableEngine::prepare(const Outputs& outputs, Size size) {
   const auto give_size = [&](auto&... images) {
     ((images.size() == size ? void() : void(images = std::decay_t<decltype(images)>(size))), ...);
   };
+
   if (Cloud* const cloud = outputs.cloud) {
     give_size(cloud->x, cloud->y, cloud->z, cloud->intensity, cloud->validity);
   }
@@ -296,6 +319,7 @@ void TableEngine::prepare(const Outputs& outputs, Size size) {
     give_size(maps->mean, maps->modulation, maps->wrapped_phase, maps->coordinate);
     maps->fringe_order_doubt = {};
   }
+
   if (outputs.modulation != nullptr) give_size(*outputs.modulation);
 }
 
@@ -304,6 +328,7 @@ void TableEngine::write_phases(const Block& block, int column, int row, int coun
   const auto write = [&](const std::array<float, Block::pixels>& from, Image<float>& to) {
     std::copy_n(from.begin(), count, to.row(row) + column);
   };
+
   if (outputs.modulation != nullptr) write(block.modulation, *outputs.modulation);
   if (Maps* const maps = outputs.maps) {
     write(block.mean, maps->mean);
@@ -318,6 +343,7 @@ void TableEngine::write_points(const Block& block, int column, int row, int coun
   const auto write = [&](const auto& from, auto& to) {
     std::copy_n(from.begin(), count, to.row(row) + column);
   };
+
   if (Cloud* const cloud = outputs.cloud) {
     write(block.X, cloud->x);
     write(block.Y, cloud->y);
@@ -325,10 +351,12 @@ void TableEngine::write_points(const Block& block, int column, int row, int coun
     write(block.mean, cloud->intensity);
     write(block.validity, cloud->validity);
   }
+
   if (Depth* const depth = outputs.depth) {
     write(block.Z, depth->z);
     write(block.validity, depth->validity);
   }
+
   if (outputs.depth16 != nullptr) {
     std::transform(block.Z.begin(), block.Z.begin() + count, outputs.depth16->row(row) + column,
                    outputs.scale);
@@ -346,6 +374,7 @@ void TableEngine::judge(int column, int row, int count, Block& block) const {
     validity = block.modulation[i] < least       ? Validity::too_dark
                : block.greatest[i] >= saturation ? Validity::saturated
                                                  : Validity::valid;
+
     if (validity == Validity::valid && block.is_sure[i] == 0) {
       const Eigen::Vector3d point = tables_->triangulate(column + i, row, block.y[i]);
       validity = validity_of(block.y[i], point, setup);
@@ -353,6 +382,7 @@ void TableEngine::judge(int column, int row, int count, Block& block) const {
       block.Y[i] = static_cast<float>(point.y());
       block.Z[i] = static_cast<float>(point.z());
     }
+
     if (validity != Validity::valid) {
       block.X[i] = block.Y[i] = block.Z[i] = std::numeric_limits<float>::quiet_NaN();
     }

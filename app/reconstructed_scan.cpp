@@ -134,11 +134,13 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json seconds;
+
   for (const auto& [name, words, time] : times_of(scan)) seconds[name] = time;
   std::optional<nlohmann::json> epipolar;
   if (scan.epipolar) {
     epipolar = described("median_px", scan.epipolar->median, "median_length_px",
                          scan.epipolar->median_length, "median_sigma_px",
+
                          scan.epipolar->median_sigma, "doubted", scan.epipolar->doubted);
   }
   nlohmann::json told =
@@ -158,6 +160,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
 
 std::string line_of(const ReconstructedScan& scan) {
   nlohmann::json entry = scan.entry;
+
+  // The map has no scan.yaml: the flags alone describe the patterns.
   double seconds = 0;
   for (const auto& [name, words, time] : times_of(scan)) seconds += time;
   entry["seconds"] = seconds;
@@ -178,11 +182,15 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  depths kept: {:.0f} to {:.0f} mm; change with --nearest, --farthest or --raw",
                nearest, farthest);
   }
+
+  // Photometry given by flag goes before the file's.
   if (const double depth = scan.sound.checked.median_depth; depth > 0) {
     output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
                scan.sound.setup.scanner.translation.norm(), depth);
   }
   if (scan.rms) {
+    // Without a projector the frames cannot check the calibration, so check as for maps and set the
+    // pair afterwards.
     output.say(
         "  RMS error against truth: {:.4g} mm{}", *scan.rms,
         scan.predicted ? fmt::format("; predicted from noise: {:.4g} mm", *scan.predicted) : "");
@@ -198,6 +206,8 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }
   std::vector<std::string> times;
+
+  // Points need a scanner: the scan's own, or a calibrated pair of cameras without a projector.
   for (const auto& [name, words, seconds] : times_of(scan)) {
     times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, words));
   }

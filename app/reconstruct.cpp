@@ -153,8 +153,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   maps.cloud.clear();
   write_results(maps, scan.cloud, scan.maps, {});
 
-  // Normals come from neighbouring pixels, so they are computed on the camera's grid and thinned
-  // after.
+  // Normals come from neighbouring pixels, so they are computed before thinning.
   std::optional<Normals> normals;
   if (flags.normals && !scan.files.cloud.empty()) normals = smoothed_normals(scan.cloud);
   std::optional<Uncertainty> uncertainty = scan.uncertainty;
@@ -212,6 +211,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
                       Reused& reused) {
   std::optional<Engine>& engine = reused.engine;
   Output& output = result.words;
+
   // The memory of a cloud that is already written.
   if (!reused.clouds.empty()) {
     result.cloud = std::move(reused.clouds.back());
@@ -358,8 +358,6 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
 
-  // Scans are read as far ahead as there are threads. Writers wait for the disk more than for a
-  // core.
   // Writers wait for the disk more than for a core.
   const std::size_t most_written = threads == 1 ? 0 : threads;
 
@@ -375,9 +373,8 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
     return next;
   };
 
-  std::size_t done_before = 0;
-
   // Waits for the files of the oldest scan, then logs and prints it and keeps its cloud's memory.
+  std::size_t done_before = 0;
   const auto tell_next = [&] {
     ReconstructedScan scan = next_of(writing);
     // Removes the bar, so that the scan's lines do not overwrite it.
@@ -389,8 +386,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
     progress.advance(scan.done_before);
   };
 
-  // Three stages overlap: later scans are read, this one is reconstructed, earlier ones are
-  // written.
+  // Three stages overlap: scan i is reconstructed, later ones are read, earlier ones written.
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
     for (; asked < std::min(i + threads, count); ++asked) {
       loading.push_back(std::async(start, [&flags, &output, &opened, log,
@@ -399,8 +395,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
       }));
     }
 
-    // The capture's initialiser reconstructs scan i on this thread; only the files are written on
-    // another.
+    // The capture is initialised on this thread: it reconstructs; the task only writes the files.
     writing.push_back(std::async(
         start, [&flags, scan = reconstructed(next_of(loading), flags, reused)]() mutable {
           return written(std::move(scan), flags);
@@ -419,7 +414,6 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
   flags.scans = scan_names(listed_scans(flags), flags.every);
-
   flags.settings = arguments_of(*flags.command, Arguments::settings);
   reconstruct_scans(std::move(flags), output);
 }

@@ -8,6 +8,7 @@ namespace {
 void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   const FlagGroup group{command, "What to write"};
   ResultFiles& files = flags.files;
+
   // Points: clouds and meshes.
   group.add_output("-o,--output", files.cloud,
                    "point cloud: .ply, .pcd or .xyz; - writes .ply to standard output");
@@ -37,6 +38,7 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
 void set_end(ListedScans& listed, const ScanChanges& changes) {
   const std::string& path = listed.path;
   std::uint64_t count = 0;
+
   // Windows can only be counted by opening the recording.
   try {
     count = window_count(scan_files_in(path, changes));
@@ -131,7 +133,7 @@ std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments want
     const bool is_path = type == file_type || type == output_type;
     if (wanted == Arguments::settings && (is_path || name == "every")) continue;
 
-    // Two runs with the same arguments are the same run, so relative paths are made absolute.
+    // A batch may run from another folder, so its paths become absolute.
     for (const std::string& value : option->results()) {
       arguments.push_back(
           fmt::format("--{}={}", name, is_path ? fs::absolute(value).string() : value));

@@ -9,11 +9,13 @@ namespace {
 
 nlohmann::json json_of(const GammaChoice& choice) {
   nlohmann::json document = described("source", choice.source, "gamma", choice.gamma);
+
   if (choice.blind) {
     describe(document, "standard_error", choice.blind->standard_error, "pixels",
              choice.blind->pixels);
     if (!choice.blind->accepted()) document["refused"] = reason_of(choice.blind->refusal);
   }
+
   return document;
 }
 
@@ -31,15 +33,20 @@ std::array<std::tuple<const char*, const char*, double>, 6> times_of(
 void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   const ScanFlags& given = flags.cloud;
   throw_if(!given.scanner, "--from needs the scanner's file: --scanner");
+
   const std::string& path = loaded.result.name.path;
   const Image<double> map = read_map(path);
+
+  // The map has no scan.yaml: the flags alone describe the patterns.
   EngineSetup& setup = loaded.result.sound.setup;
   setup.sequence = changed({}, given.sequence);
   setup.settings = flags.cloud.settings;
   setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), map.size(),
                             setup.sequence.projector);
+
   loaded.coordinates =
       naming(path, [&] { return coordinates_of_map(map, flags.from, projector_length(setup)); });
+
   throw_if(flags.modulation && flags.scans.size() > 1, "--from-modulation needs a single map");
   throw_if(!flags.modulation && flags.command->count("--min-modulation") > 0,
            "with --from, --min-modulation needs --from-modulation");
@@ -53,16 +60,23 @@ SoundScan sound_pair(Scan& scan, const ScanName& name, const fs::path& file, Clo
       completed(read_camera_pair(file), file.string() + ", the second camera as the projector",
                 scan.frames.size(), scan.further_cameras.front().frames.size());
   PhotometricCalibration& known = flags.photometry;
+
+  // Photometry given by flag goes before the file's.
   known.ambient = known.ambient ? known.ambient : pair.photometry.ambient;
   if (!known.noise_variance) {
     known.noise_variance = pair.photometry.noise_variance;
     known.noise_gain = pair.photometry.noise_gain;
   }
+
+  // Without a projector the frames cannot check the calibration: check as for maps, then set the
+  // pair.
   SoundScan sound = sound_scan(scan, text_of(name), flags, output, Wanted::maps);
   sound.setup.scanner = pair;
   sound.setup.scanner.photometry = known;
+
   output.say("{}: two cameras, no projector: the calibration is not checked with the frames",
              text_of(name));
+
   return sound;
 }
 
@@ -71,8 +85,11 @@ std::optional<fs::path> read_scan(const ScanFlags& input, const ReconstructFlags
                                   LoadedScan& loaded) {
   const auto& [path, window] = loaded.result.name;
   const bool cameras = !flags.one_camera, only_maps = flags.files.only_maps() && !flags.uncertainty;
+
   loaded.scan = load_checkable(path, input, cameras, loaded.result.words);
   const Scan& scan = loaded.scan;
+
+  // Points need a scanner: the scan's own, or a calibrated pair of cameras without a projector.
   throw_if(input.second_scanner && scan.further_cameras.empty(),
            "{}: --second-scanner needs pictures of a second camera; name them with "
            "--second-camera",
@@ -83,9 +100,11 @@ std::optional<fs::path> read_scan(const ScanFlags& input, const ReconstructFlags
   }
   throw_if(!only_maps && !scan.scanner && !pair,
            "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
+
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
+
   loaded.result.warnings = scan.warnings;
   loaded.result.wanted = only_maps && (!scan.scanner || only_phase) ? Wanted::maps : Wanted::points;
   return pair;
@@ -100,11 +119,15 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   result.name = name;
   result.words = output.held();
   result.entry = entry_for(name, flags.settings);
+
   Stopwatch watch;
   try {
+    // The window and the open recording of this scan.
     ScanFlags input = flags.cloud;
     input.window = name.window;
     input.recording = opened.at(name.path);
+
+    // 1. Skip the scan if the manifest lists it as done with the same input, settings and outputs.
     if (before != nullptr) {
       const ScanFiles map{.path = name.path, .frames = {name.path}, .scanner = input.scanner};
       result.entry["input"] = fmt::format(
@@ -113,11 +136,15 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
       if (result.done_before) return loaded;
     }
+
+    // 2. A map of another program needs no check.
     if (!flags.from.empty()) {
       load_map(flags, loaded);
       result.read = watch.lap();
       return loaded;
     }
+
+    // 3. Read the scan, choose its gamma and check it.
     const std::optional<fs::path> pair = read_scan(input, flags, loaded);
     result.read = watch.lap();
     result.sound =
@@ -129,20 +156,21 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     if (flags.scans.size() == 1) throw;
     result.failure = error.what();
   }
+
   return loaded;
 }
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json seconds;
-
   for (const auto& [name, words, time] : times_of(scan)) seconds[name] = time;
+
   std::optional<nlohmann::json> epipolar;
   if (scan.epipolar) {
     epipolar = described("median_px", scan.epipolar->median, "median_length_px",
                          scan.epipolar->median_length, "median_sigma_px",
-
                          scan.epipolar->median_sigma, "doubted", scan.epipolar->doubted);
   }
+
   nlohmann::json told =
       described("scan", scan.name.path, "window", scan.name.window, "points",
                 scan.wanted == Wanted::maps ? 0 : scan.counts[0], "pixels",
@@ -153,6 +181,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                 scan.median_sigma, "rms_mm", scan.rms, "predicted_mm", scan.predicted, "epipolar",
                 epipolar, "warnings", scan.warnings, "findings", scan.sound.checked.findings,
                 "repairs", scan.sound.checked.repairs, "seconds", seconds);
+
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   return told;
@@ -160,11 +189,10 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
 
 std::string line_of(const ReconstructedScan& scan) {
   nlohmann::json entry = scan.entry;
-
-  // The map has no scan.yaml: the flags alone describe the patterns.
   double seconds = 0;
   for (const auto& [name, words, time] : times_of(scan)) seconds += time;
   entry["seconds"] = seconds;
+
   scan.failure.empty() ? entry["counts"] = as_json(scan.counts) : entry["error"] = scan.failure;
   return line_of(entry);
 }
@@ -173,6 +201,8 @@ void tell(const ReconstructedScan& scan, Output& output) {
   output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), scan.counts[0],
              scan.wanted == Wanted::maps ? "measured, no points," : "points",
              scan.cloud.validity.pixel_count(), scan.backend);
+
+  // Why pixels were rejected.
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (scan.counts[i] == 0) continue;
     output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), scan.counts[i]);
@@ -183,14 +213,14 @@ void tell(const ReconstructedScan& scan, Output& output) {
                nearest, farthest);
   }
 
-  // Photometry given by flag goes before the file's.
+  // Plausibility, for a look: a wrong calibration shows in the baseline and the depth.
   if (const double depth = scan.sound.checked.median_depth; depth > 0) {
     output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
                scan.sound.setup.scanner.translation.norm(), depth);
   }
+
+  // Errors: true, epipolar and predicted.
   if (scan.rms) {
-    // Without a projector the frames cannot check the calibration, so check as for maps and set the
-    // pair afterwards.
     output.say(
         "  RMS error against truth: {:.4g} mm{}", *scan.rms,
         scan.predicted ? fmt::format("; predicted from noise: {:.4g} mm", *scan.predicted) : "");
@@ -205,9 +235,9 @@ void tell(const ReconstructedScan& scan, Output& output) {
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }
-  std::vector<std::string> times;
 
-  // Points need a scanner: the scan's own, or a calibrated pair of cameras without a projector.
+  // Time of each step, and the files.
+  std::vector<std::string> times;
   for (const auto& [name, words, seconds] : times_of(scan)) {
     times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, words));
   }

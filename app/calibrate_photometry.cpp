@@ -32,14 +32,19 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
                    CalibrationFiles& files, bool of_gamma, Output& output,
                    const std::function<void(const Scan& scan, const std::string& folder)>& take) {
   Progress progress("scans", folders.size());
+
   for (const std::string& folder : folders) {
     ScanFiles described = scan_files_in(folder, changes);
+
     if (files.scanner) described.scanner = files.scanner;
     Scan scan = load_frames(described);
     output.warn(scan.warnings);
+
     CheckedScan checked = check_and_repair(scan);
     if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
     refuse_or_warn(checked, folder, false, output);
+
+    // The scan's own scanner file is the one to add to, unless --scanner names another.
     if (!files.scanner) files.scanner = described.scanner;
     try {
       take(scan, folder);
@@ -47,6 +52,7 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
       const std::string message = error.what();
       throw Error(message.starts_with(folder) ? message : fmt::format("{}: {}", folder, message));
     }
+
     progress.advance();
   }
 }
@@ -55,11 +61,14 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
 void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
                        Output& output) {
   require_valid(found);
+
   const auto& [from, to] = files;
   if (to.empty()) {
     return output.say("nothing was written; -o scanner.yaml adds the result to a scanner file");
   }
+
   write_photometric_calibration(from, to, found);
+
   output.document["output"] = to;
   output.say("{}: written{}", to,
              from ? fmt::format(", with all that {} holds", from->string()) : "");
@@ -69,6 +78,7 @@ void write_calibration(const CalibrationFiles& files, const PhotometricCalibrati
 void write_histogram(const std::string& file, const std::string& title, const std::string& unit,
                      const Histogram& counted, Output& output) {
   if (file.empty()) return;
+
   const auto& [low, high, counts] = counted;
   write_plot(file, BarPlot{title, unit, "pixels", low, high, {counts.begin(), counts.end()}});
   output.document["histogram"] = file;
@@ -90,14 +100,18 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
                   require_ambient_measurable(scan, folder);
                   scans.add(scan, folder);
                 });
+
+  // The camera counts as linear unless the scanner file holds a measured response.
   std::optional<Response> response;
   if (files.scanner && fs::exists(*files.scanner)) {
     const auto measured = read_photometric_calibration(*files.scanner).response;
     if (measured) response = measured->response;
   }
+
   const auto& [estimate, counted, least_alpha] =
       slipstream::calibrate_ambient(scans, flags.least_alpha, response);
   if (response) output.say("using the response in {}", files.scanner->string());
+
   output.say(
       "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, over "
       "{} pixels with alpha of at least {}",
@@ -107,9 +121,11 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
       "with beta_p = {} frames stay above zero for alpha above {:.4g}; for alpha of 0.15 or more "
       "beta_p must be above {:.4g}",
       scans.sequence.light.beta_p, least_alpha, least_beta_p(0.15, estimate.mode));
+
   output.document = described("ambient", estimate.mode, "median", estimate.median, "mean",
                               estimate.mean, "variance", estimate.variance, "pixels",
                               estimate.pixels, "least_reliable_alpha", least_alpha);
+
   write_histogram(flags.histogram, "Ambient light of the pixels", "grey levels", counted, output);
   write_calibration(files, {.ambient = estimate.mode}, output);
 }
@@ -124,6 +140,7 @@ fs::path picture_named(const fs::path& folder, const std::string& name) {
   for (const fs::path& picture : images_in_folder(folder)) {
     if (picture.stem() == name) return picture;
   }
+
   throw Error(fmt::format("{}: no picture named {}; expected {} of a white surface",
                           folder.string(), name, fmt::join(primary_names, ", ")));
 }
@@ -131,12 +148,16 @@ fs::path picture_named(const fs::path& folder, const std::string& name) {
 void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
   std::vector<fs::path> pictures;
   for (const char* name : primary_names) pictures.push_back(picture_named(flags.folder, name));
+
   const ColourMixture mixture = measured_mixture(read_colour_frames(pictures));
+
+  // What each camera channel sees of the projected primaries, and its dark level.
   for (std::size_t c = 0; c < mixture.size(); ++c) {
     const auto& [red, green, blue, dark] = mixture[c];
     output.say("the camera's {} sees {:.3f} of red, {:.3f} of green, {:.3f} of blue; dark {:.1f}",
                primary_names[c + 1], red, green, blue, dark);
   }
+
   output.document["colour_mixture"] = mixture;
   write_calibration(flags.files, {.colour_mixture = mixture}, output);
 }
@@ -155,23 +176,28 @@ struct CalibrateGammaFlags {
 void require_pixels_asked_for_can_be(const CalibrateGammaFlags& flags, bool can,
                                      const std::string& why) {
   const bool map = !flags.map.empty();
+
   throw_if(!can && (map || !flags.histogram.empty()), "{} {}: {}", map ? "--map" : "--histogram",
            map ? flags.map : flags.histogram, why);
 }
 
 void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Output& output) {
   const auto& [map, estimate, counted] = pixels;
+
   output.say(
       "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of {} pixels, with a spread of {:.3g}",
       estimate.gamma, estimate.standard_error, estimate.pixels, estimate.spread);
+
   output.document["pixels"] =
       described("gamma", estimate.gamma, "standard_error", estimate.standard_error, "spread",
                 estimate.spread, "pixels", estimate.pixels, "histogram",
                 described("low", counted.low, "high", counted.high, "counts", counted.counts));
+
   if (!flags.map.empty()) {
     write_map(flags.map, map);
     output.document["map"] = flags.map;
   }
+
   write_histogram(flags.histogram, "Gamma of every pixel", "gamma", counted, output);
 }
 
@@ -184,16 +210,23 @@ struct Found {
 std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
                                 Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
+
   const BlindGamma& fit = found.fit;
+
   output.say("gamma {:.5f}, standard error {:.2g}: fitted to {} pixels with all harmonics",
              fit.gamma, fit.standard_error, fit.pixels);
+
   output.document["fit"] =
       described("gamma", fit.gamma, "standard_error", fit.standard_error, "pixels", fit.pixels);
+
+  // Gamma per pixel takes the second harmonic, hence five steps or more.
   require_pixels_asked_for_can_be(
       flags, found.pixels.has_value(),
       fmt::format("{} steps are too few to measure gamma per pixel; use 5 or more", found.steps));
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
+
   if (!found.response && flags.uniform) return std::nullopt;
+
   const MeasuredResponse measured = found_response(found);
   return Found{found.response->name, measured};
 }
@@ -201,17 +234,22 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
 /// The simplest response that fits uniform patterns, or the measured curve itself if requested.
 Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
   const UniformLevels levels = read_uniform_pictures(*flags.uniform);
+
   const GammaFit fit = fit_gamma(levels.values, levels.intensities);
   output.say(
       "gamma {:.5f}: curve through {} uniform patterns, RMS residual {:.3g} grey levels; ambient "
       "light {:.3g} grey levels",
       fit.gamma, levels.values.size(), fit.rms, fit.offset);
+
   output.document["uniform"] =
       described("gamma", fit.gamma, "rms", fit.rms, "offset", fit.offset, "scale", fit.scale);
+
+  // --response keeps the curve as measured; otherwise the simplest formula that fits.
   const auto [name, response] =
       flags.response
           ? NamedResponse{"measured curve", response_curve(levels.values, levels.intensities)}
           : simplest_response(levels.values, levels.intensities);
+
   return {name, {response, fit.gamma, 0}};
 }
 
@@ -223,7 +261,10 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
   require_pixels_asked_for_can_be(
       flags, !flags.folders.empty(),
       "uniform patterns give no per-pixel gamma; give folders of scans");
+
   CalibrationFiles files = flags.files;
+
+  // 1. Scans of any surface: gamma from the harmonics of the wrapped phase.
   std::optional<Found> found;
   if (!flags.folders.empty()) {
     ScanAverage scans;
@@ -231,6 +272,8 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
                   [&](const Scan& scan, const std::string& folder) { scans.add(scan, folder); });
     found = from_scans(flags, scans, output);
   }
+
+  // 2. Uniform patterns: gamma from the curve. Scans take precedence; --response takes the curve.
   if (flags.uniform) {
     const Found uniform = from_uniform(flags, output);
     if (!found) found = uniform;
@@ -239,9 +282,11 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
       found->measured.response = uniform.measured.response;
     }
   }
+
   output.say("response: {}", found->name);
   output.add("response", found->name, "gamma", found->measured.gamma, "standard_error",
              found->measured.standard_error);
+
   write_calibration(files, {.response = found->measured}, output);
 }
 
@@ -253,10 +298,12 @@ struct CalibrateNoiseFlags {
 
 void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   CalibrationFiles files = flags.files;
+
   std::vector<NoiseScan> scans;
   for_each_scan(flags.folders, flags.scan, files, false, output,
                 [&](const Scan& scan, const std::string&) { scans.emplace_back(scan); });
   const std::vector<NoiseMeasurement> all = slipstream::calibrate_noise(scans);
+
   for (const NoiseMeasurement& measured : all) {
     output.say("sigma_w^2 {:.4f}, standard error {:.2g}: Eq. ({}), {}, {} times{}{}",
                measured.variance, measured.standard_error, measured.equation, measured.method,
@@ -265,6 +312,8 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
                   "standard_error", measured.standard_error, "count", measured.count, "pixels",
                   measured.pixels, "agrees", measured.reason.empty(), "reason", measured.reason);
   }
+
+  // The list begins with the most trusted measurement.
   const NoiseMeasurement& trusted = all.front();
   if (mistakes_gamma_for_noise(trusted)) {
     output.warn(
@@ -272,15 +321,20 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
                     "to separate them",
                     trusted.equation));
   }
+
+  // With pairs of equal scans the variance is a line over the grey level: shot noise grows with
+  // light.
   const NoiseLine line = noise_line(scans).value_or(NoiseLine{.at_half = trusted.variance});
   if (line.gain > 0) {
     output.say(
         "it grows by {:.4f} per grey level, standard error {:.2g}: {:.4f} at half of full scale",
         line.gain, line.gain_error, line.at_half);
   }
+
   output.add("noise_variance", line.at_half, "noise_gain", line.gain);
   throw_if(!files.output.empty() && trusted.variance <= 0,
            "the scans contain no noise; nothing was written");
+
   if (trusted.variance > 0) {
     write_calibration(files, {.noise_variance = line.at_half, .noise_gain = line.gain}, output);
   }
@@ -294,12 +348,16 @@ void add_calibrate_ambient(const Commands& calibrate) {
                     "measure ambient light from scans of a bright surface with many steps");
   required(command.add_file("folders", flags.folders,
                             "pmp scan folders or recordings of one static scene; averaged"));
+
   command.add("--least-reflectivity", flags.least_alpha,
               "minimum reflectivity of the pixels used, 0 to 1");
+
   command.add_output("--histogram", flags.histogram,
                      "histogram of the pixels' ambient light: .png");
+
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
+
   command.common({"--output", "--scanner", "--least-reflectivity", "--steps"});
   command.examples({"calibrate ambient scan_1 scan_2 -o scanner.yaml"});
 }
@@ -308,9 +366,11 @@ void add_calibrate_colour(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_colour, "colour",
       "measure colour crosstalk between projector and camera, from pictures of a white surface");
+
   required(command.add_file("folder", flags.folder,
                             "folder with a picture of each projected colour, named black, red, "
                             "green and blue (see patterns --colour)"));
+
   add_calibration_files(command.app, flags.files);
   command.examples({"calibrate colour white --scanner scanner.yaml -o scanner.yaml"});
 }
@@ -319,6 +379,7 @@ void add_calibrate_gamma(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_gamma, "gamma",
       "measure the projector's response from scans of any surface or from uniform patterns");
+
   command.add_file(
       "folders", flags.folders,
       "scan folders or recordings of one static scene, best with 8 steps or more; averaged");
@@ -326,13 +387,18 @@ void add_calibrate_gamma(const Commands& calibrate) {
               "folder of pictures of uniform patterns, named by grey level, e.g. level_017.png");
   command.add("--response", flags.response,
               "store the curve through the uniform patterns instead of a fitted formula");
+
   add_calibration_files(command.app, flags.files);
+
   command.add_output("--map", flags.map, "map of each pixel's gamma: .tiff");
   command.add_output("--histogram", flags.histogram, "histogram of the pixels' gamma: .png");
+
   command
       .add("--min-modulation", flags.minimum_modulation, "minimum modulation, grey levels of 255")
       ->default_str("16");
+
   add_scan_flags(command.app, flags.scan);
+
   command.common(
       {"--output", "--scanner", "--uniform", "--response", "--map", "--strategy", "--steps"});
   command.examples(
@@ -343,10 +409,13 @@ void add_calibrate_gamma(const Commands& calibrate) {
 void add_calibrate_noise(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_noise, "noise", "measure the frames' noise variance in every way the scans allow");
+
   required(
       command.add_file("folders", flags.folders, "scan folders or recordings of one static scene"));
+
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
+
   command.common({"--output", "--scanner", "--strategy", "--steps", "--high", "--low"});
   command.examples({"calibrate noise scan_1 scan_2 scan_3 -o scanner.yaml"});
 }

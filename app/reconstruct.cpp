@@ -377,6 +377,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   std::size_t done_before = 0;
   const auto tell_next = [&] {
     ReconstructedScan scan = next_of(writing);
+
     // Removes the bar, so that the scan's lines do not overwrite it.
     progress.finish();
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));

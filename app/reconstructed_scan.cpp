@@ -68,8 +68,7 @@ SoundScan sound_pair(Scan& scan, const ScanName& name, const fs::path& file, Clo
     known.noise_gain = pair.photometry.noise_gain;
   }
 
-  // Without a projector the frames cannot check the calibration: check as for maps, then set the
-  // pair.
+  // Without a projector the frames cannot check the calibration, so the check is the one for maps.
   SoundScan sound = sound_scan(scan, text_of(name), flags, output, Wanted::maps);
   sound.setup.scanner = pair;
   sound.setup.scanner.photometry = known;

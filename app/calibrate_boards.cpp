@@ -276,7 +276,6 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
-
   std::vector<Finding> findings = measured_findings(flags, board);
 
   // Read the files first: errors in them should not wait for the calibration.
@@ -289,20 +288,19 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   // 1. Find the board's corners in every pose, in camera pixels and projector coordinates.
   const PoseCaptures captures = captured_boards(flags.boards, board, response, output);
   require_enough_poses(captures, flags.boards.folder);
-
   if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
 
   // 2. Calibrate both lenses and the pose between them.
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
 
+  // 3. Compare with the other scanner file, and report all diagnostics together.
   std::optional<ScannerComparison> comparison;
   if (other) {
     comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
                                calibration.views, board);
   }
 
-  // 3. Compare, and report all diagnostics together.
   for (const auto* more : {&captures.findings, &calibration.findings}) {
     findings.insert(findings.end(), more->begin(), more->end());
   }

@@ -322,8 +322,7 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
                     trusted.equation));
   }
 
-  // With pairs of equal scans the variance is a line over the grey level: shot noise grows with
-  // light.
+  // With pairs of equal scans the variance is a line over the grey level: shot noise.
   const NoiseLine line = noise_line(scans).value_or(NoiseLine{.at_half = trusted.variance});
   if (line.gain > 0) {
     output.say(

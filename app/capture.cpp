@@ -27,7 +27,7 @@ void require_good(const CaptureFlags& flags) {
       !flags.monitor && source.camera.trigger == "Software",
       "--trigger Software: no trigger source; add --monitor, or name the camera's trigger line");
 
-  // The boards fix the axes and the exposure.
+  // A board pose is two scans of one exposure.
   throw_if(flags.poses && source.sequence.axes == "both",
            "--axis both: poses always use both axes; drop --axis");
   throw_if(flags.poses && source.sequence.exposures,
@@ -42,12 +42,12 @@ void require_good(const CaptureFlags& flags) {
 SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> projector) {
   SourceRequest request = request_from(flags.source);
 
-  // A pose takes two scans, along x and along y. Colour pictures stay whole only in a single scan.
+  // A pose is two scans, along x and along y; a single scan keeps colour pictures whole.
   request.scans = flags.poses ? 2 : 1;
   request.as_taken = !flags.poses;
   request.loop = true;  // a single recorded cycle counts as static
 
-  // A free choice of patterns, except for a replay, which has its own.
+  // Without a choice of patterns the default ones are shown; a replay has its own.
   if (!request.sequence.strategy && scheme_of(request.source) != "replay") {
     request.sequence.strategy = default_strategy().name();
   }
@@ -89,6 +89,7 @@ NamedSource virtual_boards(const CaptureFlags& flags, const SourceRequest& reque
 std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSource& opened,
                                         PatternSink* projector) {
   const Sequence& sequence = opened.sequence;
+
   // The projector loops the patterns by itself, and the camera finds where a cycle begins.
   if (projector == nullptr) {
     return std::make_unique<CyclicScans>(*opened.frames, sequence, flags.poses ? 2 : 1);
@@ -239,8 +240,7 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
 
   const CheckedScan checked = check_and_repair(whole);
 
-  // 3. Save the frames as taken; a repaired order is kept only where the frames are the checked
-  // ones.
+  // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
   if (!several && !opened.in_colour) scan = std::move(whole);  // its frames are in order
   save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt, opened.in_colour,
             opened.white);
@@ -264,7 +264,6 @@ CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
 
   const bool boards = flags.poses && scheme_of(request.source) == "virtual";
   rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
-
   rig.opened.frames->start();
 
   rig.camera = scan_camera(flags, rig.opened, projector);

@@ -91,10 +91,9 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
   constexpr std::string_view frames = "/frames/";
   std::optional<ScanFiles> scan;
   std::optional<Scanner> scanner;
-
   std::optional<std::uint32_t> first;
 
-  // Messages come in the order of their times: scanner, scan description, frames.
+  // The attachments scanner.yaml and scan.yaml come before the frames that they describe.
   const bool whole = read_mcap(path, [&](const McapMessage& message) {
     const std::string text(message.content.begin(), message.content.end());
     if (message.encoding.empty() && message.topic == "scanner.yaml") {
@@ -188,7 +187,6 @@ class CloudFiles {
   }
 
   /// `time`: ns; nullopt: one second after the previous cloud.
-  // Clouds without a time follow each other at 1 s.
   void add(const StoredCloud& stored, const ScanName& name, std::optional<std::uint64_t> time) {
     last_ = time.value_or(count_ == 0 ? 0 : last_ + nanoseconds);
     ++count_;
@@ -247,7 +245,6 @@ class CloudFiles {
 void convert_mcap(const std::string& path, const std::string& topic, CloudFiles& files,
                   Output& output) {
   std::uint64_t count = 0;
-
   std::set<std::string> topics;
   const bool whole = read_mcap(path, [&](const McapMessage& message) {
     const bool is_cloud = message.type == point_cloud_type().name && message.encoding == "cdr";
@@ -269,7 +266,6 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
 void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& files,
                        Output& output) {
   const RecordingReader recording(path);
-
   const Sequence sequence = scan_files_in(path, flags).sequence;
 
   // A colour picture holds three patterns, so patterns come three times as fast.
@@ -296,7 +292,6 @@ void convert(const ConvertFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(flags.output);
   if (ending == ".slip")
     return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
-
   if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
 
   CloudFiles files(flags.output, output);

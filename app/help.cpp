@@ -142,9 +142,9 @@ struct HelpLayout : CLI::Formatter {
   static std::string options_in_groups(const CLI::App& app, const std::string& called, bool all) {
     const std::string others = "Options";  // CLI11's group for options without one
 
+    // Common options come in the order of their numbered groups, which the map sorts.
     std::map<std::string, std::string> common;
     std::string groups, first;
-    // Common options come in the order of their numbered groups, which the map sorts.
     for (const std::string& name : app.get_groups()) {
       if (name.starts_with(common_options)) {
         common[name] = options_of(app, name);

@@ -35,7 +35,6 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
   }
 
   require_valid(setup.settings.clean);
-
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
@@ -352,7 +351,6 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
               "response correction: scanner (from its file, if present), none, or a gamma");
   add_backend_flag(command, flags.settings);
   FlagGroup{command.app, "Valid pixels"}.add_settings(flags.settings);
-
   add_clean_flags(command.app, flags.settings);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
@@ -369,7 +367,6 @@ namespace {
 Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSource& opened,
                           Output& output) {
   const std::string& name = flags.second_camera;
-
   request.source = name;
   request.scanner = flags.second_scanner;
   if (scheme_of(name) == "virtual") {
@@ -393,7 +390,6 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
 
   Scanner scanner = completed(*second.scanner, second.scanner_name, second.frames->format().size,
                               second.sequence.projector);
-
   opened.frames =
       std::make_unique<PairedSource>(std::move(opened.frames), std::move(second.frames));
   return scanner;
@@ -430,7 +426,7 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   setup = setup_from(opened, flags, output);
 
-  // 4. Extra frames against motion.
+  // 4. Take extra frames to compensate motion where possible. Exceptions:
   // A replay may end after its first cycle; the channels of a colour picture move together; the
   // published tables are of one cycle.
   const bool is_published = setup.settings.engine == EngineKind::reference &&
@@ -439,7 +435,6 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
                               !settings.second_camera && !request.sequence.motion &&
                               setup.sequence.motion == 0 && takes_motion(setup.sequence) &&
                               !is_published;
-
   if (settings.motion_when_seen) setup.sequence.motion = 2;
 
   // 5. In step with the monitor; from here on the source shows the patterns.
@@ -475,7 +470,6 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
 
 void LiveSession::start() {
   open_sinks(*this, [this] { return document_of(*this); });
-
   tell_news(publisher, output);
   if (!flags.record.empty()) recorder->record_to(flags.record);
   {
@@ -560,7 +554,6 @@ void add_live(const Commands& program) {
 
   command.common({"--source", "--monitor", "--scanner", "--strategy", "--steps", "--rate",
                   "--output", "--publish", "--record", "--headless", "--exposure"});
-
   command.examples({"live --source virtual --rate 120 --strategy pmp --steps 4",
                     "live --source replay:scan.slip --headless --json",
                     "live --source virtual --world ideal --frames 100 --headless -o cloud.ply"});

@@ -34,6 +34,7 @@ struct LiveFlags {
   FileLimit limit;  ///< of recordings and MCAP files
   std::vector<std::string> publish;
   ViewFlags view;
+
   // Of serve:
   const RigSaid* rig = nullptr;      ///< the file's contents
   std::function<LiveFlags()> again;  ///< rereads the file; throws Error
@@ -68,6 +69,7 @@ struct LiveSession {
   ~LiveSession() { publisher.finish(); }  // before the members that its sinks use
 
   /// Opens the sinks and starts.
+
   void start();
 
   const LiveFlags flags;
@@ -76,13 +78,15 @@ struct LiveSession {
   const SteppedSource* stepped = nullptr;  ///< in step with the projector; null without one
   RecordedSource* recorder = nullptr;      ///< owned by the pipeline
   EngineSetup setup{};                     ///< in use now; see setup_of
+
   /// Whether to end: requested, all frames taken, time over, or failed.
   std::function<bool()> is_over = [] { return false; };
   bool patterns_can_change;  ///< frames come from a projector, not from a rendered or recorded scan
   bool motion_when_seen;     ///< see LiveSettings
   Strategy strategy;         ///< at the start
   std::mutex mutex{};        ///< guards the setup and pipeline changes
-  std::mutex saving{};       ///< guards `saved`
+
+  std::mutex saving{};                            ///< guards `saved`
   std::chrono::steady_clock::time_point saved{};  ///< the newest cloud; at most one a second
   std::atomic<std::uint64_t> changes{0};          ///< of setup and camera, except the viewer's own
   Publisher publisher;
@@ -92,12 +96,13 @@ struct LiveSession {
 /// Labels of this strategy, and of common ones that a projector may show instead.
 std::vector<std::string> strategy_labels(const Strategy& given);
 
-/// Whether motion compensation is possible: the patterns are one sinusoid, or PCMP's two in the same
-/// frames, shown repeatedly.
+/// Whether motion compensation is possible: the patterns are one sinusoid, or PCMP's two in the
+/// same frames, shown repeatedly.
 bool takes_motion(const Sequence& sequence);
 
 /// The setup in use. Callable from any thread, like the next three.
 EngineSetup setup_of(LiveSession& session);
+
 /// Looks for this sequence from now on. Throws like LivePipeline::change.
 void change_setup(LiveSession& session, const EngineSetup& setup);
 

@@ -105,6 +105,7 @@ class Output {
     output.holds_ = true;
     return output;
   }
+
   /// Prints the lines held by the other.
   void release(const Output& held) {
     for (const auto& [stream, line] : held.held_) write_line(stream, line);
@@ -120,16 +121,20 @@ class Output {
 
   /// A line on stderr, prefixed with "warning:".
   void warn(std::string_view message) { write_line(stderr, fmt::format("warning: {}", message)); }
+
   void warn(const std::vector<std::string>& messages) {
     for (const std::string& message : messages) warn(message);
   }
+
   void warn(const std::vector<Finding>& findings) {
     for (const Finding& finding : findings) warn(text_of(finding));
   }
+
   /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message) {
     write_line(stderr, fmt::format("slipstream: {}", message));
   }
+
   /// A line before work of seconds, for who watches: only on a terminal.
   void tell_wait(std::string_view work) {
     if (::isatty(STDERR_FILENO) == 1) write_line(stderr, fmt::format("{} ...", work));
@@ -144,18 +149,22 @@ class Output {
   void add(const Named&... named) {
     describe(document, named...);
   }
+
   /// Adds an object of values to the document's list of that name.
   template <class... Named>
   void add_to(const std::string& list_name, const Named&... named) {
     list(list_name).push_back(described(named...));
   }
+
   /// The document's entry of that name, created empty if missing.
   nlohmann::json& list(const std::string& name) {
     return *document.emplace(name, nlohmann::json::array()).first;
   }
+
   nlohmann::json& object(const std::string& name) {
     return *document.emplace(name, nlohmann::json::object()).first;
   }
+
   /// Prints "NAME: PATH" for a written file and adds it to the document's `files`.
   void add_file(const std::string& name, const std::string& path) {
     say("{}: {}", name, path);
@@ -185,6 +194,7 @@ class Progress {
       : label_(std::move(label)), total_(static_cast<std::int64_t>(total)) {
     if (terminal_ && total_ > 1) draw();
   }
+
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { finish(); }

@@ -89,7 +89,6 @@ void tell_pictures(const LiveSession& session, Output& output) {
   const PictureReport report = picture_report(engine.merged(frames), maps, session.setup.settings);
 
   const auto counts = count_by_validity(report.validity);
-
   nlohmann::json& told = output.object("pixels");
   const auto share_of = [&](const char* name, Validity kind) {
     const auto count = counts[static_cast<std::size_t>(kind)];
@@ -102,7 +101,6 @@ void tell_pictures(const LiveSession& session, Output& output) {
                saturated = share_of("saturated", Validity::saturated);
 
   told["median_modulation"] = report.modulation;
-
   output.say(
       "pixels: {:.1f} % measured, {:.1f} % too dark, {:.1f} % saturated; median modulation "
       "{:.1f} grey levels of 255",
@@ -132,7 +130,6 @@ void write_results(LiveSession& session, Output& output) {
     output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
                sink.dropped == 0 ? "" : "; the others came while four waited for it");
   }
-
   output.document.update(document_of(session));
 
   if (const auto failure = session.pipeline->failure()) std::rethrow_exception(failure);
@@ -200,7 +197,7 @@ void tell_steps(const SteppedSource& source, Output& output) {
 void require_good(const LiveFlags& flags) {
   require_duration(flags.duration);
 
-  // Flags that exclude each other, where neither help nor parser can say why.
+  // Flags that exclude each other.
   const SourceRequest& source = flags.source;
   if (flags.monitor) require_sees_monitor(source, *flags.monitor);
   throw_if(flags.monitor && source.sequence.exposures,
@@ -245,7 +242,6 @@ LiveFlags served(LiveFlags flags) {
 }
 
 /// Each run writes its own files, also after a restart of the service.
-
 LiveFlags with_free_names(LiveFlags flags, Output& output) {
   const auto choose = [&](std::string& name, std::size_t begin = 0) {
     if (name.size() <= begin) return;

@@ -69,7 +69,6 @@ struct LiveSession {
   ~LiveSession() { publisher.finish(); }  // before the members that its sinks use
 
   /// Opens the sinks and starts.
-
   void start();
 
   const LiveFlags flags;
@@ -84,8 +83,8 @@ struct LiveSession {
   bool patterns_can_change;  ///< frames come from a projector, not from a rendered or recorded scan
   bool motion_when_seen;     ///< see LiveSettings
   Strategy strategy;         ///< at the start
-  std::mutex mutex{};        ///< guards the setup and pipeline changes
 
+  std::mutex mutex{};                             ///< guards the setup and pipeline changes
   std::mutex saving{};                            ///< guards `saved`
   std::chrono::steady_clock::time_point saved{};  ///< the newest cloud; at most one a second
   std::atomic<std::uint64_t> changes{0};          ///< of setup and camera, except the viewer's own

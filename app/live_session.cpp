@@ -43,7 +43,6 @@ std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
 
   for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
     const char* const name = setting.flag + 2;  // skips "--"
-
     const auto& [help, unit, least, most] = setting.live;
     if constexpr (std::is_same_v<decltype(value), const bool&>) {
       all.push_back(off_or_on(name, help, value != setting.flag_clears));
@@ -84,7 +83,6 @@ void set_recording(LiveSession& session, bool on) {
   if (!on) return session.recorder->finish_recording();
 
   if (session.recorder->recording()) return;
-
   make_folder(session.flags.view.save_to);
   session.recorder->record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
 }
@@ -96,12 +94,10 @@ class CloudMaps {
 
   Image<std::uint8_t> phase(const LiveCloud& cloud) {
     const std::lock_guard lock(mutex_);
-
     const auto frames = measure(cloud);
     if (!frames) return {};
 
     const double least = least_modulation(engine_->setup().settings, frames->full_scale());
-
     Image<std::uint8_t> phase(frames->size());
 
     // The wrapped phase, 0 to 2 pi, as grey levels 1 to 255; 0 stands for a pixel without a phase.
@@ -118,7 +114,6 @@ class CloudMaps {
   std::optional<Uncertainty> uncertainty(const LiveCloud& cloud) {
     const std::lock_guard lock(mutex_);
     const auto frames = measure(cloud);
-
     if (!frames) return std::nullopt;
     return engine_->uncertainty(cloud.cloud, maps_, *frames);
   }
@@ -143,7 +138,6 @@ class CloudMaps {
     const FrameViews window = views_of(cloud.frames);
     if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
     const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
-
     const FrameViews& frames = engine_->merged(cycle);
     engine_->maps(frames, maps_);
     return frames;
@@ -294,7 +288,6 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
         .settings = [&session] { return settings_of(session); },
         .change = [&session](const std::string& setting,
                              const std::string& value) { change_setting(session, setting, value); },
-
         .limit = session.flags.limit,
     };
 
@@ -315,7 +308,6 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
 
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;
-
   const fs::path folder = path_named_by_time(parent, "scan", "");
 
   // Without a scanner only the frames are worth saving.
@@ -327,10 +319,9 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
   Cloud cloud;
   Maps maps;
   Engine(setup).cloud_and_maps(frames, cloud, maps);
-
-  // Merged exposures are not frames as taken, so they are left out.
   make_folder(folder);
 
+  // Merged exposures are not frames as taken, so they are left out.
   if (!frames.merged()) save_scan(folder, frames, sequence, setup.scanner);
   write_results({.cloud = folder / "cloud.ply",
                  .depth = folder / "depth.tiff",

@@ -189,7 +189,6 @@ std::vector<std::string> reversed(std::span<char* const> arguments) {
 
 int print(const std::string& text) {
   Output words(false);
-
   words.say("{}", text);
   words.finish();
   return 0;
@@ -265,11 +264,9 @@ int main(int argc, char** argv) {
 #endif
 
   app::prepare_process();
-
   const auto given = [&](std::string_view word) {
     return std::find(argv, argv + argc, word) != argv + argc;
   };
-
   const bool json = given("--json"), piped = given(standard_output);
   app::Output output(json, piped);  // also if flags cannot be parsed
 

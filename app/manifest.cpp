@@ -8,13 +8,13 @@ namespace fs = std::filesystem;
 
 Manifest manifest_from(std::string_view text, const std::string& name) {
   const std::string_view begin = "{\"";
+
   // The first bytes tell a manifest from any other file, even if only one byte was written yet.
   throw_if(text.substr(0, begin.size()) != begin.substr(0, text.size()),
            "{}: not a manifest of slipstream", name);
 
-  Manifest manifest;
-
   // Only lines with a line break are complete. The last line of a scan counts.
+  Manifest manifest;
   for (std::size_t end = 0; (end = text.find('\n', manifest.whole_bytes)) != text.npos;) {
     nlohmann::json entry = nlohmann::json::parse(
         text.substr(manifest.whole_bytes, end - manifest.whole_bytes), nullptr, false);

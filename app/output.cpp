@@ -84,7 +84,6 @@ void Progress::finish() {
 
 void Progress::advance(bool already) {
   ++done_;
-
   if (already) ++done_before_;
   show();
 }
@@ -96,7 +95,6 @@ void Progress::reach(std::int64_t done) {
 
 void Progress::show() {
   const auto now = std::chrono::steady_clock::now();
-
   if (terminal_ && total_ > 1 && now - drawn_at_ > std::chrono::milliseconds(100)) draw();
 
   // Elsewhere one line, once it is known to take long.
@@ -151,7 +149,7 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
 
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output) {
-  // The same diagnostic of the same time was printed already.
+  // A diagnostic with the same begin was printed before; then only its end is news.
   for (const LiveFinding& now : findings) {
     const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
       return other.begin == now.begin && other.finding.what == now.finding.what;

@@ -24,7 +24,6 @@ struct DesignFlags {
 DesignGoal goal_from(const DesignFlags& flags) {
   DesignGoal goal = flags.goal;
   PhotometricCalibration known;
-
   if (flags.scanner) known = read_photometric_calibration(*flags.scanner);
 
   const auto noise = flags.noise_variance ? flags.noise_variance : known.noise_variance;
@@ -64,7 +63,6 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
                             .most_periods = goal.most_periods};
 
   const std::vector<StrategyDesign> designs = strategy_designs(wanted);
-
   throw_if(designs.empty(),
            "no strategy with at most {} frames and {} periods reaches that; allow more of either, "
            "or more noise",
@@ -82,7 +80,6 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
 /// Effect of extra frames for motion compensation.
 void tell_motion(int steps, double speed, Output& output) {
   require_valid(Sinusoid{steps, 1}, "--steps");
-
   require_in_range(std::abs(speed) <= 1.5, "--phase-speed", speed, "-1.5 to 1.5 rad");
 
   // One cycle of phase shifting at f = 1; its noise is the measure of the others.
@@ -115,7 +112,6 @@ void design(const DesignFlags& flags, Output& output) {
       "at alpha = {}: standard deviation of y {:.3g}, {:.1f} times less than {}-step pmp of unit "
       "frequency; {:.2f} % of pixels unwrapped correctly on their own",
       goal.alpha, sigma, strategy.c1() * strategy.f_h(), strategy.steps, 100 * success);
-
   output.say(
       "slipstream patterns FOLDER --strategy pcmp --steps {} --high {} --share {:.2f} "
       "--alpha-p {} --beta-p {}",
@@ -148,7 +144,6 @@ constexpr Size usual_projector{1920, 1080};
 /// Uniform pictures of grey levels from 0 to 255, for `calibrate gamma --uniform`.
 void write_uniform(const PatternsFlags& flags, Output& output) {
   require_in_range(flags.uniform >= 4 && flags.uniform <= 256, "--uniform", flags.uniform,
-
                    "4 to 256 pictures");
 
   const Size projector = flags.scan.projector.value_or(usual_projector);
@@ -172,7 +167,6 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   if (flags.precompensate) {
     patterns = precompensated(patterns, response_named(*flags.precompensate, "--precompensate"));
   }
-
   const fs::path folder = flags.folder;
 
   if (!flags.sheet.empty()) {
@@ -181,7 +175,6 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   }
 
   tell_replaced(folder, output);
-
   Progress progress("patterns", flags.in_colour ? patterns.count / 3 : patterns.count);
   const auto advance = [&] { progress.advance(); };
   const std::vector<fs::path> pictures =
@@ -239,7 +232,6 @@ void add_patterns(const Commands& program) {
 
 void add_design(const Commands& program) {
   const auto [command, flags] = program.add(
-
       design, "design", "find the patterns with least noise for a given light, noise and surface");
 
   // All strategies, compared by frames and noise.

@@ -51,7 +51,6 @@ void tell(const UnwrappedPhase<double>& unwrapped, Output& output) {
 
   output.document["pixels"] = pixels;
   const std::size_t count = unwrapped.regions.size();
-
   output.say("{} pixels in {} region{}{}; {} anchored", pixels, count, count == 1 ? "" : "s",
              count > 1 ? fmt::format(", the largest of {}", unwrapped.regions.front().pixels) : "",
              anchored);
@@ -74,7 +73,7 @@ void unwrap(const UnwrapFlags& flags, Output& output) {
   UnwrappedPhase<double> unwrapped = unwrap_in_space(phase, quality, flags.method);
   output.document["seconds"] = watch.lap();
 
-  // 4. Fix the multiple of 2 pi of each region.
+  // 4. Anchor the regions: each is known only up to a multiple of 2 pi.
   anchor(flags, unwrapped);
   output.document["method"] = flags.method;
   tell(unwrapped, output);
@@ -106,7 +105,6 @@ struct HeightFlags {
 
 void add_phase_flags(CLI::App& command, CloudFlags& flags) {
   add_anyway_flag(command, flags.anyway);
-
   FlagGroup{command}.add("--min-modulation", flags.settings.minimum_modulation,
                          "minimum modulation of a valid pixel, grey levels of 255");
   add_scan_input_flags(command, flags);
@@ -150,7 +148,6 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
   write_height_curves(flags.output, fit.curves);
   output.say("{}: {} of {} pixels are calibrated", flags.output, fit.pixels,
              fit.curves.pixel_count());
-
   output.document["pixels"] = fit.pixels;
 }
 

@@ -11,16 +11,19 @@ struct ReconstructedScan {
   ScanName name;
   std::string failure;  ///< reason if it failed, or empty
   Output words{false};  ///< its lines, held until its turn
+
   Cloud cloud;
   ValidityCounts counts{};
   Maps maps;  ///< if requested
   Wanted wanted = Wanted::points;
   std::optional<Uncertainty> uncertainty;
   std::optional<EpipolarCheck> epipolar;  ///< both axes only
+
   std::string backend;
   std::vector<std::string> warnings;
   SoundScan sound;
-  ResultFiles files;                                   ///< files written
+  ResultFiles files;  ///< files written
+
   std::optional<double> rms, predicted, median_sigma;  ///< mm
   double least_modulation = 0;  ///< minimum modulation of a point, grey levels of 255
   double read = 0, tables = 0, computed = 0, written = 0;  ///< s

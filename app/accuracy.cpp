@@ -27,7 +27,6 @@ std::vector<Sequence> sequences_from(const CompareFlags& flags, Size projector) 
   for (const std::string& label : flags.strategies) strategies.push_back(strategy_labelled(label));
 
   if (strategies.empty()) strategies = strategies_to_compare();
-
   std::vector<Sequence> sequences;
   for (const Strategy& strategy : strategies) {
     sequences.push_back({.strategy = strategy, .projector = projector});
@@ -74,7 +73,6 @@ const std::vector<std::string> columns_of_comparison{
 
 std::vector<std::string> cells_of(const Row& row) {
   const CloudErrors& errors = row.compared.errors;
-
   const auto percent = [](double share) { return fmt::format("{:.3f} %", 100 * share); };
   const auto mm = [](double length) { return fmt::format("{:.3f} mm", length); };
 
@@ -145,7 +143,6 @@ void compare_strategies(const CompareFlags& flags, Output& output) {
 
   for (const Row& row : rows) {
     output.say("| {} |", fmt::join(cells_of(row), " | "));
-
     const CloudErrors& errors = row.compared.errors;
     output.add_to("rows", "scene", row.scene, "world", row.world, "strategy", row.strategy,
                   "frames", row.frames, "points", errors.points, "completeness",
@@ -205,14 +202,12 @@ Test rehearsed(const VerifyFlags& flags) {
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
   Artefacts artefacts = read_artefacts(*flags.artefacts);
-
   DistinctFiles files;
   for (const auto* scans : {&artefacts.spheres, &artefacts.planes, &artefacts.repeated}) {
     for (const std::string& scan : *scans) files.add_input(scan);
   }
 
   if (flags.report) files.add_output_folder(*flags.report);
-
   return {
       {std::move(artefacts),
        [&](const std::string& scan) { return organised_cloud(scan, flags.input, output).cloud; }},
@@ -235,7 +230,6 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   });
 
   progress.finish();
-
   output.document["subject"] = subject;
   if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
   tell(accuracy, artefacts.diagonal, output);

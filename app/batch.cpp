@@ -25,7 +25,6 @@ std::string manifest_in(const std::string& folder, std::uint64_t shard) {
 std::uint64_t pixels_of(const ScanFiles& scan) {
   const Size size = scan.frames.empty() ? RecordingReader(scan.path).header().format.size
                                         : read_frames({scan.frames.front()}).frames.size();
-
   return std::uint64_t{1} * size.width * size.height * frame_count(scan.sequence);
 }
 
@@ -42,7 +41,6 @@ void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output
 /// that a million scans take seconds.
 void require_distinct(const ReconstructFlags& flags) {
   require_writable(flags.files, {flags.scans.front()});
-
   std::unordered_set<std::string> outputs;
   for (const ScanName& scan : flags.scans) {
     for (const auto& [kind, path] : files_of_scan(flags.files, scan).named()) {
@@ -194,7 +192,6 @@ std::string merge_shard(const ReconstructFlags& flags, Manifest manifest, Sums& 
 
 void merge_batch(const BatchFlags& flags, Output& output) {
   Batch batch = batch_in(flags.folder);
-
   std::map<std::uint64_t, std::vector<ListedScans>> shards;
   for (ListedScans& listed : batch.scans) shards[listed.shard].push_back(std::move(listed));
 
@@ -210,7 +207,6 @@ void merge_batch(const BatchFlags& flags, Output& output) {
   }
 
   file.keep();
-
   output.document = described("manifest", path, "scans", sums.scans, "whole", sums.whole, "lines",
                               sums.lines, "counts", sums.counts, "seconds", sums.seconds);
   output.say("{} of {} scans complete, {} points, {:.1f} s of work: {}", sums.whole, sums.scans,
@@ -231,7 +227,6 @@ void add_batch(const Commands& program) {
   required(plan.add_output("--plan", planned.folder, "folder to create for the batch"));
 
   add_reconstruct_flags(plan.app, planned.reconstruct);
-
   plan.app.footer(
       "Example:\n  slipstream batch plan archive.txt --tasks 8 --plan plan -o "
       "/shared/{name}-{window}.ply\n  slipstream batch run plan --shard 1/8\n  slipstream batch "

@@ -30,7 +30,6 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
   const double mm_per_pixel = board.spacing / pixels_per_spacing;
 
   write_print(flags.file, picture, mm_per_pixel);
-
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
   output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
              flags.file, text_of(picture.size()));
@@ -344,7 +343,6 @@ void add_calibrate_verify(const Commands& calibrate) {
                      scanner_output_type);
 
   add_board_capture_flags(command, flags.boards);
-
   command.common({"--scanner", "--output", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples(
@@ -379,7 +377,6 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
               "measured on the print with a ruler, first to last corner, mm: row x column");
 
   add_board_capture_flags(command, flags.boards);
-
   const FlagGroup model{command.app, "Model"};
   const std::string lenses = fmt::format(
       "lens distortion coefficients: auto, or {} in OpenCV's order", fmt::join(lens_models, ", "));

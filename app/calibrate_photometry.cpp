@@ -35,7 +35,6 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
 
   for (const std::string& folder : folders) {
     ScanFiles described = scan_files_in(folder, changes);
-
     if (files.scanner) described.scanner = files.scanner;
     Scan scan = load_frames(described);
     output.warn(scan.warnings);
@@ -61,14 +60,12 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
 void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
                        Output& output) {
   require_valid(found);
-
   const auto& [from, to] = files;
   if (to.empty()) {
     return output.say("nothing was written; -o scanner.yaml adds the result to a scanner file");
   }
 
   write_photometric_calibration(from, to, found);
-
   output.document["output"] = to;
   output.say("{}: written{}", to,
              from ? fmt::format(", with all that {} holds", from->string()) : "");
@@ -78,7 +75,6 @@ void write_calibration(const CalibrationFiles& files, const PhotometricCalibrati
 void write_histogram(const std::string& file, const std::string& title, const std::string& unit,
                      const Histogram& counted, Output& output) {
   if (file.empty()) return;
-
   const auto& [low, high, counts] = counted;
   write_plot(file, BarPlot{title, unit, "pixels", low, high, {counts.begin(), counts.end()}});
   output.document["histogram"] = file;
@@ -176,14 +172,12 @@ struct CalibrateGammaFlags {
 void require_pixels_asked_for_can_be(const CalibrateGammaFlags& flags, bool can,
                                      const std::string& why) {
   const bool map = !flags.map.empty();
-
   throw_if(!can && (map || !flags.histogram.empty()), "{} {}: {}", map ? "--map" : "--histogram",
            map ? flags.map : flags.histogram, why);
 }
 
 void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Output& output) {
   const auto& [map, estimate, counted] = pixels;
-
   output.say(
       "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of {} pixels, with a spread of {:.3g}",
       estimate.gamma, estimate.standard_error, estimate.pixels, estimate.spread);
@@ -210,7 +204,6 @@ struct Found {
 std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
                                 Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
-
   const BlindGamma& fit = found.fit;
 
   output.say("gamma {:.5f}, standard error {:.2g}: fitted to {} pixels with all harmonics",
@@ -226,7 +219,6 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
 
   if (!found.response && flags.uniform) return std::nullopt;
-
   const MeasuredResponse measured = found_response(found);
   return Found{found.response->name, measured};
 }
@@ -234,7 +226,6 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
 /// The simplest response that fits uniform patterns, or the measured curve itself if requested.
 Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
   const UniformLevels levels = read_uniform_pictures(*flags.uniform);
-
   const GammaFit fit = fit_gamma(levels.values, levels.intensities);
   output.say(
       "gamma {:.5f}: curve through {} uniform patterns, RMS residual {:.3g} grey levels; ambient "
@@ -298,7 +289,6 @@ struct CalibrateNoiseFlags {
 
 void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   CalibrationFiles files = flags.files;
-
   std::vector<NoiseScan> scans;
   for_each_scan(flags.folders, flags.scan, files, false, output,
                 [&](const Scan& scan, const std::string&) { scans.emplace_back(scan); });
@@ -388,7 +378,6 @@ void add_calibrate_gamma(const Commands& calibrate) {
               "store the curve through the uniform patterns instead of a fitted formula");
 
   add_calibration_files(command.app, flags.files);
-
   command.add_output("--map", flags.map, "map of each pixel's gamma: .tiff");
   command.add_output("--histogram", flags.histogram, "histogram of the pixels' gamma: .png");
 
@@ -397,7 +386,6 @@ void add_calibrate_gamma(const Commands& calibrate) {
       ->default_str("16");
 
   add_scan_flags(command.app, flags.scan);
-
   command.common(
       {"--output", "--scanner", "--uniform", "--response", "--map", "--strategy", "--steps"});
   command.examples(

@@ -27,7 +27,6 @@ void list_connected(const NoFlags&, Output& output) {
 
 void list_gpus(const NoFlags&, Output& output) {
   const std::vector<GpuDescription> devices = gpu_devices();
-
   output.list("devices");
 
   for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -194,7 +193,6 @@ void record(const RecordFlags& flags, Output& output) {
   request.as_taken = true;
 
   const NamedSource opened = open(request, output);
-
   FrameSource& source = *opened.frames;
   Recorder recorder(flags.file,
                     {.format = source.format(),
@@ -252,7 +250,6 @@ void record(const RecordFlags& flags, Output& output) {
 
 void add_camera(const Commands& program) {
   const Commands camera = program.add_group("camera", "list cameras, or serve a virtual one");
-
   camera.add(list_connected, "list", "list the cameras that answer, by their --source names");
 #ifdef SLIPSTREAM_CAMERAS
   add_camera_serve(camera);
@@ -261,7 +258,6 @@ void add_camera(const Commands& program) {
 
 void add_gpu(const Commands& program) {
   const Commands gpu = program.add_group("gpu", "list GPUs for --backend gpu");
-
   gpu.add(list_gpus, "list", "list Vulkan devices by number");
 }
 

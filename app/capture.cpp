@@ -53,7 +53,6 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
   }
 
   if (projector && !request.sequence.projector) request.sequence.projector = projector;
-
   return request;
 }
 
@@ -61,19 +60,16 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
 std::vector<std::vector<Image<std::uint8_t>>> pictures_of(const Sequence& sequence,
                                                           bool both_axes) {
   if (!both_axes) return {pictures_to_show(sequence)};
-
   std::vector<std::vector<Image<std::uint8_t>>> pictures;
   for (const PatternSet& set : along_both_axes(sequence)) {
     pictures.push_back(patterns_in_8_bits(set, sequence.projector));
   }
-
   return pictures;
 }
 
 /// The virtual scanner, and a board held in front of it in one pose after another.
 NamedSource virtual_boards(const CaptureFlags& flags, const SourceRequest& request) {
   constexpr int several = 12, still_cycles = 6;
-
   const VirtualWorld& world = *request.world;
   NamedSource boards{.sequence = sequence_for(request.sequence, world.scanner),
                      .scanner_name = "the virtual scanner"};
@@ -138,7 +134,6 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
                        const std::function<void(view::Guide)>& show,
                        const std::function<bool()>& ends, Output& output) {
   const auto& [projector, opened, camera] = rig;
-
   throw_if(opened.sequence.projector == Size{},
            "--projector is missing: give the projector's size in pixels, e.g. 1280x800");
 
@@ -256,7 +251,6 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
 
 CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
   require_good(flags);
-
   CaptureRig rig{.projector = open_projector(flags.monitor)};
   PatternSink* const projector = rig.projector.sink;
   const SourceRequest request =
@@ -296,7 +290,6 @@ void capture(const CaptureFlags& flags, Output& output) {
   }
 
   const CaptureRig rig = open_rig(flags, output);
-
   if (!flags.poses) return take_scan(flags, rig, output);
 
   const RunEnd end(std::nullopt);

@@ -13,11 +13,9 @@ struct CheckFlags {
 
 void check(const CheckFlags& flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
-
   Progress progress("scans", flags.folders.size());
   for (const std::string& folder : flags.folders) {
     Scan scan = load_checkable(folder, flags.input, true, output);
-
     CheckSettings settings = flags.settings;
     settings.photometry = flags.input.photometry;
     const GammaChoice gamma = choose_response(scan, flags.input.gamma);
@@ -72,7 +70,6 @@ struct Measuring {
 
 MeasuredPoint point_of(const Measuring& in, const std::string& text) {
   const std::vector<int> numbers = numbers_in<int>(text, ',');
-
   throw_if(numbers.size() != 2, "'{}' is not a pixel; give column and row, e.g. 320,240", text);
   in.require_pixels(text);
 
@@ -89,7 +86,6 @@ MeasuredPoint point_of(const Measuring& in, const std::string& text) {
 
 std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& text) {
   const Size size = in.stored.cloud.size();
-
   const std::optional<Rectangle> rectangle =
       text == "all" ? Rectangle{0, 0, size.width, size.height} : rectangle_of_text(text);
   throw_if(!rectangle.has_value(),
@@ -106,7 +102,6 @@ std::string text_of(const Eigen::Vector3d& vector) {
 
 void measure_point(const std::string& pixel, const Measuring& in) {
   const MeasuredPoint point = point_of(in, pixel);
-
   in.output.add_to("points", "pixel", pixel, "position_mm", point.position, "sigma_mm",
                    point.sigma);
   in.output.say("point {}: {} mm{}", pixel, text_of(point.position),
@@ -192,7 +187,6 @@ void add_measure(const Commands& program) {
   group.add("--sphere", flags.spheres, "fit to the points in a pixel rectangle, as for --plane");
 
   add_cloud_flags(command.app, flags.input);
-
   command.common({"--point", "--distance", "--plane", "--sphere", "--scanner", "--min-modulation",
                   "--max-sigma", "--raw"});
   command.examples({"measure scan --point 320,240 --distance 100,200 500,210",
@@ -210,7 +204,6 @@ void add_check(const Commands& program) {
               "minimum modulation of a valid pixel, grey levels of 255 at any bit depth");
 
   add_scan_input_flags(command.app, flags.input);
-
   command.common({"--scanner", "--strategy", "--steps", "--high", "--low", "--axis", "--projector",
                   "--order"});
   command.examples(

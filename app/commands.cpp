@@ -21,20 +21,17 @@ void collect_settings(const CLI::App& app, std::set<std::string>& names) {
       if (!of_run.contains(name)) names.insert(name);
     }
   }
-
   for (const CLI::App* const sub : app.get_subcommands(nullptr)) collect_settings(*sub, names);
 }
 
 /// Paths in a rig file, also after replay:, are relative to the file.
 std::string resolved(const CLI::Option& option, const std::string& value, const fs::path& folder) {
   const std::string replay = "replay:";
-
   if (option.check_lname("scanner")) return scanner_in(folder, value).string();
   if (option.get_type_name() == file_type) return (folder / value).string();
   if (option.check_lname("source") && value.starts_with(replay)) {
     return replay + (folder / value.substr(replay.size())).string();
   }
-
   return value;
 }
 
@@ -106,7 +103,6 @@ bool has_word(const std::string& text, const std::string& word) {
   for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
     if (!inside(at - 1) && !inside(at + word.size())) return true;
   }
-
   return false;
 }
 
@@ -177,7 +173,6 @@ void tell_replaced(const fs::path& folder, Output& output) {
 
 Size size_from(const std::string& text, const std::string& flag) {
   const std::optional<Size> size = size_of_text(text);
-
   throw_if(!size.has_value(),
            "{} '{}' is not a size; give width x height in pixels, e.g. 1824x1140", flag, text);
   throw_if(std::uint64_t{1} * size->width * size->height > largest_picture,
@@ -187,7 +182,6 @@ Size size_from(const std::string& text, const std::string& flag) {
 
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
   const bool served = subcommand.get_name() == "serve" && subcommand.get_parent() == &program;
-
   subcommand
       .add_option_function<std::string>(
           served ? "rig" : "--rig",

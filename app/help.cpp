@@ -52,7 +52,6 @@ std::string wrapped(const std::string& text, std::size_t margin, std::string_vie
 /// "  term   description", the description wrapped and indented.
 std::string entry(const std::string& term, const std::string& description) {
   const bool fits = term.size() + 4 <= indent;
-
   return fmt::format("  {:<{}}{}\n", fits ? term : fmt::format("{}\n{:{}}", term, "", indent),
                      fits ? indent - 2 : 0, wrapped(description, indent));
 }
@@ -65,7 +64,6 @@ std::string examples_of(const CLI::App& app) {
     text += line.starts_with("  ") ? fmt::format("  {}\n", wrapped(line, 6, " \\"))
                                    : wrapped(line, 0) + '\n';
   }
-
   return text.empty() ? "" : '\n' + text;
 }
 
@@ -102,7 +100,6 @@ std::string options_of(const CLI::App& app, const std::string& group) {
   for (const CLI::Option* const option : app.get_options()) {
     if (option->nonpositional() && option->get_group() == group) entries += entry(*option);
   }
-
   return entries;
 }
 

@@ -55,7 +55,6 @@ struct ToldNews {
 
 void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
   tell_news(pipeline.findings(), told.findings, output);
-
   if (told.fallback) return;
   told.fallback = tell_fallback(pipeline.statistics().fallback_reason, true, output);
 }
@@ -133,7 +132,6 @@ void write_results(LiveSession& session, Output& output) {
   output.document.update(document_of(session));
 
   if (const auto failure = session.pipeline->failure()) std::rethrow_exception(failure);
-
   if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
 
   // The last cloud, the model of all clouds, and the pictures.
@@ -472,13 +470,11 @@ void LiveSession::start() {
     const std::lock_guard lock(mutex);  // sinks may already change it
     pipeline->start();
   }
-
   if (stepped != nullptr) tell_steps(*stepped, output);
 }
 
 void live(const LiveFlags& flags, Output& output) {
   return_memory();
-
   LiveSession session(flags, output);
   LivePipeline& pipeline = *session.pipeline;
   Publisher& publisher = session.publisher;
@@ -488,7 +484,6 @@ void live(const LiveFlags& flags, Output& output) {
   // 1. The end of the run, polled by the window or the loop below; it also prints news.
   session.is_over = [&] {
     tell_news(publisher, output);
-
     const auto recording = session.recorder->recording();
     if (recording && recording->limited != std::exchange(limited, recording->limited) &&
         !limited.empty()) {

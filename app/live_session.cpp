@@ -40,7 +40,6 @@ void for_each_live_setting(Settings& settings, const Visit& visit) {
 /// Numbers first.
 std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
   std::vector<RunSetting> all;
-
   for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
     const char* const name = setting.flag + 2;  // skips "--"
     const auto& [help, unit, least, most] = setting.live;
@@ -72,7 +71,6 @@ void change_described(ReconstructSettings& settings, const std::string& name,
 /// The caller holds the mutex, here and below.
 void change_locked(LiveSession& session, EngineSetup setup) {
   if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
-
   session.pipeline->change(setup);
   session.setup = setup;
   session.recorder->set_strategy(setup.sequence.strategy);
@@ -81,7 +79,6 @@ void change_locked(LiveSession& session, EngineSetup setup) {
 
 void set_recording(LiveSession& session, bool on) {
   if (!on) return session.recorder->finish_recording();
-
   if (session.recorder->recording()) return;
   make_folder(session.flags.view.save_to);
   session.recorder->record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
@@ -153,7 +150,6 @@ class CloudMaps {
 
 std::string trouble_of(const LiveSession& session) {
   const LivePipeline& pipeline = *session.pipeline;
-
   if (const auto failure = pipeline.failure()) return "the pipeline has failed";
   const std::string state = pipeline.statistics().source_state;
   if (!state.empty()) return state;
@@ -198,7 +194,6 @@ std::vector<std::string> strategy_labels(const Strategy& given) {
 
 bool takes_motion(const Sequence& sequence) {
   const Layout& layout = sequence.strategy.layout();
-
   const auto run = step_run(measuring_band(layout));
   const bool is_alone = layout.bands.size() == 1 && !layout.cue;
 
@@ -222,7 +217,6 @@ void change_setup(LiveSession& session, const EngineSetup& setup) {
 
 std::vector<RunSetting> settings_of(LiveSession& session) {
   std::vector<RunSetting> all;
-
   const CameraControls* const camera = session.recorder->controls();
   for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
     const auto control = camera ? camera->control(which) : std::nullopt;
@@ -245,7 +239,6 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
 
 void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
   require_settable(settings_of(session), name, value);
-
   const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
 
   // 1. A control of the camera.

@@ -34,7 +34,6 @@ struct SharedFlags {
 void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared, RigSaid& rig) {
   for (CLI::App* const command : app.get_subcommands(nullptr)) {
     add_shared_flags(*command, program, shared, rig);
-
     if (!command->get_subcommands(nullptr).empty()) continue;
     add_rig_flag(*command, program, rig);
 
@@ -70,12 +69,11 @@ const CLI::App& chosen_command(const CLI::App& program) {
 /// Explains why the arguments are wrong, unknown words first, with a suggestion.
 std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
   const CLI::App& command = chosen_command(program);
-
   const std::vector<std::string> words = program.remaining(true);
   const auto is_flag = [](const std::string& word) { return word.starts_with("-"); };
   const auto flag = std::find_if(words.begin(), words.end(), is_flag);
 
-  // 1. A word that is no command.
+  // 1. A word that names no command.
   std::vector<std::string> known;
   for (const auto* const sub : command.get_subcommands(nullptr)) known.push_back(sub->get_name());
   if (!known.empty() && !words.empty() && !is_flag(words.front())) {
@@ -253,7 +251,6 @@ int run_program(std::span<char* const> arguments, Output& output) {
 
 int main(int argc, char** argv) {
   using namespace slipstream;
-
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
 #ifdef SLIPSTREAM_WHOLE_PROGRAM
   const std::string_view first = argc > 1 ? argv[1] : "";

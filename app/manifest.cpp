@@ -21,7 +21,6 @@ Manifest manifest_from(std::string_view text, const std::string& name) {
     manifest.whole_bytes = end + 1;
 
     if (!entry.is_object() || !entry["scan"].is_string()) continue;
-
     std::optional<std::uint64_t> window;
     if (entry.contains("window")) {
       if (!entry["window"].is_number_unsigned()) continue;
@@ -38,7 +37,6 @@ Manifest manifest_from(std::string_view text, const std::string& name) {
 
 Manifest read_manifest(const fs::path& path) {
   if (!fs::exists(path)) return {};
-
   const std::vector<std::uint8_t> bytes = read_file(path);
   return manifest_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string());
 }
@@ -46,7 +44,6 @@ Manifest read_manifest(const fs::path& path) {
 nlohmann::json entry_for(const ScanName& scan, const std::vector<std::string>& settings) {
   nlohmann::json entry = {
       {"scan", scan.path}, {"settings", settings}, {"version", SLIPSTREAM_VERSION}};
-
   if (scan.window) entry["window"] = *scan.window;
   return entry;
 }

@@ -17,7 +17,6 @@ void to_json(nlohmann::json& json, const Finding& finding) {
           {"likely", finding.likely},
           {"try", finding.advice},
           {"refused", finding.gravity == Gravity::wrong}};
-
   for (const auto& [name, value] : finding.evidence) json["evidence"][name] = value;
 }
 

@@ -37,6 +37,8 @@ template <class Value>
 nlohmann::json as_json(const Value& value) {
   const auto nothing = [](auto&&...) {};
   nlohmann::json named = nlohmann::json::object();
+
+  // The order matters: a text, a map and a list are all ranges.
   if constexpr (std::is_same_v<Value, nlohmann::json> ||
                 std::is_convertible_v<Value, std::string_view>) {
     return value;

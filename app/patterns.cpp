@@ -99,7 +99,6 @@ void tell_motion(int steps, double speed, Output& output) {
 
 void design(const DesignFlags& flags, Output& output) {
   if (flags.phase_speed) return tell_motion(flags.goal.steps, *flags.phase_speed, output);
-
   const DesignGoal goal = goal_from(flags);
   if (flags.frames || flags.coordinate_noise) return compare_designs(flags, goal, output);
 
@@ -159,7 +158,6 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
 
 void write_patterns(const PatternsFlags& flags, Output& output) {
   if (flags.uniform != 0) return write_uniform(flags, output);
-
   const Sequence sequence = default_sequence(usual_projector, flags.scan);
   if (const std::string doubt = doubt_about(sequence); !doubt.empty()) output.warn(doubt);
 
@@ -220,7 +218,7 @@ void add_patterns(const Commands& program) {
            "write this many uniform pictures from black to white instead, to measure gamma")
       ->default_str("");
 
-  // Uniform and one-bit pictures exclude what would change their levels.
+  // Flags that do not go together.
   command.exclude("--binary", {"--pattern-bits", "--precompensate", "--colour", "--uniform"});
   command.exclude("--pattern-bits", {"--colour", "--uniform"});
   command.exclude("--uniform", {"--precompensate", "--sheet"});

@@ -88,7 +88,6 @@ std::string methods() {
   for (const SpatialUnwrapping& method : spatial_unwrappings()) {
     text += fmt::format("\n  {:14} {}", method.name, method.text);
   }
-
   return text;
 }
 
@@ -113,7 +112,6 @@ void add_phase_flags(CLI::App& command, CloudFlags& flags) {
 /// A scan's projector coordinate, NaN where invalid; a phase map unchanged.
 Image<double> measured_phase(const std::string& path, const CloudFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(path);
-
   if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
 
   Scan scan = load_checkable(path, flags, false, output);
@@ -123,7 +121,6 @@ Image<double> measured_phase(const std::string& path, const CloudFlags& flags, O
 
 void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
   require_ending(flags.output, "calibration of heights", {".npy"});
-
   const std::vector<double> known = numbers_in<double>(flags.heights, ',');
   throw_if(known.size() != flags.planes.size(),
            "--heights '{}': expected one number for each of {} planes, e.g. 0,10,20", flags.heights,
@@ -195,7 +192,6 @@ void add_calibrate_height(const Commands& calibrate) {
   required(command.add_output("-o,--output", flags.output, "calibration file: .npy"));
 
   add_phase_flags(command.app, flags.phase);
-
   command.common(
       {"--heights", "--output", "--strategy", "--steps", "--high", "--low", "--min-modulation"});
   command.examples({"calibrate height plane_0 plane_10 plane_20 --heights 0,10,20 -o heights.npy"});
@@ -213,7 +209,6 @@ void add_height(const Commands& program) {
   required(command.add_output("-o,--output", flags.output, "height map, mm: .tiff or .npy"));
 
   command.add_output("--preview", flags.preview, "coloured height map: .png");
-
   add_phase_flags(command.app, flags.phase);
 
   command.common({"--calibration", "--output", "--preview", "--strategy", "--steps", "--high",

@@ -36,7 +36,6 @@ bool ends_by_pipe = false;         // unless SIGPIPE was ignored from the start
 void handle_ends(void (*handler)(int)) {
   struct sigaction action {
   }, before{};
-
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
 
@@ -62,7 +61,6 @@ void end_program(int signal) {
 /// Reached by exceptions in destructors, e.g. of JSON without memory, and by uncaught exceptions.
 [[noreturn]] void end_by_exception() {
   remove_temporary_files();
-
   const char* why = "ended by an unhandled error";
   try {
     if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
@@ -71,7 +69,7 @@ void end_program(int signal) {
   } catch (...) {
   }
 
-  // Not exit(): destructors of other threads' data could throw again.
+  // Not exit(), which would run destructors and could fail again.
   std::fprintf(stderr, "slipstream: %s\n", why);
   std::_Exit(1);
 }
@@ -85,7 +83,7 @@ void raise_stop(int signal) {
 }  // namespace
 
 void prepare_process() {
-  // The wrong direction, so that using a closed stream fails instead of being lost.
+  // A closed stream is opened in the wrong direction, so that its use fails instead of being lost.
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0) continue;
     // open() returns the lowest free descriptor: this one.
@@ -105,14 +103,12 @@ void prepare_process() {
 
 void run_instead(std::initializer_list<const char*> places, char* const* arguments) {
   std::error_code unknown;
-
   const auto folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
   for (const char* const place : places) ::execv((folder / place).c_str(), arguments);
 }
 
 void keep_memory() {
   constexpr int most = 32 << 20;  // larger values are refused
-
   constexpr std::uintptr_t page = 2 << 20;
 
   // Large blocks come from the heap and stay there when freed.
@@ -185,7 +181,6 @@ bool hung_up() {
 
 void require_duration(const std::optional<double>& duration) {
   const double seconds = duration.value_or(1);
-
   require_in_range(seconds > 0 && std::isfinite(seconds), "--duration", seconds, "above 0 s");
 }
 

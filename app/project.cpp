@@ -44,7 +44,6 @@ void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
 /// The pictures to show, of the monitor's size.
 Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
   Sequence sequence = default_sequence(monitor.size, flags.scan);
-
   throw_if(
       sequence.projector != monitor.size,
       "--projector {} differs from the size of monitor {}, {}; change the monitor's resolution",
@@ -63,7 +62,7 @@ std::size_t load_patterns(monitor::MonitorSink& sink, const Sequence& sequence, 
     return static_cast<std::size_t>(set.count);
   }
 
-  // Three patterns make a picture. A cycle that is no multiple of three is shown three times over.
+  // Three patterns make a picture. Other cycles than multiples of three run three times.
   std::vector<Image<Colour>> pictures;
   const int end = set.count % 3 == 0 ? set.count : 3 * set.count;
 
@@ -82,7 +81,6 @@ void project_from_memory(const ProjectFlags& flags, const RunEnd& end, Output& o
                     {.rate = flags.rate.value_or(120), .ends = [&] { return end.reached(); }});
 
   const Sequence sequence = cycle_of(default_sequence(*sink.size(), flags.scan));
-
   output.say("{}; loading takes up to two minutes for each 24", sink.description());
   sink.load(patterns_in_8_bits(pattern_set(sequence), sequence.projector));
 
@@ -114,7 +112,6 @@ void tell(const monitor::ProjectionReport& report, const monitor::MonitorSink& p
   }
 
   if (!projector.state().empty()) output.warn(projector.state());
-
   output.document = described("patterns", report.shown, "late", report.late, "seconds",
                               report.seconds, "patterns_per_second", rate, "hold", hold,
                               "refresh_hz", projector.refresh_hz(), "waits_for_refresh",
@@ -145,7 +142,7 @@ void project_scan(const ProjectFlags& flags, Output& output) {
   throw_if(flags.dlp && hold != 1,
            "--dlp shows three patterns per refresh; drop --rate and --hold");
 
-  // 4. Load the patterns, and set up the LightCrafter behind the monitor.
+  // 4. Load the patterns, and open the LightCrafter's controller.
   const Sequence sequence = sequence_on(flags, monitor);
   monitor::MonitorSink projector(system, flags.monitor);
   const std::size_t count = load_patterns(projector, sequence, flags.in_colour || flags.dlp);
@@ -195,7 +192,6 @@ void add_project(const Commands& program) {
   command.add("--duration", flags.duration, "stop after this many seconds");
 
   command.add_output("--log", flags.log, "log of when each pattern was shown: .csv");
-
   add_pattern_flags(command.app, flags.scan, true);
   command.add("--colour", flags.in_colour,
               "show three patterns at once, in red, green and blue; they count as one");

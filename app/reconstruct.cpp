@@ -178,7 +178,6 @@ void judge(const ReconstructFlags& flags, ReconstructedScan& result) {
   if (auto missing = missing_points(result.counts, flags.cloud.settings)) {
     add_finding(std::move(*missing), result);
   }
-
   result.rms = error_against_truth(result.name.path, result.cloud);
 }
 
@@ -187,7 +186,6 @@ void judge(const ReconstructFlags& flags, ReconstructedScan& result) {
 std::optional<double> predicted_rms(const Scan& scan, Engine& engine,
                                     const ReconstructedScan& result) {
   if (!result.rms || !engine.setup().scanner.photometry.noise_variance) return std::nullopt;
-
   Maps maps;
   engine.maps(scan.frames, maps);
 
@@ -315,7 +313,6 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
 
 ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flags) {
   if (result.done_before || !result.failure.empty()) return result;
-
   Stopwatch watch;
   write_files(flags, result);
   if (!flags.manifest.empty()) result.entry["outputs"] = sums_of(result.files.written());
@@ -406,7 +403,6 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   }
 
   while (!writing.empty()) tell_next();
-
   if (log == nullptr) return;
   output.document["done_before"] = done_before;
   if (done_before > 0) output.say("{} of {} scans were already done", done_before, count);

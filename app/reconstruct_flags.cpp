@@ -88,7 +88,6 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
 
 std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
   throw_if(flags.every < 1, "--every 0 is out of range; 1 or more");
-
   std::vector<ListedScans> scans;
   for (const std::string& path : flags.paths) {
     // A path is a scan, unless it ends in .txt: a list of scans.
@@ -128,7 +127,6 @@ std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments want
 
   for (const CLI::Option* const option : subcommand.get_options()) {
     if (option->get_lnames().empty() || of_run.contains(option->get_lnames().front())) continue;
-
     const std::string name = option->get_lnames().front(), type = option->get_type_name();
     const bool is_path = type == file_type || type == output_type;
     if (wanted == Arguments::settings && (is_path || name == "every")) continue;

@@ -15,7 +15,6 @@ nlohmann::json json_of(const GammaChoice& choice) {
              choice.blind->pixels);
     if (!choice.blind->accepted()) document["refused"] = reason_of(choice.blind->refusal);
   }
-
   return document;
 }
 

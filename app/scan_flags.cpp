@@ -36,7 +36,6 @@ std::string strategies_in_help() {
                                                 "two-frequency-4n",  "pcps"};
 
   std::vector<std::string_view> names = strategy_names();
-
   const auto older = std::stable_partition(names.begin(), names.end(), [&](auto name) {
     return std::ranges::find(of_literature, name) == std::end(of_literature);
   });
@@ -94,7 +93,6 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
 /// other's phase, so they need none.
 GammaChoice gamma_of(Scan& scan, const ScanFlags& flags) {
   GammaChoice choice = choose_response(scan, flags.gamma);
-
   if (scan.further_cameras.empty()) return choice;
   return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
 }
@@ -102,7 +100,6 @@ GammaChoice gamma_of(Scan& scan, const ScanFlags& flags) {
 EngineSetup setup_for_maps(const Scan& scan, const std::string& name, const CloudFlags& flags,
                            const GammaChoice& gamma) {
   PhotometricCalibration known = scan.scanner ? scan.scanner->photometry : flags.photometry;
-
   known.response = gamma.response;
   EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
                     scan.sequence, flags.settings};
@@ -124,7 +121,7 @@ void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with
               "end each cycle with a dark frame, so that a camera can start anywhere");
   }
 
-  // Defaults in the help are those of a square projector of usual size.
+  // The help shows the defaults of the usual sequence.
   const Sequence usual = default_sequence({1024, 1024}, {});
   subcommand.get_option("--strategy")->default_str(usual.strategy.name());
   subcommand.get_option("--axis")->default_str(std::string(name_of(usual.axis)));
@@ -134,7 +131,6 @@ void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with
 
 void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
   const FlagGroup group{subcommand, "Patterns (override the scan's own)"};
-
   add_sequence_flags(group, changes.sequence);
   group.add("--order", changes.order,
             "frame index of each pattern, from 0, e.g. 2,0,1; or 'code,sinusoids' if the code "
@@ -154,7 +150,6 @@ void add_anyway_flag(CLI::App& subcommand, bool& anyway) {
 
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
   const FlagGroup options{subcommand};
-
   options.add_file("--scanner", flags.scanner, "scanner file; default: the scan's own");
   options.add_settings(flags.photometry);
 
@@ -173,7 +168,6 @@ void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
 
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   const FlagGroup group{subcommand, "Cleaning"};
-
   const auto take_raw = [&settings] {
     settings.clean = CleanSettings::none();
     settings.nearest = settings.nearest.value_or(0);
@@ -220,7 +214,6 @@ void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {
 
 std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& path) {
   const std::lock_guard lock(mutex_);
-
   if (reader_ != nullptr && path == path_) return reader_;
   reader_ = is_recording(path) ? std::make_shared<const RecordingReader>(path) : nullptr;
 
@@ -294,7 +287,6 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
   for (const Finding& finding : sound.checked.findings) findings.push_back(finding);
 
   Engine engine(sound.setup);
-
   result.organised = true;
   Maps maps;
   engine.cloud_and_maps(scan.frames, result.cloud, maps);

@@ -12,7 +12,7 @@ struct SimulateFlags {
   std::string folder;
   VirtualFlags devices;
   SequenceChanges scan;
-  std::optional<int> boards;  ///< poses of a board; 0: a scene
+  std::optional<int> boards;  ///< poses of a board; empty: a scene
   BoardFlags board;
   bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
   double paint = 0;
@@ -58,7 +58,6 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
                        [&] { progress.advance(); });
 
   progress.finish();
-
   output.say("took a {} of {}x{}, spacing {:g} mm, in {} poses of {}, into {}", name_of(board.kind),
              board.columns, board.rows, board.spacing, count, text_of(scanner.camera.size),
              folder.string());
@@ -69,7 +68,6 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
 
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
-
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
 
   if (flags.unquantised) world.photometry.bits.reset();
@@ -84,7 +82,6 @@ void simulate(const SimulateFlags& flags, Output& output) {
            "--second-camera needs a folder; a recording holds one camera's frames");
 
   require_valid(world.photometry);
-
   output.tell_wait("rendering the frames");
   Stopwatch watch;
 
@@ -126,7 +123,7 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
 
   boards->group("Board");
 
-  // The scene gives way to the board, and its motion would blur the poses.
+  // The board takes the scene's place, and each pose is scanned along both axes.
   FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
                                            "--move", "--turn", "--vibrate", "--breathe", "--axis"});
 

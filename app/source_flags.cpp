@@ -9,7 +9,6 @@ namespace {
 /// Amplitude and period from a flag.
 Swing<double> swing_from(const std::vector<double>& flag, std::string_view name, double most) {
   const Swing<double> swing{flag[0], flag[1]};
-
   throw_if(
       !(swing.amplitude >= 0 && swing.amplitude < most && swing.period > 0),
       "{} {} {} is out of range; expected an amplitude from 0 to below {}, and more than 0 frames",
@@ -76,7 +75,6 @@ void add_device_flags(CLI::App& command, VirtualFlags& flags) {
       "response of projector and camera: a gamma, srgb, logistic:SLOPE:CENTRE, or a file with one");
 
   group.add_settings(flags);
-
   command.get_option("--camera-bits")->default_str("8");
   command.get_option("--reflectivity")->group("Scene");
 }
@@ -99,7 +97,7 @@ VirtualWorld world_from(VirtualFlags flags) {
 
   flags.camera = flags.camera_size.value_or(flags.camera);
 
-  // The flag --move comes before the motion of commands whose scene never rests.
+  // --move goes before the idle motion, which applies if no flag sets the scene in motion.
   if (flags.motion.is_none()) flags.motion.step = flags.idle_step;
   flags.motion.step = flags.step.value_or(flags.motion.step);
 
@@ -108,7 +106,6 @@ VirtualWorld world_from(VirtualFlags flags) {
 
 Sequence sequence_for(const SequenceChanges& changes, const Scanner& scanner) {
   const Size projector = scanner.projector.size;
-
   Sequence sequence = default_sequence(projector, changes);
 
   throw_if(sequence.projector != projector, "--projector {} differs from the scanner's, {}",
@@ -124,7 +121,6 @@ void add_camera_flags(CLI::App& command, CameraSettings& settings) {
   group.add_read<double>("--exposure", expose, "exposure time per frame, ms");
 
   group.add("--gain", settings.gain, "camera gain, in the camera's unit, usually dB");
-
   const auto cut = [&settings](const std::string& text) {
     settings.region = rectangle_of_text(text);
     throw_if(!settings.region.has_value(),
@@ -159,7 +155,7 @@ void add_camera_flags(CLI::App& command, CameraSettings& settings) {
            "low during the exposure, for projectors that advance at a falling edge")
       ->needs("--strobe");
 
-  // Nodes are set in the order given, as some only exist after others are set.
+  // The nodes are set in the order given.
   const auto set = [&settings](const std::vector<std::string>& nodes) {
     for (const std::string& node : nodes) {
       const std::size_t equals = node.find('=');
@@ -214,7 +210,6 @@ std::vector<Image<std::uint8_t>> pictures_to_show(Sequence sequence) {
 
 SourceRequest request_from(const SourceFlags& flags) {
   SourceRequest request = flags;
-
   throw_if(!is_camera(request) && request.camera.pixel_format == PixelFormat::rgb8,
            "--pixel-format RGB8: applies to cameras, and {} is not one; drop it", request.source);
 
@@ -234,7 +229,6 @@ NamedSource open(SourceRequest request, Output& output) {
   };
 
   request.while_rendering = progress_of("rendering the virtual camera's frames");
-
   NamedSource opened = open_source(request);
 
   if (request.camera.pixel_format == PixelFormat::mjpg) {
@@ -242,7 +236,6 @@ NamedSource open(SourceRequest request, Output& output) {
   }
 
   if (!opened.warning.empty()) output.warn(opened.warning);
-
   return opened;
 }
 

@@ -33,7 +33,6 @@ std::vector<std::string> projectors() {
     names.push_back(
         fmt::format("monitor {}: {}, {}", names.size() - 1, monitor.name, text_of(monitor.size)));
   }
-
   return names;
 }
 
@@ -57,7 +56,6 @@ void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& m
   }
 
   source.loop = true;
-
   constexpr double virtual_rate = 60;  // otherwise as fast as possible: no processor is left
   if (source.source == "virtual" && !source.rate) source.rate = virtual_rate;
 
@@ -68,8 +66,9 @@ void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& m
 view::ViewSource dressed(Studio& studio, view::ViewSource source) {
   source.steps = studio.steps;
 
-  // Chooses a scanner file, or shows anything else.
   source.openable = [&studio] { return viewable_in(studio.flags.view.save_to); };
+
+  // A scanner file is chosen; anything else is shown.
   source.open = [&studio](const std::string& path) -> std::optional<view::ViewSource> {
     if (const std::string type = lower_case_extension(path); type == ".yaml" || type == ".xml") {
       read_scanner(path);  // throws if it is none
@@ -89,6 +88,7 @@ view::ViewSource idle(Studio& studio) {
   return dressed(
       studio,
       {.title = "slipstream studio",
+       // Draws nothing; fetches the list of cameras once it is ready.
        .newest =
            [&studio] {
              if (studio.cameras.valid() &&
@@ -152,7 +152,7 @@ view::ViewSource show_live(Studio& studio) {
 /// Instructions of the poses, then the verdict; chooses the new scanner file.
 std::optional<view::Guide> guide_of(GuidedPoses& poses, const std::string& folder, Studio& studio,
                                     view::Guide& last, bool& told) {
-  // Whatever was drawn last, until the poses are over; then the verdict, once.
+  // The newest picture of the guide until the poses are over; then the verdict, once.
   if (auto newest = poses.newest()) return last = *std::move(newest);
   if (told || !poses.over()) return std::nullopt;
 
@@ -217,11 +217,10 @@ void studio(const LiveFlags& flags, Output& output) {
       strategy_labels(default_sequence({1280, 800}, flags.source.sequence).strategy);
 
   const std::string& source = flags.source.source;
-
   Studio studio{.flags = flags, .output = output, .given_patterns = labels.front()};
   studio.flags.source.virtual_scanner.idle_step.setZero();  // renders one cycle, not seconds
 
-  // Searching the network takes seconds, so it runs beside the window.
+  // The search for cameras takes a while, so it runs beside the window.
   studio.cameras = std::async(std::launch::async, list_cameras);
 
   auto& [choices, buttons, message] = *studio.steps;

@@ -33,7 +33,6 @@ nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
 
 nlohmann::json json_of(const BenchReport& report) {
   const BenchMachine& machine = report.machine;
-
   const auto row = [&](const TimedRow& timed) { return json_of(timed, machine.bandwidth); };
 
   const auto published = [](const PublishedMark& mark) {
@@ -78,7 +77,6 @@ void bench(const BenchFlags& flags, Output& output) {
   }
 
   const std::vector<BenchRow> rows = flags.gpu ? gpu_rows(settings) : bench_rows(settings);
-
   Progress progress("rows", timing.rounds * rows.size());
   report.rows = timed(rows, timing, [&] { progress.advance(); });
   progress.finish();
@@ -98,7 +96,6 @@ struct ReproduceFlags {
 
 Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
   Reproduced done{item, item.run(flags.seed)};
-
   if (flags.plots.empty()) return done;
 
   for (const auto& [name, write] : done.result.plots) {
@@ -146,7 +143,6 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
                   "plots", plots, "notes", done.result.notes);
 
     if (!flags.report.empty()) add_to(report, done, report_folder);
-
     progress.advance();
     output.say("{}", text_of(done));
   }

@@ -10,7 +10,6 @@ namespace slipstream::app {
 
 view::ViewSource view_source_of(LiveSession& session) {
   const std::string& name = session.flags.source.source;
-
   view::ViewSource source =
       view::live_source(*session.pipeline, setup_of(session), session.patterns_can_change);
 
@@ -54,7 +53,6 @@ view::ViewSource view_source_of(LiveSession& session) {
 
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   const FlagGroup group{subcommand, "Drawing"};
-
   group.add_output("--snapshot", flags.snapshot,
                    "draw the cloud without a window into a picture: .png, .tiff or .bmp");
   group.add_output("--screenshot", flags.screenshot, "the same with panel and camera pictures");
@@ -77,7 +75,6 @@ void require_good(const ViewFlags& flags) {
 
 void show_in_window(LiveSession& session, Output& output) {
   const ViewFlags& flags = session.flags.view;
-
   const auto last =
       view::run_viewer(view_source_of(session), {.view = flags.settings,
                                                  .size = flags.size,
@@ -93,7 +90,6 @@ void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool
                     Output& output) {
   const auto draw = [&](const char* name, const std::string& path, view::Surround surround) {
     if (path.empty()) return;
-
     if (!source.newest()) throw WorldError(fmt::format("{}: no cloud to draw", path));
     write_image(path, view::render_screen(source, flags.settings, flags.size, surround));
     output.add_file(name, path);
@@ -136,7 +132,6 @@ struct ViewPathFlags {
 view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked,
                                 const std::string& save_to, Output& output) {
   require_valid(asked.settings.clean);
-
   Scan scan = load_checkable(path, asked, false, output);
   const SoundScan sound = sound_scan(scan, path, asked, output);
 
@@ -148,7 +143,6 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
       choose_gamma("blind", given, setup.sequence.strategy.layout(), scan.frames).response;
 
   view::ViewSource source = view::still_source(std::move(scan.frames), setup);
-
   source.findings = sound.checked.findings;
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},
@@ -189,7 +183,6 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
 
 void view_path(const ViewPathFlags& flags, Output& output) {
   if (!flags.web.empty()) return serve_page(flags, output);
-
   require_good(flags.view);
 
   // Flags of scans would be ignored for a cloud.
@@ -233,7 +226,6 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
                                 const ViewFlags& view, Output& output) {
   StoredCloud stored = is_scan(path) ? StoredCloud() : read_cloud(path);
-
   view::ViewSource source =
       is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
                     : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
@@ -244,10 +236,9 @@ view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags
 
 std::vector<std::string> viewable_in(const fs::path& folder) {
   std::vector<std::pair<fs::file_time_type, std::string>> found;
-
   std::error_code none;
 
-  // Files that vanish meanwhile, or may not be read, are skipped.
+  // A folder that cannot be read gives an empty list.
   for (const auto& entry : fs::directory_iterator(folder, none)) {
     const bool file = is_cloud_file(entry.path()) || lower_case_extension(entry.path()) == ".slip";
     if (file || fs::exists(entry.path() / "scan.yaml", none)) {
@@ -276,7 +267,7 @@ void add_view(const Commands& program) {
 
   add_view_flags(command.app, flags.view);
 
-  // All options added from here to the end are about scans.
+  // All options added from here on are about scans.
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.cloud);
   add_clean_flags(command.app, flags.cloud.settings);

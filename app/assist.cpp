@@ -39,7 +39,7 @@ Scan from_source(const AssistFlags& flags, Output& output) {
   Scan taken;
   std::vector<FrameSet> each;
   for (const double exposure : exposures) {
-    // One exposure at a time: the camera is opened anew with its exposure time in s.
+    // One exposure at a time: the camera is opened again with its exposure time in s.
     request.sequence.exposures = {exposure};
     request.camera.exposure = exposure / 1e3;
     const NamedSource opened = open(request, output);

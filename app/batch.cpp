@@ -219,7 +219,7 @@ void add_batch(const Commands& program) {
   const Commands batch =
       program.add_group("batch", "reconstruct many scans on many machines, in shards");
 
-  // 1. plan
+  // 1. slipstream batch plan
   const auto [plan, planned] =
       batch.add(plan_batch, "plan", "divide scans into shards of equal cost");
   add_scans_flags(plan, planned.reconstruct);
@@ -232,13 +232,13 @@ void add_batch(const Commands& program) {
       "/shared/{name}-{window}.ply\n  slipstream batch run plan --shard 1/8\n  slipstream batch "
       "merge plan");
 
-  // 2. run
+  // 2. slipstream batch run
   const auto [run, shard] =
       batch.add(run_shard, "run", "reconstruct one shard, or what is left of it");
   required(run.add_file("plan", shard.folder, "folder of the batch"));
   required(run.add("--shard", shard.shard, "shard number, e.g. 3 or 3/8"));
 
-  // 3. merge
+  // 3. slipstream batch merge
   const auto [merge, merged] =
       batch.add(merge_batch, "merge", "check that all shards are complete and write one manifest");
   required(merge.add_file("plan", merged.folder, "folder of the batch"));

@@ -97,7 +97,7 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
                   scans.add(scan, folder);
                 });
 
-  // The camera counts as linear unless the scanner file holds a measured response.
+  // The response counts as linear unless the scanner file holds a measured one.
   std::optional<Response> response;
   if (files.scanner && fs::exists(*files.scanner)) {
     const auto measured = read_photometric_calibration(*files.scanner).response;
@@ -147,7 +147,7 @@ void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
 
   const ColourMixture mixture = measured_mixture(read_colour_frames(pictures));
 
-  // What each camera channel sees of the projected primaries, and its dark level.
+  // Each camera channel: its share of the projected primaries, and its dark level.
   for (std::size_t c = 0; c < mixture.size(); ++c) {
     const auto& [red, green, blue, dark] = mixture[c];
     output.say("the camera's {} sees {:.3f} of red, {:.3f} of green, {:.3f} of blue; dark {:.1f}",
@@ -212,7 +212,7 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
   output.document["fit"] =
       described("gamma", fit.gamma, "standard_error", fit.standard_error, "pixels", fit.pixels);
 
-  // Gamma per pixel takes the second harmonic, hence five steps or more.
+  // Gamma per pixel takes the second harmonic, which needs five steps or more.
   require_pixels_asked_for_can_be(
       flags, found.pixels.has_value(),
       fmt::format("{} steps are too few to measure gamma per pixel; use 5 or more", found.steps));

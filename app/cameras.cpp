@@ -232,7 +232,7 @@ void record(const RecordFlags& flags, Output& output) {
   output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
              text_of(source.format().size), rate);
 
-  // What was lost, and where: in transit or at the disk.
+  // Frames lost, in transit or at the disk.
   if (!counts.limited.empty()) output.say("{}", counts.limited);
   if (counters.lost > 0) output.warn(fmt::format("{} frames were lost", counters.lost));
   if (counts.lost > 0) {

@@ -302,7 +302,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   SourceFlags& source = flags.source;
   source.virtual_scanner.idle_step = {0.5, 0, 0};
 
-  // Where frames come from, and when to stop.
+  // The source, and the end of the run.
   command.add("--source", source.source, source_forms());
   command.add_settings(source);
   command.add("--monitor", flags.monitor,
@@ -310,7 +310,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add("--duration", flags.duration, "stop after this many seconds");
   command.add("--frames", flags.live.most_frames, "stop after this many frames");
 
-  // What to make of the clouds.
+  // Results made of all clouds.
   command.add_output("-o,--output", flags.output, "file for the last cloud: .ply, .pcd or .xyz");
   const auto track = [&flags](const std::string& text) {
     flags.live.track = tracked_shape_named(text);
@@ -321,7 +321,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       "--model", flags.model,
       "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
 
-  // Where frames and clouds go.
+  // Recording and publishing.
   command.add_output("--record", flags.record, "record all frames, for replay:PATH");
   add_limit_flag(command.app, flags.limit);
   command
@@ -392,7 +392,7 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
 }  // namespace
 
 LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
-  // 1. What the flags ask of the source.
+  // 1. The request to the source, from the flags.
   require_good(flags);
   LiveSettings settings = flags.live;
   SourceRequest request = request_from(flags.source);

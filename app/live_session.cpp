@@ -118,7 +118,7 @@ class CloudMaps {
  private:
   /// The frames to make maps from; empty if they belong to another sequence than the current one.
   std::optional<FrameViews> measure(const LiveCloud& cloud) {
-    // The engine is built anew when the setup has changed since the last cloud.
+    // The engine is built again when the setup has changed since the last cloud.
     if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
       EngineSetup setup = setup_of(session_);
       motion_ = std::exchange(setup.sequence.motion, 0);

@@ -437,7 +437,7 @@ void add_reconstruct(const Commands& program) {
   const auto [command, flags] = program.add(
       reconstruct, "reconstruct", "reconstruct scans: clouds, depth maps, phase maps, previews");
 
-  // What to reconstruct, and the log with which an interrupted run can be resumed.
+  // The scans, and the log with which an interrupted run can be resumed.
   add_scans_flags(command, flags);
   command.add_output("--manifest", flags.manifest, "log of finished scans, one JSON line each");
   command

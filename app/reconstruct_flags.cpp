@@ -28,7 +28,7 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
 
   group.add_output("--preview", files.preview, "coloured depth picture with a scale: .png");
 
-  // What a cloud's points hold.
+  // The points of the cloud: how many, and with which values.
   group.add("--subsample", flags.subsample, "keep every Nth pixel of the cloud: 1, 2 or 4");
   group.add("--normals", flags.normals, "add surface normals to the cloud, from 5x5 pixels");
   group.add("--uncertainty", flags.uncertainty,

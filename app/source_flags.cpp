@@ -22,12 +22,12 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
 
   Motion& motion = flags.motion;
 
-  // What stands there.
+  // The object.
   group.add("--scene", flags.scene, fmt::format("{}", fmt::join(scene_names(), ", ")));
   group.add_file("--mesh", flags.mesh, "PLY or OBJ mesh (Y up, facing +Z) instead of a scene");
   group.add("--mesh-size", flags.mesh_size, "largest side of the mesh, mm; 0: fills the view");
 
-  // Where, and how it moves.
+  // Its place and motion.
   const auto shift = [&flags](const Numbers& mm) { flags.shift = Eigen::Vector3d(mm.data()); };
   group.add_read<Numbers>("--shift", shift, "shift of the object: X Y Z, mm")->expected(3);
   const auto move = [&flags](const Numbers& mm) { flags.step = Eigen::Vector3d(mm.data()); };

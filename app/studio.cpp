@@ -40,7 +40,7 @@ std::vector<std::string> projectors() {
 void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& monitor) {
   source.source = studio.chosen(camera);
 
-  // The first choice is no monitor.
+  // The first choice is the projector by itself, the others are monitors.
   const std::vector<std::string>& names = studio.steps->choices[projector].options;
   const auto place = std::ranges::find(names, studio.chosen(projector)) - names.begin();
   monitor = place > 0 ? std::optional(static_cast<int>(place) - 1) : std::nullopt;
@@ -209,7 +209,7 @@ view::ViewSource calibrate(Studio& studio) {
 void studio(const LiveFlags& flags, Output& output) {
   const std::vector<std::string> monitors = projectors();  // throws without a desktop
 
-  // Monitor n is choice n + 1; choice 0 is no monitor.
+  // Choice 0 is the projector by itself; monitor n is choice n + 1.
   const auto monitor = static_cast<std::size_t>(flags.monitor.value_or(-1) + 1);
   throw_if(monitor >= monitors.size(), "--monitor {} does not exist", flags.monitor.value_or(0));
 

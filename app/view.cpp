@@ -137,7 +137,7 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
 
   const EngineSetup& setup = sound.setup;
 
-  // The gammas to compare: as given, none, and the one that the frames show.
+  // The gammas to compare: the one in use, a linear response, and the one that the frames show.
   const auto given = sound.gamma.response;
   const auto blind =
       choose_gamma("blind", given, setup.sequence.strategy.layout(), scan.frames).response;

@@ -31,20 +31,26 @@ struct Row {
 std::vector<Sequence> sequences_from(const CompareFlags& flags, Size projector) {
   std::vector<Strategy> strategies;
   for (const std::string& label : flags.strategies) strategies.push_back(strategy_labelled(label));
+
   if (strategies.empty()) strategies = strategies_to_compare();
   std::vector<Sequence> sequences;
   for (const Strategy& strategy : strategies) {
     sequences.push_back({.strategy = strategy, .projector = projector});
     require_shown(sequences.back());
   }
+
   return sequences;
 }
 
 std::vector<Row> compared_rows(const CompareFlags& flags) {
   std::vector<std::string> scenes = flags.scenes;
+
+  // Scenes named as arguments go before --scene, and a mesh goes before both.
   if (scenes.empty()) scenes = {flags.devices.scene};
   if (flags.devices.mesh) scenes = {flags.devices.mesh->string()};
   Progress progress("scenes", scenes.size() * flags.worlds.size());
+
+  // Every strategy sees the same world, scene by scene.
   std::vector<Row> rows;
   for (const std::string& scene : scenes) {
     for (const std::string& name : flags.worlds) {
@@ -53,14 +59,17 @@ std::vector<Row> compared_rows(const CompareFlags& flags) {
       devices.world = name;
       const VirtualWorld world = world_from(devices);
       const std::vector<Sequence> sequences = sequences_from(flags, world.scanner.projector.size);
+
       std::vector<ComparedSequence> all = compare(world, sequences);
       for (std::size_t i = 0; i < all.size(); ++i) {
         const Strategy& strategy = sequences[i].strategy;
         rows.push_back({scene, name, label_of(strategy), frame_count(strategy), std::move(all[i])});
       }
+
       progress.advance();
     }
   }
+
   return rows;
 }
 
@@ -72,6 +81,7 @@ std::vector<std::string> cells_of(const Row& row) {
   const CloudErrors& errors = row.compared.errors;
   const auto percent = [](double share) { return fmt::format("{:.3f} %", 100 * share); };
   const auto mm = [](double length) { return fmt::format("{:.3f} mm", length); };
+
   return {row.scene,
           row.world,
           row.strategy,
@@ -93,38 +103,50 @@ LinePlot plot_of(const std::vector<Row>& rows) {
                 .y_label = "mm",
                 .y_scale = PlotScale::logarithmic,
                 .lines = {}};
+
+  // Rows come scene by scene, so a new label begins a new line.
   for (const Row& row : rows) {
     const std::string label = row.scene + ", " + row.world;
     if (plot.lines.empty() || plot.lines.back().label != label) {
       plot.lines.push_back({.label = label, .x = {}, .y = {}});
     }
+
     PlotLine& line = plot.lines.back();
     line.add(static_cast<double>(line.x.size() + 1), row.compared.errors.rms);
   }
+
   return plot;
 }
 
 void write_comparison(const fs::path& folder, const std::vector<Row>& rows) {
   make_folder(folder);
   write_plot(folder / "rms.png", plot_of(rows));
+
   Page page("Comparison of strategies");
   page.table(columns_of_comparison);
   for (const Row& row : rows) page.row(cells_of(row));
+
   page.picture("RMS error of depth", "rms.png");
+
+  // A picture of each cloud, numbered as the table's rows.
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string picture = fmt::format("cloud-{:02}.png", i + 1);
     write_depth_preview(folder / picture, rows[i].compared.cloud);
     page.picture(fmt::format("{}, {}, {}", rows[i].scene, rows[i].world, rows[i].strategy),
                  picture);
   }
+
   write_page(folder / "comparison.html", page);
 }
 
 void compare_strategies(const CompareFlags& flags, Output& output) {
   const std::vector<Row> rows = compared_rows(flags);
+
+  // The table, in Markdown.
   output.say("| {} |", fmt::join(columns_of_comparison, " | "));
   output.say("|{}",
              fmt::join(std::vector<std::string>(columns_of_comparison.size(), " --- |"), ""));
+
   for (const Row& row : rows) {
     output.say("| {} |", fmt::join(cells_of(row), " | "));
     const CloudErrors& errors = row.compared.errors;
@@ -135,6 +157,7 @@ void compare_strategies(const CompareFlags& flags, Output& output) {
                   errors.normalised_rms, "beyond_5_sigma", errors.beyond_5, "flying", errors.flying,
                   "wrong_order", errors.wrong_order, "decode_ms", row.compared.decode_ms);
   }
+
   if (flags.folder.empty()) return;
   write_comparison(flags.folder, rows);
   output.document["folder"] = flags.folder;
@@ -154,6 +177,7 @@ void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& outp
     output.say("{}: {:.4f} mm{}", figure.what, figure.value,
                diagonal ? fmt::format(", {:.3f} per mille", 1000 * figure.value / *diagonal) : "");
   }
+
   for (const ShapeAccuracy& shape : accuracy.shapes) {
     output.add_to(shape.size ? "spheres" : "planes", "scan", shape.scan, "form_mm", shape.range,
                   "form_95_mm", shape.range_95, "rms_mm", shape.rms, "points", shape.points,
@@ -169,11 +193,14 @@ Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;
   devices.scene = "board";  // removed before the artefacts are placed
   devices.scanner_file = flags.input.scanner;
+
   const VirtualWorld world = world_from(devices);
   const Scanner calibrated =
       flags.calibrated ? read_scanner(*flags.calibrated) : as_calibrated(world);
+
   require_valid(flags.input.settings.clean);
   const Sequence sequence = sequence_for(flags.input.sequence, world.scanner);
+
   return {rehearsal(world, sequence, calibrated, flags.input.settings),
           fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
                       label_of(sequence.strategy))};
@@ -185,6 +212,7 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
   for (const auto* scans : {&artefacts.spheres, &artefacts.planes, &artefacts.repeated}) {
     for (const std::string& scan : *scans) files.add_input(scan);
   }
+
   if (flags.report) files.add_output_folder(*flags.report);
   return {
       {std::move(artefacts),
@@ -195,20 +223,26 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
 void verify_accuracy(const VerifyFlags& flags, Output& output) {
   throw_if(flags.rehearse == flags.artefacts.has_value(),
            "nothing to verify: give an artefacts file (.yaml) or --rehearse");
+
+  // The artefacts come from a file and their scans, or from a rehearsal in the virtual world.
   const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
   const Artefacts& artefacts = test.artefacts;
   Progress progress("scans",
                     artefacts.spheres.size() + artefacts.planes.size() + artefacts.repeated.size());
+
   const Accuracy accuracy = measure_accuracy(artefacts, [&](const std::string& scan) {
     progress.advance();
     return test.cloud_of(scan);
   });
+
   progress.finish();
   output.document["subject"] = subject;
   if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
   tell(accuracy, artefacts.diagonal, output);
+
   output.document["verdict"] = verdict_of(accuracy).words;
   output.say("{}", verdict_of(accuracy).words);
+
   if (!flags.report) return;
   write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
   output.document["report"] = *flags.report;
@@ -221,13 +255,16 @@ void add_verify(const Commands& program) {
   const auto [command, flags] =
       program.add(verify_accuracy, "verify",
                   "acceptance test with certified artefacts (ISO 10360-13, VDI/VDE 2634)");
+
   command.add_file("artefacts", flags.artefacts, "certified lengths and their scans: .yaml");
   command.add("--rehearse", flags.rehearse, "use virtual artefacts and scans instead");
   command.add("--world", flags.devices.world, "virtual world of a rehearsal; see simulate");
   command.add_file("--calibrated", flags.calibrated,
                    "rehearsal: scanner file used to reconstruct; default: the true scanner");
+
   command.add_output("-o,--output", flags.report, "folder for a report with pictures",
                      output_folder_type);
+
   add_cloud_flags(command.app, flags.input);
   command.common({"--rehearse", "--output", "--world", "--scanner", "--calibrated"});
   command.examples({"verify artefacts.yaml -o report", "verify --rehearse -o report"});
@@ -237,19 +274,24 @@ void add_compare(const Commands& program) {
   const auto [command, flags] =
       program.add(compare_strategies, "compare",
                   "compare strategies in the virtual world: errors, noise, wrong points, time");
+
   add_virtual_flags(command.app, flags.devices);
+
   // These take several values here.
   for (const char* single : {"--scene", "--world"}) {
     command.app.remove_option(command.app.get_option(single));
   }
+
   command.add("scenes", flags.scenes, "scenes, as in simulate --scene; default: statue");
   command.add("--world", flags.worlds, "virtual worlds, as in simulate; several are compared")
       ->default_str("bench");
+
   command.add(
       "--strategies", flags.strategies,
       "strategies with settings after commas, e.g. \"pcmp, steps 5\"; default: a usual set");
   command.add_output("-o,--output", flags.folder, "folder for the table, the plot and pictures",
                      output_folder_type);
+
   command.common({"--world", "--strategies", "--output", "--mesh", "--camera", "--seed"});
   command.examples({"compare statue boxes --world bench harsh -o comparison",
                     "compare --move 0 0 0.5 --strategies \"pcmp, steps 3\" \"pmp, steps 6\""});

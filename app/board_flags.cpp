@@ -15,8 +15,11 @@ namespace slipstream::app {
 void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   const FlagGroup group{subcommand, "Board"};
   CalibrationBoard& board = flags.board;
+
   group.add_named("--board", board.kind, board_kind_named, name_of(board.kind),
                   "chessboard, circles (asymmetric grid) or charuco");
+
+  // Corners of the pattern, inside the board's edge.
   const auto corners = [&board](const std::string& text) {
     const auto [columns, rows] = size_from(text, "--corners");
     board.columns = columns;
@@ -24,6 +27,8 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   };
   group.add_read<>("--corners", corners, "inner corners or circles: columns x rows")
       ->default_str("13x9");
+
+  // Two lengths: along a row, and from row to row of a stretched print.
   const auto space = [&flags](const std::string& text) {
     const std::vector<double> spacings = lengths_from(text, "--spacing");
     flags.has_spacing = true;
@@ -33,12 +38,16 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   group.add_read<>("--spacing", space,
                    "side of a square, or distance between rows of circles, as measured on the "
                    "print, mm; 10x10.1 if the print is stretched vertically");
+
+  // Sizes are stored as shares of the spacing, which is known: CLI11 reads flags as they are added.
   const auto circle = [&board](double mm) { board.circle_diameter = mm / board.spacing; };
   group.add_read<double>("--circle-diameter", circle,
                          "diameter of a circle, mm; default: 0.8 of the spacing");
+
   const auto marker = [&board](double mm) { board.marker_side = mm / board.spacing; };
   group.add_read<double>("--marker-side", marker,
                          "side of a ChArUco marker, mm; default: 0.75 of the spacing");
+
   const auto dictionary = [&board](const std::string& text) {
     const Size bits = size_from(text, "--dictionary");
     throw_if(bits.width != bits.height, "--dictionary {} is unknown; expected 4x4, 5x5, 6x6 or 7x7",
@@ -80,6 +89,7 @@ std::shared_ptr<RenderedReel> shown_boards(const BoardFlags& board, int count, i
                                            const VirtualWorld& world, const Sequence& sequence) {
   const Body sheet = sheet_of(board_from(board), world.scanner);
   const auto poses = poses_of(sheet, count, world.scanner);
+
   return std::make_shared<RenderedReel>(
       moved_board(world, misprinted(sheet, world.photometry.physics), poses,
                   along_both_axes(sequence), still_cycles),

@@ -31,17 +31,20 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
   constexpr double mm_per_inch = 25.4;
   require_in_range(flags.dots_per_inch > 0 && flags.dots_per_inch <= 10000, "--dpi",
                    flags.dots_per_inch, "more than 0, at most 10000");
+
   // A whole number of pixels per spacing keeps edges sharp; the page size in mm sets the scale.
   const int pixels_per_spacing =
       static_cast<int>(std::lround(board.spacing / mm_per_inch * flags.dots_per_inch));
   const Image<std::uint8_t> picture = draw_board(board, pixels_per_spacing);
   const double mm_per_pixel = board.spacing / pixels_per_spacing;
+
   write_print(flags.file, picture, mm_per_pixel);
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
   output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
              flags.file, text_of(picture.size()));
   output.say("print it at {:.2f} mm x {:.2f} mm, without 'fit to page', then measure the print",
              width, height);
+
   output.document = described("board", flags.file, "width_px", picture.width(), "height_px",
                               picture.height(), "width_mm", width, "height_mm", height);
 }
@@ -50,13 +53,16 @@ void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags)
   required(command.add_file("folder", flags.folder,
                             "folder with a subfolder per pose: scans x and y (folders, or "
                             "recordings x.slip and y.slip), or the pictures of both"));
+
   command.add("--exclude", flags.excluded, "names of poses to ignore");
   command.add("--first-axis", flags.first_axis,
               "if both scans lie in one folder: the axis whose pictures come first, x or y");
+
   command.add("--min-modulation", flags.capture.minimum_modulation,
               "minimum modulation for a pixel's phase to be used, grey levels of 255");
   command.add("--neighbourhood", flags.capture.neighbourhood,
               "radius around a corner within which phase is used, in corner spacings");
+
   add_board_flags(command.app, flags.board);
   add_scan_flags(command.app, flags.scan);
   command.app.remove_option(command.app.get_option("--axis"));
@@ -67,18 +73,21 @@ PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBo
                              const std::optional<MeasuredResponse>& response, Output& output) {
   const std::vector<BoardScans> poses =
       board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
+
   BoardCaptureSettings settings = flags.capture;
   settings.response = response;
   if (response) {
     output.say("phases are corrected for the scanner file's response, gamma {:.5g}",
                response->gamma);
   }
+
   Progress progress("poses", poses.size());
   PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
                                         [&](const std::string& words) {
                                           if (!words.empty()) output.say("{}", words);
                                           progress.advance();
                                         });
+
   output.warn(captures.warnings);
   return captures;
 }
@@ -113,9 +122,11 @@ void write_corrected(const CalibrateVerifyFlags& flags, const Verification& foun
     throw Error(
         fmt::format("{} was not written: {}", *flags.output, text_of(found.findings.back())));
   }
+
   Scanner corrected = found.corrected;
   if (!corrected.measured.empty()) corrected.measured += "; ";
   corrected.measured += fmt::format("pose corrected by {} boards", found.poses.size());
+
   write_scanner(*flags.output, corrected);
   output.document["output"] = *flags.output;
   output.say("the corrected scanner file is {}", *flags.output);
@@ -124,11 +135,15 @@ void write_corrected(const CalibrateVerifyFlags& flags, const Verification& foun
 void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
   const Scanner read = read_scanner(flags.scanner);
+
+  // Scans that do not give the projector's size take it from the scanner file.
   BoardCaptureFlags boards = flags.boards;
   boards.capture.projector = read.projector.size;
   const PoseCaptures captures = captured_boards(boards, board, read.photometry.response, output);
   throw_if(captures.views.empty(), "{}: no pose can be used{}", flags.boards.folder,
            captures.unused.empty() ? "" : " (" + captures.unused[0].why + ")");
+
+  // Verification refits the pose of the projector and compares the boards before and after.
   const Verification found = verify_scanner(
       captures.views, board, completed(read, flags.scanner, captures.camera, captures.projector));
 
@@ -140,10 +155,12 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
     return described("name", pose.name, "before", json_of(pose.before), "after",
                      json_of(pose.after));
   });
+
   std::vector<Finding> findings = captures.findings;
   findings.insert(findings.end(), found.findings.begin(), found.findings.end());
   output.document["findings"] = findings;
   output.warn(findings);
+
   say_measure("uncorrected", found.before, output);
   say_measure("corrected", found.after, output);
   output.say("the correction turns the projector by {:.3f} degrees and moves it by {:.3f} mm",
@@ -152,6 +169,7 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
              found.holds    ? "holds"
              : found.mended ? "is wrong; the corrected pose is right"
                             : "is wrong, and a corrected pose does not help");
+
   write_corrected(flags, found, output);
 }
 
@@ -160,10 +178,13 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   settings.camera_coefficients = lens_model_named(flags.camera_distortion, "--camera-distortion");
   settings.projector_coefficients =
       lens_model_named(flags.projector_distortion, "--projector-distortion");
+
   throw_if(flags.print != "exact" && flags.print != "estimated",
            "--print {} is unknown; expected estimated or exact", flags.print);
   require_in_range(flags.print_deviation > 0 && flags.print_deviation < 1, "--print-deviation",
                    flags.print_deviation, "more than 0, less than 1");
+
+  // Without a deviation the corners are held at their nominal positions.
   settings.print_deviation =
       flags.print == "exact" ? std::nullopt : std::optional(flags.print_deviation);
   return settings;
@@ -173,6 +194,7 @@ std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
                                        const CalibrationBoard& board) {
   if (!flags.measured) return {};
   const std::vector<double> lengths = lengths_from(*flags.measured, "--measured");
+
   throw_if(lengths.size() != 2,
            "--measured {}: expected two lengths, of a row and of a column, e.g. 121.9x80.3",
            *flags.measured);
@@ -202,6 +224,8 @@ void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& qualit
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
   const auto& [calibration, unused, board, comparison, findings] = report;
+
+  // The poses used, with the quality of each when left out of the calibration.
   nlohmann::json poses = nlohmann::json::array();
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
@@ -211,13 +235,18 @@ nlohmann::json json_of_poses(const CalibrationReport& report) {
     if (comparison) add_quality(told["compared"], comparison->poses[i]);
     poses.push_back(told);
   }
+
+  // The others, with the reason.
   for (const UnusedPose& pose : unused) {
     poses.push_back(described("name", pose.name, "used", false, "reason", pose.why));
   }
+
+  // In the order of their names, used or not.
   std::sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) {
     return before_in_order(a["name"].template get<std::string>(),
                            b["name"].template get<std::string>());
   });
+
   return poses;
 }
 
@@ -236,13 +265,16 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       calibration.deviation.rotation, "translation_deviation_mm", calibration.deviation.translation,
       "largest_tilt_rad", calibration.largest_tilt, "depths_mm",
       std::array{scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest});
+
   add_quality(told, overall(left_out_qualities(calibration)));
   told["findings"] = report.findings;
   told["verdict"] = verdict_of(report.findings).words;
+
   if (report.comparison != nullptr) {
     told["compared"] = described("scanner", report.comparison->name);
     add_quality(told["compared"], overall(report.comparison->poses));
   }
+
   if (flags.report) told["report"] = *flags.report;
   return told;
 }
@@ -253,34 +285,47 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
   std::vector<Finding> findings = measured_findings(flags, board);
+
+  // Read the files first: errors in them should not wait for the calibration.
   std::optional<Scanner> other;
   if (flags.compare) other = read_scanner(*flags.compare);
   const auto response = fs::exists(flags.scanner)  // it will be overwritten
                             ? read_photometric_calibration(flags.scanner).response
                             : std::nullopt;
+
+  // 1. Find the board's corners in every pose, in camera pixels and projector coordinates.
   const PoseCaptures captures = captured_boards(flags.boards, board, response, output);
   require_enough_poses(captures, flags.boards.folder);
   if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
+
+  // 2. Calibrate both lenses and the pose between them.
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
 
+  // 3. Compare with the other scanner file, and report all diagnostics together.
   std::optional<ScannerComparison> comparison;
   if (other) {
     comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
                                calibration.views, board);
   }
+
   for (const auto* more : {&captures.findings, &calibration.findings}) {
     findings.insert(findings.end(), more->begin(), more->end());
   }
   const CalibrationReport report{calibration, captures.unused, board,
                                  comparison ? &*comparison : nullptr, findings};
+
   if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
+
+  // 4. Write the scanner file; entries that do not concern the geometry are kept, such as gamma.
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, report);
+
   output.say("{}", text_of(report));
   output.warn(findings);
   output.say("{}", verdict_of(findings).words);
   output.say("scanner file: {}", flags.scanner);
+
   if (flags.report) output.say("report: {}", (fs::path(*flags.report) / "report.html").string());
   if (!kept.empty()) output.say("kept from the existing file: {}", fmt::join(kept, ", "));
 }
@@ -291,6 +336,7 @@ void add_calibrate_board(const Commands& calibrate) {
   required(command.add_output("-o,--output", flags.file,
                               "the board at true size with a ruler: .pdf or .svg; as a picture: "
                               ".png, .tiff, .bmp or .pgm"));
+
   command.add("--dpi", flags.dots_per_inch, "pixels for each inch of paper");
   add_board_flags(command.app, flags.board);
   command.examples({"calibrate board --board chessboard --corners 13x9 --spacing 15 -o board.pdf"});
@@ -304,6 +350,7 @@ void add_calibrate_verify(const Commands& calibrate) {
   command.add_output("-o,--output", flags.output,
                      "corrected scanner file, written if the old one is wrong: .yaml or .xml",
                      scanner_output_type);
+
   add_board_capture_flags(command, flags.boards);
   command.common({"--scanner", "--output", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
@@ -315,6 +362,8 @@ void add_calibrate_verify(const Commands& calibrate) {
 void add_calibrate(const Commands& program) {
   const Commands calibrate = program.add_group(
       "calibrate", "calibrate a rig: geometry, response, noise, ambient light, colour");
+
+  // In the order of the help.
   for (AddCommand* const add :
        {add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_gamma,
         add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour, add_calibrate_height}) {
@@ -328,11 +377,14 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
       "calibrate camera and projector from scans of a board in several poses");
   required(command.add_output("-o,--output", flags.scanner, "the scanner file: .yaml or .xml",
                               scanner_output_type));
+
   command.add_output("--report", flags.report, "folder for a report with pictures",
                      output_folder_type);
   command.add_file("--compare", flags.compare, "scanner file to compare the result with");
+
   command.add("--measured", flags.measured,
               "measured on the print with a ruler, first to last corner, mm: row x column");
+
   add_board_capture_flags(command, flags.boards);
   const FlagGroup model{command.app, "Model"};
   const std::string lenses = fmt::format(
@@ -343,6 +395,7 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
             "board corners: exact, or estimated near their nominal positions");
   model.add("--print-deviation", flags.print_deviation,
             "standard deviation of a printed corner's position, in spacings");
+
   command.common({"--output", "--report", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples(

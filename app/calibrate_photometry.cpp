@@ -43,14 +43,18 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
                    CalibrationFiles& files, bool of_gamma, Output& output,
                    const std::function<void(const Scan& scan, const std::string& folder)>& take) {
   Progress progress("scans", folders.size());
+
   for (const std::string& folder : folders) {
     ScanFiles described = scan_files_in(folder, changes);
     if (files.scanner) described.scanner = files.scanner;
     Scan scan = load_frames(described);
     output.warn(scan.warnings);
+
     CheckedScan checked = check_and_repair(scan);
     if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
     refuse_or_warn(checked, folder, false, output);
+
+    // The scan's own scanner file is the one to add to, unless --scanner names another.
     if (!files.scanner) files.scanner = described.scanner;
     try {
       take(scan, folder);
@@ -58,6 +62,7 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
       const std::string message = error.what();
       throw Error(message.starts_with(folder) ? message : fmt::format("{}: {}", folder, message));
     }
+
     progress.advance();
   }
 }
@@ -70,6 +75,7 @@ void write_calibration(const CalibrationFiles& files, const PhotometricCalibrati
   if (to.empty()) {
     return output.say("nothing was written; -o scanner.yaml adds the result to a scanner file");
   }
+
   write_photometric_calibration(from, to, found);
   output.document["output"] = to;
   output.say("{}: written{}", to,
@@ -101,14 +107,18 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
                   require_ambient_measurable(scan, folder);
                   scans.add(scan, folder);
                 });
+
+  // The response counts as linear unless the scanner file holds a measured one.
   std::optional<Response> response;
   if (files.scanner && fs::exists(*files.scanner)) {
     const auto measured = read_photometric_calibration(*files.scanner).response;
     if (measured) response = measured->response;
   }
+
   const auto& [estimate, counted, least_alpha] =
       slipstream::calibrate_ambient(scans, flags.least_alpha, response);
   if (response) output.say("using the response in {}", files.scanner->string());
+
   output.say(
       "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, over "
       "{} pixels with alpha of at least {}",
@@ -118,9 +128,11 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
       "with beta_p = {} frames stay above zero for alpha above {:.4g}; for alpha of 0.15 or more "
       "beta_p must be above {:.4g}",
       scans.sequence.light.beta_p, least_alpha, least_beta_p(0.15, estimate.mode));
+
   output.document = described("ambient", estimate.mode, "median", estimate.median, "mean",
                               estimate.mean, "variance", estimate.variance, "pixels",
                               estimate.pixels, "least_reliable_alpha", least_alpha);
+
   write_histogram(flags.histogram, "Ambient light of the pixels", "grey levels", counted, output);
   write_calibration(files, {.ambient = estimate.mode}, output);
 }
@@ -135,6 +147,7 @@ fs::path picture_named(const fs::path& folder, const std::string& name) {
   for (const fs::path& picture : images_in_folder(folder)) {
     if (picture.stem() == name) return picture;
   }
+
   throw Error(fmt::format("{}: no picture named {}; expected {} of a white surface",
                           folder.string(), name, fmt::join(primary_names, ", ")));
 }
@@ -142,12 +155,16 @@ fs::path picture_named(const fs::path& folder, const std::string& name) {
 void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
   std::vector<fs::path> pictures;
   for (const char* name : primary_names) pictures.push_back(picture_named(flags.folder, name));
+
   const ColourMixture mixture = measured_mixture(read_colour_frames(pictures));
+
+  // Each camera channel: its share of the projected primaries, and its dark level.
   for (std::size_t c = 0; c < mixture.size(); ++c) {
     const auto& [red, green, blue, dark] = mixture[c];
     output.say("the camera's {} sees {:.3f} of red, {:.3f} of green, {:.3f} of blue; dark {:.1f}",
                primary_names[c + 1], red, green, blue, dark);
   }
+
   output.document["colour_mixture"] = mixture;
   write_calibration(flags.files, {.colour_mixture = mixture}, output);
 }
@@ -175,14 +192,17 @@ void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Out
   output.say(
       "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of {} pixels, with a spread of {:.3g}",
       estimate.gamma, estimate.standard_error, estimate.pixels, estimate.spread);
+
   output.document["pixels"] =
       described("gamma", estimate.gamma, "standard_error", estimate.standard_error, "spread",
                 estimate.spread, "pixels", estimate.pixels, "histogram",
                 described("low", counted.low, "high", counted.high, "counts", counted.counts));
+
   if (!flags.map.empty()) {
     write_map(flags.map, map);
     output.document["map"] = flags.map;
   }
+
   write_histogram(flags.histogram, "Gamma of every pixel", "gamma", counted, output);
 }
 
@@ -196,14 +216,19 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
                                 Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
   const BlindGamma& fit = found.fit;
+
   output.say("gamma {:.5f}, standard error {:.2g}: fitted to {} pixels with all harmonics",
              fit.gamma, fit.standard_error, fit.pixels);
+
   output.document["fit"] =
       described("gamma", fit.gamma, "standard_error", fit.standard_error, "pixels", fit.pixels);
+
+  // Gamma per pixel takes the second harmonic, which needs five steps or more.
   require_pixels_asked_for_can_be(
       flags, found.pixels.has_value(),
       fmt::format("{} steps are too few to measure gamma per pixel; use 5 or more", found.steps));
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
+
   if (!found.response && flags.uniform) return std::nullopt;
   const MeasuredResponse measured = found_response(found);
   return Found{found.response->name, measured};
@@ -217,12 +242,16 @@ Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
       "gamma {:.5f}: curve through {} uniform patterns, RMS residual {:.3g} grey levels; ambient "
       "light {:.3g} grey levels",
       fit.gamma, levels.values.size(), fit.rms, fit.offset);
+
   output.document["uniform"] =
       described("gamma", fit.gamma, "rms", fit.rms, "offset", fit.offset, "scale", fit.scale);
+
+  // --response keeps the curve as measured; otherwise the simplest formula that fits.
   const auto [name, response] =
       flags.response
           ? NamedResponse{"measured curve", response_curve(levels.values, levels.intensities)}
           : simplest_response(levels.values, levels.intensities);
+
   return {name, {response, fit.gamma, 0}};
 }
 
@@ -234,7 +263,10 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
   require_pixels_asked_for_can_be(
       flags, !flags.folders.empty(),
       "uniform patterns give no per-pixel gamma; give folders of scans");
+
   CalibrationFiles files = flags.files;
+
+  // 1. Scans of any surface: gamma from the harmonics of the wrapped phase.
   std::optional<Found> found;
   if (!flags.folders.empty()) {
     ScanAverage scans;
@@ -242,6 +274,8 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
                   [&](const Scan& scan, const std::string& folder) { scans.add(scan, folder); });
     found = from_scans(flags, scans, output);
   }
+
+  // 2. Uniform patterns: gamma from the curve. Scans take precedence; --response takes the curve.
   if (flags.uniform) {
     const Found uniform = from_uniform(flags, output);
     if (!found) found = uniform;
@@ -250,9 +284,11 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
       found->measured.response = uniform.measured.response;
     }
   }
+
   output.say("response: {}", found->name);
   output.add("response", found->name, "gamma", found->measured.gamma, "standard_error",
              found->measured.standard_error);
+
   write_calibration(files, {.response = found->measured}, output);
 }
 
@@ -268,6 +304,7 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   for_each_scan(flags.folders, flags.scan, files, false, output,
                 [&](const Scan& scan, const std::string&) { scans.emplace_back(scan); });
   const std::vector<NoiseMeasurement> all = slipstream::calibrate_noise(scans);
+
   for (const NoiseMeasurement& measured : all) {
     output.say("sigma_w^2 {:.4f}, standard error {:.2g}: Eq. ({}), {}, {} times{}{}",
                measured.variance, measured.standard_error, measured.equation, measured.method,
@@ -276,6 +313,8 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
                   "standard_error", measured.standard_error, "count", measured.count, "pixels",
                   measured.pixels, "agrees", measured.reason.empty(), "reason", measured.reason);
   }
+
+  // The list begins with the most trusted measurement.
   const NoiseMeasurement& trusted = all.front();
   if (mistakes_gamma_for_noise(trusted)) {
     output.warn(
@@ -283,15 +322,19 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
                     "to separate them",
                     trusted.equation));
   }
+
+  // With pairs of equal scans the variance is a line over the grey level: shot noise.
   const NoiseLine line = noise_line(scans).value_or(NoiseLine{.at_half = trusted.variance});
   if (line.gain > 0) {
     output.say(
         "it grows by {:.4f} per grey level, standard error {:.2g}: {:.4f} at half of full scale",
         line.gain, line.gain_error, line.at_half);
   }
+
   output.add("noise_variance", line.at_half, "noise_gain", line.gain);
   throw_if(!files.output.empty() && trusted.variance <= 0,
            "the scans contain no noise; nothing was written");
+
   if (trusted.variance > 0) {
     write_calibration(files, {.noise_variance = line.at_half, .noise_gain = line.gain}, output);
   }
@@ -305,12 +348,16 @@ void add_calibrate_ambient(const Commands& calibrate) {
                     "measure ambient light from scans of a bright surface with many steps");
   required(command.add_file("folders", flags.folders,
                             "pmp scan folders or recordings of one static scene; averaged"));
+
   command.add("--least-reflectivity", flags.least_alpha,
               "minimum reflectivity of the pixels used, 0 to 1");
+
   command.add_output("--histogram", flags.histogram,
                      "histogram of the pixels' ambient light: .png");
+
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
+
   command.common({"--output", "--scanner", "--least-reflectivity", "--steps"});
   command.examples({"calibrate ambient scan_1 scan_2 -o scanner.yaml"});
 }
@@ -319,9 +366,11 @@ void add_calibrate_colour(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_colour, "colour",
       "measure colour crosstalk between projector and camera, from pictures of a white surface");
+
   required(command.add_file("folder", flags.folder,
                             "folder with a picture of each projected colour, named black, red, "
                             "green and blue (see patterns --colour)"));
+
   add_calibration_files(command.app, flags.files);
   command.examples({"calibrate colour white --scanner scanner.yaml -o scanner.yaml"});
 }
@@ -330,6 +379,7 @@ void add_calibrate_gamma(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_gamma, "gamma",
       "measure the projector's response from scans of any surface or from uniform patterns");
+
   command.add_file(
       "folders", flags.folders,
       "scan folders or recordings of one static scene, best with 8 steps or more; averaged");
@@ -337,12 +387,15 @@ void add_calibrate_gamma(const Commands& calibrate) {
               "folder of pictures of uniform patterns, named by grey level, e.g. level_017.png");
   command.add("--response", flags.response,
               "store the curve through the uniform patterns instead of a fitted formula");
+
   add_calibration_files(command.app, flags.files);
   command.add_output("--map", flags.map, "map of each pixel's gamma: .tiff");
   command.add_output("--histogram", flags.histogram, "histogram of the pixels' gamma: .png");
+
   command
       .add("--min-modulation", flags.minimum_modulation, "minimum modulation, grey levels of 255")
       ->default_str("16");
+
   add_scan_flags(command.app, flags.scan);
   command.common(
       {"--output", "--scanner", "--uniform", "--response", "--map", "--strategy", "--steps"});
@@ -354,10 +407,13 @@ void add_calibrate_gamma(const Commands& calibrate) {
 void add_calibrate_noise(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_noise, "noise", "measure the frames' noise variance in every way the scans allow");
+
   required(
       command.add_file("folders", flags.folders, "scan folders or recordings of one static scene"));
+
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
+
   command.common({"--output", "--scanner", "--strategy", "--steps", "--high", "--low"});
   command.examples({"calibrate noise scan_1 scan_2 scan_3 -o scanner.yaml"});
 }

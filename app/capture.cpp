@@ -24,21 +24,26 @@ namespace {
 void require_good(const CaptureFlags& flags) {
   constexpr int most_poses = 1000;
   const SourceFlags& source = flags.source;
+
   const int poses = flags.poses.value_or(0);
   require_in_range(poses >= 0 && poses <= most_poses, "--poses", poses,
                    "1 to 1000, or no number to stop automatically");
   require_in_range(flags.settle >= 0 && flags.settle <= 10000, "--settle", flags.settle,
                    "0 to 10000 ms");
+
   if (flags.monitor) require_sees_monitor(source, *flags.monitor);
   throw_if(flags.poses && scheme_of(source.source) == "replay",
            "--poses: {} has no moving board; use a camera, or virtual", source.source);
   throw_if(
       !flags.monitor && source.camera.trigger == "Software",
       "--trigger Software: no trigger source; add --monitor, or name the camera's trigger line");
+
+  // A board pose is two scans of one exposure.
   throw_if(flags.poses && source.sequence.axes == "both",
            "--axis both: poses always use both axes; drop --axis");
   throw_if(flags.poses && source.sequence.exposures,
            "--exposures: board poses use a single exposure; use --exposure");
+
   throw_if(fs::exists(flags.output) &&
                (fs::is_regular_file(flags.output) || !fs::is_empty(flags.output)),
            "{}: already exists; name another", flags.output);
@@ -47,12 +52,17 @@ void require_good(const CaptureFlags& flags) {
 /// `projector`: its size in pixels, if known.
 SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> projector) {
   SourceRequest request = request_from(flags.source);
+
+  // A pose is two scans, along x and along y; a single scan keeps colour pictures whole.
   request.scans = flags.poses ? 2 : 1;
   request.as_taken = !flags.poses;
   request.loop = true;  // a single recorded cycle counts as static
+
+  // Without a choice of patterns the default ones are shown; a replay has its own.
   if (!request.sequence.strategy && scheme_of(request.source) != "replay") {
     request.sequence.strategy = default_strategy().name();
   }
+
   if (projector && !request.sequence.projector) request.sequence.projector = projector;
   return request;
 }
@@ -74,24 +84,31 @@ NamedSource virtual_boards(const CaptureFlags& flags, const SourceRequest& reque
   const VirtualWorld& world = *request.world;
   NamedSource boards{.sequence = sequence_for(request.sequence, world.scanner),
                      .scanner_name = "the virtual scanner"};
+
   const int poses = *flags.poses == 0 ? several : *flags.poses;
   boards.frames = std::make_unique<VirtualCamera>(
       shown_boards(flags.board, poses, still_cycles, world, boards.sequence),
       request.rate == 0.0 ? std::nullopt : request.rate);
+
   return boards;
 }
 
 std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSource& opened,
                                         PatternSink* projector) {
   const Sequence& sequence = opened.sequence;
+
+  // The projector loops the patterns by itself, and the camera finds where a cycle begins.
   if (projector == nullptr) {
     return std::make_unique<CyclicScans>(*opened.frames, sequence, flags.poses ? 2 : 1);
   }
+
+  // This program shows each pattern and takes a frame of it.
   StepSettings steps{.settling = std::chrono::milliseconds(static_cast<int>(flags.settle)),
                      .triggered = flags.source.camera.trigger == "Software"};
   if (flags.source.sequence.exposures) {
     for (const double ms : sequence.exposures) steps.exposures.push_back(ms / 1e3);
   }
+
   return std::make_unique<ShownScans>(*projector, *opened.frames,
                                       pictures_of(sequence, flags.poses.has_value()), steps);
 }
@@ -130,31 +147,43 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   const auto& [projector, opened, camera] = rig;
   throw_if(opened.sequence.projector == Size{},
            "--projector is missing: give the projector's size in pixels, e.g. 1280x800");
+
   const CalibrationBoard board = board_from(flags.board);
   const auto tell_news = news_of(*opened.frames, output);
+
+  // Called for each picture: the window shows all of them, the text only changes of the verdict.
   PoseState told = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
     if (show) show(guide_of(progress, *flags.poses));
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
+
+    // Once a pose is over, the advice is about the next one.
     const bool over = told == PoseState::taken || told == PoseState::known;
     const std::string& advice = progress.needs.advice;
     output.say("{}{}", headline_of(progress, *flags.poses),
                over && !advice.empty() ? "; next: " + advice : "");
   };
+
   const auto watch = [&] {
     tell_news();
     return ends();
   };
+
   const auto save = [](const fs::path& folder, const Scan& scan) {
     save_scan(folder, scan.frames, scan.sequence, std::nullopt);
   };
+
+  // 1. Take poses until there are enough or the user stops.
   const std::size_t taken =
       take_guided_poses(*camera, flags.output, board, opened.sequence,
                         {.save = save, .wanted = *flags.poses, .told = tell, .ends = watch})
           .size();
+
   opened.frames->stop();
   throw_if(taken == 0, "no pose was taken");
+
+  // 2. Calibrate from the poses taken, also after a stop.
   const fs::path folder = flags.output;
   CalibrateGeometryFlags calibration;
   calibration.boards.folder = folder;
@@ -162,6 +191,7 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   calibration.scanner = folder / "scanner.yaml";
   calibration.report = folder / "report";
   calibrate_boards(calibration, output);
+
   output.add("poses_taken", taken, "folder", flags.output);
   return output.document["verdict"];
 }
@@ -172,14 +202,18 @@ FrameSet still_frames(const CaptureRig& rig, Output& output) {
   constexpr double patience = 10;  // s
   const RunEnd end(patience);
   const auto tell_news = news_of(*opened.frames, output);
+
   bool seen = false;
   while (!end.reached() && !projector.closed()) {
     tell_news();
     const std::optional<Glimpse> glimpse = camera->look(std::chrono::milliseconds(200));
     seen |= glimpse.has_value();
+
     if (!glimpse || !glimpse->still) continue;
     if (auto frames = camera->take()) return std::move(frames->front());
   }
+
+  // The patience is 10 s: either the scene moves, or no whole cycle of patterns arrives.
   if (end.seconds() < patience) throw Error("stopped before a scan was taken");
   throw WorldError(seen
                        ? "the scene does not stand still; use `slipstream record` for moving scenes"
@@ -190,27 +224,37 @@ FrameSet still_frames(const CaptureRig& rig, Output& output) {
 
 void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output) {
   const NamedSource& opened = rig.opened;
+
+  // 1. Take the frames of one scan.
   Scan scan{
       .frames = still_frames(rig, output), .sequence = opened.sequence, .scanner = opened.scanner};
   opened.frames->stop();
+
   scan.sequence.marker = false;  // null: not among the frames
   if (scan.scanner) {
     scan.scanner =
         completed(*scan.scanner, opened.scanner_name, scan.frames.size(), scan.sequence.projector);
   }
+
+  // 2. Check the scan as reconstruct will see it: colours unmixed, exposures merged.
   const bool several = frame_count(scan.sequence) > frame_count(scan.sequence.strategy);
   Scan whole = scan;
   if (opened.in_colour && scan.scanner && scan.scanner->photometry.colour_mixture) {
     whole.frames = unmixed(scan.frames, *scan.scanner->photometry.colour_mixture, opened.white);
   }
   if (several) whole = merged(std::move(whole));
+
   const CheckedScan checked = check_and_repair(whole);
+
+  // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
   if (!several && !opened.in_colour) scan = std::move(whole);  // its frames are in order
   save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt, opened.in_colour,
             opened.white);
+
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),
              text_of(scan.frames.size()), scan.sequence.strategy.name());
   refuse_or_warn(checked, flags.output, true, output);
+
   output.document = described("scan", flags.output, "frames", scan.frames.count(), "width",
                               scan.frames.size().width, "height", scan.frames.size().height,
                               "findings", checked.findings);
@@ -222,9 +266,11 @@ CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
   PatternSink* const projector = rig.projector.sink;
   const SourceRequest request =
       request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
+
   const bool boards = flags.poses && scheme_of(request.source) == "virtual";
   rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
   rig.opened.frames->start();
+
   rig.camera = scan_camera(flags, rig.opened, projector);
   return rig;
 }
@@ -233,6 +279,7 @@ CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
 void take_poses_in_window(const CaptureFlags& flags, Output& output) {
 #ifdef SLIPSTREAM_VIEW
   GuidedPoses poses(flags, output);
+
   const RunEnd end(std::nullopt);
   const auto last = view::run_viewer({.title = "slipstream capture",
                                       .newest = [] { return view::ShownCloud{}; },
@@ -240,6 +287,7 @@ void take_poses_in_window(const CaptureFlags& flags, Output& output) {
                                      {.size = flags.size,
                                       .ends = [&] { return end.reached() || poses.over(); },
                                       .keep_last = !flags.screenshot.empty()});
+
   if (last) write_image(flags.screenshot, *last);
   poses.finish();
 #endif
@@ -251,8 +299,10 @@ void capture(const CaptureFlags& flags, Output& output) {
     require_desktop();
     return take_poses_in_window(flags, output);
   }
+
   const CaptureRig rig = open_rig(flags, output);
   if (!flags.poses) return take_scan(flags, rig, output);
+
   const RunEnd end(std::nullopt);
   take_poses(
       flags, rig, {}, [&] { return end.reached() || rig.projector.closed(); }, output);
@@ -302,30 +352,37 @@ void add_capture(const Commands& program) {
   const auto [command, flags] =
       program.add(capture, "capture",
                   "take a scan, or calibrate with --poses, with camera and projector in step");
+
   SourceFlags& source = flags.source;
   required(command.add_output(
       "-o,--output", flags.output,
       "scan folder or recording (.slip); with --poses: folder for poses, scanner.yaml and report",
       output_folder_type));
+
   required(command.add("--source", source.source, source_forms()));
   command.add("--monitor", flags.monitor,
               "show the patterns on this monitor, numbered as in `project --list`; default: the "
               "projector loops them by itself");
   command.add("--settle", flags.settle,
               "with --monitor: delay from showing a pattern to taking its frame, ms");
+
   command
       .add("--poses", flags.poses,
            "take this many board poses, each automatically when it is good, then calibrate; "
            "without a number: until enough")
       ->expected(0, 1)
       ->default_str("0");
+
   command.add("--headless", flags.headless, "no window; print a line whenever the advice changes");
   command.add("--size", flags.size, "size of the guide window, pixels");
   command.add_output("--screenshot", flags.screenshot, "final picture of the guide window: .png");
+
   command.add("--rate", source.rate, "frames per second of a free-running camera");
   command.add_file("--scanner", source.scanner, "scanner file to store with the scan");
+
   add_board_flags(command.app, flags.board);
   add_source_flags(command.app, source, true);
+
   command.common({"--output", "--source", "--monitor", "--poses", "--corners", "--spacing",
                   "--scanner", "--exposure", "--strategy", "--steps"});
   command.examples(

@@ -42,8 +42,10 @@ class GuidedPoses {
 
   /// What to show, if it is new.
   std::optional<view::Guide> newest();
+
   /// Whether it has calibrated or failed, or the projector's window was closed. Main thread.
   [[nodiscard]] bool over() const;
+
   /// Takes no more poses and waits for the calibration. Returns its verdict; throws what failed.
   std::string finish();
 

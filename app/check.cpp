@@ -25,16 +25,20 @@ void check(const CheckFlags& flags, Output& output) {
     const GammaChoice gamma = choose_response(scan, flags.input.gamma);
     settings.photometry.response = gamma.response;
     settings.blind = gamma.blind;
+
     const CheckedScan checked = check_and_repair(scan, settings);
     const std::vector<Finding>& findings = checked.findings;
     if (any_wrong(findings)) output.exit_code = 2;
     output.add_to("scans", "scan", folder, "findings", findings);
+
+    // The bar goes, so that the scan's lines do not overwrite it.
     progress.finish();
     if (findings.empty()) output.say("{}: OK: no problems found", folder);
     for (const Finding& finding : findings) {
       output.say("{}: {}: {}", folder, finding.gravity == Gravity::wrong ? "wrong" : "doubtful",
                  text_of(finding));
     }
+
     if (scan.scanner) {
       const double baseline = scan.scanner->translation.norm(), depth = checked.median_depth;
       output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
@@ -42,6 +46,7 @@ void check(const CheckFlags& flags, Output& output) {
     } else if (!scan.further_cameras.empty()) {
       output.say("{}: two cameras, no projector: the calibration is not checked", folder);
     }
+
     progress.advance();
   }
 }
@@ -71,9 +76,11 @@ MeasuredPoint point_of(const Measuring& in, const std::string& text) {
   const std::vector<int> numbers = numbers_in<int>(text, ',');
   throw_if(numbers.size() != 2, "'{}' is not a pixel; give column and row, e.g. 320,240", text);
   in.require_pixels(text);
+
   const int column = numbers[0], row = numbers[1];
   const Cloud& cloud = in.stored.cloud;
   if (const auto point = point_at(cloud, uncertainty_of(in.stored), column, row)) return *point;
+
   const bool inside =
       column >= 0 && row >= 0 && column < cloud.size().width && row < cloud.size().height;
   throw Error(
@@ -88,6 +95,7 @@ std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& tex
   throw_if(!rectangle.has_value(),
            "'{}' is not a rectangle; give width x height + x + y, e.g. 200x100+320+240, or all",
            text);
+
   if (text != "all") in.require_pixels(text);
   return points_in(in.stored.cloud, uncertainty_of(in.stored), *rectangle);
 }
@@ -118,6 +126,7 @@ void tell_fit(const char* list, nlohmann::json told, const Residuals& residuals,
   told.update(described("rms_mm", residuals.rms, "largest_mm", residuals.largest, "points",
                         residuals.points, "outliers", residuals.outliers, "noise_mm",
                         residuals.noise));
+
   output.list(list).push_back(std::move(told));
   output.say("  residuals of {} points: rms {:.4f} mm{}, largest {:.4f} mm; {} outliers ignored",
              residuals.points, residuals.rms,
@@ -148,10 +157,13 @@ void measure(const MeasureFlags& flags, Output& output) {
   throw_if(flags.points.empty() && flags.distances.empty() && flags.planes.empty() &&
                flags.spheres.empty(),
            "nothing to measure; give --point, --distance, --plane or --sphere");
+
+  // A cloud file is measured as it is; a scan is reconstructed first.
   output.document["input"] = flags.path;
   const StoredCloud stored = is_cloud_file(flags.path)
                                  ? read_cloud(flags.path)
                                  : organised_cloud(flags.path, flags.input, output);
+
   const Measuring in{stored, flags.path, output};
   for (const auto& pixel : flags.points) measure_point(pixel, in);
   for (const auto& pixels : flags.distances) measure_distance(pixels, in);
@@ -164,9 +176,11 @@ void measure(const MeasureFlags& flags, Output& output) {
 void add_measure(const Commands& program) {
   const auto [command, flags] = program.add(
       measure, "measure", "measure points, distances, planes and spheres in a cloud, mm");
+
   required(command.add_file(
       "input", flags.path,
       "a scan folder, a recording or a cloud; pixels need an organised one, .pcd"));
+
   const FlagGroup group{command.app, "What to measure (each may be repeated)"};
   group.add("--point", flags.points, "the point at pixel column,row, e.g. 320,240");
   group.add("--distance", flags.distances,
@@ -175,6 +189,7 @@ void add_measure(const Commands& program) {
             "fit to the points in a pixel rectangle, width x height + x + y, e.g. "
             "200x100+320+240, or to all");
   group.add("--sphere", flags.spheres, "fit to the points in a pixel rectangle, as for --plane");
+
   add_cloud_flags(command.app, flags.input);
   command.common({"--point", "--distance", "--plane", "--sphere", "--scanner", "--min-modulation",
                   "--max-sigma", "--raw"});
@@ -186,10 +201,12 @@ void add_measure(const Commands& program) {
 void add_check(const Commands& program) {
   const auto [command, flags] = program.add(
       check, "check", "check that a scan's frames fit its patterns, its scanner and each other");
+
   required(command.add_file("folders", flags.folders,
                             "scan folders (pictures, and scan.yaml or flags) or recordings"));
   command.add("--min-modulation", flags.settings.minimum_modulation,
               "minimum modulation of a valid pixel, grey levels of 255 at any bit depth");
+
   add_scan_input_flags(command.app, flags.input);
   command.common({"--scanner", "--strategy", "--steps", "--high", "--low", "--axis", "--projector",
                   "--order"});

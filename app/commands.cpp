@@ -20,6 +20,7 @@ namespace {
 /// Outputs and verbosity of a run do not belong to the rig.
 void collect_settings(const CLI::App& app, std::set<std::string>& names) {
   static const std::set<std::string> of_run{"rig", "help", "version", "output", "json"};
+
   for (const CLI::Option* const option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) {
       if (!of_run.contains(name)) names.insert(name);
@@ -41,15 +42,20 @@ std::string resolved(const CLI::Option& option, const std::string& value, const 
 
 bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
   const auto given = [](const CLI::Option* other) { return other->count() > 0; };
+
+  // The command line wins: it may give the setting itself or one that excludes it. A setting whose
+  // partner is absent, such as --resume without --manifest, does not apply either.
   if (given(&option) || std::ranges::any_of(option.get_excludes(), given) ||
       !std::ranges::all_of(option.get_needs(), given)) {
     return false;
   }
+
   const bool is_switch = option.get_expected_max() == 0;  // its name may start with no-
   for (const std::string& value : setting.values) {
     option.add_result(is_switch ? option.get_flag_value(setting.name, value)
                                 : resolved(option, value, folder));
   }
+
   option.run_callback();
   return true;
 }
@@ -57,8 +63,12 @@ bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& optio
 void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
   said.file = file.string();
   said.settings.clear();
+
+  // 1. The settings of all commands, as one rig file may serve several.
   std::set<std::string> known;
   collect_settings(program, known);
+
+  // 2. Each setting of the file that this command has.
   for (const RigSetting& setting : read_rig(file)) {
     const auto refuse = [&](const std::string& why) {
       throw Error(fmt::format("{}: line {}: {}", file.string(), setting.line, why));
@@ -67,8 +77,10 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
       refuse(fmt::format("no command has a setting '{}'{}", setting.name,
                          did_you_mean(setting.name, known)));
     }
+
     CLI::Option* const option = subcommand.get_option_no_throw("--" + setting.name);
     if (option == nullptr) continue;
+
     try {
       if (apply(setting, file.parent_path(), *option)) said.settings.push_back(setting);
     } catch (const CLI::ConversionError&) {  // a switch; numbers were checked before
@@ -79,6 +91,7 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
       refuse(error.what());
     }
   }
+
   // In the order of the flags, as on the command line: --raw precedes the filters it keeps.
   for (CLI::Option* const option : subcommand.get_options()) {
     const bool is_rig = option->check_name("--rig") || option->check_name("rig");
@@ -91,6 +104,7 @@ bool has_word(const std::string& text, const std::string& word) {
   const auto inside = [&](std::size_t at) {
     return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
   };
+
   for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
     if (!inside(at - 1) && !inside(at + word.size())) return true;
   }
@@ -101,6 +115,7 @@ bool has_word(const std::string& text, const std::string& word) {
 int clarity(const RigSetting& setting, const std::string& message) {
   // "minimum modulation" is min-modulation.
   const std::string last = setting.name.substr(setting.name.rfind('-') + 1);
+
   const bool names_flag = has_word(message, "--" + setting.name) ||
                           message.find("'" + setting.name + "'") != message.npos;
   const bool names_setting = has_word(message, last.size() > 5 ? last : setting.name);
@@ -108,6 +123,7 @@ int clarity(const RigSetting& setting, const std::string& message) {
     const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
     return what.size() > 1 && has_word(message, what);
   });
+
   return (names_flag ? 4 : 0) + (names_setting ? 2 : 0) + (names_value ? 1 : 0);
 }
 
@@ -116,21 +132,27 @@ int clarity(const RigSetting& setting, const std::string& message) {
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole) {
   if (text.empty()) return "a number is missing";
   if (is_unsigned && text.find('-') != std::string::npos) return text + " is below 0";
+
+  // The whole text must be a finite number; strtod alone would accept a number at its start.
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
   if (*end != '\0') return "'" + text + "' is not a number";
   if (!std::isfinite(number)) return text + " is not finite";
+
   return is_whole && number != std::floor(number) ? text + " is not a whole number" : "";
 }
 
 void require_distinct_files(const CLI::App& command) {
   constexpr std::string_view replay = "replay:", mcap = "mcap:";
   DistinctFiles files;
+
   const auto for_each_value = [&](const auto& take) {
     for (const CLI::Option* const option : command.get_options()) {
       for (const std::string& value : option->results()) take(*option, value);
     }
   };
+
+  // Inputs first, whatever the order of the flags: each output is compared with them.
   for_each_value([&](const CLI::Option& option, const std::string& value) {
     if (option.check_name("--scanner")) {
       files.add_scanner(value);
@@ -139,6 +161,7 @@ void require_distinct_files(const CLI::App& command) {
     }
     if (value.starts_with(replay)) files.add_input(value.substr(replay.size()));
   });
+
   for_each_value([&](const CLI::Option& option, const std::string& value) {
     const bool is_folder =
         option.get_type_name() == output_folder_type && lower_case_extension(value) != ".slip";
@@ -175,11 +198,14 @@ void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) 
 
 std::string located(const RigSaid& said, const std::string& message) {
   if (message.starts_with(said.file + ": line ")) return message;
+
+  // The setting that the message names most clearly; of several, the first in the file.
   int clearest = 0, line = 0;
   for (const RigSetting& setting : said.settings) {
     const int clear = clarity(setting, message);
     if (clear > clearest) std::tie(clearest, line) = std::pair(clear, setting.line);
   }
+
   return clearest == 0 ? message : fmt::format("{}: line {}: {}", said.file, line, message);
 }
 

@@ -59,8 +59,10 @@ template <class Value>
 struct NumberOf {
   using Type = Value;
 };
+
 template <class Value>
 struct NumberOf<std::optional<Value>> : NumberOf<Value> {};
+
 template <class Value>
 struct NumberOf<std::vector<Value>> : NumberOf<Value> {};
 
@@ -73,14 +75,17 @@ struct FlagGroup {
   /// shown as the default. Sizes are written "1824x1140".
   template <class Value>
   CLI::Option* add(const std::string& flag, Value& value, const std::string& help) const {
+    // 1. A switch.
     if constexpr (std::is_same_v<Value, bool>) {
       return app.add_flag(flag, value, help)->group(name);
     } else if constexpr (std::is_same_v<typename NumberOf<Value>::Type, Size>) {
+      // 2. A size, in one word.
       const auto read = [&value, flag](const std::string& text) { value = size_from(text, flag); };
       CLI::Option* const option = add_read<>(flag, read, help);
       if constexpr (std::is_same_v<Value, Size>) option->default_str(text_of(value));
       return option;
     } else {
+      // 3. A number or text shows its present value as default; an optional or a list does not.
       constexpr bool has_default =
           std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>;
       CLI::Option* const option = checked<Value>(app.add_option(flag, value, help));
@@ -112,6 +117,7 @@ struct FlagGroup {
     Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
       using Value = std::remove_cvref_t<decltype(value)>;
       if (*setting.flag == '\0') return;
+
       if constexpr (std::is_same_v<Value, bool>) {
         const auto set = [&value, on = !setting.flag_clears] { value = on; };
         app.add_flag_callback(setting.flag, set, setting.help)->group(name);
@@ -121,6 +127,7 @@ struct FlagGroup {
           return std::string();
         });
       } else {
+        // Boxes, outlines and the like: the caller knows how to read them.
         (add_other(setting, value), ...);
       }
     });
@@ -152,6 +159,7 @@ struct FlagGroup {
 
   /// Lists these flags first in the help, in this order.
   void common(std::initializer_list<const char*> flags) const {
+    // The help sorts these groups as text: two digits each keep the order.
     int place = 10;
     for (const char* flag : flags) {
       app.get_option(flag)->group(common_options + std::to_string(place++));
@@ -171,6 +179,7 @@ struct FlagGroup {
   CLI::Option* checked(CLI::Option* option) const {
     using Number = typename NumberOf<Value>::Type;
     if constexpr (std::is_arithmetic_v<Number>) {
+      // A flag whose value may be left out, like --poses, passes an empty text.
       option->check([option](const std::string& text) {
         const bool left_out = option->get_expected_min() == 0 && text.empty();
         return left_out
@@ -178,6 +187,7 @@ struct FlagGroup {
                    : why_no_number(text, std::is_unsigned_v<Number>, std::is_integral_v<Number>);
       });
     }
+
     return option->group(name);
   }
 };
@@ -232,6 +242,7 @@ struct Commands {
     });
     return {{*command}, *flags};
   }
+
   /// Adds a subcommand that has subcommands.
   [[nodiscard]] Commands add_group(const std::string& name, const std::string& help) const {
     return {*app.add_subcommand(name, help)->require_subcommand(1), chosen};
@@ -239,11 +250,18 @@ struct Commands {
 };
 
 using AddCommand = void(const Commands& program);
+
+// Each of these adds one command. `AddCommand add_demo` declares `void add_demo(const Commands&
+// program)`; main.cpp calls those that were built. In every build:
 AddCommand add_demo, add_patterns, add_design, add_reconstruct, add_check, add_measure;
+
+// With SLIPSTREAM_ALL_COMMANDS:
 AddCommand add_simulate, add_calibrate, add_batch, add_convert, add_unwrap, add_height, add_verify;
 AddCommand add_compare, add_assist, add_live, add_serve, add_capture, add_record, add_camera;
 AddCommand add_reproduce, add_bench, add_gpu;
+
 AddCommand add_project, add_view, add_studio;  // with SLIPSTREAM_VIEW
+
 // To `slipstream calibrate`:
 AddCommand add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_ambient,
     add_calibrate_colour, add_calibrate_gamma, add_calibrate_height, add_calibrate_noise;

@@ -48,20 +48,26 @@ class JoinedRecording {
         writer_ && !(header.format == header_.format && header.sequence == header_.sequence &&
                      header.scanner == header_.scanner && header.in_colour == header_.in_colour),
         "{}: camera, strategy or scanner differs from the inputs before it", input);
+
     throw_if(inputs_ != 1 && header.white.count() != 0,
              "{}: has a white picture, and a recording holds only one; convert it on its own",
              input);
+
     if (!writer_) writer_.emplace(path_, header);
     header_ = std::move(header);
+
+    // Number of this input's first frame: rounded up to a whole cycle of patterns.
     const auto cycle =
         static_cast<std::uint64_t>(header_.sequence ? cycle_length(*header_.sequence) : 1);
     first_ = (next_ + cycle - 1) / cycle * cycle;
   }
+
   void add(Frame& frame) {
     frame.stamp.sequence += first_;
     next_ = frame.stamp.sequence + 1;
     writer_->append(frame);
   }
+
   std::uint64_t finish() {
     throw_if(!writer_ || writer_->count() == 0, "no frames to write");
     writer_->finish();
@@ -80,8 +86,10 @@ void add_replayed(const std::string& path, const ScanChanges& changes, JoinedRec
                   Output& output) {
   ReplaySource source(path, {.rate = 0, .scan = changes});
   if (!source.warning().empty()) output.warn(source.warning());
+
   recording.begin(source.header(), path);
   Frame frame(source.format());
+
   source.start();
   for (Arrival arrival{}; (arrival = source.next(frame, {})) != Arrival::ended;) {
     if (arrival == Arrival::frame) recording.add(frame);
@@ -94,6 +102,8 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
   std::optional<ScanFiles> scan;
   std::optional<Scanner> scanner;
   std::optional<std::uint32_t> first;
+
+  // The attachments scanner.yaml and scan.yaml come before the frames that they describe.
   const bool whole = read_mcap(path, [&](const McapMessage& message) {
     const std::string text(message.content.begin(), message.content.end());
     if (message.encoding.empty() && message.topic == "scanner.yaml") {
@@ -104,11 +114,14 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
     } else if (scan && message.type == image_type().name && message.topic.starts_with(frames)) {
       const auto pattern = number_in<int>(message.topic.substr(frames.size()));
       Frame frame = read_frame(message.content, scan->bits);
+
+      // The first frame sets the camera's format, and where counting starts: at pattern 0.
       if (!first) {
         recording.begin({.format = frame.format(), .sequence = scan->sequence, .scanner = scanner},
                         path);
         first = message.number - static_cast<std::uint32_t>(pattern.value_or(0));
       }
+
       frame.stamp = {.sequence = message.number - *first,
                      .pattern_index = pattern,
                      .device_time = std::chrono::nanoseconds(message.time),
@@ -117,6 +130,7 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
       recording.add(frame);
     }
   });
+
   if (!whole) output.warn(fmt::format("{}: truncated; only its complete chunks were read", path));
   throw_if(!first.has_value(), "{}: contains no scan frames written by slipstream live", path);
 }
@@ -130,6 +144,7 @@ void convert_to_recording(const std::vector<std::string>& paths, const std::stri
     is_mcap(input) ? add_published(input, recording, output)
                    : add_replayed(input, changes, recording, output);
   }
+
   const std::uint64_t frames = recording.finish();
   output.say("{}: {} frames", path, frames);
   output.document["frames"] = frames;
@@ -144,6 +159,7 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
   for (const std::string& path : recordings) {
     const RecordingReader recording(path);
     const ScanFiles scan = scan_files_in(path, changes);
+
     std::optional<Scanner> scanner;
     if (scan.scanner) scanner = read_scanner(*scan.scanner);
     const Sequence& sequence = scan.sequence;
@@ -154,14 +170,17 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
         output.warn(fmt::format("skipped {}: frames are missing or damaged", text_of(name)));
         continue;
       }
+
       const std::string made = files_of_scan({.cloud = folder}, name).cloud;
       require_only(written.insert(made).second, made);
+
       Sequence shown = sequence;
       shown.marker = false;
       save_scan(made, *frames, shown, scanner, std::nullopt, recording.header().in_colour,
                 recording.header().white);
     }
   }
+
   throw_if(written.empty(), "no complete scan to write");
   output.say("{}: {} scan folder{}", folder, written.size(), written.size() == 1 ? "" : "s");
   output.add("scans", written.size(), "files", written);
@@ -181,31 +200,37 @@ class CloudFiles {
   void add(const StoredCloud& stored, const ScanName& name, std::optional<std::uint64_t> time) {
     last_ = time.value_or(count_ == 0 ? 0 : last_ + nanoseconds);
     ++count_;
+
     is_mcap(output_) ? add_message(stored) : add_file(stored, name);
   }
 
   void finish() {
     throw_if(count_ == 0, "no cloud to write");
     if (writer_) writer_->finish();
+
     const std::size_t files = writer_ ? 1 : written_.size();
     words_.say("{}: {} cloud{} in {} file{}", output_, count_, count_ == 1 ? "" : "s", files,
                files == 1 ? "" : "s");
+
     words_.document["clouds"] = count_;
     words_.document["files"] = writer_ ? nlohmann::json{output_} : nlohmann::json(written_);
   }
 
  private:
   void add_message(const StoredCloud& stored) {
+    // Channels are declared with the first cloud.
     if (!writer_) {
       writer_.emplace(output_, OutputFile::Writing::at_once);
       const RosType points = point_cloud_type(), image = image_type();
       points_ = writer_->add_channel("/points", points.name, points.definition);
       image_ = writer_->add_channel("/image", image.name, image.definition);
     }
+
     if (stored.organised) {
       write_image(stored.cloud, {last_}, message_);
       writer_->write(image_, last_, message_);
     }
+
     write_point_cloud(stored.cloud, {last_}, message_, uncertainty_of(stored));
     writer_->write(points_, last_, message_);
     writer_->end_message_group();
@@ -214,6 +239,7 @@ class CloudFiles {
   void add_file(const StoredCloud& stored, const ScanName& name) {
     const std::string path = files_of_scan({.cloud = output_}, name).cloud;
     require_only(written_.insert(path).second, path);
+
     write_cloud(path, stored.cloud, {.uncertainty = uncertainty_of(stored)});
   }
 
@@ -233,10 +259,14 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
   const bool whole = read_mcap(path, [&](const McapMessage& message) {
     const bool is_cloud = message.type == point_cloud_type().name && message.encoding == "cdr";
     if (topics.size() < 16) topics.insert(message.topic + (is_cloud ? "" : " (no cloud)"));
+
     if (!is_cloud || (!topic.empty() && message.topic != topic)) return;
     files.add(read_point_cloud(message.content), {path, count++}, message.time);
   });
+
   if (!whole) output.warn(fmt::format("{}: truncated; only its complete chunks were read", path));
+
+  // The topics found help to choose one; 16 are enough for a message.
   throw_if(count == 0, "{}: no sensor_msgs/msg/PointCloud2{}{}; its topics: {}", path,
            topic.empty() ? "" : " on ", topic,
            topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", ")));
@@ -247,11 +277,15 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
                        Output& output) {
   const RecordingReader recording(path);
   const Sequence sequence = scan_files_in(path, flags).sequence;
+
+  // A colour picture holds three patterns, so patterns come three times as fast.
   const double rate = (recording.header().in_colour ? 3 : 1) * recording.header().frame_rate;
   const double cycle = rate > 0 ? static_cast<double>(cycle_length(sequence)) / rate : 1;
+
   for (std::uint64_t window = 0; window < window_count(recording, sequence); ++window) {
     flags.window = window;
     const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * nanoseconds);
+
     std::optional<StoredCloud> stored;
     try {
       stored = organised_cloud(path, flags, output);
@@ -259,6 +293,7 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
       output.warn(fmt::format("skipped: {}", error.what()));
       continue;
     }
+
     files.add(*stored, {path, window}, time);
   }
 }
@@ -268,9 +303,11 @@ void convert(const ConvertFlags& flags, Output& output) {
   if (ending == ".slip")
     return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
   if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
+
   CloudFiles files(flags.output, output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
   require_only(!one_file || flags.paths.size() == 1, flags.output);
+
   for (const std::string& path : flags.paths) {
     if (is_mcap(path)) {
       convert_mcap(path, flags.topic, files, output);
@@ -282,6 +319,7 @@ void convert(const ConvertFlags& flags, Output& output) {
       files.add(organised_cloud(path, flags.cloud, output), {path}, std::nullopt);
     }
   }
+
   files.finish();
 }
 
@@ -291,6 +329,7 @@ void add_convert(const Commands& program) {
   const auto [command, flags] = program.add(convert, "convert",
                                             "convert clouds and scans to MCAP, PLY, PCD or XYZ, "
                                             "and frames to recordings or scan folders");
+
   required(command.add_file(
       "input", flags.paths,
       "MCAP files, clouds, recordings (each cycle) and scan folders, in this order"));
@@ -299,8 +338,10 @@ void add_convert(const Commands& program) {
       ".mcap: all clouds in one file; .ply, .pcd or .xyz: one file each, with {name} for the "
       "input's name and {window} for the cloud's number; .slip: all frames in one recording; no "
       "extension: a scan folder per recorded cycle"));
+
   command.add("--topic", flags.topic, "MCAP input: convert only this topic's clouds, e.g. /points");
   add_cloud_flags(command.app, flags.cloud);
+
   command.common({"--output", "--topic", "--scanner", "--min-modulation", "--max-sigma", "--raw"});
   command.examples({"convert scan.slip -o clouds.mcap",
                     "convert clouds.mcap -o clouds/{window}.pcd",

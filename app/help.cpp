@@ -27,6 +27,7 @@ std::size_t text_width() {
 /// The text's words in lines that start at `margin`. With `ending`, which ends all lines but the
 /// last, values stay beside their flags.
 std::string wrapped(const std::string& text, std::size_t margin, std::string_view ending = "") {
+  // 1. Break the text into pieces that stay on one line: words, or a flag with its values.
   std::vector<std::string> pieces;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
@@ -37,6 +38,8 @@ std::string wrapped(const std::string& text, std::size_t margin, std::string_vie
       pieces.push_back(word);
     }
   }
+
+  // 2. Fill lines with the pieces; `ending` is the shell's backslash.
   std::string lines;
   std::size_t column = margin;
   for (const std::string& word : pieces) {
@@ -48,6 +51,7 @@ std::string wrapped(const std::string& text, std::size_t margin, std::string_vie
     lines += word;
     column += word.size();
   }
+
   return lines;
 }
 
@@ -73,14 +77,19 @@ std::string entry(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+
+  // CLI11 names types for programmers; the help names them for users.
   std::string type = option.get_type_name();
   if (type == "INT" || type == "UINT") type = "N";
   if (type == "FLOAT") type = "NUMBER";
   if (type == output_type || type == scanner_output_type) type = file_type;
+
+  // One word per value that the flag takes, "..." for a list.
   const int values = option.get_items_expected_max();
   const bool is_list = values >= CLI::detail::expected_max_vector_size;
   std::string term = fmt::format("{}", fmt::join(names, ", "));
   for (int i = 0; i < (is_list ? 1 : values); ++i) term += " " + type;
+
   const std::string usual = option.get_default_str();
   return entry(term + (is_list ? "..." : ""),
                option.get_description() + (option.get_required() ? " (required)"
@@ -104,15 +113,20 @@ std::string options_of(const CLI::App& app, const std::string& group) {
 /// without common options, all options in groups.
 struct HelpLayout : CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode mode) const override {
+    // 1. The command as it is called: "slipstream calibrate gamma".
     std::string called = app->get_name(), usage, arguments, commands, group;
     for (const CLI::App* at = app->get_parent(); at != nullptr; at = at->get_parent()) {
       called = at->get_name() + " " + called;
     }
+
+    // 2. Subcommands, under the heading of their group.
     for (const CLI::App* const command : app->get_subcommands([](auto*) { return true; })) {
       if (command->get_group() != group) commands += fmt::format("\n{}:\n", command->get_group());
       group = command->get_group();
       commands += entry(command->get_name(), command->get_description());
     }
+
+    // 3. Arguments without a flag, for the usage line and their own section.
     for (const CLI::Option* const option : app->get_options()) {
       if (!option->get_positional()) continue;
       const std::string name = option->get_single_name();
@@ -120,6 +134,7 @@ struct HelpLayout : CLI::Formatter {
       usage += option->get_required() ? " " + shown : " [" + shown + "]";
       arguments += entry(name, option->get_description());
     }
+
     return fmt::format("{}: {}\n\nUsage: {}{} [OPTION]...{}\n", called, app->get_description(),
                        called, commands.empty() ? "" : " COMMAND", usage) +
            examples_of(*app) + section("Arguments", arguments) + commands +
@@ -129,6 +144,8 @@ struct HelpLayout : CLI::Formatter {
  private:
   static std::string options_in_groups(const CLI::App& app, const std::string& called, bool all) {
     const std::string others = "Options";  // CLI11's group for options without one
+
+    // Common options come in the order of their numbered groups, which the map sorts.
     std::map<std::string, std::string> common;
     std::string groups, first;
     for (const std::string& name : app.get_groups()) {
@@ -138,13 +155,17 @@ struct HelpLayout : CLI::Formatter {
         groups += section(name, options_of(app, name));
       }
     }
+
     for (const auto& [name, options] : common) first += options;
+
+    // The short help ends with the common options.
     if (!first.empty() && !all) {
       const bool patterned = app.get_option_no_throw("--strategy") != nullptr;
       return section(common_options, first) +
              fmt::format("\nAll options: {} --help-all{}\n", called,
                          patterned ? "; those of the patterns: slipstream help patterns" : "");
     }
+
     return section(common_options, first) + groups +
            section(first.empty() ? others : "Other options", options_of(app, others));
   }

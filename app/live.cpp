@@ -29,9 +29,12 @@ namespace {
 EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output& output) {
   const std::string& file = opened.scanner_name;
   const Size camera = opened.frames->format().size, projector = opened.sequence.projector;
+
   EngineSetup setup{opened.scanner ? completed(*opened.scanner, file, camera, projector)
                                    : without_geometry(camera, projector),
                     opened.sequence, flags.settings};
+
+  // Without a scanner there are no points, so flags that want some are refused.
   if (opened.scanner) {
     require_ambient_known(setup, file);
   } else {
@@ -44,10 +47,12 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
         "no scanner is known for {}: showing pictures without points; name its file with --scanner",
         flags.source.source);
   }
+
   require_valid(setup.settings.clean);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
+
   return setup;
 }
 
@@ -71,11 +76,14 @@ void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
 /// Meanwhile prints each new message of the source and the check once.
 void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
   std::string told;
+
   while (!session.is_over()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     tell_news(*session.pipeline, news, output);
+
     const std::string state = session.recorder->state();
     if (state == told) continue;
+
     tell_service_manager("STATUS=" + state);
     state.empty() ? output.say("the source has recovered") : output.warn(state);
     told = state;
@@ -86,11 +94,13 @@ void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
 void tell_pictures(const LiveSession& session, Output& output) {
   const Pooled<LiveCloud> last = session.pipeline->newest();
   if (!last) return;
+
   const FrameViews frames = views_of(last->frames);
   Maps maps;
   Engine engine(session.setup);
   engine.maps(frames, maps);
   const PictureReport report = picture_report(engine.merged(frames), maps, session.setup.settings);
+
   const auto counts = count_by_validity(report.validity);
   nlohmann::json& told = output.object("pixels");
   const auto share_of = [&](const char* name, Validity kind) {
@@ -98,9 +108,11 @@ void tell_pictures(const LiveSession& session, Output& output) {
     told[name] = count;
     return 100 * static_cast<double>(count) / static_cast<double>(report.validity.pixel_count());
   };
+
   const double measured = share_of("measured", Validity::valid),
                too_dark = share_of("too_dark", Validity::too_dark),
                saturated = share_of("saturated", Validity::saturated);
+
   told["median_modulation"] = report.modulation;
   output.say(
       "pixels: {:.1f} % measured, {:.1f} % too dark, {:.1f} % saturated; median modulation "
@@ -116,6 +128,7 @@ nlohmann::json document_of(const LiveSession& session) {
     return described("name", sink.name, "published", sink.published, "dropped", sink.dropped,
                      "error", sink.error);
   });
+
   document["source"] = session.flags.source.source;
   return document;
 }
@@ -124,20 +137,25 @@ nlohmann::json document_of(const LiveSession& session) {
 void write_results(LiveSession& session, Output& output) {
   const LiveFlags& flags = session.flags;
   const LiveStatistics statistics = session.pipeline->statistics();
+
   output.say("{}", text_of(statistics));
   for (const SinkStatistics& sink : session.publisher.statistics()) {
     output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
                sink.dropped == 0 ? "" : "; the others came while four waited for it");
   }
   output.document.update(document_of(session));
+
   if (const auto failure = session.pipeline->failure()) std::rethrow_exception(failure);
   if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
+
+  // The last cloud, the model of all clouds, and the pictures.
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline->newest();
     if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
     output.add_file("cloud", flags.output);
   }
+
   if (const std::string& file = flags.model; !file.empty()) {
     const ModelPoints model = session.pipeline->model();
     if (model.cloud.z.empty()) {
@@ -156,6 +174,7 @@ void write_results(LiveSession& session, Output& output) {
 /// projector's light changes within each.
 const SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
                                NamedSource& opened, Output& output) {
+  // 1. Round the exposure to whole refreshes of the monitor.
   CameraControls* const controls = opened.frames->controls();
   const auto exposure = controls ? controls->control(CameraControl::exposure) : std::nullopt;
   if (exposure) {
@@ -167,8 +186,11 @@ const SteppedSource& step_with(const MonitorProjector& projector, bool triggered
                  refreshes);
     }
   }
+
+  // 2. Wrap the camera: from here on it delivers one frame per pattern shown.
   auto stepped = std::make_unique<SteppedSource>(*projector.sink, std::move(opened.frames),
                                                  pictures_to_show(opened.sequence), triggered);
+
   const SteppedSource& source = *stepped;
   opened.frames = std::move(stepped);
   return source;
@@ -178,6 +200,7 @@ void tell_steps(const SteppedSource& source, Output& output) {
   const auto ms = [](std::chrono::duration<double, std::milli> time) { return time.count(); };
   const double begins = ms(source.delay().begins), ends = ms(source.delay().ends),
                hold = ms(source.hold());
+
   output.say("patterns reach a frame {:.0f} to {:.0f} ms after they are shown; {:.0f} ms each",
              begins, ends, hold);
   output.object("monitor") = described("begins_ms", begins, "ends_ms", ends, "hold_ms", hold);
@@ -185,6 +208,8 @@ void tell_steps(const SteppedSource& source, Output& output) {
 
 void require_good(const LiveFlags& flags) {
   require_duration(flags.duration);
+
+  // Flags that exclude each other.
   const SourceRequest& source = flags.source;
   if (flags.monitor) require_sees_monitor(source, *flags.monitor);
   throw_if(flags.monitor && source.sequence.exposures,
@@ -194,15 +219,19 @@ void require_good(const LiveFlags& flags) {
            "--record: record each camera with slipstream record");
   throw_if(flags.second_scanner && flags.second_camera.empty(),
            "--second-scanner needs --second-camera");
+
+  // A v4l2 camera has no trigger input, so only a marker frame can tell it where a cycle begins.
   throw_if(scheme_of(source.source) == "v4l2" && !flags.monitor &&
                flags.live.indexing != PatternIndexing::marker,
            "{} runs freely, so nothing keeps it in step with the projector; add --monitor N, or "
            "--indexing marker for patterns slower than half its rate",
            source.source);
+
   if (flags.live.most_frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
   for (const std::string& file : {flags.output, flags.model}) {
     if (!file.empty()) require_cloud_ending(file);
   }
+
   std::set<std::string> sinks;
   for (const std::string& sink : flags.publish) {
     require_sink(sink);
@@ -219,6 +248,7 @@ LiveFlags served(LiveFlags flags) {
   throw_if(flags.publish.empty() && flags.record.empty(),
            "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
            "publish: [web:8080]");
+
   require_good(flags);
   return flags;
 }
@@ -231,11 +261,13 @@ LiveFlags with_free_names(LiveFlags flags, Output& output) {
     if (free != path) output.say("{} already exists; writing {}", path, free);
     name.replace(begin, path.size(), free);
   };
+
   for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
   for (std::string& sink : flags.publish) {
     if (constexpr std::string_view file = "mcap:"; sink.starts_with(file))
       choose(sink, file.size());
   }
+
   return flags;
 }
 
@@ -243,13 +275,18 @@ void serve(const LiveFlags& given, Output& output) {
   const auto again = given.again;
   const RigSaid& rig = *given.rig;
   LiveFlags now = served(given);
+
+  // A service keeps running with what worked before.
   const auto refuse = [&](const std::exception& error) {
     output.warn(fmt::format("{}; continuing with the old settings", located(rig, error.what())));
   };
+
   std::optional<LiveFlags> before;  // until a run with the new file has begun
   while (true) {
+    // Called by the run: once it works, and at SIGHUP, which rereads the file.
     std::optional<LiveFlags> next;
     now.begun = [&] { before.reset(); };
+
     now.hung_up = [&] {
       try {
         next = served(again());
@@ -259,6 +296,8 @@ void serve(const LiveFlags& given, Output& output) {
       }
       return next.has_value();
     };
+
+    // Run until a signal ends it, or until SIGHUP has brought new settings.
     try {
       live(with_free_names(now, output), output);
       if (!next) return;
@@ -276,12 +315,16 @@ void serve(const LiveFlags& given, Output& output) {
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   SourceFlags& source = flags.source;
   source.virtual_scanner.idle_step = {0.5, 0, 0};
+
+  // The source, and the end of the run.
   command.add("--source", source.source, source_forms());
   command.add_settings(source);
   command.add("--monitor", flags.monitor,
               "show the patterns on this monitor, see `project --list`, and take them in step");
   command.add("--duration", flags.duration, "stop after this many seconds");
   command.add("--frames", flags.live.most_frames, "stop after this many frames");
+
+  // Results made of all clouds.
   command.add_output("-o,--output", flags.output, "file for the last cloud: .ply, .pcd or .xyz");
   const auto track = [&flags](const std::string& text) {
     flags.live.track = tracked_shape_named(text);
@@ -291,6 +334,8 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add_output(
       "--model", flags.model,
       "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
+
+  // Recording and publishing.
   command.add_output("--record", flags.record, "record all frames, for replay:PATH");
   add_limit_flag(command.app, flags.limit);
   command
@@ -298,6 +343,8 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
            fmt::format("publish clouds, may be repeated: {}", sink_forms()))
       ->expected(1)
       ->take_all();
+
+  // How frames become clouds.
   command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "told",
                     "how frames are matched to patterns: told (by the source), counted (frame "
                     "number modulo patterns) or marker (a dark or bright frame ends each cycle)");
@@ -316,6 +363,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif
+
   add_pattern_flags(command.app, source.sequence);
   add_virtual_flags(command.app, source.virtual_scanner);
   add_camera_flags(command.app, source.camera);
@@ -333,7 +381,10 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
     request.world =
         seen_from_second(request.world ? *request.world : world_from(flags.source.virtual_scanner));
   }
+
   NamedSource second = open(request, output);
+
+  // The frames of both cameras are matched one by one, so all must agree.
   throw_if(second.sequence.strategy != opened.sequence.strategy ||
                axes_of(second.sequence) != axes_of(opened.sequence),
            "{}: its sequence differs from the first camera's; both must see one projector", name);
@@ -344,6 +395,7 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
            flags.source.source);
   throw_if(!second.scanner, "{}: its scanner is unknown; name its file with --second-scanner",
            name);
+
   Scanner scanner = completed(*second.scanner, second.scanner_name, second.frames->format().size,
                               second.sequence.projector);
   opened.frames =
@@ -354,26 +406,35 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
 }  // namespace
 
 LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
+  // 1. The request to the source, from the flags.
   require_good(flags);
   LiveSettings settings = flags.live;
   SourceRequest request = request_from(flags.source);
   request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
   if (!flags.headless) request.before_rendering = require_desktop;
+
   // A first cloud at once. Two cameras move in step. As fast as possible and for a number of
   // frames, each run gives the same.
   const bool repeats =
       flags.second_camera.empty() && (request.rate.value_or(0) > 0 || !settings.most_frames);
   request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;
+
+  // 2. Open the projector first: the patterns have its size.
   projector = open_projector(flags.monitor);
   if (projector.sink != nullptr && !request.sequence.projector) {
     request.sequence.projector = projector.sink->size();
   }
+
+  // 3. Open the source, or both cameras, and set up reconstruction for its scanner.
   NamedSource opened = open(request, output);
   if (!flags.second_camera.empty())
     settings.second_camera = add_second_camera(flags, request, opened, output);
+
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   setup = setup_from(opened, flags, output);
+
+  // 4. Take extra frames to compensate motion where possible. Exceptions:
   // A replay may end after its first cycle; the channels of a colour picture move together; the
   // published tables are of one cycle.
   const bool is_published = setup.settings.engine == EngineKind::reference &&
@@ -383,9 +444,13 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
                               setup.sequence.motion == 0 && takes_motion(setup.sequence) &&
                               !is_published;
   if (settings.motion_when_seen) setup.sequence.motion = 2;
+
+  // 5. In step with the monitor; from here on the source shows the patterns.
   if (flags.monitor) {
     stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);
   }
+
+  // 6. Recording: the pipeline reads frames through it, whether or not they are written.
   const RecordingHeader header{
       .format = opened.frames->format(),
       .frame_rate = request.rate.value_or(0),
@@ -395,14 +460,18 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
       .white = opened.white};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header, flags.limit);
   recorder = source.get();
+
+  // 7. The pipeline. Sinks hold clouds until they have published them, so it needs that many more.
   settings.model = !flags.model.empty();
   if (!flags.publish.empty()) {
     settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
     settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
   }
+
   patterns_can_change = is_camera(request) && !flags.monitor;
   motion_when_seen = settings.motion_when_seen;
   strategy = setup.sequence.strategy;
+
   pipeline =
       std::make_unique<LivePipeline>(colours_apart(std::move(source), opened), setup, settings);
 }
@@ -425,6 +494,8 @@ void live(const LiveFlags& flags, Output& output) {
   Publisher& publisher = session.publisher;
   const RunEnd end(flags.duration);
   std::string limited;  // as printed
+
+  // 1. The end of the run, polled by the window or the loop below; it also prints news.
   session.is_over = [&] {
     tell_news(publisher, output);
     const auto recording = session.recorder->recording();
@@ -432,20 +503,30 @@ void live(const LiveFlags& flags, Output& output) {
         !limited.empty()) {
       output.say("{}", limited);
     }
+
     if (session.projector.closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
+
+    // A window stays open when the frames end, unless a number of frames was given.
     const bool at_end = flags.headless || flags.live.most_frames;
     return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
   };
+
+  // 2. Start, and run until the end.
   session.start();
   tell_service_manager("READY=1");
   if (flags.begun) flags.begun();
+
   output.document["files"] = nlohmann::json::object();
   ToldNews news;
+
 #ifdef SLIPSTREAM_VIEW
   if (!flags.headless) show_in_window(session, output);
 #endif
+
   if (flags.headless) wait_until_over(session, news, output);
+
+  // 3. Stop, and print what happened last.
   pipeline.stop();
   publisher.finish();
   tell_news(publisher, output);
@@ -458,19 +539,24 @@ void live(const LiveFlags& flags, Output& output) {
   } catch (const WorldError&) {
     unfinished = std::current_exception();
   }
+
   write_results(session, output);
   if (unfinished) std::rethrow_exception(unfinished);
+
   for (const SinkStatistics& sink : publisher.statistics()) {
     if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
   }
+
   if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
 }
 
 void add_live(const Commands& program) {
   const auto [command, flags] = program.add(
       live, "live", "reconstruct in real time from a camera, the virtual scanner or a recording");
+
   add_live_flags(command, flags);
   command.add("--headless", flags.headless, "no window");
+
   command.common({"--source", "--monitor", "--scanner", "--strategy", "--steps", "--rate",
                   "--output", "--publish", "--record", "--headless", "--exposure"});
   command.examples({"live --source virtual --rate 120 --strategy pmp --steps 4",
@@ -482,13 +568,17 @@ void add_serve(const Commands& program) {
   const auto [command, flags] =
       program.add(serve, "serve",
                   "run live without a window from one rig file, until SIGTERM; SIGHUP rereads it");
+
   add_live_flags(command, flags);
+
+  // The same parser reads the rig file again, into flags reset to those before parsing.
   flags.rig = &program.chosen.rig;
   flags.again = [&app = program.app, &rig = program.chosen.rig, &read = flags, none = flags] {
     read = none;
     app.parse(std::vector<std::string>(rig.arguments));
     return read;
   };
+
   command.common({"--source", "--scanner", "--strategy", "--steps", "--rate", "--publish",
                   "--record", "--exposure"});
   command.examples({"serve rig.yaml"});

@@ -44,6 +44,7 @@ struct LiveFlags {
   FileLimit limit;  ///< of recordings and MCAP files
   std::vector<std::string> publish;
   ViewFlags view;
+
   // Of serve:
   const RigSaid* rig = nullptr;      ///< the file's contents
   std::function<LiveFlags()> again;  ///< rereads the file; throws Error
@@ -86,13 +87,15 @@ struct LiveSession {
   const SteppedSource* stepped = nullptr;  ///< in step with the projector; null without one
   RecordedSource* recorder = nullptr;      ///< owned by the pipeline
   EngineSetup setup{};                     ///< in use now; see setup_of
+
   /// Whether to end: requested, all frames taken, time over, or failed.
   std::function<bool()> is_over = [] { return false; };
   bool patterns_can_change;  ///< frames come from a projector, not from a rendered or recorded scan
   bool motion_when_seen;     ///< see LiveSettings
   Strategy strategy;         ///< at the start
-  std::mutex mutex{};        ///< guards the setup and pipeline changes
-  std::mutex saving{};       ///< guards `saved`
+
+  std::mutex mutex{};                             ///< guards the setup and pipeline changes
+  std::mutex saving{};                            ///< guards `saved`
   std::chrono::steady_clock::time_point saved{};  ///< the newest cloud; at most one a second
   std::atomic<std::uint64_t> changes{0};          ///< of setup and camera, except the viewer's own
   Publisher publisher;
@@ -108,6 +111,7 @@ bool takes_motion(const Sequence& sequence);
 
 /// The setup in use. Callable from any thread, like the next three.
 EngineSetup setup_of(LiveSession& session);
+
 /// Looks for this sequence from now on. Throws like LivePipeline::change.
 void change_setup(LiveSession& session, const EngineSetup& setup);
 

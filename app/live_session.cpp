@@ -46,6 +46,7 @@ void for_each_live_setting(Settings& settings, const Visit& visit) {
       if (*setting.live.help != '\0') visit(setting, member);
     }
   };
+
   ReconstructSettings::for_each_setting(settings, visit_live);
   CleanSettings::for_each_setting(settings.clean, visit_live);
 }
@@ -62,6 +63,7 @@ std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
       all.push_back(number(name, help, unit, {static_cast<double>(value), least, most}));
     }
   });
+
   std::ranges::stable_partition(all, std::ranges::empty, &RunSetting::choices);
   return all;
 }
@@ -71,6 +73,7 @@ void change_described(ReconstructSettings& settings, const std::string& name,
   for_each_live_setting(settings, [&](const Setting& setting, auto& member) {
     if (name != setting.flag + 2) return;
     using Member = std::remove_reference_t<decltype(member)>;
+
     if constexpr (std::is_same_v<Member, bool>) {
       member = (value == "on") != setting.flag_clears;
     } else {
@@ -104,14 +107,18 @@ class CloudMaps {
     const std::lock_guard lock(mutex_);
     const auto frames = measure(cloud);
     if (!frames) return {};
+
     const double least = least_modulation(engine_->setup().settings, frames->full_scale());
     Image<std::uint8_t> phase(frames->size());
+
+    // The wrapped phase, 0 to 2 pi, as grey levels 1 to 255; 0 stands for a pixel without a phase.
     std::transform(maps_.wrapped_phase.begin(), maps_.wrapped_phase.end(), maps_.modulation.begin(),
                    phase.begin(), [&](float angle, float modulation) {
                      const float step = angle * (255 / (2 * std::numbers::pi_v<float>));
                      if (!(modulation >= least) || !(step >= 0)) return std::uint8_t{0};
                      return static_cast<std::uint8_t>(1 + std::min(step, 254.0F));
                    });
+
     return phase;
   }
 
@@ -125,6 +132,7 @@ class CloudMaps {
  private:
   /// The frames to make maps from; empty if they belong to another sequence than the current one.
   std::optional<FrameViews> measure(const LiveCloud& cloud) {
+    // The engine is built again when the setup has changed since the last cloud.
     if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
       EngineSetup setup = setup_of(session_);
       motion_ = std::exchange(setup.sequence.motion, 0);
@@ -132,9 +140,12 @@ class CloudMaps {
         setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,
                                          setup.scanner.photometry);
       }
+
       engine_.emplace(setup);
       changes_ = changes;
     }
+
+    // A window with extra motion frames holds the cycle in its middle.
     const FrameViews window = views_of(cloud.frames);
     if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
     const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
@@ -156,6 +167,7 @@ std::string trouble_of(const LiveSession& session) {
   if (const auto failure = pipeline.failure()) return "the pipeline has failed";
   const std::string state = pipeline.statistics().source_state;
   if (!state.empty()) return state;
+
   for (const SinkStatistics& sink : session.publisher.statistics()) {
     if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
   }
@@ -164,14 +176,19 @@ std::string trouble_of(const LiveSession& session) {
 
 std::string save_newest(LiveSession& session) {
   require_saveable(session);
+
+  // One save per second is enough: a page's button may be pressed by several people.
   const std::lock_guard lock(session.saving);
   throw_if(std::chrono::steady_clock::now() - session.saved < std::chrono::seconds(1),
            "saved a moment ago");
+
   const Pooled<LiveCloud> newest = session.pipeline->newest();
   throw_if(!newest, "no cloud to save yet");
+
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
                          doubts(session.pipeline->statistics().findings));
+
   session.saved = std::chrono::steady_clock::now();
   return folder;
 }
@@ -193,9 +210,11 @@ bool takes_motion(const Sequence& sequence) {
   const Layout& layout = sequence.strategy.layout();
   const auto run = step_run(measuring_band(layout));
   const bool is_alone = layout.bands.size() == 1 && !layout.cue;
+
   // Two sinusoids that share the modulation of the same frames.
   const bool is_multiplexed =
       layout.unwrapping == Unwrapping::vote && measuring_band(layout).share < 1;
+
   return (is_alone || is_multiplexed) && run && run->steps == layout.frames &&
          sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
 }
@@ -217,6 +236,7 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
     const auto control = camera ? camera->control(which) : std::nullopt;
     if (control) all.push_back(number(name, help, unit, *control));
   }
+
   const EngineSetup setup = setup_of(session);
   all.push_back({.name = "strategy",
                  .help = "patterns shown by the projector",
@@ -224,6 +244,7 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
                  .choices = session.patterns_can_change ? strategy_labels(session.strategy)
                                                         : std::vector{label_of(session.strategy)}});
   for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
+
   const auto recording = session.recorder->recording();
   all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));
   if (recording) all.back().state = text_of(*recording);
@@ -233,13 +254,19 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
 void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
   require_settable(settings_of(session), name, value);
   const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
+
+  // 1. A control of the camera.
   if (control != camera_controls.end()) {
     session.recorder->controls()->set_control(control->which, number_in<double>(value).value_or(0));
     ++session.changes;
     return;
   }
+
+  // 2. Recording on or off.
   const std::lock_guard lock(session.mutex);
   if (name == "record") return set_recording(session, value == "on");
+
+  // 3. A setting of the reconstruction, or the strategy.
   EngineSetup setup = session.setup;
   if (name == "strategy") {
     const bool given = value == label_of(session.strategy);
@@ -270,9 +297,12 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
                              const std::string& value) { change_setting(session, setting, value); },
         .limit = session.flags.limit,
     };
+
+    // Sigma needs the noise variance and the phases of one camera.
     if (scanner.photometry.noise_variance && session.flags.second_camera.empty()) {
       run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
     }
+
     session.publisher.add(name, open_sink(name, std::move(run)));
   }
 }
@@ -282,17 +312,23 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
   Sequence sequence = setup.sequence;
   throw_if(frames.count() != frame_count(sequence),
            "the displayed frames do not match the selected strategy");
+
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;
   const fs::path folder = path_named_by_time(parent, "scan", "");
+
+  // Without a scanner only the frames are worth saving.
   if (!has_geometry(setup.scanner)) {
     save_scan(folder, frames, sequence, std::nullopt);
     return folder.string();
   }
+
   Cloud cloud;
   Maps maps;
   Engine(setup).cloud_and_maps(frames, cloud, maps);
   make_folder(folder);
+
+  // Merged exposures are not frames as taken, so they are left out.
   if (!frames.merged()) save_scan(folder, frames, sequence, setup.scanner);
   write_results({.cloud = folder / "cloud.ply",
                  .depth = folder / "depth.tiff",

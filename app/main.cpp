@@ -44,6 +44,7 @@ void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& share
     add_shared_flags(*command, program, shared, rig);
     if (!command->get_subcommands(nullptr).empty()) continue;
     add_rig_flag(*command, program, rig);
+
     const FlagGroup group{*command};
     group.add("--json", shared.json, "print one JSON document on stdout, text on stderr");
     group.add("--threads", shared.threads, "maximum number of threads; 0: one per core");
@@ -53,6 +54,7 @@ void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& share
 /// Prints the message in one line and adds it to the JSON document.
 int fail(Output& output, int code, std::string_view message) noexcept {
   bool told = false;
+
   try {
     std::string line(message);
     std::replace(line.begin(), line.end(), '\n', ' ');
@@ -78,17 +80,22 @@ std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
   const std::vector<std::string> words = program.remaining(true);
   const auto is_flag = [](const std::string& word) { return word.starts_with("-"); };
   const auto flag = std::find_if(words.begin(), words.end(), is_flag);
+
+  // 1. A word that names no command.
   std::vector<std::string> known;
   for (const auto* const sub : command.get_subcommands(nullptr)) known.push_back(sub->get_name());
   if (!known.empty() && !words.empty() && !is_flag(words.front())) {
     return fmt::format("there is no command '{}'{}{}", words.front(),
                        did_you_mean(words.front(), known), in_whole_program);
   }
+
+  // 2. A flag that the command does not have.
   if (flag == words.end()) return error.what();
   known.clear();
   for (const CLI::Option* const option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   }
+
   const std::string name = flag->substr(0, flag->find('='));
   return fmt::format("{} has no {}{}", command.get_name(), name, did_you_mean(name, known));
 }
@@ -152,6 +159,7 @@ const ProgramCommand* command_named(std::span<char* const> arguments) {
 /// Adds only the command that is named, as adding all takes milliseconds.
 void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
   const ProgramCommand* const alone = command_named(arguments);
+
   for (const ProgramCommand& command : program_commands) {
     if (alone != nullptr && alone != &command) continue;
     command.add({program, chosen});
@@ -163,6 +171,8 @@ void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arg
 /// live" "live --help" and "version" "--version".
 std::vector<std::string> reversed(std::span<char* const> arguments) {
   std::vector<std::string> words;
+
+  // CLI11 takes the word after a switch for an argument, so join the two.
   for (const std::string word : arguments) {
     const bool is_value = word == "true" || word == "false";
     if (is_value && !words.empty() && is_pattern_switch(words.back())) {
@@ -171,12 +181,14 @@ std::vector<std::string> reversed(std::span<char* const> arguments) {
       words.push_back(word);
     }
   }
+
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
     words.push_back("--help");
   } else if (!words.empty() && words.front() == "version") {
     words.front() = "--version";
   }
+
   std::reverse(words.begin(), words.end());
   return words;
 }
@@ -190,17 +202,21 @@ int print(const std::string& text) {
 
 int run_program(std::span<char* const> arguments, Output& output) {
   if (arguments.size() < 2) return print(greeting());
+
+  // 1. The program and its commands.
   CLI::App program("3-D reconstruction by structured light", "slipstream");
   program.formatter(help_layout());
   program.require_subcommand(1);
   program.get_help_ptr()->description("print the common options");
   program.set_help_all_flag("--help-all", "print all options");
   program.set_version_flag("-V,--version", program_version)->description("print the version");
+
   Command chosen;
   SharedFlags shared;
   add_commands(program, chosen, arguments);
   add_shared_flags(program, program, shared, chosen.rig);
 
+  // 2. Parse. CLI11 throws for --help and --version too, with exit code 0.
   chosen.rig.arguments = reversed(arguments.subspan(1));
   try {
     program.parse(std::vector<std::string>(chosen.rig.arguments));
@@ -214,14 +230,18 @@ int run_program(std::span<char* const> arguments, Output& output) {
     words.erase(words.find_last_not_of('\n') + 1);
     return print(words);
   }
+
+  // 3. Run the command; errors name the line of the rig file that they come from.
   try {
     require_distinct_files(chosen_command(program));
     require_in_range(shared.threads >= 0, "--threads", shared.threads, "0 (all cores) or more");
+
     std::optional<tbb::global_control> limit;
     if (shared.threads > 0) {
       limit.emplace(tbb::global_control::max_allowed_parallelism,
                     static_cast<std::size_t>(shared.threads));
     }
+
     const auto work = chosen.work;  // serve reads the flags again meanwhile
     work(output);
     output.finish();
@@ -247,12 +267,14 @@ int main(int argc, char** argv) {
     app::run_instead({"whole/slipstream", "../libexec/slipstream/slipstream"}, argv);
   }
 #endif
+
   app::prepare_process();
   const auto given = [&](std::string_view word) {
     return std::find(argv, argv + argc, word) != argv + argc;
   };
   const bool json = given("--json"), piped = given(standard_output);
   app::Output output(json, piped);  // also if flags cannot be parsed
+
   try {
     throw_if(json && piped, "--json and '-' both write to standard output; give a file");
     return app::run_program(arguments, output);

@@ -24,6 +24,7 @@ struct Manifest {
 /// Skips unreadable lines, as a crash leaves one at the end. Throws Error, naming the file `name`,
 /// if it does not start like a manifest.
 Manifest manifest_from(std::string_view text, const std::string& name);
+
 /// Reads a file; a missing file gives an empty manifest.
 Manifest read_manifest(const std::filesystem::path& path);
 

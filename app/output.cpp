@@ -39,14 +39,18 @@ std::string printable(std::string_view text) {
   std::string shown;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(text[at]); };
+
+    // U+0080 to U+009F are two bytes in UTF-8: 0xc2 and the code point itself.
     const bool in_two = byte(i) == 0xc2 && i + 1 < text.size() && byte(i + 1) < 0xa0;
     if (in_two) ++i;
+
     if (in_two || byte(i) == 0x7f || (byte(i) < ' ' && byte(i) != '\n')) {
       shown += fmt::format("\\x{:02x}", byte(i));
     } else {
       shown += text[i];
     }
   }
+
   return shown;
 }
 
@@ -56,6 +60,7 @@ void Output::finish() {
   if (json_) {  // file names need not be UTF-8
     write_line(stdout, document.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
   }
+
   if (pipe_closed) end_by_closed_pipe();
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw WorldError("cannot write to standard output");
@@ -63,6 +68,7 @@ void Output::finish() {
 
 void Output::write_line(std::FILE* stream, std::string_view line) {
   if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
+
   // finish() reports a failed stdout; a failed stderr cannot be reported.
   const std::string shown = printable(line) + '\n';
   const bool written = std::fwrite(shown.data(), 1, shown.size(), stream) == shown.size();
@@ -100,6 +106,7 @@ void Progress::show() {
 std::function<void(double)> progress_of(std::string label) {
   constexpr int percent = 100;
   const auto progress = std::make_shared<Progress>(std::move(label), percent);
+
   return [progress](double share) {
     progress->reach(std::lround(percent * share));
     if (share >= 1) progress->finish();
@@ -110,10 +117,14 @@ void Progress::draw() {
   constexpr int width = 30;
   drawn_ = true;
   drawn_at_ = std::chrono::steady_clock::now();
+
   const auto filled =
       static_cast<int>(width * static_cast<double>(done_) / static_cast<double>(total_));
+
+  // Scans that were done before do not count towards the rate: they take no time.
   const std::chrono::duration<double> past = drawn_at_ - start_;
   const double rate = static_cast<double>(done_ - done_before_) / past.count();
+
   fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}{}\033[K", label_, "", filled, "", width - filled,
              done_, total_,
              rate == 0 ? ""
@@ -128,6 +139,7 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
     output.document["findings"] = gravest_first(checked.findings);
     require_right(checked, scan);
   }
+
   for (const Finding& finding : checked.findings) {
     output.warn(fmt::format("{}: {}", scan, text_of(finding)));
   }
@@ -136,15 +148,19 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
 
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output) {
+  // A diagnostic with the same begin was printed before; then only its end is news.
   for (const LiveFinding& now : findings) {
     const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
       return other.begin == now.begin && other.finding.what == now.finding.what;
     });
+
     if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
+
     if (now.end && (before == told.end() || !before->end)) {
       output.say("frames: {}: ended after {} frames", now.finding.what, *now.end - now.begin);
     }
   }
+
   told = findings;
 }
 

@@ -37,6 +37,8 @@ template <class Value>
 nlohmann::json as_json(const Value& value) {
   const auto nothing = [](auto&&...) {};
   nlohmann::json named = nlohmann::json::object();
+
+  // The order matters: a text, a map and a list are all ranges.
   if constexpr (std::is_same_v<Value, nlohmann::json> ||
                 std::is_convertible_v<Value, std::string_view>) {
     return value;
@@ -105,6 +107,7 @@ class Output {
     output.holds_ = true;
     return output;
   }
+
   /// Prints the lines held by the other.
   void release(const Output& held) {
     for (const auto& [stream, line] : held.held_) write_line(stream, line);
@@ -120,16 +123,20 @@ class Output {
 
   /// A line on stderr, prefixed with "warning:".
   void warn(std::string_view message) { write_line(stderr, fmt::format("warning: {}", message)); }
+
   void warn(const std::vector<std::string>& messages) {
     for (const std::string& message : messages) warn(message);
   }
+
   void warn(const std::vector<Finding>& findings) {
     for (const Finding& finding : findings) warn(text_of(finding));
   }
+
   /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message) {
     write_line(stderr, fmt::format("slipstream: {}", message));
   }
+
   /// A line before work of seconds, for who watches: only on a terminal.
   void tell_wait(std::string_view work) {
     if (::isatty(STDERR_FILENO) == 1) write_line(stderr, fmt::format("{} ...", work));
@@ -144,18 +151,22 @@ class Output {
   void add(const Named&... named) {
     describe(document, named...);
   }
+
   /// Adds an object of values to the document's list of that name.
   template <class... Named>
   void add_to(const std::string& list_name, const Named&... named) {
     list(list_name).push_back(described(named...));
   }
+
   /// The document's entry of that name, created empty if missing.
   nlohmann::json& list(const std::string& name) {
     return *document.emplace(name, nlohmann::json::array()).first;
   }
+
   nlohmann::json& object(const std::string& name) {
     return *document.emplace(name, nlohmann::json::object()).first;
   }
+
   /// Prints "NAME: PATH" for a written file and adds it to the document's `files`.
   void add_file(const std::string& name, const std::string& path) {
     say("{}: {}", name, path);
@@ -185,6 +196,7 @@ class Progress {
       : label_(std::move(label)), total_(static_cast<std::int64_t>(total)) {
     if (terminal_ && total_ > 1) draw();
   }
+
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { finish(); }

@@ -28,9 +28,11 @@ DesignGoal goal_from(const DesignFlags& flags) {
   DesignGoal goal = flags.goal;
   PhotometricCalibration known;
   if (flags.scanner) known = read_photometric_calibration(*flags.scanner);
+
   const auto noise = flags.noise_variance ? flags.noise_variance : known.noise_variance;
   throw_if(!noise.has_value(),
            "no noise variance; give --noise-variance or a scanner file that contains it");
+
   goal.noise_variance = *noise;
   goal.ambient = flags.ambient.value_or(known.ambient.value_or(0));
   return goal;
@@ -39,6 +41,7 @@ DesignGoal goal_from(const DesignFlags& flags) {
 LinePlot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
   PlotLine noise{fmt::format("PCMP, {} % unwrapped", 100 * goal.success)};
   PlotLine unit{"PMP of unit frequency"};
+
   for (const Design& design : designs) {
     noise.add(design.strategy.f_h(), design.coordinate_sigma);
     unit.add(
@@ -46,6 +49,7 @@ LinePlot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
         std::sqrt(coordinate_variance(
             phase_variance(goal.steps, goal.alpha, design.light.alpha_p, goal.noise_variance), 1)));
   }
+
   return {fmt::format("Noise of the coordinate, {} steps", goal.steps),
           "f_h",
           "standard deviation of y",
@@ -60,11 +64,13 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
                             .noise_variance = goal.noise_variance,
                             .success = goal.success,
                             .most_periods = goal.most_periods};
+
   const std::vector<StrategyDesign> designs = strategy_designs(wanted);
   throw_if(designs.empty(),
            "no strategy with at most {} frames and {} periods reaches that; allow more of either, "
            "or more noise",
            wanted.frames, wanted.most_periods);
+
   output.say("frames | noise of y | correct orders | strategy");
   for (const auto& [strategy, success, sigma] : designs) {
     output.say("{:6} | {:10.3g} | {:10.4f} % | {}", frame_count(strategy), sigma, 100 * success,
@@ -78,8 +84,11 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
 void tell_motion(int steps, double speed, Output& output) {
   require_valid(Sinusoid{steps, 1}, "--steps");
   require_in_range(std::abs(speed) <= 1.5, "--phase-speed", speed, "-1.5 to 1.5 rad");
+
+  // One cycle of phase shifting at f = 1; its noise is the measure of the others.
   const Layout cycle{.frames = steps, .bands = {phase_shifted_band(steps, 0, steps, 1)}};
   const double noise = component_noise(cycle.bands.front());
+
   output.say("motion | frames | ripple, rad | noise relative to one cycle");
   for (const int extra : {0, 1, 2, 3, 4, 6, 8}) {
     const double ripple = motion_ripple(cycle, extra, speed);
@@ -95,10 +104,12 @@ void design(const DesignFlags& flags, Output& output) {
   if (flags.phase_speed) return tell_motion(flags.goal.steps, *flags.phase_speed, output);
   const DesignGoal goal = goal_from(flags);
   if (flags.frames || flags.coordinate_noise) return compare_designs(flags, goal, output);
+
   const Design best = best_design(goal);
   const auto& [strategy, light, success, sigma] = best;
   output.say("pcmp, {} steps: f_h = {}, c_1 = {:.2f}, alpha_p = {}, beta_p = {}", strategy.steps,
              strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
+
   output.say(
       "at alpha = {}: standard deviation of y {:.3g}, {:.1f} times less than {}-step pmp of unit "
       "frequency; {:.2f} % of pixels unwrapped correctly on their own",
@@ -107,10 +118,12 @@ void design(const DesignFlags& flags, Output& output) {
       "slipstream patterns FOLDER --strategy pcmp --steps {} --high {} --share {:.2f} "
       "--alpha-p {} --beta-p {}",
       strategy.steps, strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
+
   output.document =
       described("steps", strategy.steps, "high", strategy.f_h(), "share", strategy.c1(), "alpha_p",
                 light.alpha_p, "beta_p", light.beta_p, "success", success, "coordinate_sigma",
                 sigma, "gain", strategy.c1() * strategy.f_h());
+
   if (!flags.plot.empty()) {
     write_plot(flags.plot, plot_of(goal, designs_by_frequency(goal)));
     output.document["plot"] = flags.plot;
@@ -134,10 +147,12 @@ constexpr Size usual_projector{1920, 1080};
 void write_uniform(const PatternsFlags& flags, Output& output) {
   require_in_range(flags.uniform >= 4 && flags.uniform <= 256, "--uniform", flags.uniform,
                    "4 to 256 pictures");
+
   const Size projector = flags.scan.projector.value_or(usual_projector);
   for (const fs::path& file : write_uniform_pictures(flags.folder, projector, flags.uniform)) {
     output.list("patterns").push_back(file.string());
   }
+
   output.say(
       "wrote {} uniform patterns to {}; photograph each, give the picture the same name, then run: "
       "slipstream calibrate gamma --uniform PICTURES",
@@ -148,23 +163,28 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   if (flags.uniform != 0) return write_uniform(flags, output);
   const Sequence sequence = default_sequence(usual_projector, flags.scan);
   if (const std::string doubt = doubt_about(sequence); !doubt.empty()) output.warn(doubt);
+
   PatternSet patterns = pattern_set(sequence);
   if (flags.precompensate) {
     patterns = precompensated(patterns, response_named(*flags.precompensate, "--precompensate"));
   }
   const fs::path folder = flags.folder;
+
   if (!flags.sheet.empty()) {
     write_pattern_sheet(flags.sheet, patterns, length_along(sequence.axis, sequence.projector));
     output.document["sheet"] = flags.sheet;
   }
+
   tell_replaced(folder, output);
   Progress progress("patterns", flags.in_colour ? patterns.count / 3 : patterns.count);
   const auto advance = [&] { progress.advance(); };
   const std::vector<fs::path> pictures =
       flags.in_colour ? write_colour_patterns(folder, patterns, sequence, advance)
                       : slipstream::write_patterns(folder, patterns, sequence, flags.bits, advance);
+
   for (const fs::path& picture : pictures) output.list("patterns").push_back(picture.string());
   output.document["scan"] = (folder / "scan.yaml").string();
+
   output.say("wrote {} patterns of {} for a projector of {} to {}", pictures.size(),
              sequence.strategy.name(), text_of(sequence.projector), folder.string());
   output.say(
@@ -177,26 +197,35 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
 void add_patterns(const Commands& program) {
   const auto [command, flags] = program.add(
       write_patterns, "patterns", "write a strategy's patterns as pictures for any projector");
+
   required(command.add_output("folder", flags.folder, "folder for the pictures and scan.yaml",
                               output_folder_type));
+
   add_pattern_flags(command.app, flags.scan, true);
   command.app.get_option("--projector")->default_str(text_of(usual_projector));
+
   command.add("--pattern-bits", flags.bits, "bit depth of the pictures, 8 to 16");
   command.add("--precompensate", flags.precompensate,
               "gamma, or a scanner file with one: apply its inverse, so that the projected light "
               "is linear");
+
   command.add("--colour", flags.in_colour,
               "put three patterns into each picture's red, green and blue; also write pictures for "
               "calibrate colour");
+
   command.add_output("--sheet", flags.sheet,
                      "also write one overview picture with a strip of each pattern: .png");
+
   command
       .add("--uniform", flags.uniform,
            "write this many uniform pictures from black to white instead, to measure gamma")
       ->default_str("");
+
+  // Flags that do not go together.
   command.exclude("--binary", {"--pattern-bits", "--precompensate", "--colour", "--uniform"});
   command.exclude("--pattern-bits", {"--colour", "--uniform"});
   command.exclude("--uniform", {"--precompensate", "--sheet"});
+
   command.examples(
       {"patterns patterns --strategy dual-frequency --steps 3 --high 16 --low 1 --axis x "
        "--projector 1824x1140"});
@@ -205,10 +234,14 @@ void add_patterns(const Commands& program) {
 void add_design(const Commands& program) {
   const auto [command, flags] = program.add(
       design, "design", "find the patterns with least noise for a given light, noise and surface");
+
+  // All strategies, compared by frames and noise.
   command.add("--frames", flags.frames, "compare all strategies with at most this many frames");
   command.add("--coordinate-noise", flags.coordinate_noise,
               "compare the strategies that reach this standard deviation of y with fewest frames, "
               "field widths");
+
+  // PCMP alone, optimised for light, noise and surface.
   command.add("--steps", flags.goal.steps, "frames of pcmp, 3 or more; with --phase-speed, of pmp");
   command.add("--least-reflectivity", flags.goal.alpha, "least reflectivity to measure, 0 to 1");
   command
@@ -219,17 +252,22 @@ void add_design(const Commands& program) {
               "noise variance sigma_w^2, squared grey levels of 255");
   command.add_file("--scanner", flags.scanner,
                    "scanner file with ambient light and noise variance");
+
   command.add("--success", flags.goal.success, "share of pixels to unwrap correctly on their own");
   command.add("--most-periods", flags.goal.most_periods, "largest f_h to consider");
   command.add_output("--plot", flags.plot, "plot of noise over f_h: .png");
+
   command.add("--phase-speed", flags.phase_speed,
               "for moving scenes: phase change from frame to frame, rad");
+
+  // The modes exclude each other's flags.
   for (const char* compares : {"--frames", "--coordinate-noise"}) {
     command.exclude(compares, {"--steps", "--plot"});
   }
   command.exclude("--phase-speed",
                   {"--frames", "--coordinate-noise", "--least-reflectivity", "--ambient",
                    "--noise-variance", "--scanner", "--success", "--most-periods", "--plot"});
+
   command.examples(
       {"design --steps 4 --noise-variance 1.55 --ambient -7 --least-reflectivity 0.3 --plot "
        "design.png"});

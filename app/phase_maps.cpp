@@ -25,6 +25,7 @@ struct UnwrapFlags {
 void leave_out(Image<double>& phase, const Image<double>& mask) {
   throw_if(mask.size() != phase.size(), "the mask is {}, but the phase map is {}",
            text_of(mask.size()), text_of(phase.size()));
+
   for (std::size_t i = 0; i < phase.pixel_count(); ++i) {
     const double in = mask.begin()[i];
     if (in == 0 || std::isnan(in)) phase.begin()[i] = nan;
@@ -32,6 +33,7 @@ void leave_out(Image<double>& phase, const Image<double>& mask) {
 }
 
 void anchor(const UnwrapFlags& flags, UnwrappedPhase<double>& unwrapped) {
+  // By a pixel of known phase, or by a coarse map of absolute phase.
   if (!flags.anchor.empty()) {
     const double row = flags.anchor[0], column = flags.anchor[1];
     for (const double place : {row, column}) {
@@ -40,6 +42,7 @@ void anchor(const UnwrapFlags& flags, UnwrappedPhase<double>& unwrapped) {
     }
     anchor_at(unwrapped, static_cast<int>(column), static_cast<int>(row), flags.anchor[2]);
   }
+
   if (flags.coarse) anchor_by(unwrapped, read_map(*flags.coarse));
 }
 
@@ -50,6 +53,7 @@ void tell(const UnwrappedPhase<double>& unwrapped, Output& output) {
     anchored += region.anchored ? 1 : 0;
     output.add_to("regions", "pixels", region.pixels, "anchored", region.anchored);
   }
+
   output.document["pixels"] = pixels;
   const std::size_t count = unwrapped.regions.size();
   output.say("{} pixels in {} region{}{}; {} anchored", pixels, count, count == 1 ? "" : "s",
@@ -58,19 +62,27 @@ void tell(const UnwrappedPhase<double>& unwrapped, Output& output) {
 }
 
 void unwrap(const UnwrapFlags& flags, Output& output) {
+  // 1. Refuse bad names before seconds of work.
   require_map_ending(flags.output);
   if (flags.regions) require_map_ending(*flags.regions);
   if (flags.preview) require_ending(*flags.preview, "preview", {".png"});
+
+  // 2. Read the wrapped phase, without the pixels of the mask; quality steers the path.
   Image<double> phase = read_map(flags.input);
   if (flags.mask) leave_out(phase, read_levels(*flags.mask));
   Image<float> quality;
   if (flags.quality) quality = converted<float>(read_levels(*flags.quality));
+
+  // 3. Unwrap.
   Stopwatch watch;
   UnwrappedPhase<double> unwrapped = unwrap_in_space(phase, quality, flags.method);
   output.document["seconds"] = watch.lap();
+
+  // 4. Anchor the regions: each is known only up to a multiple of 2 pi.
   anchor(flags, unwrapped);
   output.document["method"] = flags.method;
   tell(unwrapped, output);
+
   write_map(flags.output, unwrapped.phase);
   if (flags.regions) write_map(*flags.regions, converted<float>(unwrapped.region));
   if (flags.preview) write_map_preview(*flags.preview, unwrapped.phase, "phase, rad");
@@ -119,6 +131,8 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
   throw_if(known.size() != flags.planes.size(),
            "--heights '{}': expected one number for each of {} planes, e.g. 0,10,20", flags.heights,
            flags.planes.size());
+
+  // The phase of each plane at its known height.
   std::vector<PlanePhase> planes;
   Progress progress("planes", known.size());
   for (std::size_t i = 0; i < known.size(); ++i) {
@@ -126,11 +140,14 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
     progress.advance();
   }
   progress.finish();
+
+  // Each pixel's curve of height over phase.
   const HeightFit fit = fit_heights(planes);
   for (std::size_t i = 0; i < known.size(); ++i) {
     output.say("{}: {} mm, RMS error {:.4f} mm", flags.planes[i], known[i], fit.rms[i]);
     output.add_to("planes", "plane", flags.planes[i], "rms_mm", fit.rms[i]);
   }
+
   write_height_curves(flags.output, fit.curves);
   output.say("{}: {} of {} pixels are calibrated", flags.output, fit.pixels,
              fit.curves.pixel_count());
@@ -140,19 +157,25 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
 void measure_heights(const HeightFlags& flags, Output& output) {
   require_map_ending(flags.output);
   if (!flags.preview.empty()) require_ending(flags.preview, "preview", {".png"});
+
   const Image<HeightCurve> curves = read_height_curves(flags.calibration);
   const Image<double> phase = measured_phase(flags.scan, flags.phase, output);
+
   const Image<float> found = heights(curves, phase);
   const std::size_t measured = finite_values(phase).size();
   const std::size_t pixels = finite_values(found).size();
+
   output.document = described("measured", measured, "pixels", pixels);
   output.say("{} of {} measured pixels have a height", pixels, measured);
+
+  // Under half: the calibration hardly covers this object.
   if (2 * pixels < measured) {
     output.warn(fmt::format(
         "{}: most phases are outside the calibrated heights; the patterns or axis differ from the "
         "planes', the rig moved, or the object reaches beyond the planes",
         flags.scan));
   }
+
   write_map(flags.output, found);
   if (!flags.preview.empty()) {
     write_map_preview(flags.preview, converted<double>(found), "height, mm");
@@ -165,12 +188,15 @@ void add_calibrate_height(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_height, "height",
       "calibrate heights over a reference plane, from scans of a plane at known heights");
+
   required(command.add_file(
       "planes", flags.planes,
       "three or more scans of a plane, or maps of its absolute phase: .tiff or .npy"));
+
   required(command.add("--heights", flags.heights,
                        "height of each plane over the reference, mm, e.g. 0,10,20"));
   required(command.add_output("-o,--output", flags.output, "calibration file: .npy"));
+
   add_phase_flags(command.app, flags.phase);
   command.common(
       {"--heights", "--output", "--strategy", "--steps", "--high", "--low", "--min-modulation"});
@@ -181,13 +207,16 @@ void add_height(const Commands& program) {
   const auto [command, flags] =
       program.add(measure_heights, "height",
                   "measure heights over a reference plane, without a calibrated projector");
+
   required(
       command.add_file("scan", flags.scan, "a scan, or a map of absolute phase: .tiff or .npy"));
   required(command.add_file("--calibration", flags.calibration,
                             "calibration written by slipstream calibrate height: .npy"));
   required(command.add_output("-o,--output", flags.output, "height map, mm: .tiff or .npy"));
+
   command.add_output("--preview", flags.preview, "coloured height map: .png");
   add_phase_flags(command.app, flags.phase);
+
   command.common({"--calibration", "--output", "--preview", "--strategy", "--steps", "--high",
                   "--low", "--min-modulation"});
   command.examples({"height scan --calibration heights.npy -o height.tiff --preview height.png"});
@@ -196,17 +225,22 @@ void add_height(const Commands& program) {
 void add_unwrap(const Commands& program) {
   const auto [command, flags] =
       program.add(unwrap, "unwrap", "unwrap a phase map of any instrument spatially");
+
   required(command.add_file("wrapped", flags.input,
                             "wrapped phase, rad, NaN where invalid: .tiff or .npy"));
   required(command.add_output("-o,--output", flags.output, "unwrapped phase, rad: .tiff or .npy"));
+
   command.add("--method", flags.method, "method, see below");
   command.add_file("--quality", flags.quality, "quality of each pixel, e.g. its modulation");
   command.add_file("--mask", flags.mask, "mask: 0 at pixels to ignore");
+
   command.add("--anchor", flags.anchor, "row, column and known phase there, rad")->expected(3);
   command.add_file("--coarse", flags.coarse, "absolute phase, accurate within half a period");
   command.exclude("--coarse", {"--anchor"});
+
   command.add_output("--regions", flags.regions, "region number of each pixel: .tiff or .npy");
   command.add_output("--preview", flags.preview, "coloured phase map: .png");
+
   command.app.footer(
       "Methods:" + methods() +
       "\nExamples:\n  slipstream unwrap wrapped.tiff -o phase.tiff --preview phase.png\n"

@@ -39,6 +39,7 @@ void handle_ends(void (*handler)(int)) {
   }, before{};
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
+
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     ::sigaction(signal, nullptr, &before);
     if (signal != SIGHUP || before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
@@ -47,9 +48,13 @@ void handle_ends(void (*handler)(int)) {
 
 void end_program(int signal) {
   remove_temporary_files();
+
+  // A closed pipe must end in silence.
   constexpr std::string_view words = "slipstream: stopped\n";
   [[maybe_unused]] const auto said =
       signal == SIGPIPE ? 0 : ::write(STDERR_FILENO, words.data(), words.size());
+
+  // As the signal would have ended it, so that the parent process sees why.
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -64,6 +69,8 @@ void end_program(int signal) {
     why = "not enough memory";
   } catch (...) {
   }
+
+  // Not exit(), which would run destructors and could fail again.
   std::fprintf(stderr, "slipstream: %s\n", why);
   std::_Exit(1);
 }
@@ -77,16 +84,20 @@ void raise_stop(int signal) {
 }  // namespace
 
 void prepare_process() {
+  // A closed stream is opened in the wrong direction, so that its use fails instead of being lost.
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0) continue;
     // open() returns the lowest free descriptor: this one.
     [[maybe_unused]] const int opened =
         ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
+
   std::signal(SIGXFSZ, SIG_IGN);
   ends_by_pipe = std::signal(SIGPIPE, SIG_IGN) != SIG_IGN;
+
   // A reader of the pipe sees each line at once.
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+
   handle_ends(end_program);
   std::set_terminate(end_by_exception);
 }
@@ -100,16 +111,22 @@ void run_instead(std::initializer_list<const char*> places, char* const* argumen
 void keep_memory() {
   constexpr int most = 32 << 20;  // larger values are refused
   constexpr std::uintptr_t page = 2 << 20;
+
+  // Large blocks come from the heap and stay there when freed.
   ::mallopt(M_MMAP_THRESHOLD, most);
   ::mallopt(M_TRIM_THRESHOLD, 16 * most);
   ::mallopt(M_TOP_PAD, 4 * most);
   ::mallopt(M_ARENA_MAX, 1);  // memory freed by one thread serves another
+
+  // Large pages for the free heap: a first large block makes the heap grow, then is freed.
   void* const first = std::malloc(most / 2);
   const auto begin = (reinterpret_cast<std::uintptr_t>(first) + page - 1) / page * page,
              end = reinterpret_cast<std::uintptr_t>(::sbrk(0)) / page * page;
+
   if (first != nullptr && begin < end) {
     ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
   }
+
   std::free(first);
 }
 
@@ -141,14 +158,18 @@ void RunEnd::forget_signal() const {
 void tell_service_manager(const std::string& state) {
   const char* const named = std::getenv("NOTIFY_SOCKET");
   sockaddr_un address{};
+
   const std::string path = named == nullptr ? "" : named;
   if (path.size() < 2 || path.size() > sizeof address.sun_path) return;
+
   address.sun_family = AF_UNIX;
   std::copy(path.begin(), path.end(), address.sun_path);
   if (path.front() == '@') address.sun_path[0] = '\0';  // not a file name
+
   const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM, 0);
   if (descriptor < 0) return;
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+
   // Only the service manager listens; failures are ignored.
   static_cast<void>(::sendto(descriptor, state.data(), state.size(), 0,
                              reinterpret_cast<const sockaddr*>(&address), length));

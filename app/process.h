@@ -48,7 +48,9 @@ class RunEnd {
   RunEnd& operator=(const RunEnd&) = delete;
 
   [[nodiscard]] bool reached() const;
+
   void forget_signal() const;
+
   /// Since construction.
   [[nodiscard]] double seconds() const;
 

@@ -31,6 +31,7 @@ struct ManifestLog {
                output.warn(path + ": another run is writing it; waiting for that run to end");
              }),
         before(read_manifest(path)) {
+    // Cuts off the line that a killed run left half-written.
     file.cut(before.whole_bytes);
   }
 
@@ -100,6 +101,7 @@ std::optional<double> predicted_rms(const FrameViews& frames, ScanJob& job,
   for (const float sigma : job.uncertainty_of(result, frames).z) {
     if (std::isfinite(sigma)) squares += static_cast<double>(sigma) * sigma;
   }
+
   return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(result.counts[0], 1)));
 }
 
@@ -189,14 +191,18 @@ ReconstructedScan written(ReconstructedScan scan, const ReconstructFlags& flags)
 /// A failure ends the program if it is the only scan.
 void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
   output.release(scan.words);
+
   if (scan.failure.empty()) {
     if (output.is_json()) output.list("scans").push_back(document_of(scan));
     return tell(scan, output);
   }
+
   if (only_one) {
     output.document.update(scan.words.document);  // the diagnostics that refused it
     throw Error(scan.failure);
   }
+
+  // One of several scans: the others go on, and the exit code says that one has failed.
   nlohmann::json failed = described("scan", text_of(scan.name), "error", scan.failure);
   failed.update(scan.words.document);
   output.list("scans").push_back(std::move(failed));
@@ -211,21 +217,28 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   const std::size_t count = flags.scans.size();
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
+
   // Writers wait for the disk more than for a core.
   const std::size_t most_written = threads == 1 ? 0 : threads;
+
   OpenedRecording opened;
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
   Reused reused;
   Progress progress("scans", count);
+
   const auto next_of = [](auto& waiting) {
     auto next = waiting.front().get();
     waiting.pop_front();
     return next;
   };
+
+  // Waits for the files of the oldest scan, then logs and prints it and keeps its cloud's memory.
   std::size_t done_before = 0;
   const auto tell_next = [&] {
     ReconstructedScan scan = next_of(writing);
+
+    // Removes the bar, so that the scan's lines do not overwrite it.
     progress.finish();
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
     scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
@@ -233,6 +246,8 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
     if (job != reused.jobs.end()) job->second.reuse(std::move(scan.result.cloud));
     progress.advance(scan.done_before);
   };
+
+  // Three stages overlap: scan i is reconstructed, later ones are read, earlier ones written.
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
     for (; asked < std::min(i + threads, count); ++asked) {
       loading.push_back(std::async(start, [&flags, &output, &opened, log,
@@ -240,12 +255,16 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
         return loaded_scan(name, flags, log != nullptr ? &log->before : nullptr, opened, output);
       }));
     }
+
+    // The capture is initialised on this thread: it reconstructs; the task only writes the files.
     writing.push_back(std::async(
         start, [&flags, scan = reconstructed(next_of(loading), flags, reused)]() mutable {
           return written(std::move(scan), flags);
         }));
+
     while (writing.size() > most_written) tell_next();
   }
+
   while (!writing.empty()) tell_next();
   if (log == nullptr) return;
   output.document["done_before"] = done_before;
@@ -265,11 +284,14 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   require_writable(flags.files, flags.scans);
   require_valid(flags);
   keep_memory();
+
   output.document["scans"] = nlohmann::json::array();
   throw_if(!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest),
            "{}: already exists; use --resume to continue it", flags.manifest);
+
   std::optional<ManifestLog> log;
   if (!flags.manifest.empty()) log.emplace(flags.manifest, output);
+
   reconstruct_in_turn(flags, log ? &*log : nullptr, output);
   if (flags.files.named().empty()) output.say("nothing was written; -o cloud.ply writes the cloud");
 }
@@ -277,13 +299,18 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
 void add_reconstruct(const Commands& program) {
   const auto [command, flags] = program.add(
       reconstruct, "reconstruct", "reconstruct scans: clouds, depth maps, phase maps, previews");
+
+  // The scans, and the log with which an interrupted run can be resumed.
   add_scans_flags(command, flags);
   command.add_output("--manifest", flags.manifest, "log of finished scans, one JSON line each");
   command
       .add("--resume", flags.resume,
            "skip scans that the manifest lists as done with the same input, settings and outputs")
       ->needs("--manifest");
+
   add_reconstruct_flags(command.app, flags);
+
+  // Maps of another program replace the frames, so flags about frames do not apply.
   command.add("--from", flags.from,
               fmt::format("read maps of another program, .tiff or .npy, NaN where invalid, instead "
                           "of scans: {}",
@@ -293,10 +320,12 @@ void add_reconstruct(const Commands& program) {
                 "with --from: the map's modulation, grey levels of 255, for --min-modulation and "
                 "cleaning")
       ->needs("--from");
+
   command.exclude("--from", {"--windows", "--strategy", "--steps", "--high", "--low", "--frequency",
                              "--periods", "--order", "--exposures", "--motion", "--gamma",
                              "--camera-bits", "--keep-saturated", "--uncertainty", "--phase",
                              "--modulation", "--mean", "--epipolar", "--motion-map"});
+
   command.common({"--output", "--mesh", "--depth", "--preview", "--scanner", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples({"reconstruct scan -o cloud.ply --depth depth.tiff --preview preview.png",

@@ -15,14 +15,17 @@ struct ReconstructFlags {
   std::optional<std::string> windows;
   std::uint64_t every = 1;
   CloudFlags cloud;
+
   bool one_camera = false;
   int match_window = ScanJobSettings{}.match_window;
   int subsample = 1;
   bool normals = false;
   bool uncertainty = false;
+
   ResultFiles files;
   std::string manifest;  ///< output file; empty: not written
   bool resume = false;
+
   std::string from;                    ///< one of map_forms: the paths are maps; empty: scans
   std::optional<fs::path> modulation;  ///< with `from`: the map's modulation
   std::vector<ScanName> scans;         ///< outputs requested by the paths
@@ -46,6 +49,7 @@ enum class Arguments {
   all,
   settings  ///< arguments that determine the outputs' content, apart from input files
 };
+
 /// The flags of add_reconstruct_flags given on the command line or in a rig file, as arguments ("--
 /// subsample=2") with absolute paths.
 std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted);

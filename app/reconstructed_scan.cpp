@@ -19,6 +19,7 @@ namespace {
 
 nlohmann::json json_of(const GammaChoice& choice) {
   nlohmann::json document = described("source", choice.source, "gamma", choice.gamma);
+
   if (choice.blind) {
     describe(document, "standard_error", choice.blind->standard_error, "pixels",
              choice.blind->pixels);
@@ -48,8 +49,10 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   setup.settings = flags.cloud.settings;
   setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), map.size(),
                             setup.sequence.projector);
+
   loaded.coordinates =
       naming(path, [&] { return coordinates_of_map(map, flags.from, projector_length(setup)); });
+
   throw_if(flags.modulation && flags.scans.size() > 1, "--from-modulation needs a single map");
   throw_if(!flags.modulation && flags.command->count("--min-modulation") > 0,
            "with --from, --min-modulation needs --from-modulation");
@@ -96,11 +99,15 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   result.name = name;
   result.words = output.held();
   result.entry = entry_for(name, flags.settings);
+
   Stopwatch watch;
   try {
+    // The window and the open recording of this scan.
     ScanFlags input = flags.cloud;
     input.window = name.window;
     input.recording = opened.at(name.path);
+
+    // 1. Skip the scan if the manifest lists it as done with the same input, settings and outputs.
     if (before != nullptr) {
       const ScanFiles map{.path = name.path, .frames = {name.path}, .scanner = input.scanner};
       result.entry["input"] = fmt::format(
@@ -109,6 +116,8 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
       if (result.done_before) return loaded;
     }
+
+    // 2. A map of another program needs no check.
     if (!flags.from.empty()) {
       load_map(flags, loaded);
       result.read = watch.lap();
@@ -130,6 +139,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     if (flags.scans.size() == 1) throw;
     result.failure = error.what();
   }
+
   return loaded;
 }
 
@@ -187,6 +197,8 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
                result.setup.scanner.translation.norm(), depth);
   }
+
+  // Errors: true, epipolar and predicted.
   if (scan.rms) {
     output.say(
         "  RMS error against truth: {:.4g} mm{}", *scan.rms,
@@ -202,6 +214,8 @@ void tell(const ReconstructedScan& scan, Output& output) {
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }
+
+  // Time of each step, and the files.
   std::vector<std::string> times;
   for (const auto& [name, words, seconds] : times_of(scan)) {
     times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, words));

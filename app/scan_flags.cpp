@@ -43,20 +43,25 @@ std::string strategies_in_help() {
   constexpr std::string_view of_literature[] = {"two-plus-one",      "fast-three-step",
                                                 "double-three-step", "two-frequency-2n",
                                                 "two-frequency-4n",  "pcps"};
+
   std::vector<std::string_view> names = strategy_names();
   const auto older = std::stable_partition(names.begin(), names.end(), [&](auto name) {
     return std::ranges::find(of_literature, name) == std::end(of_literature);
   });
+
   return fmt::format("{}; of the literature: {}", fmt::join(names.begin(), older, ", "),
                      fmt::join(older, names.end(), ", "));
 }
 
 void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add("--strategy", changes.strategy, strategies_in_help());
+
+  // A flag for each setting of the registry; switches have an opposite too.
   for (const SettingDescription& setting : strategy_settings()) {
     const std::string flag = flag_of(setting.name),
                       help = fmt::format("{} [{}]", setting.help, setting.strategies);
     std::optional<std::string>& value = changes.settings[setting.name];
+
     if (setting.is_switch) {
       group.app.add_flag(fmt::format("{},!--no-{}", flag, flag.substr(2)), value, help)
           ->group(group.name);
@@ -64,17 +69,22 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
       option->check(numbers_only);
     }
   }
+
+  // Settings that do not belong to one strategy.
   group.add_read<>(
       "--period-pixels",
       [&changes](const std::string& text) { changes.period_pixels = settings_in(text); },
       "--periods as period lengths in projector pixels");
   group.add("--stripe", changes.stripe_pixels,
             "--stripes as the width of a stripe in projector pixels");
+
   group.add("--axis", changes.axes,
             "x: the pattern varies along projector columns; y: rows; both: first x, then y");
   group.add("--projector", changes.projector, "projector size in pixels, e.g. 1824x1140");
+
   group.add("--alpha-p", changes.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", changes.beta_p, "darkest grey level of the patterns");
+
   const auto expose = [&changes](const std::string& text) {
     changes.exposures = numbers_in<double>(text, ',');
     throw_if(changes.exposures->empty(),
@@ -83,6 +93,7 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add_read<>(
       "--exposures", expose,
       "repeat all patterns for each exposure and merge them, e.g. 1,4,16: relative, or in ms");
+
   group.add("--motion", changes.motion,
             "extra frames per cloud for motion compensation: 0, 2 or 4");
 }
@@ -94,11 +105,15 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
 void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker) {
   const FlagGroup group{subcommand, "Patterns"};
   add_sequence_flags(group, changes);
+
   group.add("--binary", changes.binary, "dither patterns to 1 bit, for DMD projectors");
+
   if (with_marker) {
     group.add("--marker", changes.marker,
               "end each cycle with a dark frame, so that a camera can start anywhere");
   }
+
+  // The help shows the defaults of the usual sequence.
   const Sequence usual = default_sequence({1024, 1024}, {});
   subcommand.get_option("--strategy")->default_str(usual.strategy.name());
   subcommand.get_option("--axis")->default_str(std::string(name_of(usual.axis)));
@@ -129,9 +144,11 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
   const FlagGroup options{subcommand};
   options.add_file("--scanner", flags.scanner, "scanner file; default: the scan's own");
   options.add_settings(flags.photometry);
+
   options.add("--gamma", flags.gamma,
               "response correction: scanner (from its file, if present), blind (from the frames), "
               "none, or a gamma");
+
   options.add("--camera-bits", flags.bits, "bit depth of the camera, if below 16 in 16-bit files");
   add_scan_flags(subcommand, flags);
 }
@@ -148,12 +165,16 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
     settings.nearest = settings.nearest.value_or(0);
     settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
   };
+
   subcommand  // added first: flags of single filters then override it
       .add_flag_callback("--raw", take_raw, "keep all points; apply only filters given by flag")
       ->group(group.name);
+
+  // The two settings that are neither numbers nor switches: a box in mm, and an outline in pixels.
   group.add_settings(settings.clean, [&group](const Setting& setting, auto& value) {
     const auto read = [&value](const std::vector<double>& numbers) {
       const std::size_t count = numbers.size();
+
       if constexpr (std::is_same_v<decltype(value), std::optional<PointBox>&>) {
         throw_if(count != 6, "--box: expected 6 numbers in mm, got {}; e.g. -50,-50,600,50,50,800",
                  count);
@@ -169,8 +190,10 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
         for (std::size_t i = 0; i < count; i += 2) value.push_back({numbers[i], numbers[i + 1]});
       }
     };
+
     group.add_read<std::vector<double>>(setting.flag, read, setting.help)->delimiter(',');
   });
+
   subcommand.get_option("--min-component")->default_str("");  // its help names the default
 }
 
@@ -185,6 +208,7 @@ std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& pa
   const std::lock_guard lock(mutex_);
   if (reader_ != nullptr && path == path_) return reader_;
   reader_ = is_recording(path) ? std::make_shared<const RecordingReader>(path) : nullptr;
+
   path_ = path;
   return reader_;
 }
@@ -192,11 +216,13 @@ std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& pa
 Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
                     Output& output) {
   Scan scan = all_cameras ? load_scan(path, flags) : load_scan(scan_files_in(path, flags));
+
   if (scan.scanner) {
     PhotometricCalibration& known = scan.scanner->photometry;
     if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
     if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
   }
+
   output.warn(scan.warnings);
   for (const Scan& further : scan.further_cameras) output.warn(further.warnings);
   return scan;
@@ -219,6 +245,8 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
 
 StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
   StoredCloud result;
+
+  // A cloud is taken as it is.
   if (is_cloud_file(path)) {
     result = read_cloud(path);
     throw_if(!result.organised,
@@ -226,6 +254,8 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
              path);
     return result;
   }
+
+  // A scan is reconstructed, as by the command reconstruct.
   require_valid(flags.settings.clean);
 
   // Measurements come with their uncertainty if the noise is known.

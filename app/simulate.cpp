@@ -21,7 +21,7 @@ struct SimulateFlags {
   std::string folder;
   VirtualFlags devices;
   SequenceChanges scan;
-  std::optional<int> boards;  ///< poses of a board; 0: a scene
+  std::optional<int> boards;  ///< poses of a board; empty: a scene
   BoardFlags board;
   bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
   double paint = 0;
@@ -32,13 +32,16 @@ void write_primaries(const SimulateFlags& flags, const VirtualWorld& world, Outp
   const FrameSet frames = take_colour_scan(world.scanner, world.scene, primary_patterns({}),
                                            world.photometry, {usual_mixture, flags.paint})
                               .frames;
+
   std::vector<fs::path> pictures;
   for (const char* const name : primary_names) {
     pictures.push_back(fs::path(flags.folder) / fmt::format("{}.png", name));
     output.list("pictures").push_back(pictures.back().string());
   }
+
   make_folder(flags.folder);
   write_colour_frames(pictures, frames);
+
   output.say("wrote pictures under black, red, green and blue to {}", flags.folder);
 }
 
@@ -48,20 +51,26 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
   const fs::path folder = flags.folder;
   const CalibrationBoard board = board_from(flags.board);
   const Scanner& scanner = world.scanner;
+
+  // Both axes must be resolved by the projector, as a pose needs both.
   for (const Axis axis : {Axis::x, Axis::y}) {
     require_resolved(sequence.strategy, axis, scanner.projector.size);
   }
+
   const Body sheet = sheet_of(board, scanner);
   const int count = *flags.boards;
   const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
+
   Progress progress("boards", count);
   const std::vector<std::string> names =
       save_board_scans(folder, sequence, world, misprinted(sheet, world.photometry.physics), poses,
                        [&] { progress.advance(); });
+
   progress.finish();
   output.say("took a {} of {}x{}, spacing {:g} mm, in {} poses of {}, into {}", name_of(board.kind),
              board.columns, board.rows, board.spacing, count, text_of(scanner.camera.size),
              folder.string());
+
   output.document = described("folder", folder.string(), "poses", names, "width",
                               scanner.camera.size.width, "height", scanner.camera.size.height);
 }
@@ -69,7 +78,9 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
+
   if (flags.unquantised) world.photometry.bits.reset();
+
   if (flags.boards) {
     throw_if(flags.second_camera, "--second-camera needs a scene; it does not work with --boards");
     return simulate_boards(flags, world, sequence, output);
@@ -78,9 +89,11 @@ void simulate(const SimulateFlags& flags, Output& output) {
   if (flags.primaries) return write_primaries(flags, world, output);
   throw_if(flags.second_camera && lower_case_extension(flags.folder) == ".slip",
            "--second-camera needs a folder; a recording holds one camera's frames");
+
   require_valid(world.photometry);
   output.tell_wait("rendering the frames");
   Stopwatch watch;
+
   if (flags.in_colour) world.scanner.photometry.colour_mixture = usual_mixture;
   const VirtualScan virtual_scan =
       flags.in_colour
@@ -92,6 +105,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
   const fs::path folder = flags.folder;
   tell_replaced(folder, output);
   ScanFiles files = save_virtual_scan(folder, sequence, world, virtual_scan);
+
   if (flags.second_camera) {
     files.second_camera = folder / "second";
     const VirtualWorld second = seen_from_second(world);
@@ -115,10 +129,15 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
   CLI::Option* boards = simulate.add_option(
       "--boards", flags.boards,
       "scan a calibration board in this many poses, along x and y, instead of a scene");
+
   boards->group("Board");
+
+  // The board takes the scene's place, and each pose is scanned along both axes.
   FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
                                            "--move", "--turn", "--vibrate", "--breathe", "--axis"});
+
   add_board_flags(simulate, flags.board);
+
   for (CLI::Option* option : simulate.get_options()) {
     if (option->get_group() == "Board" && option != boards) option->needs(boards);
   }
@@ -128,15 +147,18 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   const FlagGroup group{command, "Devices"};
   group.add_file("--scanner", flags.devices.scanner_file,
                  "scanner file to imitate; default: an example");
+
   group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
   group.add("--second-camera", flags.second_camera,
             "add a second camera on the other side of the projector; its scan goes into second/");
   group.add("--colour", flags.in_colour,
             "colour camera and projector: three patterns per picture, with 20 % crosstalk between "
             "channels");
+
   group.add("--primaries", flags.primaries,
             "take colour pictures of the scene under black, red, green and blue instead");
   group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries"});
+
   group.add("--paint", flags.paint,
             "with --colour: coloured surfaces that absorb up to this share of a channel's light");
 }
@@ -149,10 +171,12 @@ void add_simulate(const Commands& program) {
   required(command.add_output("folder", flags.folder,
                               "output folder, or a recording if it ends in .slip",
                               output_folder_type));
+
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
   add_pattern_flags(command.app, flags.scan);
   add_boards_flags(command.app, flags);
+
   command.common({"--scene", "--mesh", "--strategy", "--steps", "--high", "--low", "--camera",
                   "--world", "--exposures", "--boards"});
   command.examples(

@@ -49,9 +49,13 @@ std::vector<std::string> projectors() {
 /// The flags of the source, as chosen.
 void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& monitor) {
   source.source = studio.chosen(camera);
+
+  // The first choice is the projector by itself, the others are monitors.
   const std::vector<std::string>& names = studio.steps->choices[projector].options;
   const auto place = std::ranges::find(names, studio.chosen(projector)) - names.begin();
   monitor = place > 0 ? std::optional(static_cast<int>(place) - 1) : std::nullopt;
+
+  // Other patterns than the flags' come with their own settings.
   const std::string& label = studio.chosen(patterns);
   if (label != studio.given_patterns) {
     source.sequence.known = Sequence{.strategy = strategy_labelled(label)};
@@ -60,26 +64,33 @@ void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& m
   } else if (is_camera(source) && !source.sequence.strategy) {
     source.sequence.strategy = default_strategy().name();
   }
+
   source.loop = true;
   constexpr double virtual_rate = 60;  // otherwise as fast as possible: no processor is left
   if (source.source == "virtual" && !source.rate) source.rate = virtual_rate;
+
   const std::string& file = studio.chosen(scanner);
   source.scanner = file.empty() ? std::nullopt : std::optional<fs::path>(file);
 }
 
 view::ViewSource dressed(Studio& studio, view::ViewSource source) {
   source.steps = studio.steps;
+
   source.openable = [&studio] { return viewable_in(studio.flags.view.save_to); };
+
+  // A scanner file is chosen; anything else is shown.
   source.open = [&studio](const std::string& path) -> std::optional<view::ViewSource> {
     if (const std::string type = lower_case_extension(path); type == ".yaml" || type == ".xml") {
       read_scanner(path);  // throws if it is none
       studio.chosen(scanner) = path;
       return std::nullopt;
     }
+
     CloudFlags flags;
     flags.settings = studio.flags.settings;
     return view_source_of(path, flags, studio.flags.view, studio.output);
   };
+
   return source;
 }
 
@@ -87,6 +98,7 @@ view::ViewSource idle(Studio& studio) {
   return dressed(
       studio,
       {.title = "slipstream studio",
+       // Draws nothing; fetches the list of cameras once it is ready.
        .newest =
            [&studio] {
              if (studio.cameras.valid() &&
@@ -126,9 +138,13 @@ view::ViewSource show_live(Studio& studio) {
   set_source(studio, flags.source, flags.monitor);
   const auto session = std::make_shared<LiveSession>(std::move(flags), studio.output);
   session->start();
+
   view::ViewSource source = view_source_of(*session);
   source.title = "slipstream studio: " + studio.chosen(camera);
+
   source.opens_saved = has_geometry(session->setup.scanner);
+
+  // A failed session keeps its last cloud and says why.
   source.newest = [session, &studio, newest = std::move(source.newest)] {
     if (const auto failure = session->pipeline->failure()) {
       try {
@@ -139,15 +155,19 @@ view::ViewSource show_live(Studio& studio) {
     }
     return newest();
   };
+
   return source;
 }
 
 /// Instructions of the poses, then the verdict; chooses the new scanner file.
 std::optional<view::Guide> guide_of(GuidedPoses& poses, const std::string& folder, Studio& studio,
                                     view::Guide& last, bool& told) {
+  // The newest picture of the guide until the poses are over; then the verdict, once.
   if (auto newest = poses.newest()) return last = *std::move(newest);
   if (told || !poses.over()) return std::nullopt;
+
   told = true;
+
   try {
     last.headline = poses.finish();
     const std::string report = folder + "/report/report.html";
@@ -160,23 +180,33 @@ std::optional<view::Guide> guide_of(GuidedPoses& poses, const std::string& folde
     last.colour = {255, 128, 107};
     last.lines = {"Calibrate again, or take another scanner file."};
   }
+
   return last;
 }
 
 view::ViewSource calibrate(Studio& studio) {
   CaptureFlags flags;
   flags.source = studio.flags.source;
+
   set_source(studio, flags.source, flags.monitor);
+
+  // The choices are texts, as the window edits them.
   const auto [columns, rows] = size_from(studio.chosen(corners), "corners");
   flags.board.board.columns = columns;
   flags.board.board.rows = rows;
+
   const auto spaces = number_in<double>(studio.chosen(spacing));
   throw_if(!spaces, "square '{}': expected a length in mm", studio.chosen(spacing));
+
   flags.board.board.spacing = *spaces;
   flags.board.has_spacing = true;
+
+  // Automatic end: as many poses as are enough.
   flags.poses = 0;
+
   flags.output = path_named_by_time(studio.flags.view.save_to, "poses", "").string();
   const auto poses = std::make_shared<GuidedPoses>(flags, studio.output);
+
   return {
       .title = "slipstream studio: calibrate",
       .newest = [] { return view::ShownCloud{}; },
@@ -188,14 +218,21 @@ view::ViewSource calibrate(Studio& studio) {
 
 void studio(const LiveFlags& flags, Output& output) {
   const std::vector<std::string> monitors = projectors();  // throws without a desktop
+
+  // Choice 0 is the projector by itself; monitor n is choice n + 1.
   const auto monitor = static_cast<std::size_t>(flags.monitor.value_or(-1) + 1);
   throw_if(monitor >= monitors.size(), "--monitor {} does not exist", flags.monitor.value_or(0));
+
   const std::vector<std::string> labels =
       strategy_labels(default_sequence({1280, 800}, flags.source.sequence).strategy);
+
   const std::string& source = flags.source.source;
   Studio studio{.flags = flags, .output = output, .given_patterns = labels.front()};
   studio.flags.source.virtual_scanner.idle_step.setZero();  // renders one cycle, not seconds
+
+  // The search for cameras takes a while, so it runs beside the window.
   studio.cameras = std::async(std::launch::async, list_cameras);
+
   auto& [choices, buttons, message] = *studio.steps;
   choices = {
       {.name = "camera",
@@ -218,10 +255,12 @@ void studio(const LiveFlags& flags, Output& output) {
        .value = flags.source.scanner.value_or("").string()},
       {.name = "corners", .help = "inner corners of the chessboard", .value = "13x9"},
       {.name = "square mm", .help = "side of a square, as measured on the print", .value = "15"}};
+
   buttons = {
       step(studio, "Live (L)", 'L', "show live clouds, or pictures without a scanner file",
            show_live),
       step(studio, "Calibrate (C)", 'C', "hold a board in several poses, guided", calibrate)};
+
   const RunEnd end(std::nullopt);
   view::run_viewer(idle(studio), {.view = flags.view.settings,
                                   .size = flags.view.size,
@@ -232,10 +271,12 @@ void add_studio(const Commands& program) {
   const auto [command, flags] =
       program.add(studio, "studio", "one window from camera and projector to a cloud");
   add_live_flags(command, flags);
+
   for (const char* const of_a_run :
        {"--output", "--model", "--duration", "--frames", "--snapshot", "--screenshot"}) {
     command.app.remove_option(command.app.get_option(of_a_run));
   }
+
   command.common({"--source", "--monitor", "--scanner", "--strategy", "--steps", "--exposure",
                   "--size", "--save-to"});
   command.examples({"studio", "studio --source aravis: --monitor 1 --exposure 15"});

@@ -29,26 +29,32 @@ nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
                 "threads", row.threads, "ms", timing.median, "ms_quartiles",
                 std::array{timing.lower_quartile, timing.upper_quartile}, "runs", timing.runs,
                 "fps", timed.runs_per_second());
+
   if (row.bytes_per_pixel > 0) document["bytes_per_pixel"] = row.bytes_per_pixel;
   if (row.bytes_per_pixel > 0 && !row.is_beside_gpu) {
     document["bandwidth_share"] = timed.bytes_per_second() / bandwidth;
   }
+
   return document;
 }
 
 nlohmann::json json_of(const BenchReport& report) {
   const BenchMachine& machine = report.machine;
   const auto row = [&](const TimedRow& timed) { return json_of(timed, machine.bandwidth); };
+
   const auto published = [](const PublishedMark& mark) {
     return described("source", mark.source, "fps", mark.fps);
   };
+
   nlohmann::json ratios = report.ratios.over_fused;
   describe(ratios, "largest_per_pixel", report.ratios.largest_per_pixel, "threads",
            report.ratios.threads);
+
   nlohmann::json document =
       described("machine", machine.processor, "vectors", machine.vectors, "bandwidth_bytes_per_s",
                 machine.bandwidth, "ratios", ratios, "rows", as_json(report.rows, row), "published",
                 as_json(published_marks, published));
+
   if (!report.gpu.empty()) document["gpu"] = report.gpu;
   return document;
 }
@@ -56,25 +62,32 @@ nlohmann::json json_of(const BenchReport& report) {
 void bench(const BenchFlags& flags, Output& output) {
   BenchSettings settings;
   TimingSettings timing;
+
   using Threads = tbb::global_control;  // limited by --threads
   settings.most_threads = static_cast<int>(Threads::active_value(Threads::max_allowed_parallelism));
+
+  // Quick: N = 3 and 640 x 480 only, one round, no minimum time per row.
   if (flags.quick) {
     settings.steps = {3};
     settings.enlargements = {1};
     settings.small = {};
     timing = {.rounds = 1, .row_seconds = 0};
   }
+
   BenchReport report{.machine = bench_machine()};
   output.say("{}", text_of(report.machine));
+
   if (flags.gpu) {
     const auto device = Gpu::open(std::nullopt);
     report.gpu = fmt::format("{}, {}", device->description().name, device->description().driver);
     output.say("GPU: {}", report.gpu);
   }
+
   const std::vector<BenchRow> rows = flags.gpu ? gpu_rows(settings) : bench_rows(settings);
   Progress progress("rows", timing.rounds * rows.size());
   report.rows = timed(rows, timing, [&] { progress.advance(); });
   progress.finish();
+
   report.ratios = bench_ratios(report.rows);
   output.say("{}", text_of(report));
   output.document = json_of(report);
@@ -91,6 +104,7 @@ struct ReproduceFlags {
 Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
   Reproduced done{item, item.run(flags.seed)};
   if (flags.plots.empty()) return done;
+
   for (const auto& [name, write] : done.result.plots) {
     done.plots.push_back(fs::path(flags.plots) / (name + ".png"));
     write(done.plots.back());
@@ -100,6 +114,7 @@ Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
 
 void reproduce(const ReproduceFlags& flags, Output& output) {
   const std::vector<Reproducible> items = reproducibles_named(flags.names);
+
   if (flags.list) {
     for (const Reproducible& item : items) {
       output.say("{:12} {}", item.name(), item.title);
@@ -107,6 +122,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
     }
     return;
   }
+
   if (!flags.plots.empty()) make_folder(flags.plots);
 
   // Only with --report: std::filesystem::absolute throws for an empty path.
@@ -117,10 +133,12 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   for (const char* kind : {"tables", "figures", "sections", "experiments"}) {
     output.document[kind] = nlohmann::json::array();
   }
+
   output.document["seed"] = flags.seed;
   Page report("Published and recomputed");
   Progress progress("reproduce", items.size());
   for (const Reproducible& item : items) {
+    // Cells of the table, plots and notes, as JSON and in the report.
     const Reproduced done = run(item, flags);
     const auto cells = as_json(done.result.cells, [](const ReproducedCell& cell) {
       return described("quantity", cell.quantity, "parameters", cell.parameters, "published",
@@ -130,10 +148,12 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
     const auto plots = as_json(done.plots, [](const fs::path& plot) { return plot.string(); });
     output.add_to(std::string(item.kind) + "s", "id", item.id, "title", item.title, "cells", cells,
                   "plots", plots, "notes", done.result.notes);
+
     if (!flags.report.empty()) add_to(report, done, report_folder);
     progress.advance();
     output.say("{}", text_of(done));
   }
+
   progress.finish();
   if (!flags.report.empty()) {
     write_page(flags.report, report);

@@ -21,18 +21,25 @@ view::ViewSource view_source_of(LiveSession& session) {
   const std::string& name = session.flags.source.source;
   view::ViewSource source =
       view::live_source(*session.pipeline, setup_of(session), session.patterns_can_change);
+
   source.title = fmt::format("slipstream live: {}", name);
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
                                  cycle_length(source.setup->sequence), name);
+
+  // The camera's controls beside the picture.
   source.camera = session.recorder->controls();
   source.camera_region = fmt::format("{} pixels; set by --region at the start",
                                      text_of(session.recorder->format().size));
+
+  // Changes from the window go to the session; changes from elsewhere come back to the window.
   source.change = [&session](const EngineSetup& setup) { change_setup(session, setup); };
   source.changed = [&session, seen = session.changes.load()]() mutable {
     const std::uint64_t changes = session.changes;
     const bool same = std::exchange(seen, changes) == changes;
     return same ? std::nullopt : std::optional(setup_of(session));
   };
+
+  // Save, record and the advice on exposure.
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
     require_saveable(session);
     return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
@@ -43,11 +50,13 @@ view::ViewSource view_source_of(LiveSession& session) {
     const auto recording = session.recorder->recording();
     return recording ? text_of(*recording) : std::string();
   };
+
   source.best_exposure = [&session](const view::ShownCloud& cloud, double exposure) {
     Sequence sequence = setup_of(session).sequence;
     sequence.exposures = {exposure};
     return exposure_advice(cloud.frames, sequence).proposed.front().exposures.front();
   };
+
   return source;
 }
 
@@ -56,10 +65,12 @@ void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   group.add_output("--snapshot", flags.snapshot,
                    "draw the cloud without a window into a picture: .png, .tiff or .bmp");
   group.add_output("--screenshot", flags.screenshot, "the same with panel and camera pictures");
+
   group.add("--size", flags.size, "size of window and pictures, pixels");
   group.add_named("--colour", flags.settings.colour, view::point_colour_named,
                   view::point_colour_names().front(),
                   fmt::format("point colours: {}", fmt::join(view::point_colour_names(), ", ")));
+
   group.add("--views", flags.settings.three_views,
             "draw the cloud from the front, the side and above, side by side");
   group.add("--save-to", flags.save_to, "folder in which Save makes a folder per scan");
@@ -78,6 +89,7 @@ void show_in_window(LiveSession& session, Output& output) {
                                                  .size = flags.size,
                                                  .ends = session.is_over,
                                                  .keep_last = !flags.screenshot.empty()});
+
   if (!last) return;
   write_image(flags.screenshot, *last);
   output.add_file("screenshot", flags.screenshot);
@@ -101,10 +113,13 @@ void require_desktop() {
 
 MonitorProjector open_projector(std::optional<int> monitor) {
   if (!monitor) return {};
+
+  // The window must outlive the sink that draws into it, so `closed` holds both.
   struct Window {
     opengl::WindowSystem system;
     std::optional<monitor::MonitorSink> sink;
   };
+
   const auto window = std::make_shared<Window>();
   monitor::MonitorSink& sink = window->sink.emplace(window->system, *monitor);
   return {.sink = &sink, .refresh_hz = sink.refresh_hz(), .closed = [window] {
@@ -143,6 +158,7 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
                                                                   const EngineSetup& used) {
     return save_in_new_folder(cloud.frames, used, save_to, remarks);
   };
+
   return source;
 }
 
@@ -154,15 +170,18 @@ bool is_scan(const std::string& path) {
 void serve_page(const ViewPathFlags& flags, Output& output) {
   throw_if(!is_scan(flags.path), "--web shows scan folders and recordings; '{}' is neither",
            flags.path);
+
   LiveFlags replay;
   replay.headless = true;
   replay.gamma = flags.cloud.gamma;
   replay.settings.clean = flags.cloud.settings.clean;
+
   replay.source.source = "replay:" + flags.path;
   replay.source.loop = true;
   replay.source.sequence = flags.cloud.sequence;
   replay.source.scanner = flags.cloud.scanner;
   if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no timestamps
+
   replay.publish = {"web:" + flags.web};
   replay.view = flags.view;
   live(replay, output);
@@ -171,23 +190,32 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
 void view_path(const ViewPathFlags& flags, Output& output) {
   if (!flags.web.empty()) return serve_page(flags, output);
   require_good(flags.view);
+
+  // Flags of scans would be ignored for a cloud.
   const bool scan = is_scan(flags.path);
   const bool of_rig = flags.command->count("--rig") > 0;  // errors here would not concern a cloud
   for (const CLI::Option* option : flags.of_scans) {
     throw_if(option->count() > 0 && !scan && !of_rig && fs::exists(flags.path),
              "{}: {} applies to scans only", flags.path, option->get_name());
   }
+
+  // 1. Without a path: choose in the window.
   if (flags.path.empty()) {
     LiveFlags choices;
     choices.settings = flags.cloud.settings;
     choices.view = flags.view;
     return studio(choices, output);
   }
+
+  // 2. Draw pictures, if any are wanted.
   view::ViewSource source = view_source_of(flags.path, flags.cloud, flags.view, output);
   output.document = described("path", flags.path, "files", nlohmann::json::object());
   if (scan) output.document["findings"] = source.findings;
   write_pictures(source, flags.view, true, output);
+
   if (!output.document["files"].empty()) return;
+
+  // 3. Otherwise open a window, from which files beside this one can be opened.
   const fs::path beside = fs::absolute(flags.path / fs::path()).parent_path().parent_path();
   source.openable = [beside] { return viewable_in(beside); };
   source.open = [&flags, &output](const std::string& path) {
@@ -195,6 +223,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
     other.settings = flags.cloud.settings;
     return view_source_of(path, other, flags.view, output);
   };
+
   view::run_viewer(source, {.view = flags.view.settings, .size = flags.view.size});
 }
 
@@ -206,6 +235,7 @@ view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags
   view::ViewSource source =
       is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
                     : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
+
   source.title = path;
   return source;
 }
@@ -213,15 +243,21 @@ view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags
 std::vector<std::string> viewable_in(const fs::path& folder) {
   std::vector<std::pair<fs::file_time_type, std::string>> found;
   std::error_code none;
+
+  // A folder that cannot be read gives an empty list.
   for (const auto& entry : fs::directory_iterator(folder, none)) {
     const bool file = is_cloud_file(entry.path()) || lower_case_extension(entry.path()) == ".slip";
     if (file || fs::exists(entry.path() / "scan.yaml", none)) {
       found.emplace_back(entry.last_write_time(none), entry.path().lexically_normal().string());
     }
   }
+
+  // Newest first: reversed iterators sort in descending order.
   std::sort(found.rbegin(), found.rend());
+
   std::vector<std::string> paths;
   for (auto& [time, path] : found) paths.push_back(std::move(path));
+
   return paths;
 }
 
@@ -231,16 +267,22 @@ void add_view(const Commands& program) {
   command.add_file("path", flags.path,
                    "a scan folder, a recording, a cloud or a mesh: .ply .pcd .xyz .stl .obj .glb; "
                    "default: choose in the window");
+
   command.add("--web", flags.web,
               "serve a web page at [ADDRESS:]PORT instead of a window, see live --publish web:");
+
   add_view_flags(command.app, flags.view);
+
+  // All options added from here on are about scans.
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.cloud);
   add_clean_flags(command.app, flags.cloud.settings);
   add_anyway_flag(command.app, flags.cloud.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
+
   flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
+
   command.common(
       {"--snapshot", "--screenshot", "--size", "--colour", "--web", "--scanner", "--raw"});
   command.examples(

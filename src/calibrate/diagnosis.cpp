@@ -85,9 +85,11 @@ std::optional<int> slipped_steps(double shift, const FringeSigns& signs) {
   constexpr double tolerance = 0.05;  // of a step: chance hits one in ten
   const double steps = shift / signs.period * signs.steps;
   const double whole = std::round(steps);
-  if (std::abs(steps - whole) > tolerance || whole == 0) return std::nullopt;
+  if (std::abs(steps - whole) > tolerance) return std::nullopt;
 
-  return (static_cast<int>(whole) % signs.steps + signs.steps) % signs.steps;
+  // A whole fringe is another fringe order, not a slip.
+  const int slipped = (static_cast<int>(whole) % signs.steps + signs.steps) % signs.steps;
+  return slipped == 0 ? std::nullopt : std::optional(slipped);
 }
 
 void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibration,

@@ -31,8 +31,11 @@ class AravisSource final : public CameraSource<AravisConnection> {
   ~AravisSource() override { AravisSource::stop(); }
 
   void start() override {
-    if (!connection_) regain(open_again());  // it was lost when stopped
-    connection_->start();
+    // It was lost when stopped, and is still gone if it cannot be opened or started.
+    const bool gone = !connection_;
+    auto connection = gone ? open_again() : connection_;
+    connection->start();
+    if (gone) regain(std::move(connection));
     begin();
   }
 

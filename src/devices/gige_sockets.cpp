@@ -74,6 +74,10 @@ in_addr host_from(const std::string& address) {
 
 UdpSocket::UdpSocket(in_addr host, std::uint16_t port, bool shared)
     : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  if (descriptor_ < 0) {
+    throw WorldError(fmt::format("cannot open a UDP socket: {}", std::strerror(errno)));
+  }
+
   const int share = shared ? 1 : 0;
   ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &share, sizeof(share));
 
@@ -84,7 +88,7 @@ UdpSocket::UdpSocket(in_addr host, std::uint16_t port, bool shared)
   if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return;
 
   const std::string reason = std::strerror(errno);
-  if (descriptor_ >= 0) ::close(descriptor_);
+  ::close(descriptor_);
   throw WorldError(
       fmt::format("cannot listen on UDP port {} of {}: {}", port, ::inet_ntoa(host), reason));
 }

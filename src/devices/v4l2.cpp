@@ -358,11 +358,11 @@ class V4l2Stream {
   }
 
   void set_rate(double rate) const {
-    throw_if(!(rate > 0 && rate < 1e6), "camera {}: rate {} Hz; expected a positive rate", name_,
-             rate);
+    constexpr std::uint32_t precision = 1000;  // of a Hz
+    throw_if(!(rate * precision >= 1 && rate < 1e6),
+             "camera {}: rate {} Hz is out of range; 0.001 to 1000000 Hz", name_, rate);
 
     auto parameters = cleared<v4l2_streamparm>();
-    constexpr std::uint32_t precision = 1000;
     parameters.parm.capture.timeperframe = {
         precision, static_cast<std::uint32_t>(std::lround(rate * precision))};
 

@@ -46,6 +46,11 @@ SteppedSource::SteppedSource(PatternSink& sink, std::unique_ptr<FrameSource> cam
 
 void SteppedSource::start() {
   stop();
+
+  // A failure before the stop, and the patterns shown then, are over.
+  failure_ = nullptr;
+  shown_.clear();
+
   source_->start();
   if (delay_.ends == nanoseconds{}) measure_delay();
   sink_.load(patterns_);

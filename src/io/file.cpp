@@ -188,8 +188,10 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
 
   if (descriptor_ >= 0) return;
 
+  // No destructor follows a constructor that throws.
   const int reason = errno;
   discard();
+  if (claimed_ >= 0) ::close(claimed_);
   fail(reason);
 }
 

@@ -327,13 +327,15 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
 
   StoredPoints stored;
   const auto& at = attributes.vertices;
-  const bool coloured = attributes.colors.size() == at.size();
+  const auto& colours = attributes.colors;  // 0 to 1
+  const bool coloured = colours.size() == at.size();
 
   for (std::size_t i = 0; i + 2 < at.size(); i += 3) {
-    stored.points.push_back({.x = at[i],
-                             .y = at[i + 1],
-                             .z = at[i + 2],
-                             .intensity = coloured ? 255 * attributes.colors[i + 1] : 0});
+    StoredPoint& point = stored.points.emplace_back();
+    point.x = at[i];
+    point.y = at[i + 1];
+    point.z = at[i + 2];
+    if (coloured) point.intensity = 255 * luminance(colours[i], colours[i + 1], colours[i + 2]);
   }
 
   for (const tinyobj::shape_t& shape : shapes) {

@@ -100,6 +100,10 @@ int index_from(double number) {
 
 }  // namespace
 
+double luminance(double red, double green, double blue) {
+  return weights[0] * red + weights[1] * green + weights[2] * blue;
+}
+
 std::vector<std::string_view> words_of(std::string_view line, const char* separators) {
   std::vector<std::string_view> words;
   while (true) {

@@ -18,6 +18,9 @@
 // Functions throw Error, without a file name, if the data are malformed or truncated.
 namespace slipstream {
 
+/// Luminance of red, green and blue by ITU-R BT.601, in their unit.
+double luminance(double red, double green, double blue);
+
 /// Those of PLY in its order, then those that only PCD has.
 enum class NumberType {
   int8,

@@ -392,6 +392,7 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
     if (files.empty() || files.back() != file_of_page(frame)) files.push_back(file_of_page(frame));
   }
 
+  if (scan.white) files.push_back(*scan.white);
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
   if (scan.scanner) {
     for (const fs::path& file : scanner_files(*scan.scanner)) files.push_back(file);

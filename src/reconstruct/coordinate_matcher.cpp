@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -228,7 +229,10 @@ class CellIndex {
 
  private:
   [[nodiscard]] Eigen::Vector2i bin(const Eigen::Vector2d& place) const {
-    const Eigen::Vector2d share = (place - all_.min()).cwiseQuotient(all_.sizes());
+    // Of one stripe alone, all coordinates are the same.
+    constexpr double least_size = std::numeric_limits<double>::min();
+    const Eigen::Vector2d share =
+        (place - all_.min()).cwiseQuotient(all_.sizes().cwiseMax(least_size));
     return (share * bins_).cast<int>().cwiseMin(bins_ - 1);
   }
 

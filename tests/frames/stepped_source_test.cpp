@@ -1,6 +1,7 @@
 // A camera in step with a projector, by doubles of both that share a clock.
 #include "frames/stepped_source.h"
 
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -142,6 +143,39 @@ TEST(SteppedSource, SaysThatTheCameraDoesNotSeeTheProjector) {
                        std::make_unique<Camera>(projector, Camera::Timing{.blind = true}),
                        patterns(), false);
   EXPECT_THROW(source.start(), WorldError);
+}
+
+/// A projector that fails once.
+class BreakingProjector : public Projector {
+ public:
+  using Projector::Projector;
+
+  void show(std::size_t n) override {
+    if (breaks.exchange(false)) throw WorldError("the cable is loose");
+    Projector::show(n);
+  }
+
+  std::atomic<bool> breaks = false;
+};
+
+TEST(SteppedSource, GoesOnAfterAFailureOnceStartedAgain) {
+  BreakingProjector projector(milliseconds(23));
+  SteppedSource source(projector, std::make_unique<Camera>(projector, Camera::Timing{}), patterns(),
+                       false);
+  source.start();
+  Frame frame(source.format());
+  EXPECT_EQ(source.next(frame, milliseconds(2000)), Arrival::frame);
+
+  projector.breaks = true;
+  const auto take_many = [&] {
+    for (int i = 0; i < 100; ++i) source.next(frame, milliseconds(100));
+  };
+  EXPECT_THROW(take_many(), WorldError);
+
+  source.stop();
+  source.start();
+  EXPECT_EQ(source.next(frame, milliseconds(2000)), Arrival::frame);
+  source.stop();
 }
 
 }  // namespace slipstream::stepped_source_test

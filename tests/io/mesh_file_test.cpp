@@ -7,6 +7,7 @@
 
 #include "io/file.h"
 #include "simulate/virtual_files.h"
+#include "slipstream/cloud_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
@@ -26,6 +27,17 @@ TEST(MeshFile, ReadsPlyAndObj) {
     for (const auto& vertex : mesh.vertices) top = std::max(top, vertex.z());
     EXPECT_EQ(top, 0.5);
   }
+}
+
+TEST(MeshFile, TakesTheLuminanceOfColouredVertices) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "coloured.obj",
+             "v 0 0 5 1 0 0\nv 1 0 5 0 1 0\nv 1 1 5 0 0 1\nf 1 2 3\n");
+  const Cloud cloud = read_cloud(folder.path() / "coloured.obj").cloud;
+  ASSERT_EQ(cloud.intensity.pixel_count(), 3U);
+  EXPECT_NEAR(cloud.intensity(0, 0), 255 * 0.299, 0.01);
+  EXPECT_NEAR(cloud.intensity(1, 0), 255 * 0.587, 0.01);
+  EXPECT_NEAR(cloud.intensity(2, 0), 255 * 0.114, 0.01);
 }
 
 template <class Number>

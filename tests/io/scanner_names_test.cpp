@@ -299,7 +299,14 @@ TEST(ScannerNames, OfTwoFilesHoldWhereverAScannerFileDoes) {
   expect_known(read_scanner(*scan.scanner), truth);
   const std::uint32_t before = checksum_of(scan);
   write_file(folder.path() / "projector.xml", std::string("other"));
-  EXPECT_NE(checksum_of(scan), before);
+  const std::uint32_t after = checksum_of(scan);
+  EXPECT_NE(after, before);
+
+  // The white picture of a colour scan counts too.
+  ScanFiles in_colour = scan;
+  in_colour.white = folder.path() / "white.png";
+  write_file(*in_colour.white, std::string("white"));
+  EXPECT_NE(checksum_of(in_colour), after);
 
   // A comma in the name of an existing file.
   write_scanner(folder.path() / "a,b.yaml", truth);

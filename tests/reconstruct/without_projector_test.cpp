@@ -167,4 +167,24 @@ TEST(WithoutProjector, RefusesWhatGivesNoCoordinate) {
   EXPECT_THROW(static_cast<void>(CoordinateMatcher(rig.pair, alone.sequence)(alone)), Error);
 }
 
+/// A frame of each pattern of the strategy, all of whose pixels see the same stripe.
+FrameSet frames_of_one_stripe(const Strategy& strategy, Size size, double y) {
+  const PatternSet patterns = pattern_set(strategy, Axis::x);
+  FrameSet::Images8 frames;
+  for (int n = 0; n < patterns.count; ++n) {
+    const double level = 20 + 0.8 * patterns.intensity(n, y);
+    frames.emplace_back(size, static_cast<std::uint8_t>(level));
+  }
+  return frames;
+}
+
+TEST(WithoutProjector, ASingleStripeGivesNoPoint) {
+  const Rig rig("board");
+  Scan scan = rig.scan(gray);
+  const Size size = rig.pair.projector.size;
+  scan.further_cameras[0].frames = frames_of_one_stripe(gray, size, 0.5012);
+  const auto result = CoordinateMatcher(rig.pair, {.strategy = gray})(scan);
+  EXPECT_LT(point_count(result.cloud), scan.frames.size().width * 240U / 20);
+}
+
 }  // namespace slipstream::without_projector_test

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulate/sculptures.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 

@@ -184,6 +184,25 @@ TEST(Rooms, PublicHeadersIncludePublicHeaders) {
   }
 }
 
+/// What stands for programs outside includes public headers alone; one extension adds a flag to the
+/// program, by its header.
+TEST(Rooms, ProgramsOutsideIncludePublicHeaders) {
+  const Uses uses = read_rooms();
+  const fs::path root = SLIPSTREAM_SOURCE_FOLDER;
+  int files = 0;
+  for (const char* const folder : {"examples", "ros/src", "tests/extensions", "tests/install"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (entry.path().extension() != ".cpp") continue;
+      ++files;
+      for (const std::string& inner : inner_includes(contents(entry.path()), uses)) {
+        if (inner == "app/commands.h" || inner.starts_with("tests/")) continue;
+        ADD_FAILURE() << entry.path() << " includes " << inner << ", which is not installed";
+      }
+    }
+  }
+  EXPECT_GT(files, 10);
+}
+
 TEST(Rooms, AnInnerIncludeIsFound) {
   EXPECT_EQ(inner_includes("#include \"slipstream/maps.h\"\n"
                            "#include \"decode/fold.h\"\n"

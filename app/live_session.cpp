@@ -14,7 +14,6 @@
 #include "base/numbers.h"
 #include "frames/pattern_windows.h"
 #include "io/file.h"
-#include "io/file_names.h"
 #include "io/result_files.h"
 #include "reconstruct/engine_setup.h"
 #include "slipstream/registry.h"

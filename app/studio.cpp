@@ -12,7 +12,6 @@
 #include "app/process.h"
 #include "base/numbers.h"
 #include "io/file.h"
-#include "io/file_names.h"
 #include "io/result_files.h"
 #include "slipstream/camera.h"
 #include "slipstream/registry.h"

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slipstream/scan.h"
@@ -105,6 +106,10 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
                     bool in_colour = false, const FrameSet& white = {});
+
+/// A free path in `parent`, named by the time: "WHAT-20260131-142530ENDING".
+std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,
+                                         std::string_view ending);
 
 /// Checksum over all files of a scan: scan.yaml, frames, scanner file and a second camera's; for a
 /// recording, its header and the frames of the window. Throws Error if one is missing.

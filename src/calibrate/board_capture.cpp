@@ -8,7 +8,6 @@
 #include "calibrate/board_view.h"
 #include "decode/decoder.h"
 #include "decode/phase_decoder.h"
-#include "reconstruct/engine_setup.h"
 #include "response/correction.h"
 #include "slipstream/check.h"
 #include "slipstream/geometry_calibration.h"

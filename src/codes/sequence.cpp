@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
-#include "frames/colour_channels.h"
 
 namespace slipstream {
 namespace {

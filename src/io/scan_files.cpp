@@ -1,11 +1,16 @@
 #include "slipstream/scan_files.h"
 
 #include <algorithm>
+#include <chrono>
+#include <ctime>
 #include <iterator>
+
+#include <fmt/chrono.h>
 
 #include "base/throw_if-inl.h"
 #include "frames/colour_channels.h"
 #include "io/file.h"
+#include "io/file_names.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"
 #include "io/scan_pictures.h"
@@ -379,6 +384,13 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
 
   remove_other_frames(path, files.frames);
   return files;
+}
+
+fs::path path_named_by_time(const fs::path& parent, std::string_view what,
+                            std::string_view ending) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return free_path(parent /
+                   fmt::format("{}-{:%Y%m%d-%H%M%S}{}", what, fmt::localtime(now), ending));
 }
 
 std::uint32_t checksum_of(const ScanFiles& scan) {

@@ -61,9 +61,12 @@ def test_commands_flags_and_files_are_there(page, commands, tasks):
              for named in wrong_in(words, commands, tasks)]
     wrong += [(code, flag) for code in inline_code(page) if code.startswith("--")
               for flag in re.findall(r"(?:^| )(--[a-z][\w-]*)", code) if flag not in known]
-    folders = r"(app|bench|cmake|debian|docs|examples|packaging|python|ros|slipstream|tests|tools)/"
+    folders = (r"(app|bench|cmake|debian|docs|examples|include|packaging|python|ros|src|tests|tools)/"
+               r"(?!slipstream_ros)")  # src/ of a ROS workspace
     named = [(SOURCES, code) for code in inline_code(page)
              if re.match(folders + r"[\w./-]*$", code)]
+    named += [(SOURCES / "include", code) for code in inline_code(page)
+              if re.match(r"slipstream/[\w./-]*$", code)]
     named += [(page.parent, link)
               for link in re.findall(r"\]\((?!https?:|#)([^)#]+)", page.read_text())]
     wrong += [(path, "is not there") for folder, path in named if not (folder / path).exists()]
@@ -91,7 +94,7 @@ def test_cpp_compiles(tmp_path):
             whole[block.page] = text
         (tmp_path / "block.cpp").write_text(text)
         done = subprocess.run([os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only",
-                               "-I", SOURCES, "-isystem", "/usr/include/eigen3",
+                               "-I", SOURCES / "include", "-isystem", "/usr/include/eigen3",
                                tmp_path / "block.cpp"], capture_output=True, text=True)
         assert done.returncode == 0, f"{block.page.name}\n{block.text}\n{done.stderr}"
 

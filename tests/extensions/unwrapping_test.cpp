@@ -4,12 +4,11 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string_view>
 
 #include <gtest/gtest.h>
 
-#include "base/numbers.h"
-#include "decode/band_unwrapper.h"
 #include "tests/extensions/seen.h"
 
 namespace slipstream::own_unwrapping_test {
@@ -39,7 +38,7 @@ struct TwoSinusoids {
   static void for_each_setting(Self&, const Visit&) {}
   void require_valid() const {}
   [[nodiscard]] double shape(int n, double y) const {
-    return 0.5 + 0.5 * std::cos(two_pi * ((n < 4 ? 5 : 7) * y - n % 4 / 4.0));
+    return 0.5 + 0.5 * std::cos(2 * std::numbers::pi * ((n < 4 ? 5 : 7) * y - n % 4 / 4.0));
   }
   [[nodiscard]] Layout layout() const {
     return {.frames = 8,

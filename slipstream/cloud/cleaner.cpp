@@ -60,7 +60,6 @@ TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
   constexpr float default_share = 0.03F;  ///< of the depth
 
   TrustStage trust{noise};
-
   if (settings.largest_sigma) {
     trust.by_depth = noise.noise / static_cast<float>(*settings.largest_sigma);
   } else {
@@ -115,7 +114,6 @@ struct Cleaner::Pass {
   template <class Body>
   void for_each_counting(int count, int together, const Body& body) {
     const int tasks = (count + together - 1) / together;
-
     memory.counts.assign(static_cast<std::size_t>(tasks), {});
 
     const auto run_task = [&](int task) {
@@ -216,7 +214,7 @@ struct Cleaner::Pass {
     constexpr int widest = 4, reach = 7;  // pixels: three, across; mixed ones may be missing
     const float z = cloud.z(column, row), step = limits.step * z;
 
-    // A step back is a wall; a step forward, or no step within the width, is not.
+    // A step back leads to the wall. A step forward does not, nor a surface wider than a wire.
     for (int i = 1; i <= reach; ++i) {
       const float off = cloud.z(column + i * right, row + i * down) - z;
       if (off > step) return true;

@@ -38,14 +38,13 @@ HWY_INLINE FloatMask is_trusted(const TrustStage& trust, Floats x, Floats y, Flo
   const FloatTag d;
   const auto set = [&](float value) SLIPSTREAM_STEP { return hn::Set(d, value); };
 
+  // Both sides of the condition in TrustStage.
   const auto& q = trust.projector_depth;
   const auto& w = trust.parallax;
-
   const Floats depth =
       hn::MulAdd(set(q[0]), x, hn::MulAdd(set(q[1]), y, hn::MulAdd(set(q[2]), z, set(q[3]))));
   const Floats parallax =
       hn::Abs(hn::MulAdd(set(w[0]), x, hn::MulAdd(set(w[1]), y, hn::Mul(set(w[2]), z))));
-
   const Floats weight = hn::MulAdd(set(trust.by_depth), z, set(trust.constant));
 
   return hn::Le(hn::Mul(hn::Mul(depth, depth), weight), hn::Mul(modulation, parallax));
@@ -113,7 +112,7 @@ struct LastPixels {
     for (const float** from : inputs(row)) {
       if (*from == nullptr) continue;
 
-      // Each copy has one pixel more at either end, and depths their left neighbour.
+      // NaN beyond the row, and before these pixels the depth of the one on their left.
       to->fill(std::numeric_limits<float>::quiet_NaN());
       std::copy_n(*from + first, count, to->data() + 1);
       if (from == &row.here) to->front() = *(*from + first - 1);
@@ -232,7 +231,7 @@ std::uint64_t FindEvidence(const RelationWords& of, const EvidenceWords& to) {
         hn::And(here, any(hn::AndNot(right, after(points)), hn::AndNot(left, before(points)),
                           hn::AndNot(down, below), hn::AndNot(up, above)));
 
-    // Wide or high: a surface goes on for several pixels in the row or the column.
+    // Thin unless the surface goes on for several pixels in both the row and the column.
     const Words wide = any(all(right_2, after<2>(linked), after<3>(linked)),
                            all(left_2, before<3>(linked), before<4>(linked)));
     const Words high = hn::Or(hn::And(down_2, row(of.to_below, 2)), up_2);
@@ -244,7 +243,6 @@ std::uint64_t FindEvidence(const RelationWords& of, const EvidenceWords& to) {
         hn::And(here, hn::Or(bent_in_both, hn::AndNot(any(right, left, down, up), surrounded)));
 
     const Words untrusted = hn::AndNot(here, words(of.point + i));
-
     hn::StoreU(mixed, d, to.mixed + i);
     hn::StoreU(at_edge, d, to.at_edge + i);
     hn::StoreU(thin, d, to.thin + i);

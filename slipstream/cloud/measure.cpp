@@ -156,7 +156,7 @@ double distance_of_share(const Shape& shape, std::span<const MeasuredPoint> poin
     distances.push_back(std::abs(signed_distance(shape, points[i].position)));
   }
 
-  // A shape through unsuitable points is not a number.
+  // Unsuitable points give a shape of NaN.
   if (!std::isfinite(distances.front())) return std::numeric_limits<double>::infinity();
   return quantile(distances, share);
 }

@@ -68,14 +68,14 @@ std::optional<Vector> centre_by_votes(const std::vector<SurfaceElement>& element
 std::optional<FittedSphere> sphere_at(const Cloud& cloud, const Vector& centre, double radius) {
   constexpr double sure_angle = 60 * std::numbers::pi / 180;
 
-  // Points whose rays meet the sphere well inside its outline ...
+  // The points whose rays meet the sphere well inside its outline.
   const FittedSphere rough{.centre = centre, .radius = radius};
   std::vector<MeasuredPoint> points = points_in(cloud);
   std::erase_if(points, [&](const MeasuredPoint& point) {
     return !is_on_cap(rough, point.position, sure_angle);
   });
 
-  // ... must mostly lie near it, at most a third of the radius away.
+  // At least half of them must lie near it, at most a third of the radius away.
   const std::size_t seen = points.size();
   std::erase_if(points, [&](const MeasuredPoint& point) {
     return std::abs(signed_distance(rough, point.position)) > radius / 3;

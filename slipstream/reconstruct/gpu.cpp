@@ -157,7 +157,7 @@ struct GpuBuffer::Parts {
   bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
     const auto all = gpu->parts_->physical.getMemoryProperties();
     for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
-      // Coherent memory of AMD's kind is visible at once, but slow.
+      // AMD's coherent memory bypasses the caches, so it is slow.
       using Flag = vk::MemoryPropertyFlagBits;
       const vk::MemoryPropertyFlags flags = all.memoryTypes[i].propertyFlags;
       const bool fits = (wanted.memoryTypeBits >> i & 1U) != 0;
@@ -191,7 +191,7 @@ GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemor
                                own.most_bytes(), bytes));
   }
 
-  // 2. The buffer; Vulkan allows none of 0 bytes.
+  // 2. The buffer. Vulkan does not allow 0 bytes.
   driver_call([&] {
     parts_->buffer = vk::raii::Buffer(
         own.parts_->device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
@@ -256,7 +256,7 @@ struct GpuRun::Parts {
         vk::raii::DescriptorSets(own.device, vk::DescriptorSetAllocateInfo(*sets, *own.set_layout))
             .front());
 
-    // The commands, and a fence that tells their end.
+    // The commands, and a fence that signals their end.
     commands = {own.device, vk::CommandPoolCreateInfo(
                                 vk::CommandPoolCreateFlagBits::eResetCommandBuffer, own.family)};
     command = std::move(
@@ -315,10 +315,10 @@ struct GpuRun::Parts {
                        fmt::format("{} does not answer", gpu->description().name));
       }
     } catch (const vk::DeviceLostError&) {  // nothing runs there any more
-
       runs = false;
       throw;
     }
+
     runs = false;
 
     // Let the host see the results in memory that is not coherent.
@@ -368,13 +368,12 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
     for (const GpuProgram* program : programs) parts_->programs.push_back(program->parts_);
 
     parts_->bind();
-
     parts_->command.begin(
         vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
     parts_->command.bindDescriptorSets(vk::PipelineBindPoint::eCompute,
                                        *parts_->gpu->parts_->layout, 0, *parts_->set, {});
 
-    // 2. The programs one after another: each reads results of those before.
+    // 2. The programs in turn: each waits for the results of the one before.
     const std::uint64_t groups =
         (invocations + GpuProgram::group_size - 1) / GpuProgram::group_size;
     for (const GpuProgram* program : programs) {
@@ -407,7 +406,7 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   const std::vector<GpuDescription> devices = gpu_devices();
   if (devices.empty()) throw WorldError("Vulkan finds no GPU on this machine");
 
-  // The best device: a real one rather than software, and a discrete one rather than an integrated.
+  // The best device: hardware before software, discrete before integrated.
   if (!number) {
     const auto best =
         std::min_element(devices.begin(), devices.end(), [](const auto& device, const auto& other) {

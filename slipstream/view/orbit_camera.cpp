@@ -52,7 +52,7 @@ OrbitCamera looking_from(OrbitCamera camera, Viewpoint viewpoint) {
 OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture) {
   constexpr float margin = 1.06F;
 
-  // Turn as before, towards the middle of the box.
+  // The same angles, with the middle of the box as the target.
   camera.target = in_display_frame(box.centre());
   const glm::mat3 turn(view_matrix(camera));
   const float up = std::tan(camera.field_of_view / 2), across = up * aspect(picture);

@@ -91,7 +91,7 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   row("frames lost", fmt::format("{} of {}", frames.lost, frames.captured + frames.lost),
       frames.lost == 0 ? good : bad);
 
-  // Figures that are bad news unless they are 0, and that have a name for the trouble.
+  // A row for each figure that names a trouble, unless it is 0.
   const auto bad_news = [](const char*, const auto& value, const char* trouble = "") {
     if constexpr (std::is_same_v<decltype(value), const std::uint64_t&>) {
       if (*trouble != '\0' && value != 0) row(trouble, fmt::format("{}", value), bad);

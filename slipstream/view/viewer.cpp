@@ -197,7 +197,7 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
       }
     }
 
-    // 4. Sleep until an event or the next picture; at least 4 ms, to leave the processor to others.
+    // 4. Sleep until the next picture (4 ms or longer) or an event.
     if (open) glfwWaitEventsTimeout(std::max(pace.seconds_to_next(), 0.004));
   }
 

@@ -24,7 +24,7 @@ CoordinateStage coordinate_stage(double frequency, double widest, int projector_
 
 /// Stage that does not move coordinates into the field.
 CoordinateStage unplaced(double periods) {
-  // A period so long that no coordinate leaves it.
+  // No coordinate leaves this long period.
   return placing(narrow(1 / periods), 1e9F, -5e8F);
 }
 

@@ -37,7 +37,6 @@ ivec4 flagged(int flag, bvec4 which) { return flag * ivec4(which); }
 // To half a unit in the last place: a driver's own division may be five times worse.
 vec4 quotients(vec4 a, vec4 b) {
   const vec4 q = a / b;
-
   precise const vec4 rest = fma(-q, b, a);
   return q + rest / b;
 }
@@ -47,9 +46,8 @@ vec4 angles_in_turns(vec4 S, vec4 C) {
   vec4 sine = abs(S), cosine = abs(C);
   vec4 smaller = min(sine, cosine), greater = max(max(sine, cosine), vec4(1e-30));
 
-  const vec4 tangent = vec4(0.41421356237);
-
   // The angle of the smaller to the greater, measured from pi/8, as a polynomial in q.
+  const vec4 tangent = vec4(0.41421356237);
   vec4 numerator = fma(-tangent, greater, smaller), denominator = fma(tangent, smaller, greater);
   vec4 q = quotients(numerator, denominator);
   vec4 q2 = q * q;
@@ -114,7 +112,6 @@ Sums sums(const int index, const int fours) {
   const int count = bands[index].frames, first = bands[index].first_frame;
   for (int n = 0; n < count; ++n) {
     const int w = bands[index].weights + 7 * n;
-
     ivec4 I = levels(first + n, fours);
 
     // Whole weights fit into the lowest part.
@@ -341,8 +338,8 @@ void main() {
   write(plane_at.coordinate, fours, mix(uvec4(nan), floatBitsToUint(pixels.y), known));
   write(plane_at.doubt, fours, floatBitsToUint(pixels.doubt));
 
-  // Coordinates for the vote and the points; dark pixels confirm no neighbour. With a cue the vote
-  // decides that.
+  // Coordinates for the vote and the points. Dark pixels confirm no neighbour; with a cue, the flag
+  // no_vote decides that.
   if (packing.wanted == 0 && cost.form == 0) return;
   const bvec4 lit = equal(pixels.flags & (cost.form == 0 ? dark : 0), ivec4(0));
   const int at = (scan() * plane_fours + fours) * kept;

@@ -281,13 +281,13 @@ GpuEngine::GpuEngine(const FusedEngine& of, GpuProgramText program,
     vote.emplace_back(gpu, vote_spirv, std::array{task});
   }
 
+  // 2. Parts of whole rows. A part also reads the rows that its own need as neighbours.
   const auto [width, height] = stages.rays.E_x.size();
   // Few enough at once for the largest buffer: results, or 16-bit frames.
   constexpr std::size_t results = 8 * sizeof(float);
   const std::size_t frames = static_cast<std::size_t>(stages.frames) * 2 + sizeof(float);
   const std::size_t at_once = std::min(pixels, gpu->most_bytes() / std::max(results, frames));
 
-  // 2. Parts of whole rows. A part also reads the rows that its own need as neighbours.
   const int beside = stages.cue ? VoteBlock::seen : 1;
   const std::size_t seen_beside = pixels_of({width, 2 * beside});
   const std::size_t own = at_once > seen_beside ? at_once - seen_beside : 1;
@@ -344,6 +344,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
   const std::size_t steps = at_a_time * parts.size();
 
   auto& slots = memory.slots;
+
   // The last slot is never larger than the others.
   const bool keeps = !slots.empty() &&
                      slots.back().frames.size() >= job.together * job.upload_bytes &&

@@ -50,7 +50,6 @@ struct WholeWeights {
 void add_parts(int value, Words& words) {
   constexpr int radix = 2048;
   const auto low = [](int v) { return ((v + radix / 2) & (radix - 1)) - radix / 2; };
-
   const int c = low(value), rest = (value - c) / radix, b = low(rest);
 
   words.add((rest - b) / radix);
@@ -89,6 +88,7 @@ GpuBand gpu_band(const FusedStages::BandStage& band, Words& words) {
   // The corrections of the phase.
   const int wave = words.add_all(stage.correction_wave);
   const int table = words.add_all(stage.correction);
+
   // A turn of 1 uses the last entry, and reads one past it with weight 0.
   if (!stage.correction.empty()) words.add(stage.correction.back());
 
@@ -110,8 +110,8 @@ GpuBand gpu_band(const FusedStages::BandStage& band, Words& words) {
 }
 
 GpuLink gpu_link(const std::vector<int>& of, const UnwrapStage& unwrap, Words& words) {
+  // One band with the factor 1 and no other.
   const auto alone = std::find(of.begin(), of.end(), 1);
-
   const bool is_alone =
       alone != of.end() && std::count(of.begin(), of.end(), 0) + 1 == std::ssize(of);
 

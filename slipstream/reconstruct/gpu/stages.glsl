@@ -23,7 +23,6 @@ int place(int slot, int at) { return 4 * ((scan() * plane_fours + at / 4) * kept
 float sine_of_quarter(float turns) {
   const float square = turns * turns;
   float slope = fma(square, 39.53670607844828, -76.54978229534504);
-
   slope = fma(square, slope, 81.60100407334106);
   slope = fma(square, slope, -41.34165503141761);
   return turns * fma(square, slope, 6.2831851600894835);

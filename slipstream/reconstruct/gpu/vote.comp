@@ -51,7 +51,6 @@ float part(int i, int further, out float whole) {
   const float a = window[i], b = window[i + further];
   whole = 0.0;
   if (max(a, b) >= no_coordinate) return no_coordinate;
-
   whole = roundEven(b - a);
   return b - a - whole;
 }
@@ -125,7 +124,6 @@ float slope(float y) { return vote.relative_share * reference(y) + cost.steady; 
 float against(int cell, int by) {
   if (by == 0) return 0.0;
   const ivec2 at = here + ivec2(cell % side, cell / side) - 2;
-
   const int pixel = at.y * width + at.x;
   const float y = kept_at(0, pixel), other = y + float(by) * vote.period;
   if (other < -cost.margin || other > 1.0 + cost.margin) return infinite;

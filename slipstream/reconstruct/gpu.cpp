@@ -157,7 +157,7 @@ struct GpuBuffer::Parts {
   bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
     const auto all = gpu->parts_->physical.getMemoryProperties();
     for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
-      // AMD's coherent memory bypasses the caches, so it is slow.
+      // AMD's device-coherent memory is slower, and barriers make it unnecessary.
       using Flag = vk::MemoryPropertyFlagBits;
       const vk::MemoryPropertyFlags flags = all.memoryTypes[i].propertyFlags;
       const bool fits = (wanted.memoryTypeBits >> i & 1U) != 0;

@@ -287,7 +287,7 @@ std::string why_not_in_rows(const EngineSetup& setup) {
     return fmt::format("it does not support these cue settings of {}", strategy.name());
   }
 
-  // Limits of the picture.
+  // The polynomials cover a limited margin, and a row must fill a vector.
   if (setup.settings.field_margin > widest_margin) {
     return fmt::format("the field margin is above {}", widest_margin);
   }

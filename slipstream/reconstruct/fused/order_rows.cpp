@@ -79,8 +79,8 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
       return hn::LoadU(d, rows.row(static_cast<int>(n)) + i);
     };
 
-    // Weight of each band: the inverse variance of its phase, which falls with B^2. `apart` is the
-    // band's phase less its prediction at order 0.
+    // Weight of each band: the inverse variance of its phase, which grows with B^2. `apart` is the
+    // phase predicted at order 0 less the band's own.
     const Floats turn = load(turns, 0);
     Several<OrderStage::most_waves> apart, weight;
     Floats length = hn::Zero(d);

@@ -209,7 +209,7 @@ void voted_band(const FusedBand& band) {
   Block& block = band.scratch.block;
   const auto within = [&](int row) { return std::clamp(row, 0, band.height()); };
 
-  // Rows past the image stay NaN, so they confirm no pixel.
+  // Rows not yet decoded are NaN, so they confirm no pixel.
   block.prepare(band.width());
   int decoded = within(band.first - Block::seen), asked = within(band.first - Block::voters);
   block.clear(decoded - Block::looks_past, decoded);

@@ -66,8 +66,10 @@ struct CleanSettings {
            .least = 0,
            .above_least = true},
           self.largest_sigma);
+
     visit({.name = "drop_mixed"}, self.drop_mixed);
     visit({.name = "drop_outliers"}, self.drop_outliers);
+
     visit({.name = "smallest_component",
            .flag = "--min-component",
            .help = "minimum pixels of a connected piece; default 200",
@@ -75,11 +77,13 @@ struct CleanSettings {
            .least = 0,
            .live = {"minimum pixels of a connected piece", "pixels", 0, 1e6}},
           self.smallest_component);
+
     visit({"box", "--box", "keep only points inside, mm: minimum x,y,z and maximum x,y,z"},
           self.box);
     visit({"outline", "--outline",
            "keep only camera pixels inside x,y,x,y: two corners of a rectangle, or a polygon"},
           self.outline);
+
     visit({"widest_gap", "--fill", "fill gaps in a surface up to this width, pixels", "pixels", 0},
           self.widest_gap);
     visit({"smoothing", "--smooth", "half the window of edge-preserving smoothing, pixels",

@@ -184,6 +184,7 @@ inline Cloud subsampled(const Cloud& cloud, int step) {
   for (const auto part : {&Cloud::x, &Cloud::y, &Cloud::z, &Cloud::intensity}) {
     sparse.*part = subsampled(cloud.*part, step);
   }
+
   sparse.validity = subsampled(cloud.validity, step);
   return sparse;
 }

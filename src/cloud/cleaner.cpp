@@ -22,18 +22,22 @@ bool is_between(double value, double a, double b) {
 /// Even-odd: whether an odd number of sides lies to the right.
 bool is_inside(const std::vector<PictureCorner>& polygon, int column, int row) {
   bool inside = false;
+
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const PictureCorner &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
     if ((a.row > row) == (b.row > row)) continue;
+
     const double crossing = a.column + (row - a.row) / (b.row - a.row) * (b.column - a.column);
     if (crossing >= column) inside = !inside;
   }
+
   return inside;
 }
 
 /// 1 for the pixels inside an outline, see CleanSettings.
 Image<std::uint8_t> outline_mask(const std::vector<PictureCorner>& outline, Size picture) {
   Image<std::uint8_t> mask(picture);
+
   for_each_pixel_in_order(picture, [&](int column, int row) {
     const bool inside = outline.size() == 2
                             ? is_between(column, outline[0].column, outline[1].column) &&
@@ -41,6 +45,7 @@ Image<std::uint8_t> outline_mask(const std::vector<PictureCorner>& outline, Size
                             : is_inside(outline, column, row);
     mask(column, row) = inside ? 1 : 0;
   });
+
   return mask;
 }
 
@@ -61,12 +66,14 @@ struct PaddedRow : std::vector<float> {
 
 TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
   constexpr float default_share = 0.03F;  ///< of the depth
+
   TrustStage trust{noise};
   if (settings.largest_sigma) {
     trust.by_depth = noise.noise / static_cast<float>(*settings.largest_sigma);
   } else {
     trust.constant = noise.noise / default_share;
   }
+
   return trust;
 }
 
@@ -74,11 +81,14 @@ TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
 
 void require_valid(const CleanSettings& settings) {
   require_in_range(settings);
+
   for (std::size_t axis = 0; settings.box && axis < 3; ++axis) {
     require_in_range(settings.box->largest[axis] > settings.box->least[axis], "end of the box",
                      settings.box->largest[axis], "more than its start");
   }
+
   if (settings.outline.size() == 1) throw Error("an outline requires two corners or more");
+
   for (const PictureCorner& corner : settings.outline) {
     require_in_range(std::isfinite(corner.column) && std::isfinite(corner.row),
                      "corner of the outline", corner.column + corner.row, "it must be finite");
@@ -113,20 +123,24 @@ struct Cleaner::Pass {
   void for_each_counting(int count, int together, const Body& body) {
     const int tasks = (count + together - 1) / together;
     memory.counts.assign(static_cast<std::size_t>(tasks), {});
+
     const auto run_task = [&](int task) {
       ValidityCounts& counted = memory.counts[static_cast<std::size_t>(task)];
       const int end = std::min(count, (task + 1) * together);
       for (int i = task * together; i < end; ++i) body(i, counted);
     };
+
     if (tasks == 1) {
       run_task(0);
     } else {
       for_each_row(tasks, [&run_task](int task) { run_task(task); });
     }
+
     for (const ValidityCounts& counted : memory.counts) {
       for (std::size_t i = 0; i < validity_count; ++i) counts[i] += counted[i];
     }
   }
+
   /// Calls `visit(row, word)` for the words of a block that have evidence.
   template <class Visit>
   void for_each_busy_word(int block, const Visit& visit) const {
@@ -137,9 +151,11 @@ struct Cleaner::Pass {
 
   void drop_bits(Word bits, int row, int word, Validity reason, ValidityCounts& counted) const {
     counted[static_cast<std::size_t>(reason)] += static_cast<std::size_t>(std::popcount(bits));
+
     // Run by run: in large areas a run is a whole word. The sum carries through the lowest run.
     for (; bits != 0; bits &= bits + (bits & -bits)) {
       const int first = std::countr_zero(bits), count = std::countr_one(bits >> first);
+
       const auto fill = [&](auto& image, auto value) {
         std::fill_n(image.row(row) + word * word_pixels + first, count, value);
       };
@@ -152,9 +168,12 @@ struct Cleaner::Pass {
 
   void compare(int row) {
     const int last = cloud.size().height - 1;
+
     const auto depths = [&](int near) {
       return near < 0 || near > last ? memory.beyond.first() : cloud.z.row(near);
     };
+
+    // The first and last row are copied, since their ends are read beyond the picture's memory.
     DepthPlanes& planes = memory.planes;
     const bool padded = row == 0 || row == last;
     compare_depths(limits, trust,
@@ -179,9 +198,11 @@ struct Cleaner::Pass {
   /// it sees both, and their fringes partly cancel.
   [[nodiscard]] bool is_dim(int column, int row) const {
     constexpr float far = 0.05F, dim = 0.75F;  // of the depth; of the brightest
+
     const std::array columns{std::max(column - 1, 0), column,
                              std::min(column + 1, cloud.z.width() - 1)};
     const std::array rows{std::max(row - 1, 0), row, std::min(row + 1, cloud.z.height() - 1)};
+
     const float z = cloud.z(column, row);
     float nearest = z, farthest = z, brightest = 0;
     for (const int y : rows) {
@@ -191,6 +212,7 @@ struct Cleaner::Pass {
         brightest = std::max(brightest, (*modulation)(x, y));
       }
     }
+
     return (farthest - z > far * z || z - nearest > far * z) &&
            (*modulation)(column, row) < dim * brightest;
   }
@@ -199,11 +221,14 @@ struct Cleaner::Pass {
   [[nodiscard]] bool ends_before_wall(int column, int row, int right, int down) const {
     constexpr int widest = 4, reach = 7;  // pixels: three, across; mixed ones may be missing
     const float z = cloud.z(column, row), step = limits.step * z;
+
+    // A step back leads to the wall. A step forward does not, nor a surface wider than a wire.
     for (int i = 1; i <= reach; ++i) {
       const float off = cloud.z(column + i * right, row + i * down) - z;
       if (off > step) return true;
       if (off < -step || (i >= widest && off <= step)) return false;
     }
+
     return false;
   }
 
@@ -217,20 +242,25 @@ struct Cleaner::Pass {
   [[nodiscard]] int ridge_along(int column, int row, int right, int down, int most) const {
     int ridge = 0;
     float slope = 0, largest = limits.step;
+
     for (int i = 0; i < most; ++i, largest = limits.bend) {
       const float z = cloud.z(column, row);
+
+      // Go straight on or diagonally, wherever depth continues best.
       const auto off = [&](int aside) {
         const float there = cloud.z(column + right + aside * down, row + down + aside * right);
         return std::isnan(there) ? std::numeric_limits<float>::infinity()
                                  : std::abs(there - z - slope);
       };
       const int aside = std::min({0, -1, 1}, [&](int a, int b) { return off(a) < off(b); });
+
       if (!(off(aside) <= largest * z)) break;
       column += right + aside * down;
       row += down + aside * right;
       slope = cloud.z(column, row) - z;
       ridge += is_ridge(column, row, down, right) ? 1 : 0;
     }
+
     return ridge;
   }
 
@@ -238,10 +268,12 @@ struct Cleaner::Pass {
   /// both sides. A curtain of mixed pixels has the nearer surface on one of them.
   [[nodiscard]] bool is_wire(int column, int row) const {
     constexpr int shortest = 12, border = 20;  // more than all of them reach
+
     const Size size = cloud.size();
     if (std::min({column, row, size.width - column - 1, size.height - row - 1}) < border) {
       return false;
     }
+
     for (const auto& [right, down] : {std::pair{1, 0}, std::pair{0, 1}}) {
       if (is_ridge(column, row, right, down) &&
           ridge_along(column, row, down, right, shortest) +
@@ -250,21 +282,27 @@ struct Cleaner::Pass {
         return !is_dim(column, row);
       }
     }
+
     return false;
   }
 
   /// Finds the points to keep. Call before removing points, since it reads depths of other rows.
   void judge(int block) {
     Memory& m = memory;
+
+    // Start from all trusted points, and from the words in which neighbours speak against some.
     const RelationWords relations = m.planes.block(block, cloud.size());
     std::copy_n(relations.trusted, block_words, m.kept.block(block));
     std::fill_n(m.wire.block(block), block_words, Word{0});
     m.busy[static_cast<std::size_t>(block)] =
         find_evidence(relations, {m.mixed.block(block), m.at_edge.block(block), m.thin.block(block),
                                   m.outlier.block(block)});
+
     for_each_busy_word(block, [&](int row, int w) {
       Word &mixed = m.mixed.row(row)[w], &outlier = m.outlier.row(row)[w];
       Word& wire = m.wire.row(row)[w];
+
+      // The modulation gives further evidence at edges, and saves thin wires.
       if (!settings.drop_mixed) {
         mixed = 0;
       } else if (modulation != nullptr) {  // else nothing tells wires from curtains of mixtures
@@ -276,6 +314,8 @@ struct Cleaner::Pass {
         });
         mixed &= ~wire;
       }
+
+      // A pixel has one reason at most.
       outlier = settings.drop_outliers ? outlier & ~(mixed | wire) : 0;
       m.kept.row(row)[w] &= ~(mixed | outlier);
     });
@@ -287,6 +327,7 @@ struct Cleaner::Pass {
       const DepthPlanes& planes = memory.planes;
       drop_bits(planes.point.row(row)[w] & ~planes.trusted.row(row)[w], row, w, Validity::low_trust,
                 counted);
+
       drop_bits(memory.mixed.row(row)[w], row, w, Validity::mixed, counted);
       drop_bits(memory.outlier.row(row)[w], row, w, Validity::outlier, counted);
     });
@@ -294,10 +335,14 @@ struct Cleaner::Pass {
 
   void drop_small_components() {
     memory.components.find(cloud.size(), memory.planes, memory.kept);
+
     memory.components.for_each_run_below(settings.smallest_component, [&](const PixelRun& run) {
       const Word* const wire = memory.wire.row(run.row);
+
+      // A wire may be broken into pieces that are small.
       for (int column = run.first; column <= run.last; ++column) {
         if ((wire[column / word_pixels] >> column % word_pixels & 1) != 0) continue;
+
         cloud.leave_out(column, run.row, Validity::small_component);
         ++counts[static_cast<std::size_t>(Validity::small_component)];
       }
@@ -306,14 +351,17 @@ struct Cleaner::Pass {
 
   void drop_outside() {
     if (!settings.box && settings.outline.empty()) return;
+
     if (!settings.outline.empty() && memory.outline.size() != cloud.size()) {
       memory.outline = outline_mask(settings.outline, cloud.size());
     }
+
     for_each_counting(cloud.size().height, rows_together, [&](int row, ValidityCounts& counted) {
       for (int column = 0; column < cloud.size().width; ++column) {
         const bool outlined = settings.outline.empty() || memory.outline(column, row) != 0;
         if (!(cloud.z(column, row) > 0)) continue;
         if (outlined && (!settings.box || is_inside(*settings.box, cloud, column, row))) continue;
+
         cloud.leave_out(column, row, Validity::outside_region);
         ++counted[static_cast<std::size_t>(Validity::outside_region)];
       }
@@ -321,27 +369,37 @@ struct Cleaner::Pass {
   }
 
   ValidityCounts run() {
+    // 1. Memory, and copies of the first and the last row.
     const Size size = cloud.size();
     memory.planes.prepare(size);
     for (BitPlane* plane : {&memory.mixed, &memory.at_edge, &memory.thin, &memory.outlier,
                             &memory.wire, &memory.kept}) {
       plane->prepare(size);
     }
+
     const int blocks = BitPlane::blocks_of(size);
     memory.busy.resize(static_cast<std::size_t>(blocks));
+
     memory.beyond.copy(nullptr, size.width);
     memory.first.copy(cloud.z.row(0), size.width);
     memory.last.copy(cloud.z.row(size.height - 1), size.width);
+
+    // 2. Relations of neighbours, then the points to keep, then remove the others.
     for_each_counting(size.height, rows_together, [&](int row, auto&) { compare(row); });
     for_each_counting(blocks, blocks_together, [&](int block, auto&) { judge(block); });
     for_each_counting(blocks, blocks_together,
                       [&](int block, auto& counted) { drop(block, counted); });
+
+    // 3. Small components and points outside the region.
     if (settings.smallest_component > 1) drop_small_components();
     drop_outside();
+
+    // 4. Fill gaps and smooth.
     if (settings.widest_gap > 0) {
       counts[0] = fill_gaps(cloud, settings.widest_gap, limits, memory.surface);
     }
     if (settings.smoothing > 0) smooth(cloud, settings.smoothing, limits, memory.surface);
+
     return counts;
   }
 };

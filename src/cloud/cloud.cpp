@@ -33,17 +33,21 @@ ValidityCounts count_by_validity(const Image<Validity>& validity) {
   // Several counters: neighbours usually count the same, and each increment waits for the last.
   constexpr std::size_t at_once = 8;
   std::array<std::array<std::uint32_t, 16>, at_once> of_each{};
+
   const std::size_t whole = validity.pixel_count() / at_once * at_once;
   for (const Validity* pixel = validity.begin(); pixel != validity.begin() + whole;
        pixel += at_once) {
     for (std::size_t i = 0; i < at_once; ++i) ++of_each[i][static_cast<std::size_t>(pixel[i])];
   }
+
+  // The last few pixels, and the sum of the counters.
   ValidityCounts counts{};
   std::for_each(validity.begin() + whole, validity.end(),
                 [&](Validity rest) { ++counts[static_cast<std::size_t>(rest)]; });
   for (const auto& one : of_each) {
     std::transform(counts.begin(), counts.end(), one.begin(), counts.begin(), std::plus<>());
   }
+
   return counts;
 }
 

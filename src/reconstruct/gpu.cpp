@@ -39,6 +39,7 @@ struct Loader {
 
   Loader() {
     const vk::ApplicationInfo application("slipstream", 0, nullptr, 0, least_version);
+
     instance = vk::raii::Instance(context, vk::InstanceCreateInfo({}, &application));
     for (auto& device : vk::raii::PhysicalDevices(instance)) devices.push_back(std::move(device));
   }
@@ -52,15 +53,20 @@ const Loader& loader() {
 
 GpuDescription describe(const vk::raii::PhysicalDevice& device) {
   const vk::PhysicalDeviceProperties own = device.getProperties();
+
   GpuDescription description{.name = own.deviceName.data(),
                              .software = own.deviceType == vk::PhysicalDeviceType::eCpu,
                              .discrete = own.deviceType == vk::PhysicalDeviceType::eDiscreteGpu};
+
+  // Vulkan 1.0 cannot name the driver.
   if (own.apiVersion >= least_version) {
     const auto chain =
         device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
     description.driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
   }
+
+  // The device's own memory.
   for (const vk::MemoryHeap& heap : device.getMemoryProperties().memoryHeaps) {
     if (heap.flags & vk::MemoryHeapFlagBits::eDeviceLocal) description.memory += heap.size;
   }
@@ -75,6 +81,7 @@ void require_large_enough(const vk::raii::PhysicalDevice& device) {
       own.limits.maxComputeWorkGroupInvocations >= GpuProgram::group_size) {
     return;
   }
+
   throw GpuError(
       GpuFailure::too_small,
       fmt::format("{} is not supported: requires Vulkan 1.1, {} buffers and work groups of {}",
@@ -84,14 +91,17 @@ void require_large_enough(const vk::raii::PhysicalDevice& device) {
 /// Index of the first queue family that computes.
 std::uint32_t compute_queues(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
+
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
   }
+
   throw GpuError(GpuFailure::too_small, "the GPU has no compute queue");
 }
 
 vk::raii::Device device_of(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
   require_large_enough(physical);
+
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
   return {physical, vk::DeviceCreateInfo({}, queue)};
@@ -99,10 +109,12 @@ vk::raii::Device device_of(const vk::raii::PhysicalDevice& physical, std::uint32
 
 vk::raii::DescriptorSetLayout buffer_layout(const vk::raii::Device& device) {
   std::array<vk::DescriptorSetLayoutBinding, GpuProgram::most_buffers> bindings;
+
   for (std::uint32_t i = 0; i < bindings.size(); ++i) {
     bindings[i] = vk::DescriptorSetLayoutBinding(i, vk::DescriptorType::eStorageBuffer, 1,
                                                  vk::ShaderStageFlagBits::eCompute);
   }
+
   return {device, vk::DescriptorSetLayoutCreateInfo({}, bindings)};
 }
 
@@ -113,6 +125,7 @@ std::initializer_list<vk::MemoryPropertyFlags> kinds_for(GpuMemory memory) {
   static constexpr std::initializer_list<vk::MemoryPropertyFlags> own{Flag::eDeviceLocal, {}},
       up{seen | Flag::eDeviceLocal, seen},
       down{seen | Flag::eHostCached, Flag::eHostVisible | Flag::eHostCached, seen};
+
   return memory == GpuMemory::device ? own : memory == GpuMemory::upload ? up : down;
 }
 
@@ -149,11 +162,14 @@ struct GpuBuffer::Parts {
   bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
     const auto all = gpu->parts_->physical.getMemoryProperties();
     for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
+      // AMD's device-coherent memory is slower, and barriers make it unnecessary.
       using Flag = vk::MemoryPropertyFlagBits;
       const vk::MemoryPropertyFlags flags = all.memoryTypes[i].propertyFlags;
       const bool fits = (wanted.memoryTypeBits >> i & 1U) != 0;
       const bool slow = static_cast<bool>(flags & Flag::eDeviceCoherentAMD);
       if (!fits || slow || (flags & kind) != kind) continue;
+
+      // A used-up heap is no error here: another kind may have room.
       try {
         memory =
             vk::raii::DeviceMemory(gpu->parts_->device, vk::MemoryAllocateInfo(wanted.size, i));
@@ -163,6 +179,7 @@ struct GpuBuffer::Parts {
       } catch (const vk::OutOfHostMemoryError&) {
       }
     }
+
     return false;
   }
 };
@@ -171,15 +188,21 @@ GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemor
     : size_(bytes), parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu)})) {
   const Gpu& own = *parts_->gpu;
   const std::string& name = own.description().name;
+
+  // 1. The device may not support a buffer of this size.
   if (bytes > own.most_bytes()) {
     throw GpuError(GpuFailure::too_small,
                    fmt::format("{} supports buffers of up to {} bytes; {} are required", name,
                                own.most_bytes(), bytes));
   }
+
+  // 2. The buffer. Vulkan does not allow 0 bytes.
   driver_call([&] {
     parts_->buffer = vk::raii::Buffer(
         own.parts_->device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
                                                  vk::BufferUsageFlagBits::eStorageBuffer));
+
+    // 3. Memory of the best kind that has room.
     const vk::MemoryRequirements wanted = parts_->buffer.getMemoryRequirements();
     const auto kinds = kinds_for(memory);
     if (std::none_of(kinds.begin(), kinds.end(),
@@ -188,6 +211,8 @@ GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemor
                      fmt::format("{} has no memory left for {} bytes", name, bytes));
     }
     parts_->buffer.bindMemory(*parts_->memory, 0);
+
+    // 4. The host's view of it.
     if (memory == GpuMemory::device) return;
     parts_->mapped = true;
     data_ = static_cast<std::byte*>(parts_->memory.mapMemory(0, VK_WHOLE_SIZE));
@@ -203,12 +228,16 @@ GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint
                        std::span<const std::uint32_t> constants)
     : parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu)})) {
   const Gpu::Parts& own = *parts_->gpu->parts_;
+
+  // The constants, numbered from 0.
   std::vector<vk::SpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) {
     entries.emplace_back(i, i * std::uint32_t{sizeof(std::uint32_t)}, sizeof(std::uint32_t));
   }
   const vk::SpecializationInfo special(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                        constants.size_bytes(), constants.data());
+
+  // Compile the shader with them.
   driver_call([&] {
     const vk::raii::ShaderModule module(
         own.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
@@ -222,6 +251,8 @@ GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint
 struct GpuRun::Parts {
   explicit Parts(std::shared_ptr<const Gpu> of) : gpu(std::move(of)) {
     const Gpu::Parts& own = *gpu->parts_;
+
+    // A set that names the buffers.
     static constexpr vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer,
                                                  GpuProgram::most_buffers);
     sets = {own.device, vk::DescriptorPoolCreateInfo(
@@ -229,6 +260,8 @@ struct GpuRun::Parts {
     set = std::move(
         vk::raii::DescriptorSets(own.device, vk::DescriptorSetAllocateInfo(*sets, *own.set_layout))
             .front());
+
+    // The commands, and a fence that signals their end.
     commands = {own.device, vk::CommandPoolCreateInfo(
                                 vk::CommandPoolCreateFlagBits::eResetCommandBuffer, own.family)};
     command = std::move(
@@ -245,13 +278,16 @@ struct GpuRun::Parts {
       infos[i] =
           vk::DescriptorBufferInfo(*buffers[i < buffers.size() ? i : 0]->buffer, 0, VK_WHOLE_SIZE);
     }
+
     gpu->parts_->device.updateDescriptorSets(
         vk::WriteDescriptorSet(*set, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos), {});
   }
 
   void dispatch(const vk::raii::Pipeline& pipeline, std::uint64_t groups, std::uint32_t layers) {
+    // A device allows a limited number of groups in a row, so the groups fill several rows.
     const std::uint64_t most = gpu->parts_->limits.maxComputeWorkGroupCount[0];
     const std::uint64_t rows = (groups + most - 1) / most;
+
     command.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
     command.dispatch(static_cast<std::uint32_t>((groups + rows - 1) / rows),
                      static_cast<std::uint32_t>(rows), layers);
@@ -267,6 +303,7 @@ struct GpuRun::Parts {
     if (gpu->lost_) {
       throw GpuError(GpuFailure::lost, fmt::format("{} is lost", gpu->description().name));
     }
+
     own.device.resetFences(*done);
     const std::lock_guard lock(own.mutex);
     own.queue.submit(vk::SubmitInfo({}, {}, *command), *done);
@@ -275,6 +312,7 @@ struct GpuRun::Parts {
 
   void wait(std::uint64_t longest = 10'000'000'000) {  // ns
     if (!runs) return;
+
     const Gpu::Parts& own = *gpu->parts_;
     try {
       if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
@@ -285,7 +323,10 @@ struct GpuRun::Parts {
       runs = false;
       throw;
     }
+
     runs = false;
+
+    // Let the host see the results in memory that is not coherent.
     std::vector<vk::MappedMemoryRange> written;
     for (const auto& buffer : buffers) {
       if (!buffer->mapped || buffer->coherent) continue;
@@ -311,6 +352,7 @@ struct GpuRun::Parts {
     } catch (const std::runtime_error&) {
     }
     if (!own->runs) return delete own;
+
     // The device may still write there: kept for good, in a list so that leak checkers find it.
     static std::atomic<Parts*> kept = nullptr;
     own->kept_before = kept.exchange(own);
@@ -324,15 +366,19 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
                    std::span<const GpuProgram* const> programs, std::uint64_t invocations,
                    std::uint32_t layers) {
   driver_call([&] {
+    // 1. Keep the buffers and programs until the run ends.
     parts_->buffers.clear();
     parts_->programs.clear();
     for (const GpuBuffer* buffer : buffers) parts_->buffers.push_back(buffer->parts_);
     for (const GpuProgram* program : programs) parts_->programs.push_back(program->parts_);
+
     parts_->bind();
     parts_->command.begin(
         vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
     parts_->command.bindDescriptorSets(vk::PipelineBindPoint::eCompute,
                                        *parts_->gpu->parts_->layout, 0, *parts_->set, {});
+
+    // 2. The programs in turn: each waits for the results of the one before.
     const std::uint64_t groups =
         (invocations + GpuProgram::group_size - 1) / GpuProgram::group_size;
     for (const GpuProgram* program : programs) {
@@ -342,6 +388,8 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
       }
       parts_->dispatch(program->parts_->pipeline, groups, layers);
     }
+
+    // 3. The host reads the last results.
     parts_->before(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead);
     parts_->command.end();
     parts_->submit();
@@ -362,6 +410,8 @@ Gpu::Gpu(int number) {
 std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   const std::vector<GpuDescription> devices = gpu_devices();
   if (devices.empty()) throw WorldError("Vulkan finds no GPU on this machine");
+
+  // The best device: hardware before software, discrete before integrated.
   if (!number) {
     const auto best =
         std::min_element(devices.begin(), devices.end(), [](const auto& device, const auto& other) {
@@ -370,15 +420,19 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
         });
     number = static_cast<int>(best - devices.begin());
   }
+
   if (*number < 0 || static_cast<std::size_t>(*number) >= devices.size()) {
     throw WorldError(fmt::format("there is no GPU {}; this machine has {}, counted from 0", *number,
                                  devices.size()));
   }
+
   // Opening a device takes long, and drivers allow few at a time.
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<const Gpu>> open;
+
   const std::lock_guard lock(mutex);
   if (auto shared = open[*number].lock(); shared && !shared->lost_) return shared;
+
   std::shared_ptr<const Gpu> gpu(driver_call([&] { return new Gpu(*number); }));
   open[*number] = gpu;
   return gpu;

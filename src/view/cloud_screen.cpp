@@ -36,6 +36,7 @@ Pane pane_between(const PanelWidths& widths, const Screen& screen) {
   const auto pixels = [&](float units) {
     return static_cast<int>(std::lround(units * screen.pixel_ratio()));
   };
+
   const int left = pixels(widths.left);
   return {.left = left,
           .size = {std::max(screen.framebuffer.width - left - pixels(widths.right), 1),
@@ -49,7 +50,9 @@ CloudScreen::CloudScreen(const ViewSource& source, const ViewSettings& settings,
     : source_(source), gui_(window), counted_since_(std::chrono::steady_clock::now()) {
   state_.view = settings;
   ask_camera();
+
   if (source.openable) state_.openable = source.openable();
+
   if (!source.setup) return;
   state_.setup = *source.setup;
   engine_.emplace(*source.setup);
@@ -57,11 +60,14 @@ CloudScreen::CloudScreen(const ViewSource& source, const ViewSettings& settings,
 
 bool CloudScreen::take_newest() {
   if (state_.paused) return false;
+
   ShownCloud newest = source_.newest();
   if (!newest || newest.is(cloud_)) return false;
+
   cloud_ = std::move(newest);
   told_shown_ = false;
   uncertainty_.reset();
+
   set_cloud();
   expose();
   return true;
@@ -69,6 +75,7 @@ bool CloudScreen::take_newest() {
 
 const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   if (!engine_ || frames.count() != frame_count(engine_->setup().sequence)) return nullptr;
+
   const FrameViews& merged = engine_->merged(frames);
   engine_->maps(merged, maps_);
   maps_full_scale_ = merged.full_scale();
@@ -78,17 +85,24 @@ const Maps* CloudScreen::maps_of(const FrameViews& frames) {
 void CloudScreen::set_cloud() {
   drawn_ = look();
   if (pictures_alone(source_)) return set_pictures();
+
+  // 1. Counts for the panel.
   const Cloud& cloud = *cloud_.cloud;
   state_.counts = count_by_validity(cloud);
   state_.pixels = cloud.z.pixel_count();
+
+  // 2. Maps only if something shows them: decoding takes time.
   const bool pictures = state_.shown && (state_.picture_open[1] || state_.picture_open[2]);
   const bool wanted = pictures || state_.view.colour == PointColour::modulation;
   const Maps* const maps = wanted ? maps_of(cloud_.frames) : nullptr;
+
+  // 3. Upload the cloud and the pictures.
   PointImages images = images_of(cloud);
   if (state_.view.shaded) shading_ = shading(cloud);
   images.shading = state_.view.shaded ? &shading_ : nullptr;
   scene_.set_cloud(images, maps != nullptr ? &maps->modulation : nullptr, state_.view.colour);
   if (state_.shown) update_pictures(cloud_.frames, maps);
+
   // The first clouds may show an empty room.
   if (!fitted_ && point_count(cloud) > state_.pixels / 50) fit_wanted_ = true;
 }
@@ -96,12 +110,15 @@ void CloudScreen::set_cloud() {
 void CloudScreen::set_pictures() {
   const Maps* const maps = maps_of(cloud_.frames);
   if (maps == nullptr) return;
+
   PictureReport report =
       picture_report(engine_->merged(cloud_.frames), *maps, engine_->setup().settings);
+
   validity_ = std::move(report.validity);
   state_.counts = count_by_validity(validity_);
   state_.pixels = validity_.pixel_count();
   state_.modulation = report.modulation;
+
   update_pictures(cloud_.frames, maps);
 }
 
@@ -114,11 +131,14 @@ void CloudScreen::update_pictures(const FrameViews& frames, const Maps* maps) {
   const auto wanted = [&](std::size_t picture) {
     return state_.picture_open[picture] || width_of(picture) == large_picture_width;
   };
+
   if (wanted(0) && frames.count() != 0) {
     const bool known = validity_.size() == frames.size();
     pictures_[0].upload(camera_picture(frames, width_of(0), known ? &validity_ : nullptr));
     state_.histogram = grey_histogram(frames);
   }
+
+  // The other pictures need the frames' maps.
   if (maps == nullptr) return;
   if (wanted(1)) pictures_[1].upload(modulation_picture(maps->modulation, width_of(1)));
   if (wanted(2)) {
@@ -132,16 +152,21 @@ void CloudScreen::draw_scene(const Pane& pane, const Screen& screen) {
   if (cloud_ && fit_wanted_) {
     scene_.set_extent(extent_of(images_of(*cloud_.cloud)));
     Box box = scene_.extent().box;
+
     // Leaves room below for the start of the reflection.
     if (state_.view.reflection) box.high.y += 0.12F * (box.high.y - box.low.y);
     state_.view.camera = fitted(state_.view.camera, box, pane.size);
+
     fitted_ = true;
     fit_wanted_ = false;
   }
+
   state_.grid_mm = grid_step(scene_.extent().box);
+
   ViewSettings settings = state_.view;
   // Without points there is nothing to place them by.
   if (state_.counts.front() == 0) settings.axes = settings.grid = false;
+
   const double ambient = engine_ ? engine_->setup().scanner.photometry.ambient.value_or(0.0) : 0.0;
   scene_.draw(settings, ambient, pane, screen.unit() * screen.pixel_ratio());
   glViewport(0, 0, screen.framebuffer.width, screen.framebuffer.height);
@@ -162,9 +187,13 @@ void CloudScreen::draw_over(const Area& area, const Screen& screen) const {
 
 void CloudScreen::draw(const Screen& screen) {
   if (cloud_ && drawn_ != look()) set_cloud();
+
+  // 1. The cloud, between panel and pictures.
   const PanelWidths widths = panel_widths(state_, source_, screen);
   const Pane pane = pane_between(widths, screen);
   draw_scene(pane, screen);
+
+  // 2. News since the last picture.
   PanelRequests requests;
   gui_.begin_frame(screen);
   hear_of_saving();
@@ -173,18 +202,25 @@ void CloudScreen::draw(const Screen& screen) {
     guide_ = *std::move(newest);
     guide_picture_.upload(guide_.picture);
   }
+
+  // 3. Texts over the cloud, the panel and the pictures.
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
   const auto width = static_cast<float>(screen.window.width) - widths.left - widths.right;
   const Area area{widths.left, 0, std::max(width, 1.0F), static_cast<float>(screen.window.height)};
   draw_over(area, screen);
   draw_panel(state_, requests, source_, statistics, screen);
   draw_pictures(state_, pictures_, source_, screen);
+
+  // 4. Mouse and keys.
   take_mouse(pane, area, screen);
   for (const int key : std::exchange(keys_, {})) {
     // Keys typed into a text field go to the field.
     if (!ImGui::GetIO().WantTextInput) take_key(key, requests);
   }
+
   gui_.end_frame();
+
+  // 5. Act on the requests.
   if (beginning_ != nullptr) next_ = beginning_->begin;
   answer(requests);
   count_drawn();
@@ -192,7 +228,9 @@ void CloudScreen::draw(const Screen& screen) {
 
 void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& screen) {
   if (pictures_alone(source_) || state_.view.three_views) return;
+
   const OrbitCamera& camera = state_.view.camera;
+
   if (!ImGui::GetIO().WantCaptureMouse) {
     move_camera(pane, screen);
     if (cloud_ && ImGui::IsMousePosValid()) {
@@ -200,6 +238,7 @@ void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& s
               screen.pixel_ratio());
     }
   }
+
   if (state_.measures) {
     draw_ends(state_.measured.ends, clip_matrix(camera, pane.size), area, screen.unit());
   }
@@ -209,13 +248,16 @@ void CloudScreen::move_camera(const Pane& pane, const Screen& screen) {
   const ImGuiIO& io = ImGui::GetIO();
   const float height = static_cast<float>(pane.size.height) / screen.pixel_ratio();
   const glm::vec2 drag(io.MouseDelta.x / height, io.MouseDelta.y / height);
+
   OrbitCamera& camera = state_.view.camera;
+
   if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && !state_.measures) {
     camera = io.KeyShift ? panned(camera, drag) : orbited(camera, drag);
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right) ||
              ImGui::IsMouseDown(ImGuiMouseButton_Middle)) {
     camera = panned(camera, drag);
   }
+
   if (io.MouseWheel != 0) camera = zoomed(camera, io.MouseWheel);
 }
 
@@ -223,18 +265,26 @@ void CloudScreen::measure(const CloudOnPicture& shown, const Area& area, float p
   const auto place_of = [&](const ImVec2& mouse) {
     return pixel_ratio * glm::vec2(mouse.x - area.left, mouse.y - area.top);
   };
+
   const ImGuiIO& io = ImGui::GetIO();
   const float reach = 5 * pixel_ratio;
   const glm::vec2 place = place_of(io.MousePos), begin = place_of(io.MouseClickedPos[0]);
+
+  // The point under the mouse.
   const bool down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
   if (!down) {
     if (const auto point = point_under(shown, place, reach)) draw_footer(text_of(*point), area);
   }
+
   if (!state_.measures) return;
+
+  // A drag selects a rectangle, a click an end of a distance.
   const bool dragged = glm::distance(place, begin) > reach;
   if (down && dragged) draw_rectangle(io.MouseClickedPos[0], io.MousePos);
+
   // A drag that starts in the panel does not act on the cloud.
   if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) || io.MouseDownOwned[0]) return;
+
   if (dragged) {
     fit_shapes(state_.measured, points_between(shown, begin, place));
   } else if (const auto point = point_under(shown, place, reach)) {
@@ -244,12 +294,15 @@ void CloudScreen::measure(const CloudOnPicture& shown, const Area& area, float p
 
 const Uncertainty* CloudScreen::uncertainty() {
   if (cloud_.uncertainty) return cloud_.uncertainty.get();
+
+  // Computed only for a cloud that stays, since it takes long.
   const bool stands_still = !source_.statistics || state_.paused;
   const bool noise_known = engine_ && engine_->setup().scanner.photometry.noise_variance;
   if (!uncertainty_ && stands_still && noise_known) {
     const Maps* const maps = maps_of(cloud_.frames);
     if (maps != nullptr) uncertainty_ = engine_->uncertainty(*cloud_.cloud, *maps, cloud_.frames);
   }
+
   return uncertainty_ ? &*uncertainty_ : nullptr;
 }
 
@@ -258,22 +311,27 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
   if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
   if (key == GLFW_KEY_TAB) state_.shown = !state_.shown;
   if (key == GLFW_KEY_F) requests.fit = true;
+
   if (source_.steps) {
     for (const ViewStep& step : source_.steps->buttons) {
       if (step.key == key) requests.step = &step;
     }
   }
+
   if (key == GLFW_KEY_E && can_choose_exposure(state_, source_)) requests.expose = true;
   if (key == GLFW_KEY_M) state_.measures = !state_.measures;
   if (key == GLFW_KEY_S && source_.save) requests.save = true;
   if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
+
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_3) {
     state_.view.colour = static_cast<PointColour>(key - GLFW_KEY_1);
     state_.picture = static_cast<std::size_t>(key - GLFW_KEY_1);
   }
+
   if (key >= GLFW_KEY_4 && key <= GLFW_KEY_6) {
     requests.viewpoint = static_cast<Viewpoint>(key - GLFW_KEY_4);
   }
+
   if (key == GLFW_KEY_7) state_.view.three_views = !state_.view.three_views;
 }
 
@@ -282,16 +340,20 @@ void CloudScreen::answer(const PanelRequests& requests) {
     state_.view.camera = looking_from(state_.view.camera, *requests.viewpoint);
     state_.view.three_views = false;
   }
+
   if (requests.fit || requests.viewpoint) fit_wanted_ = true;
+
   if (const auto& asked = requests.set_control) {
     attempt([&] { source_.camera->set_control(asked->which, asked->value.value); });
     ask_camera();
   }
+
   if (requests.change_setup) change_setup();
   if (requests.save) save();
   if (!requests.open.empty()) open(requests.open);
   if (requests.step != nullptr) beginning_ = requests.step;
   if (requests.expose) exposures_to_set_ = most_exposures;
+
   if (requests.toggle_recording) {
     attempt([&] { source_.record(!source_.recording || source_.recording().empty()); });
   }
@@ -300,6 +362,7 @@ void CloudScreen::answer(const PanelRequests& requests) {
 template <class Action>
 bool CloudScreen::attempt(const Action& action) try {
   action();
+
   state_.message.clear();
   return true;
 } catch (const std::exception& error) {
@@ -308,11 +371,14 @@ bool CloudScreen::attempt(const Action& action) try {
 }
 
 void CloudScreen::change_setup() {
+  // Build the engine first: it refuses an unsuitable setup before the source changes.
   const bool accepted = attempt([&] {
     Engine engine(state_.setup);
     source_.change(state_.setup);
     engine_ = std::move(engine);
   });
+
+  // The panel keeps or takes back the choices.
   if (accepted) {
     accepted_ = {state_.strategy, state_.gamma};
   } else {
@@ -324,10 +390,13 @@ void CloudScreen::change_setup() {
 void CloudScreen::hear_of_changes() {
   const auto setup = source_.changed ? source_.changed() : std::nullopt;
   if (!setup) return;
+
   ask_camera();
   if (!engine_ || *setup == state_.setup) return;
+
   engine_.emplace(*setup);
   state_.setup = *setup;
+
   for (std::size_t i = 0; i < source_.strategies.size(); ++i) {
     if (source_.strategies[i].second == setup->sequence.strategy) {
       state_.strategy = accepted_.first = i;
@@ -336,17 +405,22 @@ void CloudScreen::hear_of_changes() {
 }
 
 void CloudScreen::expose() {
+  // Half a second after a change, so that the cloud was taken with the present exposure.
   const auto now = std::chrono::steady_clock::now();
   if (exposures_to_set_ == 0 || now < exposed_at_ + std::chrono::milliseconds(500)) return;
+
   --exposures_to_set_;
   const bool changed = attempt([&] {
     const ControlValue present = source_.camera->control(CameraControl::exposure).value();
     const double best =
         std::clamp(source_.best_exposure(cloud_, present.value), present.least, present.most);
+
+    // Near enough to the best: set it, and stop.
     constexpr double alike = 1.05;
     if (best < alike * present.value && alike * best > present.value) exposures_to_set_ = 0;
     source_.camera->set_control(CameraControl::exposure, best);
   });
+
   if (!changed) exposures_to_set_ = 0;
   exposed_at_ = now;
   ask_camera();
@@ -355,6 +429,7 @@ void CloudScreen::expose() {
 void CloudScreen::ask_camera() {
   state_.camera.clear();
   if (source_.camera == nullptr) return;
+
   for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
     if (const auto value = source_.camera->control(which)) state_.camera.push_back({which, *value});
   }
@@ -362,18 +437,22 @@ void CloudScreen::ask_camera() {
 
 void CloudScreen::open(const std::string& path) {
   if (!source_.open) return;
+
   attempt([&] {
     auto opened = source_.open(path);
     if (!opened) return;
+
     opened->open = source_.open;
     opened->openable = source_.openable;
     opened->steps = source_.steps;
+
     next_ = [source = *std::move(opened)] { return source; };
   });
 }
 
 void CloudScreen::save() {
   if (!cloud_ || !engine_ || saving_.valid()) return;
+
   state_.message = "saving ...";
   saving_ =
       std::async(std::launch::async, [save = source_.save, cloud = cloud_,
@@ -383,6 +462,7 @@ void CloudScreen::save() {
 void CloudScreen::hear_of_saving() {
   if (!saving_.valid()) return;
   if (saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+
   try {
     const std::string path = saving_.get();
     if (source_.opens_saved) return open(path);
@@ -403,6 +483,7 @@ void CloudScreen::count_drawn() {
   const auto now = std::chrono::steady_clock::now();
   const std::chrono::duration<double> seconds = now - counted_since_;
   if (seconds.count() < 1) return;
+
   state_.drawn_per_second = counted_ / seconds.count();
   counted_ = 0;
   counted_since_ = now;

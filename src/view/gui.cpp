@@ -29,14 +29,17 @@ constexpr float font_size = 14;
 ImGuiStyle style_at(float unit) {
   ImGuiStyle style;
   ImGui::StyleColorsDark(&style);
+
   style.WindowRounding = 0;
   style.FrameRounding = 3;
   style.GrabRounding = 3;
   style.WindowBorderSize = 0;
   style.WindowPadding = {12, 10};
   style.ItemSpacing = {8, 5};
+
   style.Colors[ImGuiCol_WindowBg] = {0.075F, 0.082F, 0.098F, 0.97F};
   style.Colors[ImGuiCol_Header] = {0.17F, 0.20F, 0.26F, 1};
+
   style.ScaleAllSizes(unit);
   return style;
 }
@@ -63,6 +66,7 @@ float Screen::pixel_ratio() const {
 float Screen::unit() const {
   // Up to about this window size text is as large as elsewhere on the desktop.
   constexpr float ordinary_width = 1600, ordinary_height = 960;
+
   const float share = std::min(static_cast<float>(window.width) / ordinary_width,
                                static_cast<float>(window.height) / ordinary_height);
   return std::max({content_scale / pixel_ratio(), share, 0.5F});
@@ -71,8 +75,10 @@ float Screen::unit() const {
 Screen screen_of(const opengl::Window& window) {
   Screen screen{.framebuffer = window.framebuffer_size()};
   float across = 0, down = 0;
+
   glfwGetWindowSize(window.get(), &screen.window.width, &screen.window.height);
   glfwGetWindowContentScale(window.get(), &across, &down);
+
   if (across > 0) screen.content_scale = across;
   return screen;
 }
@@ -82,6 +88,7 @@ Gui::Gui(const opengl::Window* window) : has_window_(window != nullptr) {
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // writes no settings file into the working directory
+
   const bool window_ready = !has_window_ || ImGui_ImplGlfw_InitForOpenGL(window->get(), true);
   if (!window_ready || !ImGui_ImplOpenGL3_Init("#version 330 core")) {
     ImGui::DestroyContext();
@@ -98,14 +105,18 @@ Gui::~Gui() {
 void Gui::set_scale(const Screen& screen) {
   ImGuiIO& io = ImGui::GetIO();
   io.FontGlobalScale = 1 / screen.pixel_ratio();
+
   if (screen.unit() != unit_) {
     unit_ = screen.unit();
     ImGui::GetStyle() = style_at(unit_);
   }
+
+  // The font is made at the size in which it is drawn, so that it stays sharp.
   const float pixels = std::round(font_size * screen.unit() * screen.pixel_ratio());
   if (pixels == font_pixels_) return;
   font_pixels_ = pixels;
   io.Fonts->Clear();
+
   if (std::filesystem::exists(font_file)) {
     io.Fonts->AddFontFromFileTTF(font_file, pixels);
   } else {
@@ -122,6 +133,7 @@ void Gui::set_scale(const Screen& screen) {
 void Gui::begin_frame(const Screen& screen) {
   ImGui_ImplOpenGL3_NewFrame();
   set_scale(screen);
+
   if (has_window_) {
     ImGui_ImplGlfw_NewFrame();
   } else {
@@ -131,6 +143,7 @@ void Gui::begin_frame(const Screen& screen) {
     io.DisplayFramebufferScale = {screen.pixel_ratio(), screen.pixel_ratio()};
     io.DeltaTime = 1.0F / 60;
   }
+
   ImGui::NewFrame();
 }
 
@@ -141,12 +154,17 @@ void Gui::end_frame() {
 
 void draw_depth_scale(const Range& depths, const Area& area, float unit) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
+
+  // 1. The scale's place, in the lower right corner.
   const float width = 14 * unit, text = ImGui::GetFontSize();
   const float height = std::min(220 * unit, 0.5F * area.height);
   const float left = area.left + area.width - width - 62 * unit;
   const float bottom = area.top + area.height - 20 * unit, top = bottom - height;
+
   const ColourMap colours = depth_colours();
   const float step = height / static_cast<float>(colours.size());
+
+  // 2. A dark field, and the colours from near to far.
   list.AddRectFilled({left - 10 * unit, top - text - 14 * unit},
                      {left + width + 58 * unit, bottom + 12 * unit}, field, 4 * unit);
   for (std::size_t i = 0; i < colours.size(); ++i) {
@@ -154,9 +172,12 @@ void draw_depth_scale(const Range& depths, const Area& area, float unit) {
     const auto [red, green, blue] = colours[i];
     list.AddRectFilled({left, y}, {left + width, y + step + 0.5F}, IM_COL32(red, green, blue, 255));
   }
+
+  // 3. The title, and marks at round depths.
   list.AddText({left, top - text - 6 * unit}, ink, "depth, mm");
   for (const double mark : marks_between(depths.low, depths.high, 6)) {
     const float share = (static_cast<float>(mark) - depths.low) / (depths.high - depths.low);
+
     const float y = top + share * height;
     list.AddLine({left + width, y}, {left + width + 5 * unit, y}, ink, unit);
     list.AddText({left + width + 8 * unit, y - 0.5F * text}, ink,
@@ -166,7 +187,9 @@ void draw_depth_scale(const Range& depths, const Area& area, float unit) {
 
 void draw_note(const std::string& words, const Area& area, float unit) {
   const float wrap = std::min(0.85F * area.width, 520 * unit);
+
   const ImVec2 size = ImGui::CalcTextSize(words.c_str(), nullptr, false, wrap);
+
   draw_words(words, size, wrap,
              {area.left + 0.5F * (area.width - size.x), area.top + 0.5F * (area.height - size.y)},
              14 * unit, 6 * unit);
@@ -189,14 +212,17 @@ void draw_ends(const std::vector<MeasuredPoint>& ends, const glm::mat4& clip, co
                float unit) {
   const Size picture{static_cast<int>(area.width), static_cast<int>(area.height)};
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
+
   std::vector<ImVec2> places;
   for (const MeasuredPoint& end : ends) {
     const glm::vec4 point(end.position.x(), end.position.y(), end.position.z(), 1);
     const auto place = pixel_of(clip * point, picture);
     if (!place) continue;
+
     places.emplace_back(area.left + place->x, area.top + place->y);
     list.AddCircle(places.back(), 6 * unit, marked, 0, 2 * unit);
   }
+
   if (places.size() == 2) list.AddLine(places[0], places[1], marked, 2 * unit);
 }
 
@@ -204,14 +230,19 @@ void draw_guide(const Guide& guide, const opengl::PictureTexture& picture, const
   // Text is larger than elsewhere, and grows with the window.
   const float size = std::max(1.2F * ImGui::GetFontSize(), area.height / 40);
   const float margin = 0.5F * size, wrap = area.width - 2 * margin;
+
   std::vector<std::pair<const std::string*, float>> texts{{&guide.headline, 1.5F * size}};
   for (const std::string& line : guide.lines) texts.emplace_back(&line, size);
   const auto height_of = [&](const std::string& text, float font) {
     return margin / 2 + ImGui::GetFont()->CalcTextSizeA(font, wrap, wrap, text.c_str()).y;
   };
+
+  // The picture takes the room that the texts leave.
   float height = area.height - margin;
   for (const auto& [text, font] : texts) height -= height_of(*text, font);
   draw_picture(picture, {area.left, area.top, area.width, height});
+
+  // The texts below it, line by line.
   float y = area.top + height;
   const auto [red, green, blue] = guide.colour;
   for (const auto& [text, font] : texts) {
@@ -225,10 +256,13 @@ void draw_guide(const Guide& guide, const opengl::PictureTexture& picture, const
 void draw_picture(const opengl::PictureTexture& picture, const Area& area) {
   const auto width = static_cast<float>(picture.size().width);
   const auto height = static_cast<float>(picture.size().height);
+
   if (width < 1 || height < 1) return;
+
   const float scale = std::min(area.width / width, area.height / height);
   const ImVec2 at(area.left + 0.5F * (area.width - scale * width),
                   area.top + 0.5F * (area.height - scale * height));
+
   ImGui::GetBackgroundDrawList()->AddImage(
       std::bit_cast<ImTextureID>(std::uintptr_t{picture.number()}), at,
       {at.x + scale * width, at.y + scale * height});

@@ -99,9 +99,11 @@ LineRenderer::LineRenderer()
       buffer_(opengl::make_buffer()) {
   glBindVertexArray(*vertex_array_);
   glBindBuffer(GL_ARRAY_BUFFER, *buffer_);
+
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
   glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                         std::bit_cast<const void*>(offsetof(Vertex, colour)));
+
   glEnableVertexAttribArray(0);
   glEnableVertexAttribArray(1);
   glBindVertexArray(0);
@@ -110,21 +112,27 @@ LineRenderer::LineRenderer()
 void LineRenderer::draw(const std::vector<Line>& lines, const glm::mat4& clip, Size picture,
                         float width) const {
   if (lines.empty()) return;
+
+  // Both ends of each line.
   std::vector<Vertex> vertices;
   for (const Line& line : lines) {
     for (const glm::vec3& end : {line.from, line.to}) {
       vertices.push_back({end, line.colour, line.opacity});
     }
   }
+
   program_.use();
   glUniformMatrix4fv(program_.uniform("clip"), 1, GL_FALSE, glm::value_ptr(clip));
   glUniform2f(program_.uniform("picture"), static_cast<float>(picture.width),
               static_cast<float>(picture.height));
   glUniform1f(program_.uniform("width"), width);
+
+  // Points hide lines, but transparent lines do not hide each other.
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+
   glBindVertexArray(*vertex_array_);
   glBindBuffer(GL_ARRAY_BUFFER, *buffer_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
@@ -138,31 +146,41 @@ void LineRenderer::draw(const std::vector<Line>& lines, const glm::mat4& clip, S
 std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
   const glm::vec3 sides = box.high - box.low;
   const glm::vec3 origin(box.low.x, box.high.y, box.low.z);
+
   const float length = 0.3F * std::max({sides.x, sides.y, sides.z});
   const float letter = 0.009F * camera.distance;
+
   // Directions of the picture in the scanner's frame.
   const glm::mat3 turn = glm::transpose(glm::mat3(view_matrix(camera)));
   const glm::vec3 right = in_display_frame(turn[0]), up = in_display_frame(turn[1]);
+
   std::vector<Line> lines;
   const auto add = [&](const glm::vec3& direction, std::span<const Stroke> strokes,
                        const glm::vec3& colour) {
+    // An arm of the axes, and its letter a little beyond the end.
     const glm::vec3 end = origin + length * direction, middle = end + 1.9F * letter * direction;
     const auto place = [&](float x, float y) { return middle + letter * (x * right + y * up); };
+
     lines.push_back({origin, end, colour, 1});
     for (const Stroke& s : strokes) lines.push_back({place(s.x, s.y), place(s.z, s.w), colour, 1});
   };
+
   add({1, 0, 0}, letter_x, red);
   add({0, 1, 0}, letter_y, green);
   add({0, 0, 1}, letter_z, blue);
+
   return lines;
 }
 
 float grid_step(const Box& box) {
   const float wanted = std::max(box.diagonal(), 1e-3F) / 10;
   const float power = std::pow(10.0F, std::floor(std::log10(wanted)));
+
+  // The next 1, 2 or 5 times a power of ten.
   for (const float factor : {1.0F, 2.0F, 5.0F}) {
     if (wanted <= factor * power) return factor * power;
   }
+
   return 10 * power;
 }
 
@@ -170,10 +188,13 @@ std::vector<Line> floor_grid(const Box& box, float height) {
   constexpr glm::vec3 colour(0.62F, 0.66F, 0.72F);
   constexpr float opacity = 0.28F;
   const float step = grid_step(box), margin = 2 * step;
+
+  // Whole steps, at least two beyond the box on each side.
   const auto first = [&](float low) { return std::floor((low - margin) / step) * step; };
   const auto last = [&](float high) { return std::ceil((high + margin) / step) * step; };
   const float left = first(box.low.x), right = last(box.high.x);
   const float front = first(box.low.z), back = last(box.high.z);
+
   std::vector<Line> lines;
   const auto add = [&](float from, float to, glm::vec3 begin, glm::vec3 end, int axis) {
     // Counted, as far from the origin adding a step may be lost in rounding.
@@ -183,8 +204,10 @@ std::vector<Line> floor_grid(const Box& box, float height) {
       lines.push_back({begin, end, colour, opacity});
     }
   };
+
   add(left, right, {0, height, front}, {0, height, back}, 0);
   add(front, back, {left, height, 0}, {right, height, 0}, 2);
+
   return lines;
 }
 

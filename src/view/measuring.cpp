@@ -22,8 +22,10 @@ void for_each_drawn(const CloudOnPicture& shown, const Visit& visit) {
   const Cloud& cloud = shown.cloud;
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     if (std::isnan(cloud.z(column, row))) return;
+
     const glm::vec4 clip =
         shown.clip * glm::vec4(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row), 1);
+
     if (const auto place = pixel_of(clip, shown.picture)) visit(column, row, *place, clip.w);
   });
 }
@@ -31,8 +33,10 @@ void for_each_drawn(const CloudOnPicture& shown, const Visit& visit) {
 std::string text_of(const Residuals& residuals) {
   std::string text = fmt::format("rms {:.3f} mm, largest {:.3f} mm, {} points", residuals.rms,
                                  residuals.largest, residuals.points);
+
   if (residuals.outliers != 0) text += fmt::format(", {} outliers ignored", residuals.outliers);
   if (residuals.noise) text += fmt::format("; noise alone gives {:.3f} mm", *residuals.noise);
+
   return text;
 }
 
@@ -59,17 +63,21 @@ std::optional<MeasuredPoint> point_under(const CloudOnPicture& shown, const glm:
                                          float reach) {
   float nearest = std::numeric_limits<float>::infinity();
   std::optional<MeasuredPoint> found;
+
   for_each_drawn(shown, [&](int column, int row, const glm::vec2& drawn, float distance) {
     if (distance >= nearest || glm::distance(drawn, place) > reach) return;
+
     nearest = distance;
     found = point_at(shown.cloud, shown.uncertainty, column, row);
   });
+
   return found;
 }
 
 std::vector<MeasuredPoint> points_between(const CloudOnPicture& shown, const glm::vec2& corner,
                                           const glm::vec2& opposite) {
   const glm::vec2 low = glm::min(corner, opposite), high = glm::max(corner, opposite);
+
   std::vector<MeasuredPoint> points;
   for_each_drawn(shown, [&](int column, int row, const glm::vec2& drawn, float) {
     if (drawn.x < low.x || drawn.y < low.y || drawn.x > high.x || drawn.y > high.y) return;
@@ -77,14 +85,17 @@ std::vector<MeasuredPoint> points_between(const CloudOnPicture& shown, const glm
       points.push_back(*point);
     }
   });
+
   return points;
 }
 
 void add_end(Measured& measured, const MeasuredPoint& point) {
   if (measured.ends.size() == 2) measured.ends.clear();
   measured.ends.push_back(point);
+
   measured.lines = {text_of(point)};
   if (measured.ends.size() < 2) return;
+
   const Distance length = distance(measured.ends[0], measured.ends[1]);
   measured.lines = {fmt::format("Distance: {:.3f} mm", length.length)};
   if (length.sigma) measured.lines[0] += fmt::format(", sigma {:.3f} mm", *length.sigma);

@@ -36,19 +36,24 @@ void require_good(GLuint number, GLenum status, const Query& query, const Log& l
   GLint good = GL_FALSE;
   query(number, status, &good);
   if (good == GL_TRUE) return;
+
   std::string words(2048, '\0');
   GLsizei length = 0;
   log(number, static_cast<GLsizei>(words.size()), &length, words.data());
   words.resize(std::max(length, 0));
+
   throw WorldError(fmt::format("{}: {}", failure, words));
 }
 
 Resource compile(GLenum kind, const char* source) {
   Resource shader = held(glCreateShader(kind), [](GLuint old) { glDeleteShader(old); });
+
   glShaderSource(*shader, 1, &source, nullptr);
   glCompileShader(*shader);
+
   require_good(*shader, GL_COMPILE_STATUS, glGetShaderiv, glGetShaderInfoLog,
                "OpenGL does not compile a shader");
+
   return shader;
 }
 
@@ -69,6 +74,8 @@ std::vector<GLFWmonitor*> connected_monitors() {
 /// An EGL display with a current surfaceless context; null if unavailable.
 std::shared_ptr<void> egl_context() {
   if (!epoxy_has_egl()) return nullptr;
+
+  // 1. A display: Mesa needs no desktop for this one.
   const EGLDisplay display =
       epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")
           ? eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)
@@ -76,6 +83,7 @@ std::shared_ptr<void> egl_context() {
   if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE) {
     return nullptr;
   }
+
   const std::shared_ptr<void> egl(display, [](EGLDisplay old) {
     eglMakeCurrent(old, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglTerminate(old);  // with its context
@@ -87,15 +95,20 @@ std::shared_ptr<void> egl_context() {
   constexpr EGLint core = EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT;
   constexpr std::array<EGLint, 7> version{
       EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, profile, core, EGL_NONE};
+
+  // 2. A configuration that draws OpenGL.
   EGLConfig config = nullptr;
   EGLint count = 0;
   if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE ||
       eglChooseConfig(display, wanted.data(), &config, 1, &count) == EGL_FALSE || count == 0) {
     return nullptr;
   }
+
+  // 3. An OpenGL 3.3 core context without a surface.
   const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, version.data());
   const bool current = context != EGL_NO_CONTEXT &&
                        eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE;
+
   return current ? egl : nullptr;
 }
 
@@ -124,9 +137,11 @@ ShaderProgram::ShaderProgram(const ShaderSources& sources)
     if (source == nullptr) return;
     glAttachShader(*program_, *compile(kind, source));
   };
+
   attach(GL_VERTEX_SHADER, sources.vertex);
   attach(GL_GEOMETRY_SHADER, sources.geometry);
   attach(GL_FRAGMENT_SHADER, sources.fragment);
+
   glLinkProgram(*program_);
   require_good(*program_, GL_LINK_STATUS, glGetProgramiv, glGetProgramInfoLog,
                "OpenGL does not link the shaders");
@@ -143,14 +158,18 @@ int ShaderProgram::uniform(const char* name) const {
 void PictureTexture::upload(const Image<Colour>& picture) {
   glBindTexture(GL_TEXTURE_2D, *texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+
+  // A picture of the same size keeps the texture's memory.
   if (picture.size() == size_) {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.width, size_.height, GL_RGB, GL_UNSIGNED_BYTE,
                     picture.begin());
     return;
   }
+
   size_ = picture.size();
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, size_.width, size_.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
                picture.begin());
+
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -164,18 +183,23 @@ RenderTarget::RenderTarget(Size size)
       framebuffer_(make<glGenFramebuffers, glDeleteFramebuffers>()) {
   GLint longest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &longest);
+
   throw_if(std::max(size.width, size.height) > longest || std::min(size.width, size.height) < 1,
            "cannot draw a picture of {}x{}; expected 1 to {} pixels per side", size.width,
            size.height, longest);
+
   const auto allocate = [&](const Resource& buffer, GLenum format) {
     glBindRenderbuffer(GL_RENDERBUFFER, *buffer);
     glRenderbufferStorage(GL_RENDERBUFFER, format, size.width, size.height);
   };
+
   allocate(colour_, GL_RGBA8);
   allocate(depth_, GL_DEPTH_COMPONENT24);
+
   glBindFramebuffer(GL_FRAMEBUFFER, *framebuffer_);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, *colour_);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, *depth_);
+
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
     throw WorldError(
         fmt::format("OpenGL has no memory for a picture of {}x{}", size.width, size.height));
@@ -190,11 +214,15 @@ void RenderTarget::bind() const {
 Image<Colour> read_pixels(Size size) {
   static_assert(sizeof(Colour) == 3);
   Image<Colour> upside_down(size), picture(size);
+
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, size.width, size.height, GL_RGB, GL_UNSIGNED_BYTE, upside_down.row(0));
+
+  // OpenGL's first row is at the bottom.
   for (int row = 0; row < size.height; ++row) {
     std::copy_n(upside_down.row(size.height - 1 - row), size.width, picture.row(row));
   }
+
   return picture;
 }
 
@@ -204,9 +232,11 @@ WindowSystem::WindowSystem() {
   if (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") == nullptr)
     glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
+
   if (glfwInit() != GLFW_TRUE) {
     throw WorldError(fmt::format("no desktop to open a window on: {}", last_words()));
   }
+
   ++window_systems;
 }
 
@@ -219,23 +249,28 @@ std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
   for (GLFWmonitor* const monitor : connected_monitors()) {
     const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
     if (mode == nullptr) continue;
+
     Monitor found{.name = glfwGetMonitorName(monitor),
                   .size = {mode->width, mode->height},
                   .refresh_hz = mode->refreshRate};
     glfwGetMonitorPos(monitor, &found.left, &found.top);
     monitors.push_back(found);
   }
+
   return monitors;
 }
 
 Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings)
     : window_(nullptr, glfwDestroyWindow) {
+  // 1. An OpenGL 3.3 core context.
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_VISIBLE, settings.visible ? GLFW_TRUE : GLFW_FALSE);
+
+  // 2. The monitor to fill, if any.
   Size size = settings.size;
   GLFWmonitor* monitor = nullptr;
   if (settings.fills_monitor >= 0) {
@@ -245,13 +280,17 @@ Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings)
              "monitor {} does not exist; monitors are numbered from 0, and {} {} connected", number,
              monitors.size(), monitors.size() == 1 ? "is" : "are");
     monitor = monitors[number];
+
     // The monitor's own mode, so that the desktop does not switch modes or scale pixels.
     const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
     if (mode == nullptr) throw WorldError(fmt::format("monitor {}: {}", number, last_words()));
+
     size = {mode->width, mode->height};
     glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
   }
+
+  // 3. Open the window.
   window_.reset(
       glfwCreateWindow(size.width, size.height, settings.title.c_str(), monitor, nullptr));
   if (!window_) throw WorldError(fmt::format("no OpenGL 3.3 window: {}", last_words()));

@@ -22,12 +22,14 @@ constexpr float steepest = glm::half_pi<float>() - 0.01F;  // elevation; straigh
 
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag) {
   constexpr float turn = glm::pi<float>();  // angle for a drag over the whole height
+
   camera.azimuth = std::remainder(camera.azimuth - turn * drag.x, glm::two_pi<float>());
   camera.elevation = std::clamp(camera.elevation + turn * drag.y, -steepest, steepest);
   return camera;
 }
 
 OrbitCamera panned(OrbitCamera camera, const glm::vec2& drag) {
+  // Move along the picture's axes, by the height of the visible field at the target.
   const glm::mat3 axes = glm::transpose(glm::mat3(view_matrix(camera)));
   const float height = 2 * camera.distance * std::tan(camera.field_of_view / 2);
   camera.target += height * (drag.y * axes[1] - drag.x * axes[0]);
@@ -49,18 +51,24 @@ OrbitCamera looking_from(OrbitCamera camera, Viewpoint viewpoint) {
 
 OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture) {
   constexpr float margin = 1.06F;
+
+  // The same angles, with the middle of the box as the target.
   camera.target = in_display_frame(box.centre());
   const glm::mat3 turn(view_matrix(camera));
   const float up = std::tan(camera.field_of_view / 2), across = up * aspect(picture);
+
+  // The distance from which even the least favourable corner fits into the picture.
   camera.distance = 1e-3F;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec3 point((corner & 1) != 0 ? box.low.x : box.high.x,
                           (corner & 2) != 0 ? box.low.y : box.high.y,
                           (corner & 4) != 0 ? box.low.z : box.high.z);
+
     const glm::vec3 seen = turn * (in_display_frame(point) - camera.target);
     const float needed = seen.z + std::max(std::abs(seen.x) / across, std::abs(seen.y) / up);
     camera.distance = std::max(camera.distance, margin * needed);
   }
+
   return camera;
 }
 
@@ -68,6 +76,7 @@ glm::mat4 view_matrix(const OrbitCamera& camera) {
   const glm::vec3 towards_eye(std::sin(camera.azimuth) * std::cos(camera.elevation),
                               std::sin(camera.elevation),
                               std::cos(camera.azimuth) * std::cos(camera.elevation));
+
   return glm::lookAt(camera.target + camera.distance * towards_eye, camera.target,
                      glm::vec3(0, 1, 0));
 }
@@ -75,6 +84,7 @@ glm::mat4 view_matrix(const OrbitCamera& camera) {
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture) {
   const glm::mat4 projection = glm::perspective(camera.field_of_view, aspect(picture),
                                                 0.02F * camera.distance, 50 * camera.distance);
+
   return projection * view_matrix(camera) * glm::scale(glm::mat4(1), glm::vec3(1, -1, -1));
 }
 
@@ -86,6 +96,7 @@ glm::mat4 mirrored_clip_matrix(const OrbitCamera& camera, Size picture, float he
 
 std::optional<glm::vec2> pixel_of(const glm::vec4& clip, Size picture) {
   if (!(clip.w > 0)) return std::nullopt;
+
   const float across = clip.x / clip.w, up = clip.y / clip.w;
   return glm::vec2(0.5F * (1 + across) * static_cast<float>(picture.width) - 0.5F,
                    0.5F * (1 - up) * static_cast<float>(picture.height) - 0.5F);

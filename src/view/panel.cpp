@@ -45,7 +45,9 @@ bool section(const char* name) {
 
 void row(const char* name, const std::string& value, const ImVec4& colour = white) {
   ImGui::TableNextRow();
+
   ImGui::TableNextColumn();
+
   ImGui::TextColored(quiet, "%s", name);
   ImGui::TableNextColumn();
   ImGui::TextColored(colour, "%s", value.c_str());
@@ -55,6 +57,7 @@ void row(const char* name, const std::string& value, const ImVec4& colour = whit
 template <class DrawRows>
 void table(const char* name, int columns, ImGuiTableFlags flags, const DrawRows& draw_rows) {
   if (!ImGui::BeginTable(name, columns, flags)) return;
+
   draw_rows();
   ImGui::EndTable();
 }
@@ -64,6 +67,7 @@ template <class Number>
 bool choose(const char* label, const std::vector<const char*>& names, Number& chosen) {
   int number = static_cast<int>(chosen);
   ImGui::Combo(label, &number, names.data(), static_cast<int>(names.size()));
+
   const bool changed = number != static_cast<int>(chosen);
   chosen = static_cast<Number>(number);
   return changed;
@@ -73,6 +77,7 @@ bool choose(const char* label, const std::vector<const char*>& names, Number& ch
 template <class Choices>
 bool choose_labelled(const char* label, const Choices& choices, std::size_t& chosen) {
   if (choices.size() < 2 || chosen >= choices.size()) return false;
+
   std::vector<const char*> names;
   for (const auto& choice : choices) names.push_back(choice.first.c_str());
   return choose(label, names, chosen);
@@ -89,11 +94,14 @@ double rate_of(const LiveStatistics& statistics, std::string_view stage) {
 
 void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
+
   row("frames", fmt::format("{:.1f} per s", rate_of(statistics, "capture")));
   row("scans", fmt::format("{:.1f} per s", rate_of(statistics, "reconstruct")));
   row("pictures drawn", fmt::format("{:.1f} per s", state.drawn_per_second));
   row("frames lost", fmt::format("{} of {}", frames.lost, frames.captured + frames.lost),
       frames.lost == 0 ? good : bad);
+
+  // A row for each figure that names a trouble, unless it is 0.
   const auto bad_news = [](const char*, const auto& value, const char* trouble = "") {
     if constexpr (std::is_same_v<decltype(value), const std::uint64_t&>) {
       if (*trouble != '\0' && value != 0) row(trouble, fmt::format("{}", value), bad);
@@ -101,26 +109,31 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   };
   frames.for_each_figure(bad_news);
   statistics.for_each_figure(bad_news);
+
   if (statistics.motion > 0) row("extra frames for motion", fmt::format("{}", statistics.motion));
 }
 
 void draw_latencies(const LiveStatistics& statistics) {
   if (!ImGui::TreeNode("delay since capture, ms")) return;
+
   table("latencies", 2, ImGuiTableFlags_SizingStretchProp, [&] {
     row("", "half / 99 of 100 / most", quiet);
     row("to points", text_of(statistics.latency));
     row("to screen", text_of(statistics.screen_latency));
   });
+
   ImGui::TreePop();
 }
 
 void draw_stages(const LiveStatistics& statistics) {
   if (statistics.stages.empty() || !ImGui::TreeNode("threads")) return;
   table("stages", 4, ImGuiTableFlags_SizingStretchProp, [&] {
+    // A heading, and a line for each thread.
     for (const char* const title : {"", "per s", "waiting", "ms"}) {
       ImGui::TableNextColumn();
       say(quiet, "{}", title);
     }
+
     for (const StageStatistics& stage : statistics.stages) {
       row(stage.name.c_str(), fmt::format("{:.1f}", stage.rate));
       ImGui::TableNextColumn();
@@ -149,39 +162,50 @@ std::string percent_of(std::size_t count, std::size_t all) {
 /// Pixel counts: points, and rejected pixels by reason.
 void draw_counts(const PanelState& state, const ViewSource& source) {
   if (state.pixels == 0 || !section("Pixels")) return;
+
   const bool alone = pictures_alone(source);
   table("pixels", 2, ImGuiTableFlags_SizingFixedFit, [&] {
     ImGui::TableSetupColumn("share");
     ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // the reasons change
     for (std::size_t i = 0; i < state.counts.size(); ++i) {
       if (i != 0 && state.counts[i] == 0) continue;
+
       const std::string percent = percent_of(state.counts[i], state.pixels);
       const std::string_view reason = name_of(static_cast<Validity>(i));
       const std::string points = fmt::format("are {} points", state.counts[i]);
+
       row(percent.c_str(), i != 0 ? std::string(reason) : alone ? "measured" : points);
     }
   });
+
   if (alone) say(quiet, "median modulation {:.0f} of 127 grey levels", state.modulation);
 }
 
 void draw_status(const PanelState& state, const ViewSource& source,
                  const LiveStatistics& statistics) {
   if (!statistics.source_state.empty()) say(bad, "{}", statistics.source_state);
+
   draw_findings(source.findings);
   draw_findings(statistics.findings);
+
   if (statistics.track) say(white, "{}", text_of(*statistics.track));
   if (statistics.model) say(white, "{}", text_of(*statistics.model));
+
   draw_counts(state, source);
 }
 
 void draw_view_settings(PanelState& state, PanelRequests& requests) {
   if (!section("View")) return;
+
+  // Colour and size of the points.
   ViewSettings& view = state.view;
   choose("colour", {"depth (1)", "reflectivity (2)", "modulation (3)"}, view.colour);
   ImGui::SliderFloat("point size", &view.point_size, 0.3F, 6, "%.1f", ImGuiSliderFlags_Logarithmic);
   if (view.colour != PointColour::depth) {
     ImGui::SliderFloat("contrast", &view.brightness, 0.2F, 5, "%.2f", ImGuiSliderFlags_Logarithmic);
   }
+
+  // Further parts of the picture, in two columns.
   const float middle = 0.5F * ImGui::GetWindowWidth();
   ImGui::Checkbox("shading", &view.shaded);
   ImGui::SameLine(middle);
@@ -190,23 +214,28 @@ void draw_view_settings(PanelState& state, PanelRequests& requests) {
   ImGui::SameLine(middle);
   ImGui::Checkbox("floor", &view.grid);
   if (view.grid) say(quiet, "a line of the floor every {:g} mm", state.grid_mm);
+
+  // The view.
   int viewpoint = 0;
   for (const char* const name : {"Front (4)", "Side (5)", "Top (6)"}) {
     if (ImGui::Button(name)) requests.viewpoint = static_cast<Viewpoint>(viewpoint);
     ++viewpoint;
     ImGui::SameLine();
   }
+
   requests.fit |= ImGui::Button("Fit (F)");
   ImGui::Checkbox("front, side and top (7)", &view.three_views);
 }
 
 void draw_measuring(PanelState& state) {
   if (!section("Measure")) return;
+
   ImGui::Checkbox("with the mouse (M)", &state.measures);
   if (state.measures && state.measured.lines.empty()) {
     say(quiet,
         "Click two points for their distance; drag over a surface for its plane and sphere.");
   }
+
   for (const std::string& line : state.measured.lines) say(white, "{}", line);
 }
 
@@ -216,6 +245,7 @@ void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& sou
   for (const std::string& name : state.openable) {
     if (ImGui::Selectable(name.c_str())) requests.open = name;
   }
+
   push_tab_stop(true);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::InputTextWithHint("##path", "path, then Enter; or drop a file here", state.path.data(),
@@ -228,6 +258,8 @@ void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& sou
 /// Choices and buttons that lead to another source.
 void draw_steps(PanelRequests& requests, const ViewSource& source) {
   if (!source.steps || !section("Scanner")) return;
+
+  // The choices: a text field, or a drop-down of the options.
   for (ViewChoice& choice : source.steps->choices) {
     if (choice.options.empty()) {
       std::array<char, 1024> text{};
@@ -242,20 +274,25 @@ void draw_steps(PanelRequests& requests, const ViewSource& source) {
       }
       ImGui::EndCombo();
     }
+
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", choice.help.c_str());
   }
+
+  // The buttons, side by side.
   for (const ViewStep& step : source.steps->buttons) {
     if (ImGui::Button(step.name.c_str())) requests.step = &step;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", step.help.c_str());
     ImGui::SameLine();
   }
   ImGui::NewLine();
+
   if (!source.steps->message.empty()) say(doubtful, "{}", source.steps->message);
 }
 
 /// A filter and the number of points it removed.
 bool draw_filter(const char* name, bool& on, const PanelState& state, Validity kind) {
   const std::size_t count = state.counts[static_cast<std::size_t>(kind)];
+
   const bool changed = ImGui::Checkbox(name, &on);
   ImGui::SameLine(0.62F * ImGui::GetWindowWidth());
   say(quiet, "{} points", count);
@@ -264,8 +301,11 @@ bool draw_filter(const char* name, bool& on, const PanelState& state, Validity k
 
 void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (!source.setup || !source.change || !section("Cleaning")) return;
+
   const CleanSettings usual, off = CleanSettings::none(), &given = source.setup->settings.clean;
   CleanSettings& clean = state.setup.settings.clean;
+
+  // A filter with a limit is on unless the limit is the one that turns it off.
   bool trusted = clean.largest_sigma != off.largest_sigma;
   bool connected = clean.smallest_component != off.smallest_component;
   bool changed = draw_filter("low trust", trusted, state, Validity::low_trust);
@@ -273,43 +313,54 @@ void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& 
   changed |= draw_filter("outliers", clean.drop_outliers, state, Validity::outlier);
   changed |= draw_filter("small components", connected, state, Validity::small_component);
   if (!changed) return;
+
+  // Turned on again, a filter takes the source's limit, or the default if the source had it off.
   const auto limit = [&](bool wanted, auto CleanSettings::*of) {
     if (!wanted) return off.*of;
     return given.*of == off.*of ? usual.*of : given.*of;
   };
+
   clean.largest_sigma = limit(trusted, &CleanSettings::largest_sigma);
   clean.smallest_component = limit(connected, &CleanSettings::smallest_component);
+
   requests.change_setup = true;
 }
 
 void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (!source.setup || !source.change || !section("Scan")) return;
+
   ReconstructSettings& settings = state.setup.settings;
   if (choose_labelled("strategy", source.strategies, state.strategy)) {
     state.setup.sequence.strategy = source.strategies[state.strategy].second;
     requests.change_setup = true;
   }
+
   if (choose_labelled("gamma", source.gammas, state.gamma)) {
     state.setup.scanner.photometry.response = source.gammas[state.gamma].second;
     requests.change_setup = true;
   }
+
   auto threshold = static_cast<float>(settings.minimum_modulation);
   if (ImGui::SliderFloat("min modulation", &threshold, 1, 100, "%.0f of 127")) {
     settings.minimum_modulation = static_cast<double>(threshold);
   }
+
   // Every change rebuilds tables, so a dragged slider applies on release.
   requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();
   if (ImGui::IsItemHovered()) {
     ImGui::SetTooltip("minimum modulation of a valid pixel, grey levels of 255");
   }
+
   requests.change_setup |= ImGui::Checkbox("reject saturated pixels", &settings.drop_saturated);
 }
 
 void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (state.camera.empty() || !section("Camera")) return;
+
   for (ShownControl& shown : state.camera) {
     const CameraControlWords& words = camera_controls.at(static_cast<std::size_t>(shown.which));
     auto value = static_cast<float>(shown.value.value);
+
     // Cameras report exposures up to minutes; limits the slider to a useful range.
     const auto flags =
         ImGuiSliderFlags_AlwaysClamp | (shown.value.least > 0 ? ImGuiSliderFlags_Logarithmic : 0);
@@ -317,8 +368,10 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
                            static_cast<float>(shown.value.most), words.shown_as, flags)) {
       shown.value.value = static_cast<double>(value);
     }
+
     if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
   }
+
   if (can_choose_exposure(state, source)) requests.expose |= ImGui::Button("Best exposure (E)");
   if (!source.camera_region.empty()) say(quiet, "region {}", source.camera_region);
 }
@@ -327,15 +380,18 @@ void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& 
   if (source.statistics) {
     state.paused ^= ImGui::Button(state.paused ? "Resume (Space)" : "Pause (Space)");
   }
+
   if (source.save) {
     if (source.statistics) ImGui::SameLine();
     requests.save |= ImGui::Button(source.opens_saved ? "Capture (S)" : "Save (S)");
   }
+
   if (source.record) {
     const std::string recording = source.recording ? source.recording() : std::string();
     requests.toggle_recording |= ImGui::Button(recording.empty() ? "Record (R)" : "Stop (R)");
     if (!recording.empty()) say(bad, "recording: {}", recording);
   }
+
   if (!state.message.empty()) say(white, "{}", state.message);
 }
 
@@ -358,7 +414,10 @@ bool can_choose_exposure(const PanelState& state, const ViewSource& source) {
 std::string why_no_points(const PanelState& state) {
   const auto points = state.counts.front();
   if (state.pixels == 0 || points > state.pixels / 100) return {};
+
   std::string words = points == 0 ? "No points." : fmt::format("Almost no points: {}.", points);
+
+  // The share of each reason, and the most frequent one.
   std::size_t most = 1;
   for (std::size_t i = 1; i < state.counts.size(); ++i) {
     if (state.counts[i] == 0) continue;
@@ -366,20 +425,25 @@ std::string why_no_points(const PanelState& state) {
                          name_of(static_cast<Validity>(i)));
     if (state.counts[i] > state.counts[most]) most = i;
   }
+
+  // Advice, if the most frequent reason has a remedy.
   if (most == static_cast<std::size_t>(Validity::too_dark)) {
     words += "\nCheck that the projector lights the scene, or expose longer.";
   } else if (most == static_cast<std::size_t>(Validity::saturated)) {
     words += "\nShorten the exposure, or dim the projector.";
   }
+
   return words;
 }
 
 PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen) {
   if (!state.shown || (source.guide && !source.steps)) return {};
+
   const auto width = static_cast<float>(screen.window.width);
   const float left = std::min(286 * screen.unit(), 0.5F * width);
   const float right = std::min(300 * screen.unit(), 0.3F * width);
   const bool room = width >= 760 * screen.unit();
+
   return {left, source.setup && room ? right : 0};
 }
 
@@ -387,13 +451,19 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
                 const LiveStatistics& statistics, const Screen& screen) {
   const PanelWidths widths = panel_widths(state, source, screen);
   if (widths.left <= 0) return;
+
   place_window(0, widths.left, screen);
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
     ImGui::PushItemWidth(-86 * screen.unit());
+
     push_tab_stop(false);  // Tab would start typing into the next slider
+
+    // Actions and problems first, since they must be seen without scrolling.
     draw_steps(requests, source);
     draw_actions(state, requests, source);
     draw_status(state, source, statistics);
+
+    // How to show the pictures or the points.
     if (pictures_alone(source)) {
       if (section("View")) {
         choose("picture", {"camera (1)", "modulation (2)", "phase (3)"}, state.picture);
@@ -405,18 +475,23 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
       draw_filters(state, requests, source);
       draw_measuring(state);
     }
+
+    // Settings of the camera and the scan, and files.
     draw_camera(state, requests, source);
     draw_scan_settings(state, requests, source);
     draw_open(state, requests, source);
+
     if (source.statistics && section("Speed")) {
       table("rates", 2, ImGuiTableFlags_SizingStretchProp, [&] { draw_rates(state, statistics); });
       draw_latencies(statistics);
       draw_stages(statistics);
     }
+
     say(quiet, "{}Tab: hide this; Esc: close",
         pictures_alone(source) || state.pixels == 0
             ? ""
             : "drag: turn; right drag: move; wheel: zoom; ");
+
     pop_tab_stop();
     ImGui::PopItemWidth();
   }
@@ -427,20 +502,27 @@ void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3
                    const ViewSource& source, const Screen& screen) {
   static constexpr std::array<const char*, 3> titles{"Camera (red: saturated)", "Modulation",
                                                      "Wrapped phase"};
+
   const PanelWidths widths = panel_widths(state, source, screen);
   if (widths.right <= 0) return;
+
   place_window(static_cast<float>(screen.window.width) - widths.right, widths.right, screen);
   if (ImGui::Begin("pictures", nullptr, fixed_window)) {
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       ImGui::SetNextItemOpen(state.picture_open[i]);
       state.picture_open[i] = ImGui::CollapsingHeader(titles[i]);
+
       const Size size = pictures[i].size();
       if (!state.picture_open[i] || size.width < 1 || size.height < 1) continue;
+
+      // The picture, as wide as the column.
       const float width = ImGui::GetContentRegionAvail().x;
       const float height = width * static_cast<float>(size.height) / static_cast<float>(size.width);
       // Dear ImGui passes textures to its backend unchanged: here OpenGL's texture name.
       ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
                    {width, height});
+
+      // The histogram belongs to the camera's picture.
       if (i != 0) continue;
       ImGui::PlotHistogram("##grey levels", state.histogram.data(),
                            static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1,

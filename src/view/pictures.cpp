@@ -22,11 +22,14 @@ int reduction(Size size, int widest) {
 template <class ColourOf>
 Image<Colour> picture_of(Size size, int widest, const ColourOf& colour_of) {
   if (size.width < 1 || size.height < 1) return {};
+
   const int step = reduction(size, widest);
   Image<Colour> picture({std::max(1, size.width / step), std::max(1, size.height / step)});
+
   for_each_pixel_in_order(picture.size(), [&](int column, int row) {
     picture(column, row) = colour_of(column * step, row * step);
   });
+
   return picture;
 }
 
@@ -45,6 +48,7 @@ void mark_saturated(Image<Colour>& picture, const ImageView<const Pixel>& frame,
                     int step) {
   const Size shown{std::min(frame.width(), picture.width() * step),
                    std::min(frame.height(), picture.height() * step)};
+
   for_each_pixel_in_order(shown, [&](int column, int row) {
     if (frame(column, row) >= full_scale) picture(column / step, row / step) = saturated_colour;
   });
@@ -55,6 +59,7 @@ void mark_saturated(Image<Colour>& picture, const ImageView<const Pixel>& frame,
 Image<Colour> camera_picture(const FrameViews& frames, int widest,
                              const Image<Validity>* validity) {
   if (frames.count() == 0) return {};
+
   const double full_scale = frames.full_scale();
   return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     Image<Colour> picture = picture_of(frames.size(), widest, [&](int column, int row) {
@@ -62,13 +67,16 @@ Image<Colour> camera_picture(const FrameViews& frames, int widest,
       const bool dark = validity != nullptr && (*validity)(column, row) == Validity::too_dark;
       return dark ? bluish(level) : level;
     });
+
     // Unquantised frames do not saturate.
     if constexpr (std::is_integral_v<Pixel>) {
+      // From every pixel, since a reduced picture could miss single ones.
       for (const auto& view : views) {
         mark_saturated(picture, view, static_cast<Pixel>(frames.saturation()),
                        reduction(frames.size(), widest));
       }
     }
+
     return picture;
   });
 }
@@ -77,6 +85,7 @@ GreyHistogram grey_histogram(const FrameViews& frames) {
   GreyHistogram histogram{};
   constexpr int every = 7;  // samples every Nth pixel in each direction
   const double bins_per_level = static_cast<double>(histogram.size()) / (frames.full_scale() + 1);
+
   frames.visit([&](const auto& views) {
     for (const auto& view : views) {
       for (int row = 0; row < view.height(); row += every) {
@@ -87,8 +96,11 @@ GreyHistogram grey_histogram(const FrameViews& frames) {
       }
     }
   });
+
+  // Square roots, so that rare levels remain visible.
   const float most = std::max(*std::max_element(histogram.begin(), histogram.end()), 1.0F);
   for (float& count : histogram) count = std::sqrt(count / most);
+
   return histogram;
 }
 
@@ -105,6 +117,7 @@ Image<Colour> phase_picture(const Image<float>& phase, const Image<float>& modul
   return picture_of(phase.size(), widest, [&](int column, int row) {
     const float turn = phase(column, row) / (2 * std::numbers::pi_v<float>);
     if (!(modulation(column, row) >= least) || !std::isfinite(turn)) return nothing;
+
     const float share = turn - std::floor(turn);
     return hues[std::min<std::size_t>(static_cast<std::size_t>(share * 256), 255)];
   });

@@ -78,11 +78,13 @@ std::optional<float> step_over(const PointImages& cloud, int columns) {
     const auto between = [&](const Image<float>& image) {
       return image.begin()[i + columns] - image.begin()[i];
     };
+
     const float distance = std::hypot(between(cloud.x), between(cloud.y), between(cloud.z));
     if (std::isfinite(distance) && distance > 0) {
       steps.push_back(distance / static_cast<float>(columns));
     }
   }
+
   if (steps.empty() || (columns > 1 && steps.size() < few)) return std::nullopt;
   return quantile(steps, 0.5);
 }
@@ -92,11 +94,13 @@ std::optional<float> step_over(const PointImages& cloud, int columns) {
 /// List of points: as if spread over the largest side of their box.
 float spacing_of(const PointImages& cloud, const Box& box) {
   constexpr int most_columns = 32;
+
   std::optional<float> shortest;
   for (int columns = 1; cloud.z.height() > 1 && columns <= most_columns; columns *= 2) {
     const std::optional<float> step = step_over(cloud, columns);
     if (step) shortest = std::min(shortest.value_or(*step), *step);
   }
+
   if (shortest) return *shortest;
 
   const std::size_t count = cloud.z.pixel_count();
@@ -114,6 +118,7 @@ constexpr std::array<std::string_view, 3> colour_names{"depth", "reflectivity", 
 /// `ambient`, beta, by Liu 2010, Eq. (3.3); white at `range.high` divided by the brightness.
 Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
   const bool of_mean = colour == PointColour::reflectivity;
+
   const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
   return {black, black + std::max(range.high - black, 1e-3F) / std::max(brightness, 1e-3F)};
 }
@@ -122,12 +127,14 @@ Range grey_range(PointColour colour, const Range& range, double ambient, float b
 
 Range robust_range(const Image<float>& values) {
   std::vector<float> finite = finite_values(values, stride_over(values.pixel_count()));
+
   if (finite.empty()) return {};
   return {quantile(finite, 0.01), quantile(finite, 0.99)};
 }
 
 CloudExtent extent_of(const PointImages& cloud) {
   const Range x = robust_range(cloud.x), y = robust_range(cloud.y), z = robust_range(cloud.z);
+
   CloudExtent extent{.box = {{x.low, y.low, z.low}, {x.high, y.high, z.high}}};
   extent.spacing = std::max(spacing_of(cloud, extent.box), 1e-6F);
   return extent;
@@ -151,6 +158,8 @@ SceneRenderer::SceneRenderer()
     : program_({.vertex = point_vertex_shader, .fragment = point_fragment_shader}),
       vertex_array_(opengl::make_vertex_array()) {
   for (opengl::Resource& buffer : buffers_) buffer = opengl::make_buffer();
+
+  // The depth colours, as a texture that the shader looks up.
   Image<Colour> colours({256, 1});
   std::ranges::copy(depth_colours(), colours.begin());
   colours_.upload(colours);
@@ -164,13 +173,16 @@ Range SceneRenderer::depths() const {
 
 void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modulation,
                               PointColour colour) {
+  // The quantity that grey points show.
   const bool known = modulation != nullptr && modulation->size() == cloud.z.size();
   const Image<float>& value =
       colour == PointColour::modulation && known ? *modulation : cloud.intensity;
   values_ = robust_range(value);
+
   count_ = cloud.z.pixel_count();
   organised_ = cloud.z.height() > 1;
   shaded_ = cloud.shading != nullptr;
+
   const std::array<const Image<float>*, 5> images{&cloud.x, &cloud.y, &cloud.z, &value,
                                                   cloud.shading};
   for (std::size_t i = 0; i < (shaded_ ? 5U : 4U); ++i) {
@@ -184,15 +196,21 @@ void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modu
 void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Size picture,
                                 bool mirrored) const {
   if (count_ == 0) return;
+
+  // 1. Projection, colours and size. The reflection is the cloud mirrored in the floor.
   const float floor = floor_height(extent_);
   const glm::mat4 clip = mirrored ? mirrored_clip_matrix(settings.camera, picture, floor)
                                   : clip_matrix(settings.camera, picture);
+
   const bool coloured = shows_depths(settings.colour), shaded = settings.shaded && shaded_;
   const auto [low, high] =
       coloured ? depths() : grey_range(settings.colour, values_, ambient, settings.brightness);
+
   // Every third point at nearly twice the size: a dim, coarse reflection is cheap.
   const int every = mirrored ? 3 : 1;
   const float size = settings.point_size * extent_.spacing * (mirrored ? 1.7F : 1.0F);
+
+  // 2. Numbers for the shader.
   program_.use();
   const auto at = [&](const char* name) { return program_.uniform(name); };
   glUniformMatrix4fv(at("clip"), 1, GL_FALSE, glm::value_ptr(clip));
@@ -204,21 +222,27 @@ void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Si
   glUniform3fv(at("veil"), 1, glm::value_ptr(mirrored ? background : glm::vec3(0)));
   glUniform1f(at("strength"), mirrored ? 0.3F : 1.0F);
   glUniform1i(at("colours"), 0);
+
+  // 3. Texture and buffers. Without shading all points have brightness 1.
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, colours_.number());
+
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_PROGRAM_POINT_SIZE);
   glDisable(GL_BLEND);
+
   glBindVertexArray(*vertex_array_);
   for (GLuint i = 0; i < (shaded ? 5U : 4U); ++i) {
     glBindBuffer(GL_ARRAY_BUFFER, *buffers_[i]);
     glVertexAttribPointer(i, 1, GL_FLOAT, GL_FALSE, every * GLsizei{sizeof(float)}, nullptr);
     glEnableVertexAttribArray(i);
   }
+
   if (!shaded) {
     glDisableVertexAttribArray(4);
     glVertexAttrib1f(4, 1);
   }
+
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count_) / every);
   glBindVertexArray(0);
 }
@@ -227,6 +251,7 @@ void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pan
                          float pixel_ratio) const {
   glClearColor(background.r, background.g, background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
   if (!settings.three_views) return draw_view(settings, ambient, pane, pixel_ratio);
 
   constexpr std::array viewpoints{Viewpoint::front, Viewpoint::side, Viewpoint::top};
@@ -244,8 +269,10 @@ void SceneRenderer::draw_view(const ViewSettings& settings, double ambient, cons
                               float pixel_ratio) const {
   const Size picture = pane.size;
   glViewport(pane.left, 0, picture.width, picture.height);
+
   draw_points(settings, ambient, picture, false);
   if (settings.reflection) draw_points(settings, ambient, picture, true);
+
   const glm::mat4 clip = clip_matrix(settings.camera, picture);
   if (settings.grid) {
     lines_.draw(floor_grid(extent_.box, floor_height(extent_)), clip, picture, pixel_ratio);

@@ -18,8 +18,10 @@ namespace {
 
 ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const EngineSetup& setup) {
   const auto made = std::make_shared<std::pair<Cloud, std::shared_ptr<const FrameSet>>>();
+
   made->second = frames;
   Engine(setup).cloud(*frames, made->first);
+
   return {.cloud = {made, &made->first}, .frames = *frames};
 }
 
@@ -27,15 +29,18 @@ using Gammas = decltype(ViewSource::gammas);
 
 Gammas gammas_beside(const std::optional<MeasuredResponse>& given) {
   Gammas choices{{"initial", given}, {"none", std::nullopt}};
+
   for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
     choices.emplace_back(fmt::format("{:g}", gamma), MeasuredResponse{PowerLaw{gamma}, gamma});
   }
+
   return choices;
 }
 
 /// Keeps the shown cloud and its frames out of their pools.
 ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
   if (!cloud) return {};
+
   const auto share = std::make_shared<const Pooled<LiveCloud>>(cloud);
   return {.cloud = {share, &cloud->cloud},
           .frames = views_of(cloud->frames),
@@ -53,6 +58,7 @@ struct WindowEvents {
 
 WindowEvents& touch(GLFWwindow* window) {
   auto& events = *static_cast<WindowEvents*>(glfwGetWindowUserPointer(window));
+
   events.last = Clock::now();
   return events;
 }
@@ -60,12 +66,14 @@ WindowEvents& touch(GLFWwindow* window) {
 /// Dear ImGui chains callbacks that are set before it starts.
 void listen(GLFWwindow* window, WindowEvents& events) {
   glfwSetWindowUserPointer(window, &events);
+
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { touch(w); });
   glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { touch(w); });
   glfwSetWindowContentScaleCallback(window, [](GLFWwindow* w, float, float) { touch(w); });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { touch(w); });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
+
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     if (WindowEvents& noted = touch(w); count > 0) noted.dropped = paths[0];
   });
@@ -80,12 +88,14 @@ class Pace {
  public:
   /// Whether the next picture may start.
   [[nodiscard]] bool rested() const { return Clock::now() >= next_; }
+
   /// Whether to redraw without a new cloud.
   [[nodiscard]] bool outdated(Clock::time_point last_event) const {
     using std::chrono::milliseconds;
     const auto now = Clock::now();
     return now - last_event < milliseconds(300) || now - drawn_ > milliseconds(250);
   }
+
   /// Draws and pauses: for the rest of the frame time, and at least as long as drawing took, so
   /// that software rendering leaves half of the processor to the pipeline.
   void draw(const std::function<void()>& picture) {
@@ -97,6 +107,7 @@ class Pace {
     const std::chrono::duration<double> rest(std::max(least - took.count(), took.count()));
     next_ = drawn_ + std::chrono::duration_cast<Clock::duration>(rest);
   }
+
   [[nodiscard]] double seconds_to_next() const {
     return std::max(std::chrono::duration<double>(next_ - Clock::now()).count(), 0.0);
   }
@@ -111,6 +122,7 @@ class Pace {
 ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty) {
   ShownCloud shown{.cloud = std::make_shared<const Cloud>(std::move(cloud))};
   if (uncertainty) shown.uncertainty = std::make_shared<const Uncertainty>(*std::move(uncertainty));
+
   return {.newest = [shown] { return shown; }};
 }
 
@@ -142,27 +154,38 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   const opengl::WindowSystem system;
   const opengl::Window window(system, {.title = source.title, .size = settings.size});
   glfwSwapInterval(1);
+
+  // Callbacks must be set before Dear ImGui starts.
   WindowEvents events;
   listen(window.get(), events);
+
   ViewSource shown = source;
   std::optional<CloudScreen> clouds(std::in_place, shown, settings.view, &window);
   Pace pace;
   std::optional<Image<Colour>> last;
   bool open = true;
+
   while (open) {
+    // 1. Another source: its screen replaces the present one.
     if (const auto begin = clouds->take_next()) {
       const ViewSettings kept = clouds->state().view;
       clouds.reset();  // there is one at a time
       shown = {};      // frees its camera
       shown = begin();
+
       glfwMakeContextCurrent(window.get());  // a projector's window may have come or gone
       glfwSetWindowTitle(window.get(), shown.title.c_str());
+
       clouds.emplace(shown, kept, &window);
     }
+
+    // 2. Events since the last picture, and whether to close.
     for (const int key : std::exchange(events.keys, {})) clouds->press(key);
     if (!events.dropped.empty()) clouds->open(std::exchange(events.dropped, {}));
     open = glfwWindowShouldClose(window.get()) == GLFW_FALSE && !clouds->closed() &&
            !(settings.ends && settings.ends());
+
+    // 3. Draw, if there is something new to see; the last picture always.
     const Screen screen = screen_of(window);
     const bool visible = screen.framebuffer.width > 0 && screen.framebuffer.height > 0;
     if (visible && (!open || pace.rested())) {
@@ -172,12 +195,16 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
           clouds->draw(screen);
           if (!open && settings.keep_last) last = opengl::read_pixels(screen.framebuffer);
         });
+
         glfwSwapBuffers(window.get());
         clouds->tell_shown();
       }
     }
+
+    // 4. Sleep until the next picture (4 ms or longer) or an event.
     if (open) glfwWaitEventsTimeout(std::max(pace.seconds_to_next(), 0.004));
   }
+
   return last;
 }
 
@@ -186,11 +213,14 @@ Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settin
   const opengl::OffScreenContext context;
   const opengl::RenderTarget target(size);
   target.bind();
+
   CloudScreen clouds(source, settings, nullptr);
   clouds.state().shown = surround == Surround::panel;
   clouds.take_newest();
+
   // Dear ImGui knows widget heights only after drawing them.
   for (int pass = 0; pass < 3; ++pass) clouds.draw({.window = size, .framebuffer = size});
+
   return opengl::read_pixels(size);
 }
 

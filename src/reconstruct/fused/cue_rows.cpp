@@ -30,11 +30,14 @@ struct CueSums {
 template <class Pixel>
 HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& cue,
                                     const Pixel* const* frames, std::size_t i) {
+  // Frame 0 has no sine.
   const Ints first = load_pixels(frames[0] + i);
   Ints sum = first, greatest = first;
   DoubleSums C, S, cue_C, cue_S;
   C.add(first, stage.cosines[0]);
   cue_C.add(first, cue.cosines[0]);
+
+  // Then the frames in pairs.
   const std::size_t N = stage.cosines.size();
   for (std::size_t n = 1; 2 * n < N; ++n) {
     const Ints I = load_pixels(frames[n] + i), J = load_pixels(frames[N - n] + i);
@@ -46,6 +49,8 @@ HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& 
     cue_C.add(both, cue.cosines[n]);
     cue_S.add(apart, cue.sines[n]);
   }
+
+  // With an even N, the frame half way round has no sine either.
   if (N % 2 == 0) {
     const Ints middle = load_pixels(frames[N / 2] + i);
     sum = hn::Add(sum, middle);
@@ -53,6 +58,7 @@ HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& 
     C.add(middle, stage.cosines[N / 2]);
     cue_C.add(middle, cue.cosines[N / 2]);
   }
+
   return {{hn::ConvertTo(FloatTag(), sum), greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
 }
 
@@ -60,11 +66,13 @@ template <class Pixel>
 HWY_INLINE CueSums any_sums(const SinusoidStage& stage, const CueStage& cue,
                             const Pixel* const* frames, std::size_t i) {
   DoubleSums C, S;
+
   for (std::size_t n = 0; n < cue.cosines.size(); ++n) {
     const Ints I = load_pixels(frames[n] + i);
     C.add(I, cue.cosines[n]);
     S.add(I, cue.sines[n]);
   }
+
   return {stage.whole.empty() ? general_sums(stage, frames, i)
                               : whole_sums<Pixel>(stage.whole, frames, i),
           C.sum(), S.sum()};
@@ -76,6 +84,7 @@ HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
                             const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
   const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+
   if constexpr (steps == 3) {
     const FrameSums sums = closed_form_sums<3>(frames, i);
     return {sums, sums.sum, hn::Zero(d)};
@@ -103,7 +112,9 @@ HWY_INLINE Several<count> angles_times(float factor, const Several<count>& S,
                                        const Several<count>& C) {
   Several<count> angles = angles_in_turns<count>(S, C);
   const Floats f = hn::Set(FloatTag(), factor);
+
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { angles[k] = hn::Mul(f, angles[k]); });
+
   return angles;
 }
 
@@ -115,11 +126,14 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
                                       const Several<count>& modulation) {
   const FloatTag d;
   Several<count> R, periods;
+
   if constexpr (form == CueForm::circle) {
     const Floats weight = hn::Set(d, cue.sine_weight);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, sine[k]); });
     return angles_times(cue.periods, sine, channel);  // (3.88)
   }
+
+  // R from the channel and the modulation, which removes the surface's reflectivity.
   const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
@@ -128,6 +142,8 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
     R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
                      one);
   });
+
+  // From R to the coordinate: (R + 1) / 2, or the angle of cos(pi y), which is y / 2 turns.
   if constexpr (form == CueForm::linear) {
     const Floats half = hn::Set(d, 0.5F * cue.periods);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
@@ -137,9 +153,12 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
     });
     periods = angles_times(2 * cue.periods, sine, R);
   }
+
+  // Without light there is no R.
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     periods[k] = hn::IfThenElseZero(hn::Gt(modulation[k], least), periods[k]);
   });
+
   return periods;
 }
 
@@ -153,6 +172,7 @@ template <CueForm form>
 HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
   const FloatTag d;
   const Floats k = hn::Round(periods);
+
   if constexpr (form == CueForm::circle) return k;
   return hn::Clamp(k, hn::Zero(d), hn::Set(d, cue.periods - 1));
 }
@@ -172,6 +192,7 @@ class CueVectors {
         in_field_(cue.coordinate) {
     if constexpr (!has_weights) std::copy_n(frames, steps, frames_.begin());
   }
+
   CueVectors(const CueVectors&) = delete;  // it points into itself
   CueVectors& operator=(const CueVectors&) = delete;
   ~CueVectors() = default;
@@ -181,6 +202,8 @@ class CueVectors {
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
     const bool decoding = row_.turn != nullptr, wants_modulation = row_.modulation != nullptr;
+
+    // 1. Sums of the frames, and the modulation where it is needed.
     Several<count> U, V, square, sum, channel, sine, modulation;
     FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -191,6 +214,7 @@ class CueVectors {
       sine[k] = sums.cue_sine;
       sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
+
       modulation[k] = square[k];  // not used unless computed below
       if (!is_circle || wants_modulation) {
         modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
@@ -198,12 +222,15 @@ class CueVectors {
       if (wants_modulation) hn::StoreU(modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
       all_hidden = hn::And(all_hidden, hn::And(cannot_vote(square[k]), is_dark_at(square[k])));
     });
+
+    // 2. Often, as in shadows, no pixel can become a point or vote: skip the angles.
     if (!casts_shade() && !decoding && hn::AllTrue(d, all_hidden)) {
       return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
         store_hidden(i + k * hn::Lanes(d), sum[k], square[k]);
       });
     }
 
+    // 3. The wrapped phase, and the cue's coordinate in periods.
     // On the circle, whole turns make no difference.
     Several<count> turn = without_shifts<count>(stage_, corrected_turns<count>(stage_, V, U));
     if constexpr (!is_circle) {
@@ -211,22 +238,28 @@ class CueVectors {
     }
     const Several<count> cue_place =
         cue_periods<form, count>(cue_, row_.cue_limits, channel, sine, modulation);
+
+    // 4. The fringe order nearest to the cue, and its distance from it as doubt.
     const bool saturated = saturation_.template among<count>(i);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const std::size_t pixel = i + k * hn::Lanes(d);
       const Floats periods = hn::Sub(cue_place[k], turn[k]);
       const Floats order = nearest_order<form>(cue_, periods);
       const Floats y = coordinate(hn::Add(turn[k], order));
+
       Floats doubt = hn::Abs(hn::Sub(periods, order));
       if constexpr (!is_circle) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
+
       store_flags(pixel, square[k], doubt, saturated);
       fetch_ahead(row_.mean + pixel, row_.past_cache);
       store(shown_mean(sum[k], modulation[k], y), row_.mean + pixel, row_.past_cache);
+
       if (HWY_UNLIKELY(decoding)) {
         hn::StoreU(turn[k], d, row_.turn + pixel);
         hn::StoreU(doubt, d, row_.doubt + pixel);
         hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
       }
+
       hn::StoreU(hn::IfThenElse(cannot_vote(square[k]), nans(), y), d, row_.coordinate + pixel);
     });
   }
@@ -243,9 +276,11 @@ class CueVectors {
   HWY_INLINE CueSums at(std::size_t i) const {
     return cue_sums<steps>(stage_, cue_, has_weights ? all_frames_ : frames_.data(), i);
   }
+
   HWY_INLINE FloatMask cannot_vote(Floats square) const {
     return hn::Lt(square, hn::Set(FloatTag(), row_.cue_limits.voting_square));
   }
+
   HWY_INLINE FloatMask is_dark_at(Floats square) const {
     return hn::Lt(square, hn::Set(FloatTag(), row_.limits.least_square));
   }
@@ -265,8 +300,11 @@ class CueVectors {
         hn::Or(
             flag_where(hn::Le(square, hn::Set(d, row_.cue_limits.lit_square)), PixelFlag::dim),
             flag_where(hn::Gt(doubt, hn::Set(d, cue_.largest_doubt)), PixelFlag::doubtful_order)));
+
+    // Rare, so the frames are read again.
     if (HWY_UNLIKELY(saturated))
       flags = hn::Or(flags, saturation_flag(row_.limits, at(i).high.greatest));
+
     hn::StoreU(flags, IntTag(), row_.flags + i);
   }
 
@@ -279,6 +317,7 @@ class CueVectors {
   HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
     const FloatTag d;
     if (casts_shade()) {
+      // The linear reference R = 2 y - 1, of the modulation's size.
       const Floats one = hn::Set(d, 1.0F);
       const float shade = static_cast<float>(stage_.steps) * cue_.shade;
       const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
@@ -301,6 +340,7 @@ HWY_INLINE void decode_steps(const SinusoidStage& stage, const CueStage& cue,
                              const Pixel* const* frames, const CueRow& row) {
   const CueVectors<steps, form, Pixel> vectors(stage, cue, frames, row);
   constexpr std::size_t most = form == CueForm::circle ? few_at_once : at_once;
+
   for_each_group<most>(static_cast<std::size_t>(row.width),
                        [&]<std::size_t count>(Together<count>, std::size_t i)
                            SLIPSTREAM_STEP { vectors.template decode<count>(i); });
@@ -313,14 +353,18 @@ HWY_NOINLINE void decode_cue(const SinusoidStage& stage, const CueStage& cue,
   const auto decode = [&]<int steps, CueForm form>() {
     decode_steps<steps, form>(stage, cue, frames, row);
   };
+
   if (cue.sums == CueStage::Sums::any) {
     if (cue.form == circle) return decode.template operator()<any_weights, circle>();
     if (cue.form == cosine) return decode.template operator()<any_weights, cosine>();
     return decode.template operator()<any_weights, linear>();
   }
+
   if (cue.sums == CueStage::Sums::mirrored) {
     return decode.template operator()<mirrored_weights, circle>();
   }
+
+  // Closed sums: the form and N determine the kernel.
   if (cue.form == cosine) return decode.template operator()<4, cosine>();
   if (cue.form == circle && stage.steps == 5) return decode.template operator()<5, circle>();
   if (cue.form == circle) return decode.template operator()<6, circle>();

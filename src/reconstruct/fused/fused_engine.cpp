@@ -32,6 +32,7 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
     rows_of(scratch.sum, scratch.coarse, scratch.mean, scratch.x, scratch.y, scratch.z,
             scratch.validity);
   }
+
   scratch.packed = 0;
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
 }
@@ -47,8 +48,10 @@ void one_band(const FusedBand& band) {
   KeptRows& kept = band.scratch.kept;
   float* const turn = band.scratch.turns.begin();
   Maps* const maps = band.output.maps;
+
   for (int row = band.first; row < band.last; ++row) {
     std::int32_t* const flags = kept.flags(row);
+
     band.decode(row, {.width = band.width(),
                       .mean = band.mean_row(row),
                       .modulation = band.modulation_row(row),
@@ -56,11 +59,14 @@ void one_band(const FusedBand& band) {
                       .past_cache = band.past_cache,
                       .only_lit = maps == nullptr,
                       .nan_if_flagged = maps == nullptr});
+
+    // Maps keep the turns of dark and saturated pixels, so these are hidden only now.
     if (maps != nullptr) {
       place_row(band.stages.coordinate, band.width(), turn, maps->coordinate.row(row));
       band.finish_maps(row, turn);
       hide(band.width(), flags, PixelFlag::dark | PixelFlag::saturated, turn);
     }
+
     if (band.output.makes_points()) band.finish_points(row, kept, turn);
   }
 }
@@ -68,11 +74,15 @@ void one_band(const FusedBand& band) {
 /// Turns of a sum of bands: its own row for a single band, else `to`.
 const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratch, float* to) {
   if (of.empty()) return scratch.turns.begin();
+
+  // One band with the factor 1 and no other: its own turns.
   const auto alone = std::find(of.begin(), of.end(), 1);
   if (std::count(of.begin(), of.end(), 0) + 1 == static_cast<std::ptrdiff_t>(of.size()) &&
       alone != of.end()) {
     return scratch.turns.row(static_cast<int>(alone - of.begin()));
   }
+
+  // Otherwise a sum, such as a beat, brought back to [0, 1) turns.
   std::fill_n(to, width, 0.0F);
   for (std::size_t band = 0; band < of.size(); ++band) {
     const float* const turn = scratch.turns.row(static_cast<int>(band));
@@ -80,6 +90,7 @@ const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratc
     if (factor == 0) continue;
     for (int i = 0; i < width; ++i) to[i] += factor * turn[i];
   }
+
   place_row(placing(1, 1, 0), width, to, to);
   return to;
 }
@@ -91,6 +102,8 @@ const float* bright_levels(const FusedBand& band, int row, const float* mean) {
   const int width = band.width();
   float* const limit = band.scratch.sum.begin();
   if (!code.against_mean && code.reference.empty()) return nullptr;
+
+  // The mean has been decoded already, and is only scaled back to levels of the frames.
   if (code.against_mean) {
     const float to_frames = 1 / (band.limits.front().mean_scale *
                                  static_cast<float>(band.stages.bands.front().sinusoid.steps));
@@ -106,6 +119,7 @@ const float* bright_levels(const FusedBand& band, int row, const float* mean) {
       }
     });
   }
+
   return limit;
 }
 
@@ -118,13 +132,17 @@ void read_code(const FusedBand& band, int row, const SinusoidRow& decoded, const
 const float* coarse_row(const FusedBand& band, int row, const SinusoidRow& decoded) {
   const auto& [stages, scratch] = std::tie(band.stages, band.scratch);
   if (band.coarse != nullptr) return band.coarse->row(row);
+
   float* const coarse = scratch.coarse.begin();
   if (stages.code) {
     read_code(band, row, decoded,
               {.width = band.width(), .coordinate = coarse, .flags = decoded.flags});
     return coarse;
   }
+
+  // The coarsest band: as turns if the chain is circular, else placed in the field.
   if (!stages.coarse_in_field) return sum_row(stages.coarse, band.width(), scratch, coarse);
+
   const float* const turns = sum_row(stages.coarse, band.width(), scratch, scratch.sum.begin());
   place_row(stages.coarse_stage, band.width(), turns, coarse);
   return coarse;
@@ -134,13 +152,18 @@ const float* coarse_row(const FusedBand& band, int row, const SinusoidRow& decod
 void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, float* y) {
   float *const other = scratch.sum.begin(), *const sum = scratch.coarse.begin();
   std::copy_n(y, width, sum);
+
+  // The weights sum to 1, so each band moves y by its weight times its distance from y.
   for (std::size_t band = 1; band < stages.bands.size(); ++band) {
     const auto& [sinusoid, first_frame, periods, weight] = stages.bands[band];
     if (weight == 0) continue;
     place_near(static_cast<float>(periods), width, scratch.turns.row(static_cast<int>(band)), y,
                other);
+
     for (int i = 0; i < width; ++i) sum[i] += weight * (other[i] - y[i]);
   }
+
+  // In a circular chain the mean may have left the field.
   if (stages.coarse_in_field) {
     std::copy_n(sum, width, y);
   } else {
@@ -154,14 +177,20 @@ void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Ma
   FusedScratch& scratch = band.scratch;
   const auto& chain = band.stages.chain;
   const int width = band.width();
+
+  // 1. The outputs. Maps keep the coordinates of dark pixels; without maps these are NaN at once,
+  // so that they confirm no neighbour.
   float *const doubt = maps != nullptr && band.stages.has_doubt()
                            ? maps->fringe_order_doubt.row(row)
                            : nullptr,
                *const kept = scratch.kept.coordinates(row);
   float* const y = maps != nullptr ? maps->coordinate.row(row) : kept;
   const std::int32_t hidden = maps == nullptr ? PixelFlag::dark : 0;
+
   UnwrappedRow to{
       .width = width, .coordinate = y, .flags = decoded.flags, .hidden = hidden, .doubt = doubt};
+
+  // 2. Start: the best of all fringe orders, a code alone, or the coarsest coordinate.
   if (const auto& orders = band.stages.orders) {
     band.stages.weighs_modulations()
         ? likelihood_row(*orders, scratch.turns, scratch.modulations, to)
@@ -169,6 +198,9 @@ void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Ma
   }
   if (band.stages.reads_stripes()) read_code(band, row, decoded, to);
   const float* coarse = chain.empty() ? nullptr : coarse_row(band, row, decoded);
+
+  // 3. Climb the chain: each link unwraps its turns by the result of the one before, in two rows
+  // used in turn.
   for (std::size_t i = 0; i < chain.size(); ++i) {
     const bool last = i + 1 == chain.size();
     to.coordinate = last ? y : scratch.unwrapped.row(static_cast<int>(i % 2));
@@ -178,6 +210,8 @@ void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Ma
                to);
     coarse = to.coordinate;
   }
+
+  // 4. Weigh all bands, and keep the row for the neighbours.
   if (band.stages.weighs_bands) weigh_bands(band.stages, width, scratch, y);
   if (maps == nullptr) return;
   std::copy_n(y, width, kept);
@@ -187,27 +221,37 @@ void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Ma
 /// Keeps the coordinates of each row until the next row is known, since neighbours confirm them.
 void several_bands(const FusedBand& band) {
   KeptRows& kept = band.scratch.kept;
+
   const auto decode = [&](int row) {
     if (row < 0 || row >= band.height()) return kept.clear(row, row + 1);
+
+    // Rows beyond the band's borders are decoded for their neighbours, and write no output.
     const bool ours = row >= band.first && row < band.last;
     Maps* const maps = ours ? band.output.maps : nullptr;
+
     const SinusoidRow decoded{.width = band.width(),
                               .mean = ours ? band.mean_row(row) : band.scratch.mean.begin(),
                               .modulation = ours ? band.modulation_row(row) : nullptr,
                               .flags = kept.flags(row),
                               .past_cache = ours && band.past_cache && !band.stages.code,
                               .only_lit = maps == nullptr};
+
     band.decode(row, decoded);
     unwrap_bands(band, row, decoded, maps);
+
     if (maps == nullptr) return;
     FusedScratch& scratch = band.scratch;
     band.finish_maps(row,
                      sum_row(band.stages.measured, band.width(), scratch, scratch.sum.begin()));
   };
+
+  // Without points, rows need no neighbours.
   if (!band.output.makes_points()) {
     for (int row = band.first; row < band.last; ++row) decode(row);
     return;
   }
+
+  // A row becomes points once the row below it is decoded.
   decode(band.first - 1);
   decode(band.first);
   for (int row = band.first; row < band.last; ++row) {
@@ -225,27 +269,36 @@ void run_band(const FusedBand& band) {
 /// per thread so that none waits long.
 int band_count(int height, bool votes) {
   constexpr int bands_per_thread = 4;
+
+  // The vote decodes `seen` more rows on either side of a band: at most a quarter of its rows.
   const int fewest_rows = votes ? 4 * 2 * VoteBlock::seen : 32;
   const int threads = parallel_threads();
+
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
 
 void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
   const int bands = band_count(pass.height(), pass.stages.cue.has_value());
   if (scratch.size() < index(bands)) scratch.resize(index(bands));
+
+  // In 64 bits: rows times bands may not fit into an int.
   const auto border = [&](int i) {
     return static_cast<int>(std::int64_t{pass.height()} * i / bands);
   };
+
   const auto work = [&](int band) {
     prepare(scratch[index(band)], pass.width(), pass.stages);
     run_band({pass, border(band), border(band + 1), scratch[index(band)]});
     flush_past_cache();
   };
+
   if (bands == 1) {
     work(0);
   } else {  // a single captured reference, so that std::function does not allocate
     for_each_row(bands, [&work](int band) { work(band); });
   }
+
+  // Each band has packed its points from its own first row on. Close the gaps between them.
   if (PackedPoints* const points = pass.output.points) {
     points->count = 0;
     for (int band = 0; band < bands; ++band) {
@@ -262,6 +315,7 @@ void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
 
 void KeptRows::prepare(int width, int count) {
   if (flags_.size() == Size{width, count}) return;
+
   coordinate_ = Image<float>({width + 2 * side, count}, std::numeric_limits<float>::quiet_NaN());
   flags_ = Image<std::int32_t>({width, count});
 }
@@ -287,6 +341,7 @@ FrameRows FusedBand::frame_rows(int row, int column) const {
 float* FusedBand::mean_row(int row) const {
   if (output.maps != nullptr) return output.maps->mean.row(row);
   if (output.cloud != nullptr) return output.cloud->intensity.row(row);
+
   // Rows decoded ahead of the points are kept where they will be packed.
   const bool kept = output.points != nullptr && stages.asks_neighbours();
   return kept ? output.points->intensity.row(row) : scratch.mean.begin();
@@ -301,11 +356,13 @@ void FusedBand::decode(int row, SinusoidRow to) const {
   const FrameRows rows = frame_rows(row);
   for (std::size_t i = 0; i < stages.bands.size(); ++i) {
     const FusedStages::BandStage& band = stages.bands[i];
+
     to.turn = scratch.turns.row(static_cast<int>(i));
     to.another = i > 0;
     if (stages.weighs_modulations())
       to.own_modulation = scratch.modulations.row(static_cast<int>(i));
     to.limits = limits[i];
+
     const auto from_first = [&](auto of) -> FrameRows { return of + band.first_frame; };
     decode_row(band.sinusoid, std::visit(from_first, rows), to);
   }
@@ -314,6 +371,7 @@ void FusedBand::decode(int row, SinusoidRow to) const {
 void FusedBand::finish_maps(int row, const float* turn) const {
   if (output.maps == nullptr) return;
   phase_row(width(), turn, output.maps->wrapped_phase.row(row));
+
   if (output.cloud == nullptr) return;
   const auto to_8_bits = static_cast<float>(255 / frames.full_scale());
   const float* const mean = output.maps->mean.row(row);
@@ -328,6 +386,8 @@ void FusedBand::finish_points(int row, KeptRows& kept, const float* turn) const 
               .flags = kept.flags(row),
               .z = scratch.z.begin(),
               .validity = scratch.validity.begin()};
+
+  // 1. Where the points go: into the output, or into a scratch row that is packed below.
   if (stages.blocks) to.blocks = stages.blocks->at(row);
   if (output.cloud != nullptr) {
     to.x = output.cloud->x.row(row);
@@ -341,8 +401,12 @@ void FusedBand::finish_points(int row, KeptRows& kept, const float* turn) const 
     to.x = scratch.x.begin();
     to.y = scratch.y.begin();
   }
+
+  // Rows that are read again below must stay in the cache.
   to.past_cache = output.depth16 == nullptr && output.points == nullptr &&
                   written_past_cache(stages.rays.E_x.size());
+
+  // 2. Compute the points.
   if (turn != nullptr) {
     to.coordinate = turn;
     point_row(stages.point, stages.coordinate, to);
@@ -352,9 +416,13 @@ void FusedBand::finish_points(int row, KeptRows& kept, const float* turn) const 
     to.below = kept.coordinates(row + 1);
     point_row(stages.point, stages.consensus, to);
   }
+
+  // 3. Convert depths to whole numbers, or pack the pixels that have a point.
   if (output.depth16 != nullptr) number_row(output.scale, width(), to.z, output.depth16->row(row));
   if (output.points == nullptr) return;
+
   const auto at = [&](Image<float>& image) { return image.row(first) + scratch.packed; };
+
   PackedPoints& points = *output.points;
   scratch.packed += pack_row(width(), {to.x, to.y, to.z, mean_row(row)},
                              {at(points.x), at(points.y), at(points.z), at(points.intensity)},
@@ -363,17 +431,22 @@ void FusedBand::finish_points(int row, KeptRows& kept, const float* turn) const 
 
 void prepare(const Outputs& output, Size size, bool doubtful) {
   const auto all = [&](auto&... images) { (prepare(images, size), ...); };
+
   if (Cloud* const cloud = output.cloud) {
     all(cloud->x, cloud->y, cloud->z, cloud->intensity, cloud->validity);
   }
+
   if (Depth* const depth = output.depth) all(depth->z, depth->validity);
+
   if (PackedPoints* const points = output.points) {
     all(points->x, points->y, points->z, points->intensity);
   }
+
   if (Maps* const maps = output.maps) {
     all(maps->mean, maps->modulation, maps->wrapped_phase, maps->coordinate);
     prepare(maps->fringe_order_doubt, doubtful ? size : Size{});
   }
+
   if (output.modulation != nullptr) all(*output.modulation);
   if (output.depth16 != nullptr) all(*output.depth16);
 }
@@ -388,6 +461,7 @@ std::optional<FusedEngine> FusedEngine::make(const EngineSetup& setup,
                                              const PhaseCorrections& corrections,
                                              std::string* why_not) {
   std::optional<FusedStages> stages = fused_stages(setup, corrections, why_not);
+
   if (!stages) return std::nullopt;
   return FusedEngine{std::make_shared<const FusedStages>(std::move(*stages)), setup.settings};
 }
@@ -396,10 +470,12 @@ void FusedEngine::find_limits(const FrameViews& frames, const Outputs& output,
                               std::vector<SinusoidLimits>& limits) const {
   const double full_scale = frames.full_scale();
   const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
+
   limits.clear();
   for (const FusedStages::BandStage& band : stages->bands) {
     limits.push_back(
         sinusoid_limits(band.sinusoid, settings, full_scale, frames.saturation(), mean_of));
+
     // A code has limits of its own.
     if (stages->reads_stripes()) limits.back() = {.mean_scale = limits.back().mean_scale};
   }
@@ -410,13 +486,17 @@ void FusedEngine::operator()(const FrameViews& frames, const Outputs& output, Fu
   throw_if(
       (coarse != nullptr) != stages->coarse_given,
       "coarse coordinates are required if, and only if, the whole image gives the fringe order");
+
   const Size size = stages->rays.E_x.size();
   require_frames(frames, stages->frames, size);
   throw_if(!frames.quantised(), "frames are not quantised; the fused pass takes 8 to 16 bits");
+
   find_limits(frames, output, memory.limits);
   prepare(output, size, stages->has_doubt());
+
   const bool past_cache =
       output.cloud != nullptr && output.maps == nullptr && written_past_cache(size);
+
   run_bands(
       {.stages = *stages,
        .frames = frames,

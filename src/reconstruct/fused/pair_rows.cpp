@@ -18,16 +18,19 @@ template <class Pixel>
 void sum_row(const Band& band, const Frames<Pixel>& frames, int row, std::complex<float>* to) {
   const FloatTag d;
   auto* const interleaved = reinterpret_cast<float*>(to);
+
   for_each_vector(frames.front().width(), [&](std::size_t i) SLIPSTREAM_STEP {
     Floats C = hn::Zero(d), S = C;
     for (std::size_t n = 0; n < band.cosine.size(); ++n) {
       const auto cosine = static_cast<float>(band.cosine[n]);
       const auto sine = static_cast<float>(band.sine[n]);
       if (cosine == 0 && sine == 0) continue;
+
       const Floats level = hn::ConvertTo(d, load_pixels(frames[n].row(row) + i));
       C = hn::MulAdd(level, hn::Set(d, cosine), C);
       S = hn::MulAdd(level, hn::Set(d, sine), S);
     }
+
     hn::StoreInterleaved2(C, S, d, interleaved + 2 * i);
   });
 }
@@ -51,8 +54,11 @@ HWY_INLINE PlaneSums window_sums(const MatchedRows& matches, int row, std::size_
                                  Floats centre) {
   const FloatTag d;
   const Floats zero = hn::Zero(d), one = hn::Set(d, 1);
+
+  // The window's first column, and the largest change of 1 / Z per pixel on one surface.
   const auto first = static_cast<std::size_t>(matches.side - matches.window) + i;
   const Floats step = hn::LoadU(d, matches.pixel_step.row(row) + matches.side + i);
+
   PlaneSums all{zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
   const int last = matches.inverse_depth.height() - 1;
   for (int y = std::max(0, row - matches.window); y <= std::min(last, row + matches.window); ++y) {
@@ -64,6 +70,9 @@ HWY_INLINE PlaneSums window_sums(const MatchedRows& matches, int row, std::size_
     Floats w = zero, wx = zero, wxx = zero, r = zero, rx = zero;
     for (int k = 0; k <= 2 * matches.window; ++k) {
       const int x = k - matches.window;
+
+      // Only matches on the centre's surface: 1 / Z may differ by a step, and by another for each
+      // row and column between them.
       const Floats rest = hn::Sub(hn::LoadU(d, depth + k), centre);
       const Floats limit = hn::Mul(step, hn::Set(d, static_cast<float>(1 + std::abs(x) + across)));
       const auto same = hn::Le(hn::Abs(rest), limit);
@@ -90,6 +99,7 @@ HWY_INLINE PlaneSums window_sums(const MatchedRows& matches, int row, std::size_
     all.wyy = hn::MulAdd(hn::Mul(w, place), place, all.wyy);
     all.ry = hn::MulAdd(r, place, all.ry);
   }
+
   return all;
 }
 
@@ -99,11 +109,15 @@ HWY_INLINE Floats height_at_centre(const PlaneSums& s) {
   const auto minor = [](Floats a, Floats b, Floats c, Floats e)
                          SLIPSTREAM_STEP { return hn::NegMulAdd(b, c, hn::Mul(a, e)); };
   const Floats both = minor(s.wxx, s.wxy, s.wxy, s.wyy);
+
+  // The determinant of the matrix with this first column; by Cramer's rule, the quotient of two
+  // such determinants is the first unknown.
   const auto determinant = [&](Floats top, Floats left, Floats below) SLIPSTREAM_STEP {
     const Floats second = minor(left, s.wxy, below, s.wyy);
     const Floats third = minor(left, s.wxx, below, s.wxy);
     return hn::MulAdd(s.wy, third, hn::NegMulAdd(s.wx, second, hn::Mul(top, both)));
   };
+
   return hn::Div(determinant(s.r, s.rx, s.ry), determinant(s.w, s.wx, s.wy));
 }
 
@@ -114,6 +128,9 @@ void fit_row(const MatchedRows& matches, int row, float* to) {
                   [&](std::size_t i) SLIPSTREAM_STEP {
                     const Floats centre = hn::LoadU(d, centres + i);
                     if (hn::AllTrue(d, hn::IsNaN(centre))) return hn::StoreU(centre, d, to + i);
+
+                    // The plane replaces the match if it rests on enough matches and lies in front
+                    // of the camera.
                     const PlaneSums sums = window_sums(matches, row, i, centre);
                     const Floats fitted = hn::Add(centre, height_at_centre(sums));
                     const auto enough = hn::Ge(sums.count, hn::Set(d, 6));

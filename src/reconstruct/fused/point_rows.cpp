@@ -18,9 +18,11 @@ namespace slipstream::HWY_NAMESPACE {
 template <class Source>
 HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const PointRow& row) {
   const VectorOnRays vector = vector_on_rays_for(stage.lens_degree);
+
   for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Ints flags = hn::LoadU(IntTag(), row.flags + i);
     if (hn::AllTrue(FloatTag(), is_dark(flags))) return store_dark(row, i);
+
     vector(stage, row, i, source.coordinate(i), source.confirms(i, flags), flags);
   });
 }
@@ -36,6 +38,7 @@ struct MixedBlocks {
     const FloatTag d;
     const Floats w0 = hn::Set(d, blocks.weights[0]), w1 = hn::Set(d, blocks.weights[1]),
                  w2 = hn::Set(d, blocks.weights[2]);
+
     for (std::size_t b = 0; b < count; ++b) {
       const auto knot = [&](std::size_t k) SLIPSTREAM_STEP {
         return blocks.knots[k][first + b].coefficients.data();
@@ -64,6 +67,7 @@ class BlockParts {
       : pixel_(pixel), coefficients_(coefficients), described_(described) {
     const FloatTag d;
     constexpr float half = 0.5F * RayBlocks::width;
+
     const Floats column = hn::Iota(d, 0.5F - half);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const std::size_t start = (first_vector + k) % vectors_of_block * hn::Lanes(d);
@@ -74,12 +78,15 @@ class BlockParts {
   [[nodiscard]] HWY_INLINE std::size_t pixel(std::size_t k) const {
     return pixel_ + k * hn::Lanes(FloatTag());
   }
+
   [[nodiscard]] HWY_INLINE Floats coefficient(std::size_t k, std::size_t i) const {
     return hn::Set(FloatTag(), coefficients_[k / vectors_of_block * MixedBlocks::terms + i]);
   }
+
   [[nodiscard]] HWY_INLINE FloatMask describe(std::size_t k, Floats p) const {
     const FloatTag d;
     const RayBlocks::Range& range = described_[k / vectors_of_block];
+
     return hn::And(hn::Ge(p, hn::Set(d, range.least)), hn::Le(p, hn::Set(d, range.largest)));
   }
 
@@ -95,6 +102,8 @@ class BlockParts {
 template <std::size_t first, std::size_t terms, std::size_t count>
 HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Several<count>& p) {
   Several<count> sum;
+
+  // Horner's scheme, one step for all vectors at a time.
   each<count>([&](std::size_t k)
                   SLIPSTREAM_STEP { sum[k] = parts.coefficient(k, first + terms - 1); });
   each<terms - 1>([&](std::size_t i) SLIPSTREAM_STEP {
@@ -102,6 +111,7 @@ HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Seve
       sum[k] = hn::MulAdd(sum[k], p[k], parts.coefficient(k, first + terms - 2 - i));
     });
   });
+
   return sum;
 }
 
@@ -112,9 +122,13 @@ HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<c
   constexpr std::size_t slopes = Blocks::constants, bends = slopes + Blocks::slopes,
                         twist = bends + Blocks::bends;
   static_assert(Blocks::twists == 1);
+
+  // 1 / Z as a cubic in t, each of its coefficients a polynomial in p.
   Several<count> bend = polynomials<bends, Blocks::bends>(parts, p);
   Several<count> slope = polynomials<slopes, Blocks::slopes>(parts, p);
   Several<count> inverse = polynomials<0, Blocks::constants>(parts, p);
+
+  // Horner's scheme in t.
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     bend[k] = hn::MulAdd(parts.coefficient(k, twist), parts.t[k], bend[k]);
   });
@@ -122,9 +136,11 @@ HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<c
                   SLIPSTREAM_STEP { slope[k] = hn::MulAdd(bend[k], parts.t[k], slope[k]); });
   each<count>([&](std::size_t k)
                   SLIPSTREAM_STEP { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
+
   Several<count> z;
   const Floats one = hn::Set(FloatTag(), 1.0F);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = quotient(one, inverse[k]); });
+
   return z;
 }
 
@@ -193,10 +209,14 @@ HWY_NOINLINE void vector_with_reasons(const PointStage& stage, const Source& sou
   const Ints flags = hn::LoadU(IntTag(), row.flags + i);
   const FloatMask described = parts.describe(k, p);
   const FloatMask confirmed = source.confirms(i, flags);
+
+  // A lit pixel outside its block's range: compute the whole vector exactly.
   if (!hn::AllTrue(d, hn::Or(described, is_dark(flags)))) {
     return vector_on_rays_for(stage.lens_degree)(stage, row, i, source.coordinate(i), confirmed,
                                                  flags);
   }
+
+  // Within the range every point exists and lies in the field.
   const RayPoints points{ray_direction(parts, k, RayBlocks::Block::E_x),
                          ray_direction(parts, k, RayBlocks::Block::E_y),
                          z,
@@ -211,22 +231,30 @@ template <std::size_t count, class Source>
 HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row,
                               const BlockParts<count>& parts) {
   const FloatTag d;
+
   Several<count> p;
   Several<count, FloatMask> good;
   FloatMask all = hn::FirstN(d, hn::Lanes(d));
+
+  // 1. Which pixels the blocks describe and their neighbours confirm.
   fetch_ahead(row.validity + parts.pixel(0), false);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     fetch_ahead(row, parts.pixel(k));
     p[k] = source.unit_coordinate(parts.pixel(k));
     good[k] = parts.describe(k, p[k]);
   });
+
   source.keep_trusted(row, parts.pixel(0), good);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { all = hn::And(all, good[k]); });
+
+  // 2. Mostly all of them: compute and store. The branch makes `past_cache` a constant.
   if (HWY_LIKELY(hn::AllTrue(d, all) && !stage.limits_depth)) {
     const Several<count> z = depths(parts, p);
     if (row.past_cache) return store_all(row, true, parts, z);
     return store_all(row, false, parts, z);
   }
+
+  // 3. Otherwise find out whether the rest is only dark.
   FloatMask all_dark = hn::FirstN(d, hn::Lanes(d)), all_good_or_dark = all_dark;
   Several<count, FloatMask> dark;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -234,17 +262,23 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
     all_dark = hn::And(all_dark, dark[k]);
     all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark[k], good[k]));
   });
+
   if (hn::AllTrue(d, all_dark)) {
     return each<count>([&](std::size_t k) SLIPSTREAM_STEP { store_dark(row, parts.pixel(k)); });
   }
+
+  // 4. Depths, which may have limits.
   const Several<count> z = depths(parts, p);
   if (stage.limits_depth) {
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark[k], within_limits(stage, z[k])));
     });
   }
+
   if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark)))
     return store_where_not_dark(row, parts, dark, z);
+
+  // 5. Some lit pixel has no point: vector by vector, with the reasons.
   const PointRow row_copy = row;  // copies, so that the originals stay in registers
   const BlockParts<count> parts_copy = parts;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -274,8 +308,11 @@ HWY_INLINE void point_part(const PointStage& stage, const Source& source, const 
   const std::size_t pixel = first * width;
   const std::size_t whole = std::min(count, (static_cast<std::size_t>(row.width) - pixel) / width);
   const RayBlocks::Range* const described = row.blocks.described + first;
+
   point_blocks<few_at_once>(stage, source, row, pixel, whole * width, coefficients, described);
   if (whole == count) return;
+
+  // The last block is placed so that it ends with the row.
   const int last = RayBlocks::first_column(static_cast<int>(first + whole), row.width);
   point_blocks<1>(stage, source, row, static_cast<std::size_t>(last), width,
                   coefficients + whole * MixedBlocks::terms, described + whole);
@@ -286,6 +323,7 @@ HWY_INLINE void point_row(const PointStage& stage, const Source& source, const P
   if (row.blocks.described == nullptr) return row_on_rays(stage, source, row);
   const auto width = static_cast<std::size_t>(row.width);
   const std::size_t blocks = (width + RayBlocks::width - 1) / RayBlocks::width;
+
   MixedBlocks mixed;
   for (std::size_t first = 0; first < blocks; first += MixedBlocks::most) {
     const std::size_t count = std::min(MixedBlocks::most, blocks - first);
@@ -310,9 +348,12 @@ void NumberRow(const DepthScale& scale, int width, const float* z, std::uint16_t
   const FloatTag d;
   const hn::Rebind<std::uint16_t, FloatTag> words;
   const Floats offset = hn::Set(d, scale.offset), per_mm = hn::Set(d, 1 / scale.scale);
+
   for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Floats number =
         hn::MulAdd(hn::Sub(hn::LoadU(d, z + i), offset), per_mm, hn::Set(d, 0.5F));
+
+    // Numbers begin at 1; 0 means no depth. With the 0.5 added above, the conversion rounds.
     const auto in_range =
         hn::And(hn::Ge(number, hn::Set(d, 1.0F)), hn::Lt(number, hn::Set(d, 65536.0F)));
     const Ints whole = hn::ConvertTo(IntTag(), hn::IfThenElseZero(in_range, number));
@@ -327,6 +368,8 @@ HWY_INLINE void pack(const float* from, FloatMask points, std::size_t count, flo
   const FloatTag d;
   const Floats values = hn::Compress(hn::LoadU(d, from), points);
   if (HWY_LIKELY(has_room)) return hn::StoreU(values, d, to);
+
+  // At the end of the room: write only the values.
   HWY_ALIGN float packed[HWY_MAX_BYTES / sizeof(float)];  // NOLINT(modernize-avoid-c-arrays)
   hn::StoreU(values, d, packed);
   std::copy_n(static_cast<const float*>(packed), count, to);
@@ -336,19 +379,25 @@ std::size_t PackRow(int width, const PointValues<const float>& from, const Point
                     std::size_t room) {
   const FloatTag d;
   const std::size_t pixels = static_cast<std::size_t>(width), lanes = hn::Lanes(d);
+
   std::size_t packed = 0;
   for (std::size_t next = 0; next < pixels; next += lanes) {
     const std::size_t i = std::min(next, pixels - lanes);  // the last overlaps the one before it
+
+    // Lanes already packed with the vector before do not count.
     const FloatMask is_new = hn::Ge(hn::Iota(d, 0), hn::Set(d, static_cast<float>(next - i)));
     const FloatMask points = hn::AndNot(hn::IsNaN(hn::LoadU(d, from.z + i)), is_new);
     const std::size_t count = hn::CountTrue(d, points);
+
     const bool has_room = packed + lanes <= room;
     pack(from.x + i, points, count, to.x + packed, has_room);
     pack(from.y + i, points, count, to.y + packed, has_room);
     pack(from.z + i, points, count, to.z + packed, has_room);
     pack(from.intensity + i, points, count, to.intensity + packed, has_room);
+
     packed += count;
   }
+
   return packed;
 }
 

@@ -23,6 +23,7 @@ struct FoldOfFour {
 
   HWY_INLINE Floats folded_U() const { return hn::Max(hn::Abs(U), hn::Abs(V)); }
   HWY_INLINE Floats folded_V() const { return hn::Min(hn::Abs(U), hn::Abs(V)); }
+
   HWY_INLINE Floats unfolded(Floats turn) const {
     return slipstream::HWY_NAMESPACE::unfolded(turn, V, U);
   }
@@ -37,14 +38,18 @@ struct FoldOfThree {
     const Floats v = hn::Abs(V);
     return hn::IfThenElse(hn::Gt(v, U), hn::MulSub(hn::Set(FloatTag(), 3.0F), v, U), U);
   }
+
   HWY_INLINE Floats folded_V() const {
     const Floats v = hn::Abs(V);
     return hn::IfThenElse(hn::Gt(v, U), hn::Abs(hn::Add(U, v)), v);
   }
+
   HWY_INLINE Floats unfolded(Floats turn) const {
     const FloatTag d;
     const Floats v = hn::Abs(V);
     const Floats back = hn::Sub(hn::Set(d, 1.0F / 3), hn::CopySign(turn, hn::Add(U, v)));
+
+    // Undo the two foldings in reverse.
     const Floats half = hn::IfThenElse(hn::Gt(v, U), back, turn);
     return hn::IfThenElse(hn::Lt(V, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0F), half), half);
   }
@@ -55,6 +60,8 @@ template <class Fold, std::size_t count>
 HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<count>& V,
                                        const Several<count>& U) {
   const FloatTag d;
+
+  // x of FoldedPhase, from the folded sums.
   Several<count> numerator, denominator;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Fold fold{U[k], V[k]};
@@ -62,12 +69,16 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
     numerator[k] = hn::MulAdd(hn::Set(d, -2 - folded.b), v, u);
     denominator[k] = hn::MulAdd(hn::Set(d, folded.b), v, u);
   });
+
   const Several<count> x = quotients<count>(numerator, denominator);
+
+  // The polynomial in x, highest power first.
   Several<count> turn;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = hn::Set(d, folded.coefficients[0]); });
   for (std::size_t i = 1; i < folded.coefficients.size(); ++i) {
     add_term<count>(turn, x, folded.coefficients[i]);
   }
+
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = Fold{U[k], V[k]}.unfolded(turn[k]); });
   return turn;
 }
@@ -76,13 +87,18 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
 HWY_INLINE void store_levels(const SinusoidStage& stage, Floats sum, Floats square,
                              const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
+
+  // The first sinusoid gives the mean.
   if (!row.another) {
     fetch_ahead(row.mean + i, row.past_cache);
     store(hn::Mul(sum, hn::Set(d, row.limits.mean_scale)), row.mean + i, row.past_cache);
   }
+
   if (row.modulation == nullptr && row.own_modulation == nullptr) return;
   Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
   if (row.own_modulation != nullptr) hn::StoreU(modulation, d, row.own_modulation + i);
+
+  // Over several sinusoids the least modulation counts.
   if (row.modulation != nullptr) {
     if (row.another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
     hn::StoreU(modulation, d, row.modulation + i);
@@ -100,6 +116,7 @@ HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>
   } else {
     turn = corrected_turns<count>(stage, V, U);
   }
+
   return without_shifts<count>(stage, turn);
 }
 
@@ -109,29 +126,38 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
                                const Saturated& saturation, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
+
+  // 1. Skip the vectors if all their pixels are known to be dark.
   const auto at = [&](std::size_t k) SLIPSTREAM_STEP { return i + k * hn::Lanes(d); };
   const auto all_dark = [&](const auto& flags) SLIPSTREAM_STEP {
     Ints common = hn::Set(di, PixelFlag::dark);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { common = hn::And(common, flags(k)); });
     return hn::AllTrue(d, is_dark(common));
   };
+
   const auto known = [&](std::size_t k)
                          SLIPSTREAM_STEP { return hn::LoadU(di, row.flags + at(k)); };
+
   if (row.only_lit && row.another && all_dark(known)) return;
 
+  // 2. Sums, levels, and which pixels are dark.
   Several<count> U, V, turn;
   Several<count, FloatMask> dark;
   FloatMask any_dark = hn::FirstN(d, 0);
   const Floats least_square = hn::Set(d, row.limits.least_square);
+
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const FrameSums sum = sums(at(k));
     U[k] = sum.U;
     V[k] = sum.V;
+
     const Floats square = modulation_square(stage, sum);
     dark[k] = hn::Lt(square, least_square);
     any_dark = hn::Or(any_dark, dark[k]);
     store_levels(stage, sum.sum, square, row, at(k));
   });
+
+  // 3. Mostly no pixel is dark or saturated: store the turns.
   const bool saturated = saturation.template among<count>(i);
   if (HWY_LIKELY(hn::AllFalse(d, any_dark) && !saturated)) {
     turn = turns<N, count>(stage, U, V);
@@ -141,17 +167,21 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
     });
   }
 
+  // 4. Otherwise set the flags first. Frames are read again only if one is saturated.
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     Ints flags = flag_where(dark[k], PixelFlag::dark);
     if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(at(k)).greatest));
     if (row.another) flags = hn::Or(flags, known(k));
     hn::StoreU(flags, di, row.flags + at(k));
   });
+
+  // 5. Then the turns, unless all pixels are dark and their turns are not wanted.
   if (row.only_lit && all_dark(known)) {
     if (!row.nan_if_flagged) return;
     return each<count>([&](std::size_t k)
                            SLIPSTREAM_STEP { hn::StoreU(nans(), d, row.turn + at(k)); });
   }
+
   turn = turns<N, count>(stage, U, V);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     if (row.nan_if_flagged) {
@@ -179,6 +209,7 @@ HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const Pixel* cons
   const auto sums = [rows](std::size_t i)
                         SLIPSTREAM_STEP { return closed_form_sums<N>(rows.data(), i); };
   const Saturation saturation(rows.data(), N, row.limits.full_scale);
+
   if constexpr (N != 5) {
     if (!stage.folded.empty()) return decode_with<N>(stage, sums, saturation, row);
   }
@@ -189,10 +220,12 @@ template <class Pixel>
 HWY_INLINE void decode_weighted(const SinusoidStage& stage, const Pixel* const* frames,
                                 const SinusoidRow& row) {
   const Saturation saturation(frames, stage.cosines.size(), row.limits.full_scale);
+
   const std::span whole = stage.whole;
   const auto any = [&](std::size_t i) SLIPSTREAM_STEP { return general_sums(stage, frames, i); };
   const auto exact = [whole, frames](std::size_t i)
                          SLIPSTREAM_STEP { return whole_sums(whole, frames, i); };
+
   whole.empty() ? decode_with<0>(stage, any, saturation, row)
                 : decode_with<0>(stage, exact, saturation, row);
 }
@@ -203,6 +236,7 @@ HWY_NOINLINE void decode_pixels(const SinusoidStage& stage, const Pixel* const* 
   // A local copy stays in registers: no store can alias it.
   const SinusoidRow local = row;
   const int steps = stage.cosines.empty() ? stage.steps : 0;
+
   if (steps == 3) return decode_closed_form<3>(stage, frames, local);
   if (steps == 4) return decode_closed_form<4>(stage, frames, local);
   if (steps == 5) return decode_closed_form<5>(stage, frames, local);

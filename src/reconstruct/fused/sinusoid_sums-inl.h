@@ -105,11 +105,15 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
   const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
   const auto level = [&](Ints v) SLIPSTREAM_STEP { return hn::ConvertTo(d, v); };
   const Floats two = hn::Set(d, 2.0F), four = hn::Set(d, 4.0F), root = hn::Set(d, 2.2360679775F);
+
+  // Sums and differences of the frames that share a cosine.
   const Ints I0 = I(0), I1 = I(1), I2 = I(2), I3 = I(3), I4 = I(4);
   const Ints outer = hn::Add(I1, I4), inner = hn::Add(I2, I3), others = hn::Add(outer, inner);
   const Floats rise = level(hn::Sub(I1, I4)), inner_rise = level(hn::Sub(I2, I3));
+
   const Floats whole = hn::MulSub(four, level(I0), level(others));
   const Floats apart = level(hn::Sub(outer, inner));
+
   return {{level(hn::Add(I0, others)), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
            with_root_of_five(whole, apart),
            with_root_of_five(hn::MulSub(two, rise, inner_rise), inner_rise)},
@@ -124,6 +128,8 @@ HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i)
   const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
   const Ints I0 = I(0), I1 = I(1), I2 = I(2);
   const FloatTag d;
+
+  // For each N: the sum of all frames, the greatest, U and V.
   if constexpr (N == 3) {
     const Ints others = hn::Add(I1, I2);
     return {hn::ConvertTo(d, hn::Add(I0, others)), hn::Max(I0, hn::Max(I1, I2)),
@@ -150,17 +156,21 @@ template <class Pixel>
 HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const* frames,
                                   std::size_t i) {
   const FloatTag d;
+
   DoubleSums C, S;
   Floats sum = hn::Zero(d);
   Ints greatest = hn::Zero(IntTag());
+
   for (std::size_t n = 0; n < stage.cosines.size(); ++n) {
     const Ints I = load_pixels(frames[n] + i);
     const float mean = stage.means.empty() ? 1 : stage.means[n];
     sum = hn::MulAdd(hn::Set(d, mean), hn::ConvertTo(d, I), sum);
     greatest = hn::Max(greatest, I);
+
     C.add(I, stage.cosines[n]);
     S.add(I, stage.sines[n]);
   }
+
   return {sum, greatest, C.sum(), S.sum()};
 }
 
@@ -169,8 +179,10 @@ template <class Pixel>
 HWY_INLINE FrameSums whole_sums(std::span<const SinusoidStage::WholeWeights> weights,
                                 const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
+
   Floats sum = hn::Zero(d), U = sum, V = sum;
   Ints greatest = hn::Zero(IntTag());
+
   for (std::size_t n = 0; n < weights.size(); ++n) {
     const Ints I = load_pixels(frames[n] + i);
     const Floats level = hn::ConvertTo(d, I);
@@ -179,6 +191,7 @@ HWY_INLINE FrameSums whole_sums(std::span<const SinusoidStage::WholeWeights> wei
     U = hn::MulAdd(hn::Set(d, weights[n].cosine), level, U);
     V = hn::MulAdd(hn::Set(d, weights[n].sine), level, V);
   }
+
   return {sum, greatest, U, V};
 }
 
@@ -196,17 +209,22 @@ class Saturation {
   template <std::size_t vectors>
   HWY_INLINE bool among(std::size_t i) const {
     if (!occurs_) return false;
+
     constexpr std::size_t pixels = vectors * hn::MaxLanes(FloatTag());
     const hn::CappedTag<Pixel, pixels> d;
     const auto full_scale = hn::Set(d, full_scale_);
+
     bool saturated = false;
     for (std::size_t start = 0; start < pixels; start += hn::Lanes(d)) {
       auto greatest = hn::Zero(d);
       for (std::size_t n = 0; n < count_; ++n) {
         greatest = hn::Max(greatest, hn::LoadU(d, frames_[n] + i + start));
       }
+
+      // A pixel is saturated if its greatest level is not below full scale.
       saturated |= !hn::AllFalse(d, hn::Eq(hn::Max(greatest, full_scale), greatest));
     }
+
     return saturated;
   }
 
@@ -221,6 +239,8 @@ class Saturation {
 HWY_INLINE Floats unfolded(Floats eighth, Floats S, Floats C) {
   const FloatTag d;
   const Floats zero = hn::Zero(d);
+
+  // Mirrored at 45, 90 and 180 degrees in turn.
   const Floats quarter =
       hn::IfThenElse(hn::Gt(hn::Abs(S), hn::Abs(C)), hn::Sub(hn::Set(d, 0.25F), eighth), eighth);
   const Floats half = hn::IfThenElse(hn::Lt(C, zero), hn::Sub(hn::Set(d, 0.5F), quarter), quarter);
@@ -234,6 +254,7 @@ HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several
   // The angle of the smaller to the larger is at most pi/4. Measured from pi/8, |q| <= tan(pi/8),
   // so four terms of the odd polynomial suffice (minimax, 1.1e-7 rad).
   const Floats tangent = hn::Set(d, 0.41421356237F);
+
   Several<count> numerator, denominator;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats sine = hn::Abs(S[k]), cosine = hn::Abs(C[k]);
@@ -242,19 +263,24 @@ HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several
     numerator[k] = hn::NegMulAdd(tangent, greater, smaller);
     denominator[k] = hn::MulAdd(tangent, smaller, greater);
   });
+
+  // The polynomial in q^2, highest power first, then times q, plus pi/8 (0.0625 turns).
   const Several<count> q = quotients<count>(numerator, denominator);
   Several<count> q2, turn;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     q2[k] = hn::Mul(q[k], q[k]);
     turn[k] = hn::Set(d, -0.01715644503710709F);
   });
+
   add_term<count>(turn, q2, 0.03116408851608355F);
   add_term<count>(turn, q2, -0.05302114738541977F);
   add_term<count>(turn, q2, 0.15915456249778778F);
   add_term<count>(turn, q, 0.0625F);
+
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     turn[k] = unfolded(hn::Max(turn[k], hn::Zero(d)), S[k], C[k]);
   });
+
   return turn;
 }
 
@@ -262,27 +288,36 @@ HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several
 HWY_INLINE Floats corrected_by_wave(const SinusoidStage& stage, Floats turn) {
   const FloatTag d;
   const Floats N = hn::Set(d, static_cast<float>(stage.steps));
+
   // Adding 1.5 * 2^23 rounds to the nearest whole number.
   const Floats rounding = hn::Set(d, 12582912.0F);
   const Floats whole = hn::Sub(hn::MulAdd(turn, N, rounding), rounding);
+
+  // r is the distance of N times the turn from the nearest whole number.
   const Floats r = hn::MulSub(turn, N, whole);
   const Floats r2 = hn::Mul(r, r);
+
+  // The odd polynomial: its slope in r^2, times r.
   const float* c = stage.correction_wave.data();
   Floats slope = hn::Set(d, c[0]);
   for (std::size_t i = 1; i < SinusoidStage::wave_terms; ++i) {
     slope = hn::MulAdd(slope, r2, hn::Set(d, c[i]));
   }
+
   return hn::MulAdd(slope, r, turn);
 }
 
 HWY_INLINE Floats corrected_by_table(const SinusoidStage& stage, Floats turn) {
   const FloatTag d;
   const IntTag di;
+
+  // Linear between the table's entries.
   const Floats place = hn::Mul(turn, hn::Set(d, stage.segments));
   const Ints segment = hn::ConvertTo(di, place);
   const Floats part = hn::Sub(place, hn::ConvertTo(d, segment));
   const Floats added = hn::GatherIndex(d, stage.correction.data(), segment);
   const Floats rise = hn::GatherIndex(d, stage.correction_rise.data(), segment);
+
   return hn::Add(turn, hn::MulAdd(part, rise, added));
 }
 
@@ -292,6 +327,7 @@ HWY_INLINE Floats corrected_after(const SinusoidStage& stage, Floats turn) {
   if (stage.correction_wave.empty() && stage.correction.empty()) return turn;
   if (!stage.correction_wave.empty()) turn = corrected_by_wave(stage, turn);
   if (!stage.correction.empty()) turn = corrected_by_table(stage, turn);
+
   // The correction may exceed either end.
   return hn::Sub(turn, hn::Floor(turn));
 }
@@ -300,10 +336,12 @@ HWY_INLINE Floats corrected_after(const SinusoidStage& stage, Floats turn) {
 template <std::size_t count>
 HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<count> V,
                                           const Several<count>& U) {
+  // The phase is the angle of U and sine_weight V.
   const Floats weight = hn::Set(FloatTag(), stage.sine_weight);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { V[k] = hn::Mul(weight, V[k]); });
   Several<count> turn = angles_in_turns<count>(V, U);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
+
   return turn;
 }
 
@@ -311,12 +349,14 @@ HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<co
 template <std::size_t count>
 HWY_INLINE Several<count> without_shifts(const SinusoidStage& stage, Several<count> turn) {
   if (stage.direction == 1 && stage.offset == 0) return turn;
+
   const FloatTag d;
   const Floats direction = hn::Set(d, stage.direction), offset = hn::Set(d, stage.offset);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     turn[k] = hn::MulAdd(direction, turn[k], offset);
     turn[k] = hn::Sub(turn[k], hn::Floor(turn[k]));
   });
+
   return turn;
 }
 
@@ -384,14 +424,19 @@ HWY_INLINE void unwrap_vectors(const UnwrappedRow& row, float largest_doubt,
   for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Ints known = hn::LoadU(di, row.flags + i);
     if (hn::AllTrue(d, flagged(known, hidden))) return hn::StoreU(nans(), d, row.coordinate + i);
+
     const Unwrapped pixels = unwrapped(i, known);
+
     if (row.doubt != nullptr) {
       const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
       hn::StoreU(hn::Max(pixels.doubt, before), d, row.doubt + i);
     }
+
     const FloatMask doubtful = hn::Gt(pixels.doubt, hn::Set(d, largest_doubt));
     hn::StoreU(hn::Or(pixels.flags, flag_where(doubtful, PixelFlag::doubtful_order)), di,
                row.flags + i);
+
+    // Pixels with a hidden flag give no coordinate.
     const Floats y = hn::IfThenElse(flagged(pixels.flags, hidden), nans(), pixels.y);
     hn::StoreU(y, d, row.coordinate + i);
   });

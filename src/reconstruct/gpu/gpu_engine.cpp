@@ -42,6 +42,7 @@ GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays, i
   const Size size{rays.E_x.width(), last - first};
   GpuBuffer buffer(gpu, 2 * padded(size) * sizeof(float), GpuMemory::upload);
   auto* const to = reinterpret_cast<float*>(buffer.data());
+
   const float* const E_x = rays.E_x.row(first);
   const float* const E_y = rays.E_y.row(first);
   for (std::size_t i = 0; i < pixels_of(size); ++i) {
@@ -49,6 +50,7 @@ GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays, i
     four[0] = E_x[i];
     four[whole_words] = E_y[i];
   }
+
   return buffer;
 }
 
@@ -93,6 +95,8 @@ struct PlaneList {
 PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   PlaneList list{.plane_pixels = plane_pixels};
   GpuPlanes& at = list.planes;
+
+  // Points. Maps also give the cloud's intensity, at the end.
   if (Cloud* const cloud = output.cloud) {
     list.add(at.x, cloud->x);
     list.add(at.y, cloud->y);
@@ -101,6 +105,8 @@ PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   } else if (output.depth != nullptr) {
     list.add(at.z, output.depth->z);
   }
+
+  // Maps, or the modulation alone.
   if (Maps* const maps = output.maps) {
     list.add(at.mean, maps->mean);
     list.add(at.modulation, maps->modulation);
@@ -110,6 +116,7 @@ PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   } else if (output.modulation != nullptr) {
     list.add(at.modulation, *output.modulation);
   }
+
   return list;
 }
 
@@ -137,6 +144,8 @@ Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
   const FrameViews& frames = scans.front();
   const Outputs& output = outputs.front();
   const GpuStages& of = engine.text.stages;
+
+  // 1. The scans and their outputs.
   Job job{.stages = of,
           .scans = scans,
           .outputs = outputs,
@@ -147,6 +156,8 @@ Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
     prepare(each, {of.width, of.height}, of.links > 0 || !engine.vote.empty());
     job.planes.push_back(planes_of(each, job.pixels));
   }
+
+  // 2. Sizes of the buffers. The coarse coordinates follow the frames.
   const std::size_t plane_bytes = job.pixels * sizeof(float);
   const std::size_t planes = job.planes.front().images.size();
   job.frame_bytes = job.pixels * bytes_of_pixels(frames);
@@ -155,10 +166,12 @@ Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
   job.output_bytes = planes * plane_bytes;
   job.between_bytes = job.together * static_cast<std::size_t>(of.kept) * plane_bytes;
 
+  // 3. Limits, which depend on the camera's bits.
   GpuStages& stages = job.stages;
   std::vector<SinusoidLimits> limits;
   engine.fused.find_limits(frames, output, limits);
   for (std::size_t i = 0; i < limits.size(); ++i) stages.bands[i].limits = limits[i];
+
   if (!engine.vote.empty()) {
     const double full_scale = frames.full_scale();
     const auto level = static_cast<float>(full_scale / 255);
@@ -167,17 +180,22 @@ Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
     stages.vote.to_8_bits = 1 / level;
     stages.vote.shade = mean_of * level * stages.cue.shade;
   }
+
   const GpuBand& first = stages.bands.front();
   stages.code.mean_to_frames =
       1 / (first.limits.mean_scale * static_cast<float>(first.sinusoid.steps));
+
+  // 4. Where and how the shaders write.
   stages.plane_at = job.planes.front().planes;
   stages.packing = {.wanted = output.makes_points() ? 1 : 0,
                     .numbers_per_mm = output.depth16 != nullptr ? 1 / output.scale.scale : 0,
                     .offset = output.scale.offset};
+
   stages.plane_fours = static_cast<int>(job.pixels / whole_words);
   stages.scan_words = static_cast<int>(job.upload_bytes / sizeof(int));
   stages.scan_fours = stages.plane_fours * static_cast<int>(planes);
   if (coarse != nullptr) stages.coarse_given = static_cast<int>(job.all_frames_bytes / sizeof(int));
+
   return job;
 }
 
@@ -185,9 +203,11 @@ GpuScanMemory::Slot slot_for(const GpuEngine& engine, const Job& job, bool resid
   const auto& words = engine.text.words;
   const std::size_t word_bytes = words.size() * sizeof(int);
   const GpuMemory results = resident ? GpuMemory::device : GpuMemory::download;
+
   const auto buffer = [&](std::size_t bytes, GpuMemory memory) {
     return GpuBuffer(engine.gpu, bytes, memory);
   };
+
   GpuScanMemory::Slot slot{
       .frames = buffer(job.together * job.upload_bytes, GpuMemory::upload),
       .stages = buffer(sizeof(GpuStages) + word_bytes, GpuMemory::upload),
@@ -195,14 +215,17 @@ GpuScanMemory::Slot slot_for(const GpuEngine& engine, const Job& job, bool resid
       .output = buffer(job.together * job.output_bytes, results),
       .packed = buffer(job.together * job.pixels * sizeof(std::uint16_t), results),
       .run = GpuRun(engine.gpu)};
+
   std::memcpy(slot.stages.data() + sizeof(GpuStages), words.data(), word_bytes);
   return slot;
 }
 
 void upload(const Step& step, const Job& job, const GpuBuffer& to) {
   const int first = step.part.first_seen, last = step.part.last_seen;
+
   for (std::size_t scan = 0; scan < step.scans; ++scan) {
     std::byte* const place = to.data() + scan * job.upload_bytes;
+
     copy_frames(job.scans[step.first + scan], first, last, job.frame_bytes, place);
     if (job.coarse != nullptr) copy_coarse(*job.coarse, first, last, place + job.all_frames_bytes);
   }
@@ -210,14 +233,19 @@ void upload(const Step& step, const Job& job, const GpuBuffer& to) {
 
 void start(const GpuEngine& engine, const Step& step, Job& job, GpuScanMemory::Slot& slot) {
   const GpuEngine::Part& part = step.part;
+
+  // The stages of this part.
   job.stages.height = part.last_seen - part.first_seen;
   std::memcpy(slot.stages.data(), &job.stages, sizeof(job.stages));
+
+  // The shaders: coordinates, the vote if there is a cue, points if wanted.
   std::vector programs{bytes_of_pixels(job.scans.front()) == 1 ? &engine.coordinates_of_8_bits
                                                                : &engine.coordinates_of_16_bits};
   if (!engine.vote.empty()) {
     for (const std::size_t task : vote_passes) programs.push_back(&engine.vote[task]);
   }
   if (job.outputs.front().makes_points()) programs.push_back(&engine.points);
+
   slot.run.start(std::array<const GpuBuffer*, 6>{&slot.frames, &slot.stages, &part.rays,
                                                  &slot.between, &slot.output, &slot.packed},
                  programs, padded({job.stages.width, job.stages.height}) / whole_words,
@@ -228,10 +256,13 @@ void collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot) 
   const GpuEngine::Part& part = step.part;
   const std::size_t skipped = pixels_of({job.stages.width, part.first - part.first_seen});
   const std::size_t planes = job.planes.front().images.size();
+
   const auto copy = [&]<class Pixel>(const GpuBuffer& from, std::size_t plane, Image<Pixel>& to) {
     std::memcpy(to.row(part.first), from.data() + (plane * job.pixels + skipped) * sizeof(Pixel),
                 pixels_of({to.width(), part.last - part.first}) * sizeof(Pixel));
   };
+
+  // Planes of numbers, then validity or 16-bit depth.
   for_each_row(static_cast<int>(step.scans * planes), [&](int plane) {
     const auto i = static_cast<std::size_t>(plane);
     copy(slot.output, i, *job.planes[step.first + i / planes].images[i % planes]);
@@ -249,6 +280,7 @@ void collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot) 
 GpuEngine::GpuEngine(const FusedEngine& of, GpuProgramText program,
                      std::shared_ptr<const Gpu> device, std::size_t pixels)
     : fused(of), text(std::move(program)), gpu(std::move(device)), points(gpu, points_spirv, {}) {
+  // 1. The shaders. The GPU's driver compiles them with these constants.
   const FusedStages& stages = *fused.stages;
   const auto bands = static_cast<std::uint32_t>(stages.bands.size());
   coordinates_of_8_bits = {gpu, coordinates_spirv, std::array{8U, bands}};
@@ -256,26 +288,34 @@ GpuEngine::GpuEngine(const FusedEngine& of, GpuProgramText program,
   for (std::uint32_t task = 0; stages.cue && task < 4; ++task) {
     vote.emplace_back(gpu, vote_spirv, std::array{task});
   }
+
+  // 2. Parts of whole rows. A part also reads the rows that its own need as neighbours.
   const auto [width, height] = stages.rays.E_x.size();
   // Few enough at once for the largest buffer: results, or 16-bit frames.
   constexpr std::size_t results = 8 * sizeof(float);
   const std::size_t frames = static_cast<std::size_t>(stages.frames) * 2 + sizeof(float);
   const std::size_t at_once = std::min(pixels, gpu->most_bytes() / std::max(results, frames));
+
   const int beside = stages.cue ? VoteBlock::seen : 1;
   const std::size_t seen_beside = pixels_of({width, 2 * beside});
   const std::size_t own = at_once > seen_beside ? at_once - seen_beside : 1;
+
   const int count = static_cast<int>(std::clamp<std::size_t>(
       (pixels_of({width, height}) + own - 1) / own, 1, static_cast<std::size_t>(height)));
+
   const auto border = [&, height = height](int i) {
     return static_cast<int>(std::int64_t{height} * i / count);
   };
   for (int i = 0; i < count; ++i) {
     const int first = border(i), last = border(i + 1);
     const int first_seen = std::max(first - beside, 0), last_seen = std::min(last + beside, height);
+
     parts.push_back(
         {first, last, first_seen, last_seen, rays_on(gpu, stages.rays, first_seen, last_seen)});
     largest = {width, std::max(largest.height, last_seen - first_seen)};
   }
+
+  // 3. Small images: several scans at once.
   if (count > 1) return;
   together = std::clamp<std::size_t>(at_once / padded(largest), 1, GpuRun::most_layers);
 }
@@ -284,6 +324,7 @@ std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional
                                          std::size_t pixels) {
   std::optional<GpuProgramText> text = gpu_stages(*fused.stages);
   if (!text) return std::nullopt;
+
   return GpuEngine(fused, std::move(*text), Gpu::open(device), pixels);
 }
 
@@ -294,6 +335,7 @@ void GpuEngine::operator()(const FrameViews& frames, const Outputs& output, GpuS
 
 void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Outputs> outputs,
                            GpuScanMemory& memory, const Image<float>* coarse) const {
+  // 1. All frames must have one format.
   const FrameViews& like = scans.front();
   for (const FrameViews& frames : scans) {
     require_frames(frames, fused.stages->frames, {text.stages.width, text.stages.height});
@@ -303,27 +345,36 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
     }
     throw Error("frames are not quantised or differ in format; the GPU takes 8 to 16 bits");
   }
+
+  // 2. Buffers: those of the last call, if they are large enough.
   Job job = job_for(*this, scans, outputs, coarse);
   const std::size_t at_a_time = (scans.size() + job.together - 1) / job.together;
   const std::size_t steps = at_a_time * parts.size();
+
   auto& slots = memory.slots;
+
   // The last slot is never larger than the others.
   const bool keeps = !slots.empty() &&
                      slots.back().frames.size() >= job.together * job.upload_bytes &&
                      slots.back().between.size() >= job.between_bytes &&
                      slots.back().output.size() >= job.together * job.output_bytes;
   if (!keeps) slots.clear();
+
   while (slots.size() < (memory.resident ? steps : std::min<std::size_t>(steps, 2))) {
     slots.push_back(slot_for(*this, job, memory.resident));
   }
+
+  // 3. Upload and start each step, then collect the one before while the device computes.
   const auto step_of = [&](std::size_t i) {
     const std::size_t first = i / parts.size() * job.together;
     return Step{parts[i % parts.size()], first, std::min(job.together, scans.size() - first)};
   };
+
   const auto collect_from = [&](std::size_t i) {
     slots[i % slots.size()].run.wait();
     if (!memory.resident) collect(step_of(i), job, slots[i % slots.size()]);
   };
+
   for (std::size_t i = 0; i < steps; ++i) {
     GpuScanMemory::Slot& slot = slots[i % slots.size()];
     slot.run.wait();  // left by a call that ended with an exception
@@ -331,8 +382,11 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
     start(*this, step_of(i), job, slot);
     if (i > 0) collect_from(i - 1);
   }
+
   collect_from(steps - 1);
   if (memory.resident) return;
+
+  // 4. A cloud with maps takes its intensity from their mean.
   const auto to_8_bits = static_cast<float>(255 / like.full_scale());
   for (const Outputs& output : outputs) {
     if (output.cloud == nullptr || output.maps == nullptr) continue;

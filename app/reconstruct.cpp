@@ -16,7 +16,6 @@
 #include "io/file.h"
 #include "io/image_file.h"
 #include "reconstruct/coordinate_map.h"
-#include "reconstruct/engine_setup.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/surface.h"
 

@@ -10,7 +10,6 @@
 
 #include "app/process.h"
 #include "base/numbers.h"
-#include "base/stopwatch.h"
 #include "slipstream/recording.h"
 #include "slipstream/registry.h"
 #include "slipstream/scan_files.h"
@@ -98,8 +97,6 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
             "extra frames per cloud for motion compensation: 0, 2 or 4");
 }
 
-/// Sets the response that corrects the scan's phases in check and cloud. Two cameras match each
-/// other's phase, so they need none.
 }  // namespace
 
 void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker) {
@@ -255,20 +252,22 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
     return result;
   }
 
-  // A scan is reconstructed, as by the command reconstruct.
+  // A scan is reconstructed from its first camera, with uncertainty if the noise is known.
   require_valid(flags.settings.clean);
-
-  // Measurements come with their uncertainty if the noise is known.
   ScanJobSettings settings = job_settings(flags);
-  const CheckedJob checked =
+  const CheckedJob job =
       checked_scan(load_checkable(path, flags, false, output), path, settings, output);
-  settings.maps = true;
-  settings.uncertainty = checked.setup.scanner.photometry.noise_variance.has_value();
+  settings.uncertainty = job.setup.scanner.photometry.noise_variance.has_value();
+  ScanResult made = ScanJob(settings)(job, path);
 
-  nlohmann::json& findings = output.list("findings");
-  for (const Finding& finding : checked.checked.findings) findings.push_back(finding);
+  // The check's findings are printed already.
+  const std::vector<Finding>& findings = made.checked.findings;
+  nlohmann::json& listed = output.list("findings");
+  for (const Finding& finding : findings) listed.push_back(finding);
+  for (std::size_t i = job.checked.findings.size(); i < findings.size(); ++i) {
+    output.warn(fmt::format("{}: {}", path, text_of(findings[i])));
+  }
 
-  ScanResult made = ScanJob(settings)(checked, path);
   result.organised = true;
   result.cloud = std::move(made.cloud);
   result.uncertainty = std::move(made.uncertainty);

@@ -62,7 +62,8 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings,
 struct ScanResult {
   Cloud cloud{};            ///< with ScanOutput::maps only the validity of its pixels
   ValidityCounts counts{};  ///< pixels by validity; first the points
-  Maps maps{};              ///< if wanted; of two cameras always
+  /// If wanted, or needed for the rest: with two cameras, both axes or uncertainty.
+  Maps maps{};
   std::optional<Uncertainty> uncertainty{};
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes
 
@@ -74,7 +75,8 @@ struct ScanResult {
   std::string backend{};          ///< see Engine::backend_for; "coordinates" for a camera pair
   std::string fallback_reason{};  ///< see Engine::fallback_reason
   double least_modulation = 0;    ///< minimum modulation of a point, grey levels of 255
-  double choosing = 0, checking = 0, tables = 0, computing = 0;  ///< time taken, s
+  /// Time taken, s; `computing` without the uncertainty.
+  double choosing = 0, checking = 0, tables = 0, computing = 0;
 };
 
 /// Reconstructs scans one after another. Keeps the engine's tables from scan to scan as long as the
@@ -94,8 +96,7 @@ class ScanJob {
   /// The same for a scan that was checked before, with these settings.
   [[nodiscard]] ScanResult operator()(const CheckedJob& job, const std::string& name = "the scan");
 
-  /// Standard deviations of a result of this job, of one camera's `frames`; computes the maps if
-  /// the result has none.
+  /// Standard deviations of a result of this job, of one camera's `frames`, whose maps it computes.
   [[nodiscard]] Uncertainty uncertainty_of(const ScanResult& result, const FrameViews& frames);
 
   /// Gives back the memory of a cloud that is no longer needed, for the next result.

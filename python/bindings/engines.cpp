@@ -75,7 +75,7 @@ std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bo
                                  .gamma = gamma,
                                  .keep_refused = anyway};
 
-  const CheckedJob job = unlocked([&] { return checked_job(std::move(scan), settings); });
+  const CheckedJob job = unlocked([&] { return checked_job(std::move(scan), settings, "scan"); });
   refuse_or_warn(job.checked, "scan", anyway);
 
   ScanResult made = unlocked([&] { return ScanJob(settings)(job, "scan"); });

@@ -359,7 +359,7 @@ class V4l2Stream {
 
   void set_rate(double rate) const {
     constexpr std::uint32_t precision = 1000;  // of a Hz
-    throw_if(!(rate * precision >= 1 && rate < 1e6),
+    throw_if(!(rate * precision >= 1 && rate <= 1e6),
              "camera {}: rate {} Hz is out of range; 0.001 to 1000000 Hz", name_, rate);
 
     auto parameters = cleared<v4l2_streamparm>();

@@ -27,9 +27,9 @@ GammaChoice choose_response_for(Scan& scan, const ScanJobSettings& settings) {
 }
 
 /// The pair with the light and noise that the settings give, else those of its file.
-Scanner pair_of(const Scan& scan, const PhotometricCalibration& given) {
-  Scanner pair = completed(*scan.camera_pair, "the camera pair", scan.frames.size(),
-                           scan.further_cameras.front().frames.size());
+Scanner pair_of(const Scan& scan, const PhotometricCalibration& given, const std::string& name) {
+  Scanner pair = completed(*scan.camera_pair, name + ", the second camera as the projector",
+                           scan.frames.size(), scan.further_cameras.front().frames.size());
 
   PhotometricCalibration& known = pair.photometry;
   if (given.ambient) known.ambient = given.ambient;
@@ -110,7 +110,8 @@ void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput o
 }  // namespace
 
 CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::string& name) {
-  const bool has_pair = settings.output == ScanOutput::points && !scan.scanner && scan.camera_pair;
+  const bool has_pair = settings.output == ScanOutput::points && !scan.scanner &&
+                        scan.camera_pair && !scan.further_cameras.empty();
   const bool wants_points = settings.output == ScanOutput::points && !has_pair;
   throw_if(wants_points && !scan.scanner,
            "{}: no scanner is known; name its file with --scanner or in scan.yaml", name);
@@ -120,7 +121,7 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
   std::optional<Scanner> pair;
   PhotometricCalibration known = settings.photometry;
   if (has_pair) {
-    pair = pair_of(job.scan, settings.photometry);
+    pair = pair_of(job.scan, settings.photometry, name);
     known = pair->photometry;
   } else if (job.scan.scanner) {
     known = job.scan.scanner->photometry;
@@ -209,7 +210,7 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
     result.epipolar =
         check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
-  } else if (settings_.maps || settings_.uncertainty) {
+  } else if (settings_.maps || settings_.uncertainty || settings_.sure_coordinates) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
   } else {
     engine.cloud(scan.frames, result.cloud);
@@ -252,14 +253,15 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
   result.least_modulation =
       two_cameras ? setup.settings.minimum_modulation : least_modulation(setup);
   if (!two_cameras && (!engine_ || engine_->setup() != setup)) engine_.emplace(setup);
-  memory.get();
   result.tables = watch.lap();
+  memory.get();
 
   // 2. Points or maps.
   two_cameras ? match_cameras(job, result) : compute(job, result);
   count(result, setup.settings, settings_.output);
+  result.computing = watch.lap();
 
-  // 3. Maps and uncertainty, if wanted.
+  // 3. Uncertainty and confirmed coordinates, if wanted.
   if (settings_.uncertainty && !result.uncertainty) {
     result.uncertainty = engine_->uncertainty(result.cloud, result.maps, job.scan.frames);
   }
@@ -267,7 +269,6 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
     result.maps.coordinate =
         converted<float>(measured_coordinates(*engine_, job.scan.frames, result.maps));
   }
-  result.computing = watch.lap();
   return result;
 }
 

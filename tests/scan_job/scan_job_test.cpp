@@ -148,4 +148,15 @@ TEST(ScanJob, GivesUncertaintyAndMapsOnRequest) {
   EXPECT_EQ(more.uncertainty->z.size(), more.cloud.size());
 }
 
+TEST(ScanJob, ConfirmsCoordinatesWithoutOtherMaps) {
+  const ScanResult result = reconstruct(scan_of(dual), {.sure_coordinates = true});
+  EXPECT_EQ(result.maps.coordinate.size(), result.cloud.size());
+}
+
+TEST(ScanJob, RefusesACameraPairWithoutItsSecondCamera) {
+  Scan scan = scan_of(dual);
+  scan.camera_pair = std::exchange(scan.scanner, std::nullopt);
+  EXPECT_THROW((void)reconstruct(scan), Error);
+}
+
 }  // namespace slipstream::scan_job_test

@@ -414,8 +414,8 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
   request.as_taken = true;  // stored with the recording
   if (!flags.headless) request.before_rendering = require_desktop;
 
-  // A first cloud at once. Two cameras move in step. As fast as possible and for a number of
-  // frames, each run gives the same.
+  // Repeat the first cycle until all is rendered, for a first cloud at once. Not with two cameras,
+  // which move in step, nor for a number of frames as fast as possible: each run gives the same.
   const bool repeats =
       flags.second_camera.empty() && (request.rate.value_or(0) > 0 || !settings.most_frames);
   request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;

@@ -161,7 +161,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                                 samples.largest_range() >= range_of_modulation * least;
   if (too_dim_to_judge) return {};
 
-  // 2. Light, damaged frames and an impossible scanner file make further tests pointless.
+  // 2. Faulty light, damaged frames or an impossible scanner file make further tests pointless.
   ScanFindings result;
   result.findings = light_faults(model, samples, frames.bits(), least);
   if (any_wrong(result.findings)) return result;

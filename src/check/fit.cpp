@@ -121,7 +121,7 @@ void FrameJudge::add_pair(double variation) {
 }
 
 void FrameJudge::look_for_damping(double groups) {
-  // Orders at the ends of the field are off by half of this, periods: neighbours outvote it.
+  // Periods. Orders at the ends of the field are off by half of this: neighbours outvote it.
   constexpr double most_tolerated = 1.3;
 
   evidence_.damping = 0;
@@ -337,10 +337,11 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   constexpr std::size_t fewest_slopes = 16;
   if (slopes.size() >= fewest_slopes) {
     result.slope = quantile(slopes, 0.5);
+
+    // From here on the slopes are deviations from their median.
     for (double& slope : slopes) slope = std::abs(slope - result.slope);
 
-    // From here on the slopes are deviations; 1.25 is sqrt(pi / 2), for Gaussian scatter.
-    // Standard error of the median.
+    // Standard error of the median; 1.25 is sqrt(pi / 2), for Gaussian scatter.
     const double error = 1.25 * deviation_from_median(quantile(slopes, 0.5)) /
                          std::sqrt(static_cast<double>(slopes.size()));
     result.slope_doubt = 3 * error;

@@ -188,7 +188,8 @@ std::optional<Finding> mosaic(const ScanSamples& samples) {
   // A sensor without a filter has the same gain everywhere, within 2 %.
   constexpr double least_ratio = 1.05, sure = 5;  // standard errors
 
-  // Of a pixel and the one across over the two others, logarithms: neither rows nor columns matter.
+  // Logarithms of the product of two diagonal pixels over the product of the others: gains of rows
+  // and columns cancel.
   std::array<std::vector<double>, 2> ratios;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     std::array<double, ScanSamples::far_right> range{};

@@ -245,8 +245,8 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, d
 
     if (!lit) continue;
 
-    // Four independent phases: twice the noise of one.
-    // Of four pixels, so that slopes cancel, and most of the curvature.
+    // The twist of four pixels: slopes cancel, and most of the curvature. Its noise is twice the
+    // noise of one phase.
     const double twist = std::remainder(
         read[0].phase[band] - read[1].phase[band] - read[2].phase[band] + read[3].phase[band],
         two_pi);

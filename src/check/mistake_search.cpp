@@ -235,8 +235,7 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
     mistakes.push_back(std::move(attempt.mistake));
   }
 
-  // 2. With all pixels.
-  // The few left must also pass with all pixels.
+  // 2. The few left must also pass with all pixels.
   std::vector<Attempt> found = explaining(scan, as_given, std::move(mistakes));
 
   // 3. Prefer mistakes that leave no warning, and good fits to poor ones.

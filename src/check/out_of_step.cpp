@@ -50,7 +50,7 @@ constexpr double half = 0.5;  // hides what alternates from frame to frame
 /// of it at one half.
 double share_in_code(const FrameModel& model, const ScanSamples& samples) {
   constexpr std::size_t most_groups = 256;
-  // Of the range; share of the bits with wide stripes, where right scans have few between.
+  // Pixels; share of the range; share of the bits with wide stripes: right scans have few between.
   constexpr double fewest = 16, no_contrast = 0.1, most_without = 0.25;
 
   const auto& code = model.layout().code;
@@ -229,7 +229,7 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
                            scan.scanner, scan.photometry, scan.settings};
   const Fit then = fit_of(without);
 
-  // Near one half noise remains of code frames; at one half nothing can be undone.
+  // Near a share of one half, noise remains of a code's frames; at one half none can be undone.
   const bool by_code = in_code > most_in_code, is_half = in_code == half;
   if (!is_half && (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||
                    (!by_code && then.misfit() >= fit.misfit()))) {
@@ -246,7 +246,7 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   // 3. The harm done.
   const auto [off, deeper] = errors(scan, undone, fit, then);
 
-  // Fields: about the noise of one pixel; mm; bits begin to err at a quarter.
+  // Fields: about the noise of one pixel; mm; a share: bits begin to err at a quarter.
   constexpr double most_off = 2e-4, most_deeper = 0.7, harmful_in_code = 0.15;
   const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
 

@@ -124,7 +124,7 @@ class Mistakes {
     if (scan.scanner != nullptr && frames_fit && !as_given.all()) add_geometry();
     for (std::size_t i = of_frames; i < list.size(); ++i) list[i].geometric = true;
 
-    // 3. Otherwise usual shifts are far-fetched.
+    // 3. Usual shifts that nothing makes likely are far-fetched.
     if (likely_shifts) return;
     const std::size_t others = list.size();
     add_usual_shifts();
@@ -247,8 +247,7 @@ class Mistakes {
     const bool against = code.against > 0.5;
     const double measured = (against ? -1 : 1) * origin() + two_pi * code.offset;
 
-    // 1. By the code's edges: a usual origin if one is near.
-    // Edges of real codes are off by up to 0.12 rad.
+    // 1. By the code's edges, which are off by up to 0.12 rad: a usual origin if one is near.
     constexpr double close = 0.15, usual_step = two_pi / 12;
     const double near = usual_step * std::round(measured / usual_step);
 

@@ -183,9 +183,10 @@ CodeBits code_bits(const Code& code, std::span<const double> I, double tolerance
 }
 
 CodeReading read_code(const Code& code, std::span<const double> I, double noise) {
-  // A bit minus the mean of white and black has 1.2 standard deviations: 0.7 % are misread here.
   constexpr int most_doubtful = 4;  // an edge, and the finest stripes blurred
 
+  // A bit minus the mean of white and black deviates by 1.2 times the noise: at this tolerance,
+  // 0.7 % are misread.
   const auto [darkest, brightest] = std::ranges::minmax(I);
   const auto [shown, doubtful] = code_bits(code, I, 3 * noise);
   const bool readable = std::popcount(doubtful) <= most_doubtful;

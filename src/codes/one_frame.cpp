@@ -198,7 +198,7 @@ double sine_cosine_mean_shape(int n, double periods, double y, const Shifts& shi
 void FourierProfilometry::require_valid() const {
   slipstream::require_valid(Sinusoid{.frequency = frequency}, "fourier");
 
-  constexpr double fewest = 8;  // too few for a carrier
+  constexpr double fewest = 8;  // periods; fewer are too few for a carrier
   throw_if(frequency < fewest, "fourier: frequency {} is out of range; {} or more", frequency,
            fewest);
 
@@ -237,7 +237,7 @@ Layout FourierProfilometry::layout() const {
 }
 
 void CompositePattern::require_valid() const {
-  constexpr double fewest = 8;  // periods; too few for a carrier
+  constexpr double fewest = 8;  // periods; fewer are too few for a carrier
   constexpr std::size_t most_carriers = 8;
 
   slipstream::require_valid(Sinusoid{steps(), low}, "composite");

@@ -190,10 +190,8 @@ double BandUnwrapper::refined(double y, std::span<const double> I) const {
 
   const double from = y;
   for (int step = 0; step < steps; ++step) {
-    // 1. A and B at this y.
-    // I = A + B cos(a) and its derivative in y, -2 pi f B sin(a).
+    // 1. A and B at this y, in I = A + B cos(a).
     Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
-
     Eigen::Vector2d sums = Eigen::Vector2d::Zero();
     for (std::size_t n = 0; n < I.size(); ++n) {
       const Eigen::Vector2d row(1, std::cos(two_pi * waves_[n].periods * y + waves_[n].origin));
@@ -203,7 +201,7 @@ double BandUnwrapper::refined(double y, std::span<const double> I) const {
 
     const Eigen::Vector2d levels = products.ldlt().solve(sums);
 
-    // 2. A step of Gauss-Newton in A, B and y.
+    // 2. A step of Gauss-Newton in A, B and y; the derivative by y is -2 pi f B sin(a).
     Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
     Eigen::Vector3d misfit = Eigen::Vector3d::Zero();
     for (std::size_t n = 0; n < I.size(); ++n) {

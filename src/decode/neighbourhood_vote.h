@@ -253,7 +253,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
                    disagreement * std::popcount(others & ~candidate.voters);
 
       // Neighbours would have to follow; content ones keep their own order at no cost.
-      const Cells content = candidate.voters & ~moved_;  // keep their own order
+      const Cells content = candidate.voters & ~moved_;
       for (Cells rest = others & ~content; rest != 0 && sum < enough; rest &= rest - 1) {
         const int cell = std::countr_zero(rest);
         const int implied = candidate.shift + surface_.shift_step[index(cell)];

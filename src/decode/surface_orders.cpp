@@ -29,9 +29,8 @@ std::optional<int> periods_between(const Image<float>& phase, const SecondPhase*
   if (!(std::abs(rest) < steepest)) return std::nullopt;
   if (second == nullptr) return whole;
 
-  constexpr float most = 0.04F;  // rad; smoothed phases continue across an edge, but by unequal
-                                 // steps
-
+  // rad. Smoothed phases continue across an edge, but by unequal steps.
+  constexpr float most = 0.04F;
   const float seen = second->wrapped(next_column, next_row) - second->wrapped(column, row);
   const bool alike = std::abs(std::remainder(seen - second->ratio * rest, 2 * pi)) < most;
   return alike ? std::optional(whole) : std::nullopt;
@@ -301,8 +300,8 @@ const Image<int>& SurfaceOrders::operator()(const Image<float>& wrapped_phase,
   find_runs(wrapped_phase, second);
   join_rows(wrapped_phase, second);
 
-  // 2. Orders relative to the surface.
-  // Sort the runs by surface: each root counts the pixels and runs of its surface.
+  // 2. Orders relative to the surface, and the runs sorted by surface: each root counts the pixels
+  // and runs of its own.
   pixels_.assign(runs_.size(), 0);
   place_.assign(runs_.size() + 1, 0);
   for (std::size_t run = 0; run < runs_.size(); ++run) {

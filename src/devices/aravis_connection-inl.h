@@ -315,8 +315,8 @@ class AravisConnection {
         set(fmt::format("packets of {} bytes", settings.packet_size), arv_camera_gv_set_packet_size,
             settings.packet_size);
       } else {
-        g_autoptr(GError) ignored =
-            nullptr;  // a camera that cannot test packet sizes keeps its own
+        // A camera that cannot test packet sizes keeps its own.
+        g_autoptr(GError) ignored = nullptr;
         arv_camera_gv_auto_packet_size(camera_.get(), &ignored);
       }
     }

@@ -196,7 +196,8 @@ bool pass_pictures_only(const PictureStream& stream) {
     return (stream.picture_bytes + each - 1) / each + 1;
   };
 
-  // The last field is an offset. Jumps count instructions skipped if true and if false.
+  // The last field is an offset, a mask, a value to compare with, or the result. Jumps count
+  // instructions skipped if true and if false.
   std::array<sock_filter, 31> lines{{// Drop packets from other senders.
                                      {load_word, 0, 0, sender},
                                      {if_equal, 0, 28, stream.camera},

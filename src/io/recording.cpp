@@ -406,9 +406,9 @@ void RecordingReader::find_end() {
 
   if (finished_) return;
 
-  // 2. An interrupted one: the last whole frame, searched from the end.
+  // 2. An interrupted one: the last whole frame, searched from the end. After a power failure the
+  // file may have its full length but not its last bytes.
   const std::uint64_t there = count_ + (rest > 0 ? 1 : 0);
-  // After a power failure the file may have its full length but not its last bytes.
 
   Frame frame;
   const auto is_whole = [&](std::uint64_t index) { return read(index, frame); };

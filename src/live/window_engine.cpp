@@ -66,7 +66,7 @@ LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   raised[1] = !fit_.bands_agree();
   raised[2] = !fit_.no_seam();
 
-  // A frame that lost half its light: something covers the projector or the camera, for example.
+  // Something covers the projector or the camera, for example.
   constexpr double much = 0.5;  // of a frame's light since the last good check
   for (std::size_t n = 0; n < right_sums_.size(); ++n) {
     if (samples_.sums()[n] < much * right_sums_[n]) raised[3] = true;

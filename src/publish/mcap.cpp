@@ -447,8 +447,8 @@ void McapWriter::finish() {
   add_group(chunk_index, chunk_indices_);
   add_group(attachment_index, attachment_indices_);
 
-  // 3. Positions of the groups, then the footer.
-  // The footer's checksum covers everything from the summary to itself.
+  // 3. Positions of the groups, then the footer, whose checksum covers everything from the summary
+  // to itself.
   const std::uint64_t offsets_at = summary + records.size();
   append(records, offsets);
   append_head(records, footer, 8 + 8 + 4);

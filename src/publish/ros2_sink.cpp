@@ -86,8 +86,8 @@ class Domain {
         },
         this);
 
-    // 2. Configuration: the user's own, then ours.
-    // These messages do not support shared memory.
+    // 2. Configuration: the user's own, then ours, without shared memory, which these messages do
+    // not support.
     std::string config = "<SharedMemory><Enable>false</Enable></SharedMemory>";
     const std::string own = variable("CYCLONEDDS_URI");
     const bool local = variable("ROS_LOCALHOST_ONLY") == "1";

@@ -393,7 +393,7 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
            {GigeRegister(0xc), host},          // its lower part
            {GigeRegister(0x10), 4},            // supports a link-local address
            {GigeRegister(0x14), 4},            // and uses it
-           {GigeRegister(0x24), host},         //
+           {GigeRegister(0x24), host},         // its IP address
            {GigeRegister(0x600), 1},           // interfaces
            {GigeRegister(0x904), 1},           // streams
            {GigeRegister(0x934), 0x40000006},  // serial number, memory written, packets sent again

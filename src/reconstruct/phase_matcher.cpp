@@ -360,7 +360,7 @@ void PhaseMatcher::improve_phase_shift(const std::function<void()>& match_all) {
     match_all();
 
     // Unless this gives 2 % more matches, keep the origin as given.
-    if (before == 0 && matched() < points + points / 50) {  // no better: as given
+    if (before == 0 && matched() < points + points / 50) {
       shift = before;
       search_orders();
       match_all();

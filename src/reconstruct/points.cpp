@@ -101,7 +101,7 @@ double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sig
              sign * (map(column, row + 1) + sign * map(column + 1, row + 1));
     };
 
-    // Four pixels of about equal sigma.
+    // At equal sigma the twist deviates by 2 sigma, and the sum is 4 sigma: a ratio of 1.
     const float ratio = 2 * std::abs(twist(maps.coordinate, -1)) / twist(sigma.coordinate, 1);
     if (ratio >= 0) ratios.push_back(ratio);  // no point, NaN, compares false
   }

@@ -232,7 +232,7 @@ VirtualWorld virtual_world(const WorldSettings& settings) {
   photometry.bits = settings.bits;
   photometry.seed = settings.seed;
 
-  // A given noise replaces the sensor's own.
+  // A given noise replaces the sensor's own; the differences from pixel to pixel stay.
   if (settings.noise_variance) {
     photometry.noise_variance = *settings.noise_variance;
     photometry.physics.full_well = photometry.physics.row_noise = 0;

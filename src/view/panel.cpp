@@ -361,7 +361,7 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
     const CameraControlWords& words = camera_controls.at(static_cast<std::size_t>(shown.which));
     auto value = static_cast<float>(shown.value.value);
 
-    // Cameras report exposures up to minutes; limits the slider to a useful range.
+    // Exposures range from microseconds to minutes: a logarithmic scale, if no value is 0 or less.
     const auto flags =
         ImGuiSliderFlags_AlwaysClamp | (shown.value.least > 0 ? ImGuiSliderFlags_Logarithmic : 0);
     if (ImGui::SliderFloat(words.name, &value, static_cast<float>(shown.value.least),

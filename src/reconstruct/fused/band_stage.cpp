@@ -128,8 +128,8 @@ std::vector<float> wave_of(const PhaseCorrection& correction) {
   constexpr int places = 128;
   constexpr int degree = 2 * SinusoidStage::wave_terms - 1;
 
-  // 1. The odd Chebyshev terms of the correction, over half a period on either side of its zero.
-  // In x = 2 r.
+  // 1. The odd Chebyshev terms of the correction in x = 2 r, over half a period on either side of
+  // its zero.
   const auto T = chebyshev_coefficients<degree + 1>();
   Eigen::Matrix<double, 1, degree + 1> sum = Eigen::Matrix<double, 1, degree + 1>::Zero();
   for (int k = 1; k <= degree; k += 2) {

@@ -230,8 +230,8 @@ class CueVectors {
       });
     }
 
-    // 3. The wrapped phase, and the cue's coordinate in periods.
-    // On the circle, whole turns make no difference.
+    // 3. The wrapped phase, and the cue's coordinate in periods. On the circle, whole turns make no
+    // difference.
     Several<count> turn = without_shifts<count>(stage_, corrected_turns<count>(stage_, V, U));
     if constexpr (!is_circle) {
       each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });

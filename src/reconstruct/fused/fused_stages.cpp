@@ -123,8 +123,7 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   // 1. Put the sinusoids in order: the measuring band, the other bands, then the mirrored ones.
   const std::vector<double> weights = band_weights(layout);
   const std::size_t measuring = measuring_band_index(layout);
-  // The band of each sinusoid: mirrored ones follow.
-  std::vector<std::pair<std::size_t, const Band*>> sinusoids;
+  std::vector<std::pair<std::size_t, const Band*>> sinusoids;  // with its band's index
   for (std::size_t i = 0; i < layout.bands.size(); ++i) sinusoids.emplace_back(i, &layout.bands[i]);
   std::rotate(sinusoids.begin(), sinusoids.begin() + measuring, sinusoids.begin() + measuring + 1);
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {

@@ -95,7 +95,7 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
       apart[n] = hn::MulSub(turn, ratio(n), load(turns, n));
     }
 
-    // Of the phase of a band, in periods, see fringe_order_residual.
+    // Residual of a band's phase at an order, in periods: see fringe_order_residual.
     const auto residual = [&](std::size_t n, Floats order) SLIPSTREAM_STEP {
       const Floats periods = hn::MulAdd(order, ratio(n), apart[n]);
       return hn::Sub(periods, hn::Round(periods));
@@ -103,9 +103,8 @@ void LikelihoodRow(const OrderStage& stage, const Image<float>& turns,
 
     const Floats inverse = hn::Div(hn::Set(d, 1.0F), hn::Max(length, hn::Set(d, 1e-30F)));
 
-    // At the coordinate near this order that fits all bands best.
-    // That is the weighted squares of the residuals at the order, less the part that the move to
-    // this coordinate takes away.
+    // Cost of an order: the weighted squares of its residuals, less the part that goes away at the
+    // coordinate nearby that fits all bands best.
     const auto cost = [&](std::size_t, Floats order) SLIPSTREAM_STEP {
       Floats square = hn::Zero(d), along = square;
       for (std::size_t n = 0; n < bands; ++n) {
@@ -151,7 +150,7 @@ class FramesFit {
     }
   }
 
-  /// `doubt`: half of the least misfit over the next order's.
+  /// `doubt`: half the root of the least misfit over the next order's.
   [[nodiscard]] HWY_INLINE Floats order(Floats turn, Floats& doubt) const {
     const FloatTag d;
 
@@ -179,8 +178,8 @@ class FramesFit {
     Sums of_steps{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     for (std::size_t n = 0; n < stage_.steps; ++n) add(of_steps, 0, n);
 
-    // 2. Try all orders, at this cost.
-    // Minus the part of the frames' variation that an order explains; a falling line has none.
+    // 2. Try all orders. Cost: minus the part of the frames' variation that an order explains; a
+    // falling line explains none.
     const auto cost = [&](std::size_t k, Floats) SLIPSTREAM_STEP {
       Sums sums = of_steps;
       for (std::size_t n = stage_.steps; n < count_; ++n) add(sums, k, n);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/cloud_file.h"
+#include "slipstream/scanner_file.h"
 #include "slipstream/surface.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
@@ -62,6 +63,18 @@ TEST_F(MeasureProgram, TellsTheSameOfAScanAndOfItsCloud) {
   EXPECT_GT(scan["points"][0]["sigma_mm"][2], 0);
   const nlohmann::json& sphere = scan["spheres"][0];
   EXPECT_NEAR(sphere["rms_mm"].get<double>() / sphere["noise_mm"].get<double>(), 1, 0.15);
+}
+
+TEST_F(MeasureProgram, TellsThatBothAxesContradictTheCalibration) {
+  ASSERT_EQ(
+      run_program({"simulate", path("both"), "--axis", "both", "--camera", "160x120"}).exit_code,
+      0);
+  Scanner moved = read_scanner(path("both/scanner.yaml"));
+  moved.translation += Eigen::Vector3d(0, 20, 0);
+  write_scanner(path("both/scanner.yaml"), moved);
+  const ProgramRun run =
+      run_program({"convert", path("both"), "-o", path("both.ply"), "--anyway", "--json"});
+  EXPECT_NE(run.err.find("do not meet in one projector pixel"), std::string::npos) << run.err;
 }
 
 TEST_F(MeasureProgram, RefusesWhatItCannotMeasure) {

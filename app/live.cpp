@@ -34,7 +34,7 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
                                    : without_geometry(camera, projector),
                     opened.sequence, flags.settings};
 
-  // Without a scanner there are no points, so flags that want some are refused.
+  // Points need a scanner: refuse flags that ask for points if it is unknown.
   if (opened.scanner) {
     require_ambient_known(setup, file);
   } else {

@@ -14,7 +14,6 @@
 #include "decode/frame_motion.h"
 #include "io/depth_truth.h"
 #include "io/file.h"
-#include "io/image_file.h"
 #include "reconstruct/coordinate_map.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/surface.h"

@@ -69,8 +69,6 @@ Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, Reconstruc
            path);
 
   const bool only_maps = flags.files.only_maps() && !flags.uncertainty;
-  throw_if(!only_maps && !scan.scanner && scan.further_cameras.empty(),
-           "{}: no scanner is known; name its file with --scanner or in scan.yaml", path);
 
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&

@@ -8,7 +8,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "app/process.h"
 #include "base/numbers.h"
 #include "slipstream/recording.h"
 #include "slipstream/registry.h"

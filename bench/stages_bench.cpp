@@ -11,7 +11,6 @@
 #include "bench/vector_target.h"
 #include "geometry/stripe_geometry.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "reconstruct/fused/fused_stages.h"
 #include "slipstream/engine.h"

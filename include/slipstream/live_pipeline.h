@@ -79,8 +79,8 @@ class LivePipeline {
   /// True if started and not stopped, the source has not ended and no stage has failed.
   [[nodiscard]] bool running() const;
 
-  /// Returns once it is no longer running, without using a processor meanwhile. Frames captured
-  /// until then may still become clouds: stop() waits for those.
+  /// Blocks until running() is false. Frames captured before that may still become clouds: stop()
+  /// waits for them.
   void wait() const;
   /// Exception of a stage, the source or a consumer that ended the pipeline; null if there is none.
   [[nodiscard]] std::exception_ptr failure() const;

@@ -99,7 +99,7 @@ class ScanJob {
   /// Standard deviations of a result of this job, of one camera's `frames`, whose maps it computes.
   [[nodiscard]] Uncertainty uncertainty_of(const ScanResult& result, const FrameViews& frames);
 
-  /// Gives back the memory of a cloud that is no longer needed, for the next result.
+  /// Takes a cloud that the caller no longer needs; the next result reuses its memory.
   void reuse(Cloud cloud) { clouds_.push_back(std::move(cloud)); }
 
  private:

@@ -10,7 +10,6 @@
 #include <tbb/global_control.h>
 
 #include "base/throw_if-inl.h"
-#include "decode/cue_evidence.h"
 #include "frames/pattern_windows.h"
 #include "python/bindings/bindings.h"
 #include "slipstream/frame_set.h"

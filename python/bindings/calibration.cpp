@@ -7,7 +7,6 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/report.h"
 #include "codes/predicted_variance.h"
-#include "decode/band_unwrapper.h"
 #include "decode/phase_decoder.h"
 #include "io/image_file.h"
 #include "python/bindings/bindings.h"

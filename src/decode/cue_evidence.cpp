@@ -7,7 +7,6 @@
 #include "base/names.h"
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
-#include "decode/band_unwrapper.h"
 #include "decode/equations.h"
 #include "slipstream/unwrapping.h"
 

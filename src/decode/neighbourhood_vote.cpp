@@ -1,7 +1,6 @@
 #include "decode/neighbourhood_vote.h"
 
 #include "base/numbers.h"
-#include "decode/band_unwrapper.h"
 #include "decode/cue_evidence.h"
 #include "decode/decoder.h"
 #include "decode/phase_decoder.h"

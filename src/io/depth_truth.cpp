@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "base/parallel_rows.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/image_file.h"

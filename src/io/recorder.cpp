@@ -17,7 +17,6 @@
 #include "base/throw_if-inl.h"
 #include "io/file_names.h"
 #include "slipstream/recording.h"
-#include "slipstream/scan_files.h"
 
 namespace slipstream {
 

@@ -17,7 +17,6 @@
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "io/scan_pictures.h"
 #include "io/unique_keys.h"
 #include "slipstream/recording.h"
 #include "slipstream/registry.h"

@@ -151,7 +151,7 @@ ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
 
   used = &engines[static_cast<std::size_t>(window.first_pattern)];
 
-  // Without a scanner there are no points.
+  // Points need a scanner.
   if (!has_geometry(setup().scanner)) {
     if (!window.cloud.z.empty()) window.cloud = Cloud();
     return {};

@@ -81,7 +81,7 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
     return std::isfinite(y) ? Validity::valid : Validity::too_dark;
   });
 
-  // 3. Triangulate and clean. There are no frames, so that all points are equally bright.
+  // 3. Triangulate and clean. A map has no grey levels, so all points are equally bright.
   const Triangulator triangulate(setup.scanner, setup.sequence.axis, PointMethod::form3);
   Cloud cloud;
   convert(triangulated(coordinates, std::move(validity), triangulate, setup), cloud);

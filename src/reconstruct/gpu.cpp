@@ -169,7 +169,7 @@ struct GpuBuffer::Parts {
       const bool slow = static_cast<bool>(flags & Flag::eDeviceCoherentAMD);
       if (!fits || slow || (flags & kind) != kind) continue;
 
-      // A used-up heap is no error here: another kind may have room.
+      // If this heap is full, try the next kind of memory.
       try {
         memory =
             vk::raii::DeviceMemory(gpu->parts_->device, vk::MemoryAllocateInfo(wanted.size, i));

@@ -108,7 +108,7 @@ NoiseLine noise_line_from_means(const Image<double>& mean_1, const Image<double>
       wxy += weight * x * y;
     }
 
-    // Without any spread of grey levels there is no slope to find.
+    // Equal grey levels give no slope.
     const double determinant = w * wxx - wx * wx;
     if (!(determinant > 1e-9 * w * wxx)) return {.at_half = all.variance};
 

@@ -11,7 +11,6 @@
 
 #include "io/file.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "slipstream/scanner_file.h"
 #include "tests/app/program.h"

@@ -7,7 +7,6 @@
 
 #include "slipstream/cloud_file.h"
 #include "slipstream/scanner_file.h"
-#include "slipstream/surface.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "io/file.h"
-#include "io/image_file.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"

@@ -10,7 +10,6 @@
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/board_capture.h"

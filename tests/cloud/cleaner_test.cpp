@@ -21,7 +21,6 @@
 #include "base/statistics.h"
 #include "bench/vector_target.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "slipstream/cloud.h"
 #include "slipstream/engine.h"

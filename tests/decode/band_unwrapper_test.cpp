@@ -1,4 +1,3 @@
-#include "decode/band_unwrapper.h"
 
 #include <cmath>
 #include <numbers>

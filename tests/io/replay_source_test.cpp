@@ -9,7 +9,6 @@
 
 #include "frames/pattern_windows.h"
 #include "io/file.h"
-#include "io/image_file.h"
 #include "io/scan_folder.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"

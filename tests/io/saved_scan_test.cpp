@@ -7,7 +7,6 @@
 
 #include "frames/colour_channels.h"
 #include "io/depth_truth.h"
-#include "io/file_names.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"
 #include "slipstream/engine.h"

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "io/file.h"
-#include "io/image_file.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/cloud_file.h"
 #include "tests/io/expect_error.h"

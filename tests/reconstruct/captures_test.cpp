@@ -11,7 +11,6 @@
 
 #include "decode/decoder.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "slipstream/engine.h"
 #include "slipstream/registry.h"

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/engine.h"

@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "bench/vector_target.h"
-#include "decode/band_unwrapper.h"
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"

@@ -13,7 +13,6 @@
 
 #include "geometry/triangulator.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "reconstruct/phase_matcher.h"
 #include "slipstream/engine.h"

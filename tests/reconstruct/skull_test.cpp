@@ -8,7 +8,6 @@
 
 #include "decode/equations.h"
 #include "io/image_file.h"
-#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "slipstream/engine.h"
 #include "slipstream/registry.h"

@@ -11,7 +11,6 @@
 #include "paper/formulas.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
-#include "slipstream/gamma.h"
 
 namespace slipstream::harmonics_test {
 

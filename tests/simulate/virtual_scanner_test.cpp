@@ -12,7 +12,6 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/registry.h"
 #include "slipstream/sequence.h"
-#include "slipstream/virtual_camera.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::virtual_scanner_test {

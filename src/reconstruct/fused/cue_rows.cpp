@@ -154,7 +154,7 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
     periods = angles_times(2 * cue.periods, sine, R);
   }
 
-  // Without light there is no R.
+  // R is undefined in the dark.
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     periods[k] = hn::IfThenElseZero(hn::Gt(modulation[k], least), periods[k]);
   });

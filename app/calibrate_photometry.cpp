@@ -51,7 +51,7 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
     output.warn(scan.warnings);
 
     CheckedScan checked = check_and_repair(scan);
-    if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
+    if (of_gamma) checked.findings = without_cause(std::move(checked.findings), CauseKind::gamma);
     refuse_or_warn(checked, folder, false, output);
 
     // The scan's own scanner file is the one to add to, unless --scanner names another.

@@ -35,7 +35,7 @@ void check(const CheckFlags& flags, Output& output) {
     progress.finish();
     if (findings.empty()) output.say("{}: OK: no problems found", folder);
     for (const Finding& finding : findings) {
-      output.say("{}: {}: {}", folder, finding.gravity == Gravity::wrong ? "wrong" : "doubtful",
+      output.say("{}: {}: {}", folder, finding.severity == Severity::wrong ? "wrong" : "doubtful",
                  text_of(finding));
     }
 

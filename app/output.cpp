@@ -12,12 +12,36 @@
 namespace slipstream {
 
 void to_json(nlohmann::json& json, const Finding& finding) {
-  json = {{"what", finding.what},
+  json = {{"kind", name_of(finding.kind)},
+          {"what", symptom_of(finding)},
           {"evidence", nlohmann::json::object()},
-          {"likely", finding.likely},
-          {"try", finding.advice},
-          {"refused", finding.gravity == Gravity::wrong}};
-  for (const auto& [name, value] : finding.evidence) json["evidence"][name] = value;
+          {"quantities", nlohmann::json::array()},
+          {"likely", causes_of(finding)},
+          {"causes", nlohmann::json::array()},
+          {"try", remedies_of(finding)},
+          {"remedies", nlohmann::json::array()},
+          {"refused", finding.severity == Severity::wrong}};
+  if (!finding.subject.empty()) json["subject"] = finding.subject;
+  if (!finding.frames.empty()) json["frames"] = finding.frames;
+
+  for (const Evidence& evidence : finding.evidence) {
+    json["evidence"][label_of(evidence)] = evidence.value;
+
+    nlohmann::json quantity = {{"name", evidence.name}, {"value", evidence.value}};
+    if (!evidence.unit.empty()) quantity["unit"] = evidence.unit;
+    if (evidence.limit) quantity["limit"] = *evidence.limit;
+    json["quantities"].push_back(std::move(quantity));
+  }
+
+  for (const Cause& cause : finding.causes) {
+    json["causes"].push_back({{"kind", name_of(cause.kind)}, {"text", cause.text}});
+  }
+
+  for (const Remedy& remedy : finding.remedies) {
+    nlohmann::json settings = nlohmann::json::object();
+    for (const auto& [name, value] : remedy.settings) settings[name] = value;
+    json["remedies"].push_back({{"text", remedy.text}, {"settings", std::move(settings)}});
+  }
 }
 
 void to_json(nlohmann::json& json, const LiveFinding& finding) {
@@ -151,13 +175,14 @@ void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding
   // A diagnostic with the same begin was printed before; then only its end is news.
   for (const LiveFinding& now : findings) {
     const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
-      return other.begin == now.begin && other.finding.what == now.finding.what;
+      return other.begin == now.begin && is_same(other.finding, now.finding);
     });
 
     if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
 
     if (now.end && (before == told.end() || !before->end)) {
-      output.say("frames: {}: ended after {} frames", now.finding.what, *now.end - now.begin);
+      output.say("frames: {}: ended after {} frames", symptom_of(now.finding),
+                 *now.end - now.begin);
     }
   }
 

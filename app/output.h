@@ -17,11 +17,13 @@
 
 #include "slipstream/check.h"
 #include "slipstream/cloud.h"
+#include "slipstream/finding.h"
 #include "slipstream/live_statistics.h"
 
 namespace slipstream {
 
-/// A diagnostic in JSON: `what`, `evidence` by name, `likely`, `try`, `refused`.
+/// A finding in JSON: `kind`, `what`, `evidence` by name, `likely`, `try`, `refused`, and as data
+/// `quantities`, `causes`, `remedies`; `subject` and `frames` if it is about a part of the scan.
 void to_json(nlohmann::json& json, const Finding& finding);
 /// A live diagnostic: adds `begin` and `end`, the frame sequence numbers at which it appeared and
 /// disappeared; null while it lasts.

@@ -1,56 +1,14 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "slipstream/finding.h"
 #include "slipstream/gamma.h"
 #include "slipstream/scan.h"
 
 namespace slipstream {
-
-/// How much of a measurement a diagnostic affects.
-enum class Gravity {
-  doubtful,  ///< some points may be wrong: a warning
-  wrong,     ///< no point can be right: the scan is refused
-};
-
-/// A measured number that supports a diagnostic.
-struct Evidence {
-  std::string name;  ///< in words, with its unit
-  double value = 0;
-
-  friend bool operator==(const Evidence&, const Evidence&) = default;
-};
-
-/// A diagnostic of a scan, a scanner or a calibration, as data. The checks make it, the program
-/// prints it.
-struct Finding {
-  Gravity gravity = Gravity::doubtful;
-  std::string what{};  ///< the symptom: "the bands disagree about the phase"
-  std::vector<Evidence> evidence{};
-  std::string likely{};  ///< the likely cause: "frames 0 to 2 are rotated by one"
-  std::string advice{};  ///< the remedy: "try --order 2,0,1,3,4,5"
-
-  friend bool operator==(const Finding&, const Finding&) = default;
-};
-
-/// One line of text: symptom, evidence, likely cause, remedy.
-std::string text_of(const Finding& finding);
-
-/// True if any diagnostic refuses the scan.
-bool any_wrong(std::span<const Finding> findings);
-
-/// Drops diagnostics whose likely cause begins with `words`.
-std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words);
-
-/// First words of the likely cause in diagnostics about gamma, overexposure and underexposure. Pass
-/// to without_cause if these are harmless or reported elsewhere.
-inline constexpr std::string_view gamma_is_to_blame = "the projector's gamma";
-inline constexpr std::string_view clipping_is_to_blame = "too much light";
-inline constexpr std::string_view darkness_is_to_blame = "far too little light";
 
 struct CheckSettings {
   double minimum_modulation = 15;  ///< of a pixel that becomes a point, grey levels of 255
@@ -95,9 +53,6 @@ struct CheckedScan {
 /// frames in the right order. With several cameras, omits gamma: matching needs only that they
 /// record the same phase.
 CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
-
-/// Sorts `wrong` before `doubtful`.
-std::vector<Finding> gravest_first(std::vector<Finding> findings);
 
 /// Throws Error with the scan and all diagnostics, gravest first, if any is `wrong`.
 void require_right(const CheckedScan& checked, const std::string& scan);

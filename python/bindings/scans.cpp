@@ -1,3 +1,4 @@
+#include <string_view>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -102,12 +103,42 @@ py::object frame_at(const py::object& self, int n) {
       [&](const auto& views) { return array_of(views[static_cast<std::size_t>(place)], self); });
 }
 
+/// The measured numbers by name and unit.
+py::dict evidence_of(const Finding& finding) {
+  py::dict numbers;
+  for (const Evidence& evidence : finding.evidence) {
+    numbers[py::str(label_of(evidence))] = evidence.value;
+  }
+  return numbers;
+}
+
+/// The settings of each remedy by name; an empty dict for one that only a person can do.
+py::list remedies_as_settings(const Finding& finding) {
+  py::list remedies;
+
+  for (const Remedy& remedy : finding.remedies) {
+    py::dict settings;
+    for (const auto& [name, value] : remedy.settings) settings[py::str(name)] = value;
+    remedies.append(settings);
+  }
+
+  return remedies;
+}
+
+std::vector<std::string_view> cause_names(const Finding& finding) {
+  std::vector<std::string_view> names;
+  for (const Cause& cause : finding.causes) names.push_back(name_of(cause.kind));
+  return names;
+}
+
 void bind_findings(py::module_& module) {
   py::class_<Finding> finding(module, "Finding");
   add(
-      finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
-      "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; }, "evidence",
-      [](const Finding& of) { return dict_of(of.evidence); });
+      finding, "kind", [](const Finding& of) { return name_of(of.kind); }, "what", &symptom_of,
+      "likely", &causes_of, "causes", &cause_names, "advice", &remedies_of, "remedies",
+      &remedies_as_settings, "wrong",
+      [](const Finding& of) { return of.severity == Severity::wrong; }, "evidence", &evidence_of,
+      "frames", &Finding::frames);
 
   finding.def("__str__", [](const Finding& of) { return text_of(of); });
 
@@ -192,7 +223,7 @@ std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma
   });
 
   if (loaded) warn_of(name, scan.warnings);
-  if (of_gamma) found.findings = without_cause(std::move(found.findings), gamma_is_to_blame);
+  if (of_gamma) found.findings = without_cause(std::move(found.findings), CauseKind::gamma);
 
   refuse_or_warn(found, name, false);
   return checked;

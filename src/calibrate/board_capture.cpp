@@ -40,13 +40,13 @@ void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSet
                    {.minimum_modulation = least, .photometry = {.response = settings.response}});
 
   // These are reported once for all poses, by their effect on the corners.
-  for (const std::string_view known :
-       {gamma_is_to_blame, clipping_is_to_blame, darkness_is_to_blame}) {
+  for (const CauseKind known :
+       {CauseKind::gamma, CauseKind::overexposure, CauseKind::underexposure}) {
     found.findings = without_cause(std::move(found.findings), known);
   }
 
   for (Finding& finding : found.findings) {
-    finding.what = fmt::format("{} along {}: {}", pose, name_of(scan.sequence.axis), finding.what);
+    finding.subject = fmt::format("{} along {}", pose, name_of(scan.sequence.axis));
     findings.push_back(std::move(finding));
   }
 
@@ -165,9 +165,9 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   std::vector<Finding> findings;
   for (Scan* const scan : {&along_x, &along_y}) check_and_repair(*scan, name, settings, findings);
 
-  const auto wrong = std::ranges::find(findings, Gravity::wrong, &Finding::gravity);
+  const auto wrong = std::ranges::find(findings, Severity::wrong, &Finding::severity);
   if (wrong != findings.end()) {
-    std::string told = fmt::format("likely {}", wrong->likely);
+    std::string told = fmt::format("likely {}", causes_of(*wrong));
     return {std::nullopt, std::move(told), std::move(findings)};
   }
 

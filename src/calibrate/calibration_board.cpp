@@ -157,30 +157,34 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
 
   const double row_spacing = board.row_spacing.value_or(board.spacing);
   Finding finding{
+      .kind = FindingKind::wrong_print_size,
       .what = fmt::format("the print has the wrong size, off by over {:g} mm", ruler_error),
-      .evidence = {{"rows, % too long", 100 * (scale[0] - 1)},
-                   {"columns, % too long", 100 * (scale[1] - 1)}},
-      .likely = "a print of the wrong scale, such as by 'fit to page'",
-      .advice = ""};
+      .evidence = {{"rows", 100 * (scale[0] - 1), "% too long"},
+                   {"columns", 100 * (scale[1] - 1), "% too long"}},
+      .causes = {{CauseKind::board_print, "a print of the wrong scale, such as by 'fit to page'"}}};
 
   // One scale fits both lengths within the ruler's error.
   const double common = is.sum() / said.sum();
   const bool stretched = ((is - common * said).abs() > ruler_error).any();
 
+  const auto use = [](const char* setting, const std::string& value) {
+    return change_settings("use", {{setting, value}});
+  };
   const auto spacings = [&](double across, double down) {
-    return fmt::format("use --spacing {:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
+    return fmt::format("{:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
   };
 
   if (((is.reverse() - said).abs() <= ruler_error).all()) {
-    finding.likely = "the lengths of row and column are swapped";
-    finding.advice = fmt::format("use --measured {:g}x{:g}", is[1], is[0]);
+    finding.causes.front().text = "the lengths of row and column are swapped";
+    finding.remedies = {use("measured", fmt::format("{:g}x{:g}", is[1], is[0]))};
   } else if (stretched) {
-    finding.likely = "a print stretched along one axis, or of the wrong scale along each";
-    finding.advice = spacings(scale[0], scale[1]);
+    finding.causes.front().text =
+        "a print stretched along one axis, or of the wrong scale along each";
+    finding.remedies = {use("spacing", spacings(scale[0], scale[1]))};
+  } else if (board.row_spacing) {
+    finding.remedies = {use("spacing", spacings(common, common))};
   } else {
-    finding.advice = board.row_spacing
-                         ? spacings(common, common)
-                         : fmt::format("use --spacing {:.4g}", common * board.spacing);
+    finding.remedies = {use("spacing", fmt::format("{:.4g}", common * board.spacing))};
   }
 
   return {finding};

@@ -34,12 +34,14 @@ void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& s
   const double pixels = median_of(
       scans, [](const FringeSigns& signs) { return signs.ripple * signs.period / two_pi; });
   findings.push_back(
-      {.what = fmt::format("the phase has a ripple that repeats {} times in each fringe",
+      {.kind = FindingKind::phase_ripple,
+       .what = fmt::format("the phase has a ripple that repeats {} times in each fringe",
                            scans.front().steps),
-       .evidence = {{"ripple, rad", ripple}, {"ripple, projector px", pixels}},
-       .likely = "uncorrected gamma: the projector's or the camera's response is not linear",
-       .advice = "run slipstream calibrate gamma on the same scanner file, then repeat this; or "
-                 "turn off the projector's gamma and picture modes"});
+       .evidence = {{"ripple", ripple, "rad"}, {"ripple", pixels, "projector px"}},
+       .causes = {{CauseKind::gamma,
+                   "uncorrected gamma: the projector's or the camera's response is not linear"}},
+       .remedies = {{"run `calibrate_gamma()` on the same scanner file, then repeat this"},
+                    {"turn off the projector's gamma and picture modes"}}});
 }
 
 void add_blur(std::vector<Finding>& findings, const BoardViews& views,
@@ -57,10 +59,11 @@ void add_blur(std::vector<Finding>& findings, const BoardViews& views,
     const double share = median_of(edges, &EdgeSoftness::spacings);
     if (is_soft({wide, share})) {
       findings.push_back(
-          {.what = "the board's printed edges are blurred by over 1/8 square",
-           .evidence = {{"softness, px", wide}, {"softness, squares", share}},
-           .likely = "the camera is out of focus, or the board moved",
-           .advice = "focus the camera on the board, stop down, hold the board still"});
+          {.kind = FindingKind::blurred_print,
+           .what = "the board's printed edges are blurred by over 1/8 square",
+           .evidence = {{"softness", wide, "px"}, {"softness", share, "squares"}},
+           .causes = {{CauseKind::blur, "the camera is out of focus, or the board moved"}},
+           .remedies = {{"focus the camera on the board, stop down, hold the board still"}}});
       return;
     }
   }
@@ -70,12 +73,15 @@ void add_blur(std::vector<Finding>& findings, const BoardViews& views,
   if (contrast >= least_contrast) return;
 
   findings.push_back(
-      {.what = fmt::format("the fine fringes keep less than {:g} of the coarse ones' modulation, "
+      {.kind = FindingKind::faint_fringes,
+       .what = fmt::format("the fine fringes keep less than {:g} of the coarse ones' modulation, "
                            "although the print is sharp",
                            least_contrast),
-       .evidence = {{"modulation, of the coarse fringes'", contrast}},
-       .likely = "the projector is out of focus",
-       .advice = "focus the projector on the board, or use fewer periods"});
+       .evidence = {{.name = "modulation, of the coarse fringes'",
+                     .value = contrast,
+                     .limit = least_contrast}},
+       .causes = {{CauseKind::blur, "the projector is out of focus"}},
+       .remedies = {{"focus the projector on the board, or use fewer periods"}}});
 }
 
 /// Returns k if the shift equals k of a fringe's N steps, else nullopt.
@@ -100,16 +106,21 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
   const double doubt = deviation.focal.maxCoeff() / lens.intrinsic(0, 0);
   if (doubt <= most_doubt) return;
 
-  const char* const likely = calibration.largest_tilt < enough_tilt ? "too few tilts of the board"
-                             : calibration.poses.size() < 8
-                                 ? "too few poses"
-                                 : "inaccurate corners: blur, darkness or noise";
-  findings.push_back({.what = fmt::format("the {}'s focal length is uncertain by over {:g} %",
-                                          device, 100 * most_doubt),
-                      .evidence = {{"standard deviation, %", 100 * doubt},
-                                   {"largest tilt, degrees", calibration.largest_tilt / degree}},
-                      .likely = likely,
-                      .advice = "add poses tilted by 20 to 40 degrees, each in another direction"});
+  Cause cause{CauseKind::inaccurate_corners, "inaccurate corners: blur, darkness or noise"};
+  if (calibration.largest_tilt < enough_tilt) {
+    cause = {CauseKind::few_tilts, "too few tilts of the board"};
+  } else if (calibration.poses.size() < 8) {
+    cause = {CauseKind::few_poses, "too few poses"};
+  }
+
+  findings.push_back(
+      {.kind = FindingKind::uncertain_focal_length,
+       .what = fmt::format("the {}'s focal length is uncertain by over {:g} %", device,
+                           100 * most_doubt),
+       .evidence = {{"standard deviation", 100 * doubt, "%", 100 * most_doubt},
+                    {"largest tilt", calibration.largest_tilt / degree, "degrees"}},
+       .causes = {std::move(cause)},
+       .remedies = {{"add poses tilted by 20 to 40 degrees, each in another direction"}}});
 }
 
 void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibration,
@@ -122,40 +133,48 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
   for (const CalibratedPose& pose : calibration.poses) {
     if (pose.lit >= least_lit * pose.corners) continue;
     findings.push_back(
-        {.what = fmt::format("{}: over {:g} % of the corners have no projector coordinate",
-                             pose.name, 100 * (1 - least_lit)),
+        {.kind = FindingKind::unlit_corners,
+         .what = fmt::format("over {:g} % of the corners have no projector coordinate",
+                             100 * (1 - least_lit)),
          .evidence = {{"corners without", static_cast<double>(pose.corners - pose.lit)},
                       {"corners", static_cast<double>(pose.corners)}},
-         .likely = "parts of the board too dark, overexposed, or outside the projector's light",
-         .advice = "light the whole board, change the exposure or lower --min-modulation"});
+         .causes = {{CauseKind::underexposure,
+                     "parts of the board too dark, overexposed, or outside the projector's light"}},
+         .remedies = {{"light the whole board, change the exposure or lower `minimum_modulation`"}},
+         .subject = pose.name});
   }
 
   const auto count = calibration.poses.size();
   if (count < few_poses) {
-    findings.push_back({.what = fmt::format("only {} poses, fewer than {}", count, few_poses),
-                        .evidence = {{"poses", static_cast<double>(count)}},
-                        .likely = "too few poses, or too many unusable ones",
-                        .advice = "take ten or more"});
+    findings.push_back(
+        {.kind = FindingKind::few_poses,
+         .what = fmt::format("only {} poses, fewer than {}", count, few_poses),
+         .evidence = {{"poses", static_cast<double>(count)}},
+         .causes = {{CauseKind::few_poses, "too few poses, or too many unusable ones"}},
+         .remedies = {{"take ten or more"}}});
   }
 
   if (nearly_parallel) {
     findings.push_back(
-        {.what = "all boards are nearly parallel, within 15 degrees: focal lengths are uncertain",
-         .evidence = {{"largest tilt, degrees", calibration.largest_tilt / degree}},
-         .likely = "too few tilts of the board",
-         .advice = "tilt the board by 20 to 40 degrees in each direction"});
+        {.kind = FindingKind::parallel_boards,
+         .what = "all boards are nearly parallel, within 15 degrees: focal lengths are uncertain",
+         .evidence = {{"largest tilt", calibration.largest_tilt / degree, "degrees"}},
+         .causes = {{CauseKind::few_tilts, "too few tilts of the board"}},
+         .remedies = {{"tilt the board by 20 to 40 degrees in each direction"}}});
   }
 
   for (const auto& [device, covered] : {std::pair("camera", calibration.covered_camera),
                                         std::pair("projector", calibration.covered_projector)}) {
     if (covered >= least_covered) continue;
     findings.push_back(
-        {.what = fmt::format("the {}'s distortion is not known outside the boards, which cover "
+        {.kind = FindingKind::uncovered_picture,
+         .what = fmt::format("the {}'s distortion is not known outside the boards, which cover "
                              "less than {:g} % of its picture",
                              device, 100 * least_covered),
-         .evidence = {{"covered share, %", 100 * covered}},
-         .likely = "boards held only in the middle of the picture, or too far away",
-         .advice = "add poses near the edges and corners"});
+         .evidence = {{"covered share", 100 * covered, "%", 100 * least_covered}},
+         .causes = {{CauseKind::board_coverage,
+                     "boards held only in the middle of the picture, or too far away"}},
+         .remedies = {{"add poses near the edges and corners"}}});
   }
 }
 
@@ -166,19 +185,22 @@ void add_print(std::vector<Finding>& findings, const PrintShape& print) {
 
   if (print.bend > std::max(least_bend * print.size, deviations * print.bend_deviation)) {
     findings.push_back(
-        {.what = fmt::format("the board is bent by over {:g} % of its size", 100 * least_bend),
-         .evidence = {{"bend, mm", print.bend}, {"size of the board, mm", print.size}},
-         .likely = "a bent board",
-         .advice = "glue the print to something flat, such as glass, or use --print estimated"});
+        {.kind = FindingKind::bent_board,
+         .what = fmt::format("the board is bent by over {:g} % of its size", 100 * least_bend),
+         .evidence = {{"bend", print.bend, "mm"}, {"size of the board", print.size, "mm"}},
+         .causes = {{CauseKind::bent_board, "a bent board"}},
+         .remedies = {{"glue the print to something flat, such as glass, or use `print estimated`",
+                       {{"print", "estimated"}}}}});
   }
 
   if (std::abs(print.stretch) > std::max(least_stretch, deviations * print.stretch_deviation)) {
     findings.push_back(
-        {.what = fmt::format("the spacings of the board's rows and columns differ by over {:g} %",
+        {.kind = FindingKind::stretched_board,
+         .what = fmt::format("the spacings of the board's rows and columns differ by over {:g} %",
                              100 * least_stretch),
-         .evidence = {{"rows to columns, %", 100 * print.stretch}},
-         .likely = "a print stretched along one axis",
-         .advice = "measure the print and pass both lengths with --measured"});
+         .evidence = {{"rows to columns", 100 * print.stretch, "%"}},
+         .causes = {{CauseKind::board_print, "a print stretched along one axis"}},
+         .remedies = {{"measure the print and pass both lengths with `measured`"}}});
   }
 }
 
@@ -196,10 +218,12 @@ void add_projector_size(std::vector<Finding>& findings, const GeometryCalibratio
   if (std::min({off(1), off(2), off(0.5)}) < std::max(least, deviations * deviation)) return;
 
   findings.push_back(
-      {.what = fmt::format("the projector's pixels are over {:g} % off square", 100 * least),
+      {.kind = FindingKind::oblong_projector_pixels,
+       .what = fmt::format("the projector's pixels are over {:g} % off square", 100 * least),
        .evidence = {{"height to width", 1 / ratio}},
-       .likely = "another projector size than the patterns were made for",
-       .advice = "set --projector to the size of the patterns"});
+       .causes = {{CauseKind::projector_size,
+                   "another projector size than the patterns were made for"}},
+       .remedies = {{"set `projector` to the size of the patterns"}}});
 }
 
 /// Whether all corners are off by about the same amount, as after a movement.
@@ -218,8 +242,8 @@ void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& c
   if (worst->misfit <= (is_shift(worst->offset) ? largest_of_shift : largest)) return;
 
   findings.push_back(finding_of_pose(calibration.views[worst - poses.begin()], worst->offset));
-  findings.back().evidence.push_back({"its RMS, px", worst->rms.stereo});
-  findings.back().evidence.push_back({"RMS of all, px", calibration.rms.stereo});
+  findings.back().evidence.push_back({"its RMS", worst->rms.stereo, "px"});
+  findings.back().evidence.push_back({"RMS of all", calibration.rms.stereo, "px"});
 }
 
 /// Whether several poses are shifted equally badly, and two rigs explain them better than one.
@@ -242,18 +266,21 @@ void add_large_rms(std::vector<Finding>& findings, const ReprojectionRms& rms) {
   constexpr double largest_camera = 0.5, largest_projector = 0.7;  // pixels
 
   if (rms.camera > largest_camera) {
-    findings.push_back({.what = fmt::format("the camera's RMS is above {:g} px", largest_camera),
-                        .evidence = {{"camera RMS, px", rms.camera}},
-                        .likely = "inaccurate corners: the board moved, darkness or noise",
-                        .advice = "hold the board still, lengthen the exposure"});
+    findings.push_back({.kind = FindingKind::large_camera_rms,
+                        .what = fmt::format("the camera's RMS is above {:g} px", largest_camera),
+                        .evidence = {{"camera RMS", rms.camera, "px", largest_camera}},
+                        .causes = {{CauseKind::inaccurate_corners,
+                                    "inaccurate corners: the board moved, darkness or noise"}},
+                        .remedies = {{"hold the board still, lengthen the exposure"}}});
   }
 
   if (rms.projector > largest_projector) {
     findings.push_back(
-        {.what = fmt::format("the projector's RMS is above {:g} px", largest_projector),
-         .evidence = {{"projector RMS, px", rms.projector}},
-         .likely = "faint, dark or overexposed fringes",
-         .advice = "brighten the projector or change the exposure"});
+        {.kind = FindingKind::large_projector_rms,
+         .what = fmt::format("the projector's RMS is above {:g} px", largest_projector),
+         .evidence = {{"projector RMS", rms.projector, "px", largest_projector}},
+         .causes = {{CauseKind::inaccurate_corners, "faint, dark or overexposed fringes"}},
+         .remedies = {{"brighten the projector or change the exposure"}}});
   }
 }
 
@@ -268,11 +295,13 @@ std::vector<Finding> findings_of_frames(const BoardViews& views) {
   });
 
   if (saturated > most_saturated) {
-    findings.push_back({.what = fmt::format("over {:g} % of the board is saturated and ignored",
-                                            100 * most_saturated),
-                        .evidence = {{"saturated share, %", 100 * saturated}},
-                        .likely = "overexposed frames",
-                        .advice = "shorten the exposure, stop down or dim the projector"});
+    findings.push_back(
+        {.kind = FindingKind::saturated_board,
+         .what =
+             fmt::format("over {:g} % of the board is saturated and ignored", 100 * most_saturated),
+         .evidence = {{"saturated share", 100 * saturated, "%", 100 * most_saturated}},
+         .causes = {{CauseKind::overexposure, "overexposed frames"}},
+         .remedies = {{"shorten the exposure, stop down or dim the projector"}}});
   }
 
   std::vector<FringeSigns> scans;  // those measured
@@ -294,12 +323,16 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
   const bool along_y = std::abs(shift.x()) < most_beside * std::abs(shift.y());
 
   Finding finding{
-      .what = fmt::format("{}: the corners do not fit the other poses", view.name),
-      .evidence = {{"shift along x, projector px", shift.x()},
-                   {"shift along y, projector px", shift.y()},
-                   {"spread about it, projector px", offset.spread}},
-      .likely = "one bad pose: the board moved or bent, or the frames are another camera's",
-      .advice = fmt::format("capture it again, or calibrate with --exclude {}", view.name)};
+      .kind = FindingKind::odd_pose,
+      .what = "the corners do not fit the other poses",
+      .evidence = {{"shift along x", shift.x(), "projector px"},
+                   {"shift along y", shift.y(), "projector px"},
+                   {"spread about it", offset.spread, "projector px"}},
+      .causes = {{CauseKind::moved_board,
+                  "one bad pose: the board moved or bent, or the frames are another camera's"}},
+      .remedies = {{fmt::format("capture it again, or calibrate with `excluded {}`", view.name),
+                    {{"excluded", view.name}}}},
+      .subject = view.name};
 
   if (!is_shift(offset)) return finding;
 
@@ -309,13 +342,15 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
   const char* const axis = along_x ? "x" : "y";
 
   if (slip) {
-    finding.likely = fmt::format(
-        "a slip: the frames along {} are in the wrong order, {} steps late", axis, *slip);
+    finding.causes = {
+        {CauseKind::frame_order,
+         fmt::format("a slip: the frames along {} are in the wrong order, {} steps late", axis,
+                     *slip)}};
   } else if (along_x || along_y) {
-    finding.likely = fmt::format(
+    finding.causes.front().text = fmt::format(
         "one bad pose: the board moved between the scans along x and y, mostly along {}", axis);
   } else {
-    finding.likely = "one bad pose: camera, projector or board moved during it";
+    finding.causes.front().text = "one bad pose: camera, projector or board moved during it";
   }
 
   return finding;
@@ -323,9 +358,12 @@ Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
 
 Finding finding_of_moved_rig(const std::string& last, const std::string& first) {
   return {
+      .kind = FindingKind::two_rigs,
       .what = fmt::format("the poses up to {} and from {} on fit two rigs, not one", last, first),
-      .likely = "the rig was moved: camera and projector shifted relative to each other",
-      .advice = "clamp both to one base; --exclude the poses before or after the move"};
+      .causes = {{CauseKind::rig_moved,
+                  "the rig was moved: camera and projector shifted relative to each other"}},
+      .remedies = {{"clamp both to one base; leave out the poses before or after the move with "
+                    "`excluded`"}}};
 }
 
 std::vector<Finding> findings_about(const GeometryCalibration& calibration) {

@@ -157,7 +157,7 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
 
   if (odd) {
     Finding finding = finding_of_pose(views[odd->pose], odd->offset);
-    finding.evidence.push_back({"its RMS, px", rms[odd->pose]});
+    finding.evidence.push_back({"its RMS", rms[odd->pose], "px"});
     throw Error(text_of(finding));
   }
 

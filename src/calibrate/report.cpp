@@ -167,12 +167,12 @@ void write_findings(Page& page, const std::vector<Finding>& findings) {
   page.table({"symptom", "evidence", "likely cause", "remedy"});
   for (const Finding& finding : findings) {
     std::vector<std::string> numbers;
-    for (const auto& [name, value] : finding.evidence) {
-      numbers.push_back(fmt::format("{}: {:.3g}", name, value));
+    for (const Evidence& evidence : finding.evidence) {
+      numbers.push_back(fmt::format("{}: {:.3g}", label_of(evidence), evidence.value));
     }
 
-    page.row({finding.what, fmt::format("{}", fmt::join(numbers, "; ")), finding.likely,
-              finding.advice});
+    page.row({symptom_of(finding), fmt::format("{}", fmt::join(numbers, "; ")), causes_of(finding),
+              remedies_of(finding)});
   }
 }
 
@@ -347,8 +347,9 @@ void write_field(Page& page, const GeometryCalibration& calibration) {
 Verdict verdict_of(const std::vector<Finding>& findings) {
   if (findings.empty()) return {"good", "Good: no problems found."};
   const Finding& first = findings.front();
-  if (any_wrong(findings)) return {"bad", "Do again: " + first.what + ". " + first.advice};
-  return {"usable", "Usable, but look at this: " + first.what};
+  if (any_wrong(findings))
+    return {"bad", "Do again: " + symptom_of(first) + ". " + remedies_of(first)};
+  return {"usable", "Usable, but look at this: " + symptom_of(first)};
 }
 
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,

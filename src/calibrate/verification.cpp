@@ -1,3 +1,4 @@
+#include <string>
 #include <cmath>
 #include <vector>
 
@@ -80,26 +81,35 @@ Finding finding_of(const Verification& verification, const Scanner& scanner,
   const BoardMeasure& before = verification.before;
 
   Finding finding{
+      .kind = FindingKind::inaccurate_scanner,
       .what = fmt::format("the scanner is no longer accurate: limits {:g} px, {:g} % and "
                           "{:g} of the board's size",
                           largest_epipolar, 100 * largest_scale_error, largest_flatness),
-      .evidence = {{"epipolar distance, px", before.epipolar},
-                   {"scale error, %", 100 * before.quality.scale_error},
-                   {"flatness, mm", before.quality.flatness}}};
+      .evidence = {
+          {"epipolar distance", before.epipolar, "px", largest_epipolar},
+          {"scale error", 100 * before.quality.scale_error, "%", 100 * largest_scale_error},
+          {"flatness", before.quality.flatness, "mm"}}};
 
   if (verification.mended) {
-    finding.likely = fmt::format(
-        "camera and projector moved relative to each other, by {:.2g} degrees and {:.2g} mm",
-        verification.rotation / degree, verification.translation);
-    finding.advice = "write the corrected scanner file with -o, and clamp both devices";
+    finding.causes = {
+        {CauseKind::rig_moved,
+         fmt::format("camera and projector moved relative to each other, by {:.2g} degrees and "
+                     "{:.2g} mm",
+                     verification.rotation / degree, verification.translation)}};
+    finding.remedies = {{"write the corrected scanner file with `output`, and clamp both devices"}};
   } else if (only_scale(verification, scanner)) {
     const double scale = scanner.translation.norm() / verification.corrected.translation.norm();
-    finding.likely = "another spacing of the board than configured: only the scale is off";
-    finding.advice =
-        fmt::format("measure the print; a --spacing of {:.4g} mm fits", scale * board.spacing);
+    const std::string spacing = fmt::format("{:.4g}", scale * board.spacing);
+
+    finding.causes = {{CauseKind::board_print,
+                       "another spacing of the board than configured: only the scale is off"}};
+    finding.remedies = {{fmt::format("measure the print; a `spacing` of {} mm fits", spacing),
+                         {{"spacing", spacing}}}};
   } else {
-    finding.likely = "more than movement: focus, zoom or a lens changed, or wrong board settings";
-    finding.advice = "check the board's flags, then run slipstream calibrate geometry again";
+    finding.causes = {{CauseKind::rig_moved,
+                       "more than movement: focus, zoom or a lens changed, or wrong board "
+                       "settings"}};
+    finding.remedies = {{"check the board's settings, then run `calibrate_geometry()` again"}};
   }
 
   return finding;

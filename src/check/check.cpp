@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <numbers>
+#include <string_view>
 
 #include <fmt/ranges.h>
 
@@ -25,14 +25,16 @@ void look_at_lens(const Lens& lens, std::string_view device, double up,
   if (std::abs(x - 0.5) <= across && std::abs(y - 0.5) <= up) return;
 
   findings.push_back(
-      {.what = fmt::format("the {}'s optical axis is farther from the centre of its {} picture "
+      {.kind = FindingKind::off_centre_axis,
+       .what = fmt::format("the {}'s optical axis is farther from the centre of its {} picture "
                            "than {:g} % of the width or {:g} % of the height",
                            device, text_of(lens.size), 100 * across, 100 * up),
        .evidence = {{"share of the width", x}, {"share of the height", y}},
-       .likely = fmt::format("a scanner file for {} pictures of another size: halved, cropped or "
-                             "of the other device",
-                             device),
-       .advice = fmt::format("use {} pictures of the calibrated size", device)});
+       .causes = {{CauseKind::picture_size,
+                   fmt::format("a scanner file for {} pictures of another size: halved, cropped or "
+                               "of the other device",
+                               device)}},
+       .remedies = {{fmt::format("use {} pictures of the calibrated size", device)}}});
 }
 
 /// Finds files in metres, swapped devices, another picture size. `whole_pictures`: false if the
@@ -44,21 +46,24 @@ std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures =
   constexpr double least_baseline = 3;
   const double baseline = scanner.translation.norm();
   if (baseline < least_baseline) {
-    findings.push_back(
-        {.gravity = Gravity::wrong,
-         .what = fmt::format("the baseline is below {:g} mm", least_baseline),
-         .evidence = {{"baseline, mm", baseline}},
-         .likely = "a scanner file in metres",
-         .advice = fmt::format("write its translation in mm: {:.4g} mm long", 1000 * baseline)});
+    findings.push_back({.kind = FindingKind::short_baseline,
+                        .severity = Severity::wrong,
+                        .what = fmt::format("the baseline is below {:g} mm", least_baseline),
+                        .evidence = {{"baseline", baseline, "mm", least_baseline}},
+                        .causes = {{CauseKind::scanner_file, "a scanner file in metres"}},
+                        .remedies = {{fmt::format("write its translation in mm: {:.4g} mm long",
+                                                  1000 * baseline)}}});
   }
 
   // The devices of rectified pictures are apart along one axis only.
   const Eigen::Vector3d apart = scanner.translation.cwiseAbs() / baseline;
   if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < 0.98) {
-    findings.push_back({.what = "the rotation is the identity, but the baseline is oblique",
-                        .evidence = {{"baseline's largest component, share", apart.maxCoeff()}},
-                        .likely = "a scanner file without its rotation",
-                        .advice = "write the rotation from the camera's frame to the projector's"});
+    findings.push_back(
+        {.kind = FindingKind::oblique_baseline,
+         .what = "the rotation is the identity, but the baseline is oblique",
+         .evidence = {{"baseline's largest component", apart.maxCoeff(), "share"}},
+         .causes = {{CauseKind::scanner_file, "a scanner file without its rotation"}},
+         .remedies = {{"write the rotation from the camera's frame to the projector's"}}});
   }
 
   if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
@@ -75,13 +80,14 @@ void append(std::vector<Finding>& findings, std::vector<Finding> more) {
 /// The frames of a sinusoid differ by at least 1.5 modulations: with three steps, one at the crest.
 constexpr double range_of_modulation = 1.5;
 
+/// `name`: of a further camera; empty for the first.
 void check_camera(Scan& camera, const CheckSettings& settings, const std::string& name,
                   CheckedScan& checked) {
   ScanFindings found = check_scan(camera, settings);
   if (name.empty()) checked.median_depth = found.median_depth;
 
   for (Finding& finding : found.findings) {
-    finding.what = name + finding.what;
+    finding.subject = name;
     checked.findings.push_back(std::move(finding));
   }
 
@@ -89,49 +95,25 @@ void check_camera(Scan& camera, const CheckSettings& settings, const std::string
   if (found.order.empty()) return;
   camera.frames = reordered(std::move(camera.frames), found.order);
   camera.order = composed(camera.order, found.order);
-  checked.repairs.push_back(
-      fmt::format("{}frames put in the order {}", name, text_of(camera.order)));
+  checked.repairs.push_back(fmt::format("{}{}frames put in the order {}", name,
+                                        name.empty() ? "" : ": ", text_of(camera.order)));
 }
 
 }  // namespace
-
-std::string text_of(const Finding& finding) {
-  std::string numbers;
-
-  for (const Evidence& evidence : finding.evidence) {
-    numbers +=
-        fmt::format("{}{} = {:.3g}", numbers.empty() ? "" : ", ", evidence.name, evidence.value);
-  }
-
-  std::string text = finding.what;
-  if (!numbers.empty()) text += fmt::format(" ({})", numbers);
-  if (!finding.likely.empty()) text += fmt::format("; likely {}", finding.likely);
-  if (!finding.advice.empty()) text += fmt::format("; {}", finding.advice);
-
-  return text;
-}
 
 Finding wrong_origin(const Strategy& strategy, double phase_shift) {
   const auto run = bent_run(measuring_band(strategy.layout()));
   const double given = run ? run->shifts.origin : 0;
   const double fits = std::remainder(given - phase_shift, 2 * std::numbers::pi);
 
-  return {.what = "the two cameras agree nowhere with the origin of the phase as given",
-          .evidence = {{"origin that fits, rad", fits}},
-          .likely = fmt::format("the first pattern does not begin with phase {:.4g} at the edge of "
-                                "the field; the points are of the origin that fits",
-                                given),
-          .advice = fmt::format("set --origin {:.3f}", fits)};
-}
-
-bool any_wrong(std::span<const Finding> findings) {
-  return std::ranges::count(findings, Gravity::wrong, &Finding::gravity) > 0;
-}
-
-std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words) {
-  std::erase_if(findings,
-                [&](const Finding& finding) { return finding.likely.starts_with(words); });
-  return findings;
+  return {.kind = FindingKind::cameras_disagree,
+          .what = "the two cameras agree nowhere with the origin of the phase as given",
+          .evidence = {{"origin that fits", fits, "rad"}},
+          .causes = {{CauseKind::pattern_settings,
+                      fmt::format("the first pattern does not begin with phase {:.4g} at the edge "
+                                  "of the field; the points are of the origin that fits",
+                                  given)}},
+          .remedies = {change_settings("set", {{"origin", fmt::format("{:.3f}", fits)}})}};
 }
 
 double least_range(const CheckSettings& settings) {
@@ -211,28 +193,24 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
   CheckedScan checked;
   check_camera(scan, settings, "", checked);
   for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
-    check_camera(scan.further_cameras[i], settings, fmt::format("camera {}: ", i + 2), checked);
+    check_camera(scan.further_cameras[i], settings, fmt::format("camera {}", i + 2), checked);
   }
 
   const auto& blind = settings.blind;
   if (blind && !blind->accepted() && blind->refusal != BlindRefusal::no_distortion) {
     checked.findings.push_back(
-        {.what = fmt::format("--gamma blind corrects nothing: {}", reason_of(blind->refusal)),
+        {.kind = FindingKind::blind_gamma_refused,
+         .what = fmt::format("`gamma blind` corrects nothing: {}", reason_of(blind->refusal)),
          .evidence = {{"best fit", blind->gamma}, {"standard error", blind->standard_error}},
-         .likely = "the projector's gamma, if it is not 1",
-         .advice = "measure it with slipstream calibrate gamma, or give --gamma a number"});
+         .causes = {{CauseKind::gamma, "the projector's gamma, if it is not 1"}},
+         .remedies = {{"measure it with `calibrate_gamma()`, or give `gamma` a number"}}});
   }
 
   if (!scan.further_cameras.empty()) {
-    checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
+    checked.findings = without_cause(std::move(checked.findings), CauseKind::gamma);
   }
 
   return checked;
-}
-
-std::vector<Finding> gravest_first(std::vector<Finding> findings) {
-  std::ranges::stable_sort(findings, std::ranges::greater(), &Finding::gravity);
-  return findings;
 }
 
 void require_right(const CheckedScan& checked, const std::string& scan) {
@@ -246,7 +224,7 @@ void require_right(const CheckedScan& checked, const std::string& scan) {
 std::vector<std::string> doubts(const std::vector<Finding>& findings) {
   std::vector<std::string> lines;
   for (const Finding& finding : findings) {
-    if (finding.gravity == Gravity::wrong) {
+    if (finding.severity == Severity::wrong) {
       lines.push_back(fmt::format("doubted: {}", text_of(finding)));
     }
   }

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -15,8 +16,8 @@
 namespace slipstream {
 namespace {
 
-constexpr const char* beyond_the_boards =
-    ", or a scene nearer or farther than the calibration boards";
+const Cause beyond_the_boards{CauseKind::depth_range,
+                              "a scene nearer or farther than the calibration boards"};
 
 /// The symptom of a code that exceeds its limit most, relative to it.
 const CodeSymptom& worst_symptom(const CodeEvidence& code) {
@@ -27,26 +28,36 @@ const CodeSymptom& worst_symptom(const CodeEvidence& code) {
 
 /// The clearest symptom of a scan that does not fit.
 Finding seen(const Fit& fit) {
-  Finding finding{.gravity = Gravity::wrong};
+  Finding finding{.severity = Severity::wrong};
   const auto& geometry = fit.geometry;
 
   // The first test that fails names the symptom, the most basic one first.
   if (!fit.patterns_made()) {
     const double limit = fit.moving ? FitLimits::most_residual_moving : FitLimits::most_residual;
+    finding.kind = FindingKind::pattern_mismatch;
     finding.what = fmt::format(
         "the frames do not match the patterns: over {:g} % of their variation is unexplained",
         100 * limit);
-    finding.evidence = {{"left over, share of their variation", fit.frames.residual}};
+    finding.evidence = {{.name = "left over, share of their variation",
+                         .value = fit.frames.residual,
+                         .limit = limit}};
   } else if (!fit.code_agrees()) {
     const CodeSymptom& worst = worst_symptom(fit.code);
+    finding.kind = worst.kind;
     finding.what = fmt::format(fmt::runtime(worst.what), 100 * worst.limit);
-    finding.evidence = {{std::string(worst.number), fit.code.*worst.value}};
+    finding.evidence = {{.name = std::string(worst.quantity),
+                         .value = fit.code.*worst.value,
+                         .limit = worst.limit}};
   } else if (!fit.bands_alike()) {
+    finding.kind = FindingKind::unrelated_modulations;
     finding.what = fmt::format(
         "the bands' modulations do not vary together: the spread of their ratio is above {:g}",
         FitLimits::most_ratio_spread);
-    finding.evidence = {{"spread of their modulations' ratio", fit.frames.ratio_spread}};
+    finding.evidence = {{.name = "spread of their modulations' ratio",
+                         .value = fit.frames.ratio_spread,
+                         .limit = FitLimits::most_ratio_spread}};
   } else if (!fit.bands_agree()) {
+    finding.kind = FindingKind::fringe_orders_disagree;
     finding.what = fmt::format(
         "the frames disagree about the fringe order: agreement below {:g} or offset above {:g}",
         FitLimits::least_agreement, FitLimits::most_offset);
@@ -56,13 +67,19 @@ Finding seen(const Fit& fit) {
       return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
     });
     if (worst != relations.end())
-      finding.evidence = {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
+      finding.evidence = {
+          {.name = "agreement", .value = worst->agreement, .limit = FitLimits::least_agreement},
+          {.name = "offset in periods", .value = worst->offset, .limit = FitLimits::most_offset}};
   } else if (!fit.no_seam()) {
+    finding.kind = FindingKind::coordinate_jumps;
     finding.what = fmt::format(
         "the coordinate jumps across the whole field in over {:g} % of the lit pixel pairs",
         100 * FitLimits::most_seams);
-    finding.evidence = {{"share of the pixels near it", fit.frames.seams}};
+    finding.evidence = {{.name = "share of the pixels near it",
+                         .value = fit.frames.seams,
+                         .limit = FitLimits::most_seams}};
   } else if (!fit.geometry_fits()) {
+    finding.kind = FindingKind::geometry_mismatch;
     finding.what = fmt::format(
         "frames and scanner do not fit together: slope outside {:g} to {:g}, or over {:g} % of the "
         "points impossible",
@@ -71,10 +88,12 @@ Finding seen(const Fit& fit) {
                         {"share outside the projector's light", geometry->outside},
                         {"share without a point", geometry->without_point}};
   } else {
+    finding.kind = FindingKind::depths_beyond_boards;
     finding.what = fmt::format("over {:g} % of the points lie outside the calibrated depths",
                                100 * FitLimits::most_out_of_range);
-    finding.evidence = {{"share", geometry->out_of_range},
-                        {"median depth, mm", geometry->median_depth}};
+    finding.evidence = {
+        {.name = "share", .value = geometry->out_of_range, .limit = FitLimits::most_out_of_range},
+        {"median depth", geometry->median_depth, "mm"}};
   }
 
   return finding;
@@ -86,46 +105,53 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
   constexpr double hopeless_outside = 0.6;
-  const std::string or_gamma = response_known ? "" : ", or the projector's gamma, if it is not 1";
 
-  finding.gravity = Gravity::doubtful;
+  const auto blame = [&](CauseKind kind, std::string_view text) {
+    finding.causes.push_back({kind, std::string(text)});
+  };
+  const auto blame_gamma = [&] {
+    if (!response_known) blame(CauseKind::gamma, "the projector's gamma, if it is not 1");
+  };
+
+  finding.severity = Severity::doubtful;
   if (fit.patterns_made() && !fit.code_agrees()) {
     const CodeSymptom& worst = worst_symptom(fit.code);
-    if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.gravity = Gravity::wrong;
+    if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.severity = Severity::wrong;
 
-    finding.likely = worst.likely;
-    finding.advice = fmt::format("{} the output of slipstream patterns", worst.advice);
-    if (worst.value == &CodeEvidence::doubt) finding.likely += or_gamma;
+    blame(worst.cause, worst.likely);
+    if (worst.value == &CodeEvidence::doubt) blame_gamma();
+    finding.remedies = {{fmt::format("{} the output of `patterns()`", worst.compare)}};
   } else if (fit.frames.damping > 0) {
     finding.evidence.push_back(
-        {"fringes fainter than the cue by, percent", 100 * fit.frames.damping});
-    finding.likely =
-        "fringes blurred by a lens or by too few pixels per period: fringe orders at the ends of "
-        "the field are wrong";
-    finding.advice = "focus both lenses, use larger pictures or fewer periods (--high)";
+        {"fringes fainter than the cue by", 100 * fit.frames.damping, "percent"});
+    blame(CauseKind::blur,
+          "fringes blurred by a lens or by too few pixels per period: fringe orders at the ends of "
+          "the field are wrong");
+    finding.remedies = {{"focus both lenses, use larger pictures or fewer periods (`high`)"}};
   } else if (!fit.frames_fit()) {
     const auto hopeless = [](const BandRelation& relation) {
       return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
     };
     const auto& relations = fit.frames.relations;
     if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {
-      finding.gravity = Gravity::wrong;
+      finding.severity = Severity::wrong;
     }
 
-    finding.likely = "wrong pattern settings, lost or mixed-up frames, or motion during capture";
-    finding.likely += or_gamma;
-    finding.advice = "compare the frames with the output of slipstream patterns";
+    blame(CauseKind::unclear,
+          "wrong pattern settings, lost or mixed-up frames, or motion during capture");
+    blame_gamma();
+    finding.remedies = {{"compare the frames with the output of `patterns()`"}};
   } else if (!fit.geometry_fits()) {
     if (geometry->outside + geometry->without_point > hopeless_outside)
-      finding.gravity = Gravity::wrong;
-    finding.likely =
-        "a scanner file of another rig, pictures cropped or of another size, or a camera or "
-        "projector that moved since calibration";
-    finding.advice = "check the scanner file; if the rig moved, run slipstream calibrate geometry";
+      finding.severity = Severity::wrong;
+    blame(CauseKind::other_rig,
+          "a scanner file of another rig, pictures cropped or of another size, or a camera or "
+          "projector that moved since calibration");
+    finding.remedies = {{"check the scanner file; if the rig moved, run `calibrate_geometry()`"}};
   } else {
-    finding.likely =
-        "a scene nearer or farther than the calibration boards, or a scanner file of another rig";
-    finding.advice = "calibrate with boards at those depths, or check the frame order";
+    finding.causes = {beyond_the_boards};
+    blame(CauseKind::other_rig, "a scanner file of another rig");
+    finding.remedies = {{"calibrate with boards at those depths, or check the frame order"}};
   }
 }
 
@@ -142,11 +168,17 @@ struct FrameGains {
   double all = 0;
 };
 
-/// The frame whose gain alone explains nearly all, and more than any other's, with its gain.
-std::optional<Evidence> odd_frame(const FrameGains& gains) {
+/// A frame and its gain, relative to the mean of all.
+struct FrameGain {
+  int frame = 0;
+  double gain = 0;
+};
+
+/// The frame whose gain alone explains nearly all, and more than any other's.
+std::optional<FrameGain> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
   const auto& [unused, normal, right, all] = gains;
-  std::optional<Evidence> best;
+  std::optional<FrameGain> best;
 
   double most = 0, second = 0;
   for (Eigen::Index n = 0; n < right.size(); ++n) {
@@ -155,7 +187,7 @@ std::optional<Evidence> odd_frame(const FrameGains& gains) {
     second = std::max(second, std::min(share, most));
     if (share <= most) continue;
     most = share;
-    best = Evidence{fmt::format("frame {}, percent", n), 100 * (right[n] / normal(n, n))};
+    best = FrameGain{static_cast<int>(n), right[n] / normal(n, n)};
   }
 
   // The clearest frame must stand out from the second.
@@ -229,12 +261,23 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   // Motion may resemble flicker, but rarely of a single frame.
   if (scan.settings.moving && !odd) return std::nullopt;
 
-  return Finding{
+  Finding finding{
+      .kind = FindingKind::changing_light,
       .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
                           100 * least_gain),
-      .evidence = {odd.value_or(Evidence{"the most, percent", 100 * size})},
-      .likely = "light that flickers, or an exposure or gain that changed between frames",
-      .advice = "fix exposure and gain; expose for whole periods of the mains and the projector"};
+      .evidence = {{"the most", 100 * size, "percent", 100 * least_gain}},
+      .causes = {{CauseKind::flicker,
+                  "light that flickers, or an exposure or gain that changed between frames"}},
+      .remedies = {
+          {"fix exposure and gain; expose for whole periods of the mains and the projector"}}};
+
+  if (odd) {
+    finding.frames = {odd->frame};
+    finding.evidence = {
+        {fmt::format("frame {}", odd->frame), 100 * odd->gain, "percent", 100 * least_gain}};
+  }
+
+  return finding;
 }
 
 /// Frames that vary over a scene only if frame n does: those of its bands; of a code the next
@@ -317,14 +360,16 @@ std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   const double beyond = fit.geometry ? fit.geometry->beyond : 0;
   const bool by_depths_alone = fit.misfit() - beyond < better->misfit + clearly;
 
-  Finding finding{.gravity = by_depths_alone ? Gravity::doubtful : Gravity::wrong,
+  Finding finding{.kind = FindingKind::better_settings,
+                  .severity = by_depths_alone ? Severity::doubtful : Severity::wrong,
                   .what = "the scan would fit far better with other settings",
                   .evidence = {{"misfit", fit.misfit()}, {"misfit then", better->misfit}},
-                  .likely = std::move(better->likely),
-                  .advice = std::move(better->advice)};
+                  .causes = std::move(better->causes),
+                  .remedies = std::move(better->remedies),
+                  .remark = std::move(better->remark)};
 
-  if (by_depths_alone) finding.likely += beyond_the_boards;
-  if (fit.geometry) finding.evidence.push_back({"median depth, mm", fit.geometry->median_depth});
+  if (by_depths_alone) finding.causes.push_back(beyond_the_boards);
+  if (fit.geometry) finding.evidence.push_back({"median depth", fit.geometry->median_depth, "mm"});
 
   return finding;
 }
@@ -356,7 +401,7 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   auto flickering = flicker(scan, fit);
 
   // A single brighter frame may resemble a share of another.
-  const bool one_frame = flickering && flickering->evidence.front().name.starts_with("frame");
+  const bool one_frame = flickering && !flickering->frames.empty();
   auto mixed = one_frame ? std::nullopt : mixed_frames(scan, fit);
 
   // 2. A scan that fits may still hide a fault.
@@ -385,19 +430,20 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   // 5. Name the likeliest cause, or a broad one if no specific one explains the scan.
   if (by_scanner) {
     name_broadly(fit, scan.photometry.response.has_value(), finding);
-    if (!only_depths) finding.gravity = Gravity::wrong;
+    if (!only_depths) finding.severity = Severity::wrong;
   } else if (mixed && dark.empty() &&
              (!explanation || mixed->misfit < explanation->misfit - nearly)) {
     finding = std::move(mixed->finding);
   } else if (explanation) {
     if (only_depths) {
-      explanation->gravity = Gravity::doubtful;
-      explanation->likely += beyond_the_boards;
+      explanation->severity = Severity::doubtful;
+      explanation->causes.push_back(beyond_the_boards);
     }
 
-    finding.likely = std::move(explanation->likely);
-    finding.advice = std::move(explanation->advice);
-    finding.gravity = explanation->gravity;
+    finding.causes = std::move(explanation->causes);
+    finding.remedies = std::move(explanation->remedies);
+    finding.remark = std::move(explanation->remark);
+    finding.severity = explanation->severity;
 
     // Set if the cycle has slipped: the caller then reorders the frames.
     result.order = std::move(explanation->order);
@@ -405,7 +451,8 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
 
     // Name causes that explain the scan about as well.
     if (mixed && mixed->misfit < explanation->misfit + nearly) dark.push_back(mixed->finding);
-    for (const Finding& fault : dark) finding.likely += ", or " + fault.likely;
+    for (const Finding& fault : dark)
+      std::ranges::copy(fault.causes, std::back_inserter(finding.causes));
   } else if (!dark.empty()) {
     result.findings = std::move(dark);
     return result;

@@ -6,6 +6,7 @@
 
 #include "check/fit.h"
 #include "slipstream/check.h"
+#include "slipstream/finding.h"
 
 namespace slipstream {
 
@@ -22,7 +23,8 @@ struct JudgedScan {
 
 /// A mistake that people make, and what undoes it: it is tried before it is proposed.
 struct PossibleMistake {
-  std::string likely, advice;
+  Cause cause;
+  std::vector<Remedy> remedies{};
   FrameOrder order{};                  ///< frame `order[n]` shows pattern n; empty: as given
   std::optional<Sequence> sequence{};  ///< with other settings or another axis
   std::optional<PhotometricCalibration> photometry{};
@@ -31,7 +33,7 @@ struct PossibleMistake {
   /// Only the best of a family is proposed, of a positive one the best by the frames alone; 0: not
   /// of a family.
   int family = 0;
-  Gravity gravity = Gravity::wrong;
+  Severity severity = Severity::wrong;
   bool slipped = false;      ///< the whole cycle begins at another frame
   bool far_fetched = false;  ///< proposed only if nothing else fits
   bool geometric = false;    ///< frames and settings stay as they are
@@ -54,13 +56,15 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit);
 /// A mistake that, once undone, makes everything fit.
 struct Explanation {
   double misfit = 0;
-  std::string likely{}, advice{};
-  Gravity gravity = Gravity::wrong;
+  std::vector<Cause> causes{};
+  std::vector<Remedy> remedies{};
+  std::string remark{};  ///< about the remedies
+  Severity severity = Severity::wrong;
   FrameOrder order{};       ///< set if the cycle has slipped
   double median_depth = 0;  ///< in that order
 };
 
-/// The likeliest of the common mistakes. Its text also names others that explain the scan about as
+/// The likeliest of the common mistakes, and others that explain the scan about as
 /// well. Returns nullopt if none explains it, or fits far better than a scan that fits.
 /// `as_given`: the result of fit_of.
 std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given);

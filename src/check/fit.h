@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "check/frame_model.h"
+#include "slipstream/finding.h"
 
 namespace slipstream {
 
@@ -37,11 +38,14 @@ CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
 
 /// One kind of contradiction, its limit, and the cause and advice to give if no tried remedy fits.
 struct CodeSymptom {
-  std::string_view what;  ///< with {} for the limit in percent
-  std::string_view number;
+  FindingKind kind;
+  std::string_view what;      ///< with {} for the limit in percent
+  std::string_view quantity;  ///< name of the value
   double CodeEvidence::*value;
   double limit;
-  std::string_view likely, advice;
+  CauseKind cause;
+  std::string_view likely;   ///< the cause in words
+  std::string_view compare;  ///< "SOMETHING with": the patterns follow
 };
 
 extern const std::array<CodeSymptom, 7> code_symptoms;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -68,19 +69,23 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
   const double share = share_of(alike, places);
   if (share < part || alike.length < fewest) return std::nullopt;
 
-  Finding finding{.gravity = Gravity::wrong, .evidence = evidence_of(alike, places, samples)};
+  Finding finding{.evidence = evidence_of(alike, places, samples), .frames = {n, m}};
   if (share > all) {
+    finding.kind = FindingKind::repeated_frame;
+    finding.severity = Severity::wrong;
     finding.what = fmt::format(
         "frames {} and {} are the same picture in over {:g} % of the lit pixels", n, m, 100 * all);
-    finding.likely = fmt::format("a frame saved twice, in place of frame {} or {}", n, m);
-    finding.advice = "capture the scan again";
+    finding.causes = {{CauseKind::repeated_frame,
+                       fmt::format("a frame saved twice, in place of frame {} or {}", n, m)}};
+    finding.remedies = {{"capture the scan again"}};
   } else {
-    finding.gravity = Gravity::doubtful;
+    finding.kind = FindingKind::partly_repeated_frame;
     finding.what = fmt::format("frames {} and {} are the same in over {:g} % of the lit pixels", n,
                                m, 100 * part);
-    finding.likely =
-        fmt::format("part of frame {} or {} was lost and still shows the frame before it", n, m);
-    finding.advice = "capture the scan again; check the camera's link for lost packets";
+    finding.causes = {
+        {CauseKind::lost_data,
+         fmt::format("part of frame {} or {} was lost and still shows the frame before it", n, m)}};
+    finding.remedies = {{"capture the scan again; check the camera's link for lost packets"}};
   }
 
   return finding;
@@ -109,10 +114,12 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
   if (beside.empty() || quantile(beside, 0.5) < sharp) return std::nullopt;
 
   return Finding{
+      .kind = FindingKind::partly_black_frame,
       .what = fmt::format("frame {} is black in over {:g} % of the lit pixels", n, 100 * part),
       .evidence = evidence_of(lost, places, samples),
-      .likely = fmt::format("part of frame {} was lost in transfer", n),
-      .advice = "capture the scan again; check the camera's link for lost packets"};
+      .causes = {{CauseKind::lost_data, fmt::format("part of frame {} was lost in transfer", n)}},
+      .remedies = {{"capture the scan again; check the camera's link for lost packets"}},
+      .frames = {n}};
 }
 
 /// Evidence about the light of a scan; grey levels of 255.
@@ -219,14 +226,18 @@ std::optional<Finding> mosaic(const ScanSamples& samples) {
 
   if (ratio < least_ratio || difference < sure * std::sqrt(variance)) return std::nullopt;
 
-  return Finding{.what = "every other pixel is brighter than its neighbours",
-                 .evidence = {{"ratio", ratio}},
-                 .likely = "raw pictures of a colour camera, whose Bayer filter was not removed",
-                 .advice = "convert the camera's raw pictures to grey before saving"};
+  return Finding{
+      .kind = FindingKind::colour_mosaic,
+      .what = "every other pixel is brighter than its neighbours",
+      .evidence = {{.name = "ratio", .value = ratio, .limit = least_ratio}},
+      .causes = {{CauseKind::colour_mosaic,
+                  "raw pictures of a colour camera, whose Bayer filter was not removed"}},
+      .remedies = {{"convert the camera's raw pictures to grey before saving"}}};
 }
 
 Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) {
-  Finding finding{.gravity = samples.groups() == 0 ? Gravity::wrong : Gravity::doubtful,
+  Finding finding{.kind = FindingKind::no_modulation,
+                  .severity = samples.groups() == 0 ? Severity::wrong : Severity::doubtful,
                   .what = samples.groups() == 0
                               ? "no pixel reaches the minimum modulation"
                               : "under 0.3 % of the pixels reach the minimum modulation",
@@ -237,22 +248,95 @@ Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) 
   const int used = bits_used(samples.brightest(), bits);
 
   if (samples.saturated_share() > 0.5) {
-    finding.likely = "too much light: the pictures are saturated everywhere";
-    finding.advice = "shorten the exposure or close the iris";
+    finding.causes = {
+        {CauseKind::overexposure, "too much light: the pictures are saturated everywhere"}};
+    finding.remedies = {{"shorten the exposure or close the iris"}};
   } else if (bits == 16 && used <= 14) {
-    finding.likely =
-        fmt::format("pictures of {} bits in 16-bit files, or far too little light", used);
-    finding.advice = fmt::format("try --camera-bits {}, or lengthen the exposure", used);
+    finding.causes = {
+        {CauseKind::bit_depth, fmt::format("pictures of {} bits in 16-bit files", used)},
+        {CauseKind::underexposure, "far too little light"}};
+    finding.remedies = {try_setting("camera_bits", std::to_string(used)),
+                        {"lengthen the exposure"}};
   } else if (samples.largest_range() < 4) {
-    finding.likely = "no pattern in the pictures: the projector was dark or not in view";
-    finding.advice = "check the projector and inspect the frames with slipstream view";
+    finding.causes = {{CauseKind::dark_projector,
+                       "no pattern in the pictures: the projector was dark or not in view"}};
+    finding.remedies = {{"check the projector and inspect the frames with `view()`"}};
   } else {
-    finding.likely = "far too little light for this surface, or a very small object";
-    finding.advice =
-        "lengthen the exposure, open the iris or darken the room; or lower --min-modulation";
+    finding.causes = {{CauseKind::underexposure,
+                       "far too little light for this surface, or a very small object"}};
+    finding.remedies = {{"lengthen the exposure, open the iris or darken the room"},
+                        {"lower `minimum_modulation`"}};
   }
 
   return finding;
+}
+
+// Shares of the lit pixels.
+constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
+
+/// Of the mean to the modulation: stronger ambient light leaves few grey levels for the patterns.
+constexpr double most_ambient = 5;
+
+Finding unused_bits(int used, int bits, const ScanSamples& samples) {
+  Finding finding{.kind = FindingKind::unused_bits,
+                  .what = fmt::format("only {} of {} bits are used", used, bits),
+                  .evidence = {{"brightest grey level of 255", samples.brightest()}},
+                  .causes = {{CauseKind::bit_depth,
+                              fmt::format("pictures of {} bits in {}-bit files", used, bits)}},
+                  .remedies = {try_setting("camera_bits", std::to_string(used))}};
+
+  if (used == 14) finding.causes.push_back({CauseKind::underexposure, "far too little light"});
+  return finding;
+}
+
+Finding saturated(const ScanSamples& samples) {
+  return {.kind = FindingKind::saturated,
+          .what = fmt::format("saturated: over {:g} % of the lit pixels", 100 * most_saturated),
+          .evidence = {{.name = "share of the lit pixels",
+                        .value = samples.saturated_share(),
+                        .limit = most_saturated}},
+          .causes = {{CauseKind::overexposure, "too much light: the camera clips"}},
+          .remedies = {{"shorten the exposure, close the iris or capture with `exposures 1,4`"}}};
+}
+
+Finding dim_light(const LightEvidence& light, double least_modulation) {
+  return {.kind = FindingKind::low_modulation,
+          .what = "too dark: the lit pixels' median modulation is below the minimum",
+          .evidence = {{.name = "modulation", .value = light.modulation, .limit = least_modulation},
+                       {"least modulation", least_modulation}},
+          .causes = {{CauseKind::underexposure, "far too little light for this surface"}},
+          .remedies = {{"lengthen the exposure, open the iris or darken the room"}}};
+}
+
+Finding dim_scene(const ScanSamples& samples, double least_modulation) {
+  return {.kind = FindingKind::mostly_dark,
+          .what = fmt::format("over {:g} % of the pixels that the patterns reach are too dark",
+                              100 * most_dim),
+          .evidence = {{.name = "share", .value = samples.dim_share(), .limit = most_dim},
+                       {"least modulation", least_modulation}},
+          .causes = {{CauseKind::underexposure, "far too little light for most of the scene"}},
+          .remedies = {{"lengthen the exposure, capture with `exposures 1,4` or lower "
+                        "`minimum_modulation`"}}};
+}
+
+Finding clipped(const ScanSamples& samples, double flat) {
+  return {.kind = FindingKind::clipped,
+          .what = fmt::format("clipped below saturation: over {:g} % of the lit pixels",
+                              100 * most_flat),
+          .evidence = {{.name = "share of the lit pixels", .value = flat, .limit = most_flat},
+                       {"grey level", samples.brightest()}},
+          .causes = {{CauseKind::clipped_pictures, "intensities clipped before they were saved"}},
+          .remedies = {{"shorten the exposure; save the camera's frames unchanged"}}};
+}
+
+Finding bright_room(const LightEvidence& light) {
+  return {
+      .kind = FindingKind::strong_ambient_light,
+      .what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
+      .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
+      .causes = {{CauseKind::ambient_light,
+                  "ambient light stronger than the projector's, or a wrong black level"}},
+      .remedies = {{"darken the room or brighten the projector"}}};
 }
 
 }  // namespace
@@ -306,21 +390,20 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
   if (share < all || spread > 0.08F * range + 2) return std::nullopt;
 
   return Finding{
-      .gravity = Gravity::wrong,
+      .kind = FindingKind::frame_without_pattern,
+      .severity = Severity::wrong,
       .what = fmt::format("frame {} contains no pattern", n),
-      .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
-      .likely = fmt::format("frame {} is black: captured while the projector was dark", n),
-      .advice = "capture the scan again; check the trigger, or omit the marker frame"};
+      .evidence = {{"its median", median, "grey levels"}, {"range of the others", range}},
+      .causes = {{CauseKind::dark_projector,
+                  fmt::format("frame {} is black: captured while the projector was dark", n)}},
+      .remedies = {{"capture the scan again; check the trigger, or omit the marker frame"}},
+      .frames = {n}};
 }
 
 std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& samples, int bits,
                                   double least_modulation) {
   const LightEvidence light = light_of(model, samples);
 
-  // Shares of the lit pixels.
-  constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
-  // Stronger ambient light leaves few grey levels for the patterns.
-  constexpr double most_ambient = 5;
   // Share of all pixels: the area of a needle.
   constexpr double least_lit = 0.003;
 
@@ -328,11 +411,13 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
 
   // 1. Wrong bits, or hardly any light: all else would mislead.
   if (samples.brightest() > 255.5) {
-    return {{.gravity = Gravity::wrong,
+    return {{.kind = FindingKind::too_many_grey_levels,
+             .severity = Severity::wrong,
              .what = "grey levels exceed the camera's maximum",
              .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
-             .likely = "a camera with more bits than declared",
-             .advice = fmt::format("try --camera-bits {}", bits_used(samples.brightest(), 16))}};
+             .causes = {{CauseKind::bit_depth, "a camera with more bits than declared"}},
+             .remedies = {
+                 try_setting("camera_bits", std::to_string(bits_used(samples.brightest(), 16)))}}};
   }
 
   // A small object that is well lit is fine.
@@ -350,50 +435,16 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
   const bool ambient = light.mean > most_ambient * light.modulation &&
                        (!dark || light.mean * least_modulation > 255 * light.modulation);
 
-  const auto add = [&](bool seen, Finding finding) {
-    if (seen) findings.push_back(std::move(finding));
-  };
-
   if (auto filtered = mosaic(samples)) findings.push_back(std::move(*filtered));
 
-  add(bits == 16 && used < 16,
-      {.what = fmt::format("only {} of {} bits are used", used, bits),
-       .evidence = {{"brightest grey level of 255", samples.brightest()}},
-       .likely = fmt::format("pictures of {} bits in {}-bit files{}", used, bits,
-                             used == 14 ? ", or far too little light" : ""),
-       .advice = fmt::format("try --camera-bits {}", used)});
-
-  add(samples.saturated_share() > most_saturated,
-      {.what = fmt::format("saturated: over {:g} % of the lit pixels", 100 * most_saturated),
-       .evidence = {{"share of the lit pixels", samples.saturated_share()}},
-       .likely = "too much light: the camera clips",
-       .advice = "shorten the exposure, close the iris or capture with --exposures 1,4"});
-
-  add(dark && !ambient,
-      {.what = "too dark: the lit pixels' median modulation is below the minimum",
-       .evidence = {{"modulation", light.modulation}, {"least modulation", least_modulation}},
-       .likely = "far too little light for this surface",
-       .advice = "lengthen the exposure, open the iris or darken the room"});
-
-  add(findings.empty() && samples.dim_share() > most_dim,
-      {.what = fmt::format("over {:g} % of the pixels that the patterns reach are too dark",
-                           100 * most_dim),
-       .evidence = {{"share", samples.dim_share()}, {"least modulation", least_modulation}},
-       .likely = "far too little light for most of the scene",
-       .advice = "lengthen the exposure, capture with --exposures 1,4 or lower --min-modulation"});
-
-  add(flat > most_flat,
-      {.what =
-           fmt::format("clipped below saturation: over {:g} % of the lit pixels", 100 * most_flat),
-       .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
-       .likely = "intensities clipped before they were saved",
-       .advice = "shorten the exposure; save the camera's frames unchanged"});
-
-  add(ambient,
-      {.what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
-       .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
-       .likely = "ambient light stronger than the projector's, or a wrong black level",
-       .advice = "darken the room or brighten the projector"});
+  if (bits == 16 && used < 16) findings.push_back(unused_bits(used, bits, samples));
+  if (samples.saturated_share() > most_saturated) findings.push_back(saturated(samples));
+  if (dark && !ambient) findings.push_back(dim_light(light, least_modulation));
+  if (findings.empty() && samples.dim_share() > most_dim) {
+    findings.push_back(dim_scene(samples, least_modulation));
+  }
+  if (flat > most_flat) findings.push_back(clipped(samples, flat));
+  if (ambient) findings.push_back(bright_room(light));
 
   return findings;
 }

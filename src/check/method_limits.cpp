@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -163,18 +164,20 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
   if (std::abs(off) + doubt <= std::max(linear, least)) return std::nullopt;
 
   const bool seen = std::abs(off) > doubt;
-  return Finding{.what = seen ? "the light is not proportional to the patterns' grey levels"
+  return Finding{.kind = seen ? FindingKind::nonlinear_light : FindingKind::unproven_response,
+                 .what = seen ? "the light is not proportional to the patterns' grey levels"
                               : "the frames cannot show whether the light is proportional to the "
                                 "patterns' grey levels, and no response is known",
                  .evidence = {{"gamma to first order", 1 + off},
                               {"three standard errors", doubt},
-                              {"phase error, rad", bend * (std::abs(off) + doubt)},
-                              {"phase noise, rad", noise}},
-                 .likely = seen ? "the projector's gamma (with the camera's) is not corrected"
-                                : "the projector's gamma, if it is not 1",
-                 .advice =
-                     "measure it with slipstream calibrate gamma, try --gamma blind, or give "
-                     "--gamma 1 if it is linear"};
+                              {"phase error", bend * (std::abs(off) + doubt), "rad"},
+                              {"phase noise", noise, "rad"}},
+                 .causes = {{CauseKind::gamma,
+                             seen ? "the projector's gamma (with the camera's) is not corrected"
+                                  : "the projector's gamma, if it is not 1"}},
+                 .remedies = {{"measure it with `calibrate_gamma()`"},
+                              try_setting("gamma", "blind"),
+                              {"give `gamma 1` if it is linear", {{"gamma", "1"}}}}};
 }
 
 /// A warning if noise of depth exceeds 1 % somewhere in the field (three standard deviations then
@@ -200,11 +203,12 @@ std::optional<Finding> stripes_along_baseline(const JudgedScan& scan, double dep
   if (least > noise * size[along] || shares[1 - along] < most * shares[along]) return std::nullopt;
 
   const std::string_view other = name_of(across(scan.sequence.axis));
-  return Finding{.what = "the stripes run along the baseline: depth hardly moves them",
+  return Finding{.kind = FindingKind::stripes_along_baseline,
+                 .what = "the stripes run along the baseline: depth hardly moves them",
                  .evidence = {{"projector pixels for 1 % of the depth", moves[along]},
                               {fmt::format("along {}", other), moves[1 - along]}},
-                 .likely = fmt::format("a rig for patterns along {}", other),
-                 .advice = fmt::format("scan with --axis {}", other)};
+                 .causes = {{CauseKind::axis, fmt::format("a rig for patterns along {}", other)}},
+                 .remedies = {{fmt::format("scan with `axis {}`", other)}}};
 }
 
 /// A warning if baseline or depth is smaller than lenses allow.
@@ -216,11 +220,13 @@ std::optional<Finding> small_scale(const JudgedScan& scan, double median_depth) 
   const double baseline = scan.scanner->translation.norm();
   if (baseline >= least_baseline && median_depth >= least_depth) return std::nullopt;
 
-  return Finding{.what = fmt::format("the baseline is below {:g} mm or the depth below {:g} mm",
+  return Finding{.kind = FindingKind::small_scale,
+                 .what = fmt::format("the baseline is below {:g} mm or the depth below {:g} mm",
                                      least_baseline, least_depth),
-                 .evidence = {{"baseline, mm", baseline}, {"median depth, mm", median_depth}},
-                 .likely = "a scanner file in centimetres or inches",
-                 .advice = "write its translation in mm, or calibrate with --spacing in mm"};
+                 .evidence = {{"baseline", baseline, "mm", least_baseline},
+                              {"median depth", median_depth, "mm", least_depth}},
+                 .causes = {{CauseKind::scanner_file, "a scanner file in centimetres or inches"}},
+                 .remedies = {{"write its translation in mm, or calibrate with `spacing` in mm"}}};
 }
 
 /// A warning if neighbouring pixels differ by much more than noise and the projector's pixels make
@@ -258,14 +264,15 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, d
   if (ratio <= most) return std::nullopt;
 
   return Finding{
+      .kind = FindingKind::excess_noise,
       .what =
           fmt::format("neighbouring pixels differ over {:g} times as much as noise explains", most),
-      .evidence = {{"times the noise", ratio}},
-      .likely =
-          "one-bit patterns in focus, speckle, compressed pictures or too small a noise variance",
-      .advice =
-          "defocus the projector or show 8-bit patterns; measure the noise with slipstream "
-          "calibrate noise"};
+      .evidence = {{.name = "times the noise", .value = ratio, .limit = most}},
+      .causes = {{CauseKind::noise,
+                  "one-bit patterns in focus, speckle, compressed pictures or too small a noise "
+                  "variance"}},
+      .remedies = {{"defocus the projector or show 8-bit patterns; measure the noise with "
+                    "`calibrate_noise()`"}}};
 }
 
 }  // namespace

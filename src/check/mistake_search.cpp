@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <set>
@@ -142,40 +143,45 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
       usual != attempts.end() && usual->misfit <= attempts.front().misfit + nearly;
 
   const Attempt& best = is_usual ? *usual : attempts.front();
-  Explanation told{best.misfit, best.mistake.likely, best.mistake.advice, best.mistake.gravity};
+  Explanation told{.misfit = best.misfit,
+                   .causes = {best.mistake.cause},
+                   .remedies = best.mistake.remedies,
+                   .severity = best.mistake.severity};
 
   // Others that fit about as well: a few by name, one per family, the rest by number.
-  std::set<std::string> named{best.mistake.likely};
   std::set<int> families{0, best.mistake.family};
   std::size_t unnamed = 0;
 
   for (const auto& [other, fit, misfit] : attempts) {
-    if (named.contains(other.likely) || misfit > best.misfit + nearly) continue;
-    if (named.size() == most_named || (is_usual && other.far_fetched) ||
+    const bool is_named = std::ranges::count(told.causes, other.cause) > 0;
+    if (is_named || misfit > best.misfit + nearly) continue;
+    if (told.causes.size() == most_named || (is_usual && other.far_fetched) ||
         (other.family != 0 && families.contains(other.family))) {
       ++unnamed;
       continue;
     }
 
-    named.insert(other.likely);
     families.insert(other.family);
-    told.likely += ", or " + other.likely;
-    told.advice += "; or " + other.advice;
+    told.causes.push_back(other.cause);
+    std::ranges::copy(other.remedies, std::back_inserter(told.remedies));
   }
 
   // Say how certain the explanation is.
-  if (best.mistake.scanner) told.likely += ", or a scanner file of another rig";
-  if (unnamed > 0) told.advice += fmt::format("; {} more would fit as well", unnamed);
-
-  const bool alone = named.size() == 1 && unnamed == 0;
-  if (!alone) told.advice += "; all of these fit, so verify the result";
+  const bool alone = told.causes.size() == 1 && unnamed == 0;
+  if (unnamed > 0) told.remark = fmt::format("{} more would fit as well; ", unnamed);
+  if (!alone) told.remark += "all of these fit, so verify the result";
+  if (best.mistake.scanner) {
+    told.causes.push_back({CauseKind::other_rig, "a scanner file of another rig"});
+  }
 
   // Repair only if the explanation is unique.
   if (alone && best.mistake.slipped) {
     told.order = best.mistake.order;
     if (best.fit.geometry) told.median_depth = best.fit.geometry->median_depth;
-    told.gravity = Gravity::doubtful;
-    told.advice = "the order " + text_of(composed(in_force, told.order)) + " corrects this";
+    told.severity = Severity::doubtful;
+
+    const std::string order = text_of(composed(in_force, told.order));
+    told.remedies = {{"the order " + order + " corrects this", {{"order", order}}}};
   }
 
   return told;

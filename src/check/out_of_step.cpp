@@ -251,20 +251,23 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
 
   Finding finding{
-      .gravity = is_harmful ? Gravity::wrong : Gravity::doubtful,
+      .kind = FindingKind::mixed_frames,
+      .severity = is_harmful ? Severity::wrong : Severity::doubtful,
       .what = "each frame contains a share of the pattern before",
-      .evidence = {{"share, percent", 100 * mixture.mean()},
-                   {"coordinates off by, percent of the field", 100 * off}},
-      .likely = "camera and projector out of step: exposures span two patterns",
-      .advice = "trigger the camera by the projector, or expose later and for whole patterns"};
+      .evidence = {{"share", 100 * mixture.mean(), "percent"},
+                   {"coordinates off by", 100 * off, "percent of the field"}},
+      .causes = {{CauseKind::out_of_step,
+                  "camera and projector out of step: exposures span two patterns"}},
+      .remedies = {
+          {"trigger the camera by the projector, or expose later and for whole patterns"}}};
 
-  if (deeper > 0) finding.evidence.push_back({"median depth off by, mm", deeper});
+  if (deeper > 0) finding.evidence.push_back({"median depth off by", deeper, "mm"});
 
   // A rolling shutter exposes row after row, so that the share changes down the picture.
   if (std::abs(mixture.top - mixture.bottom) > mixture.mean()) {
-    finding.evidence.push_back({"top row, percent", 100 * mixture.top});
-    finding.evidence.push_back({"bottom row, percent", 100 * mixture.bottom});
-    finding.likely += " by a rolling shutter";
+    finding.evidence.push_back({"top row", 100 * mixture.top, "percent"});
+    finding.evidence.push_back({"bottom row", 100 * mixture.bottom, "percent"});
+    finding.causes.front().text += " by a rolling shutter";
   }
 
   return MixedFrames{then.misfit(), std::move(finding)};

@@ -134,6 +134,14 @@ class Mistakes {
   std::vector<PossibleMistake> list{};
 
  private:
+  /// A mistake that nothing undoes yet.
+  PossibleMistake& add(CauseKind kind, std::string likely, std::vector<Remedy> remedies) {
+    PossibleMistake mistake;
+    mistake.cause = {kind, std::move(likely)};
+    mistake.remedies = std::move(remedies);
+    return list.emplace_back(std::move(mistake));
+  }
+
   /// 0 if the strategy has no such setting.
   [[nodiscard]] SettingValue setting(const std::string& name) const {
     const StrategySettings& settings = scan_.sequence.strategy.settings();
@@ -164,26 +172,27 @@ class Mistakes {
     constexpr double most_residual = 0.4;  // of a gamma of 3 in eight steps
     if (as_given_.frames.residual > most_residual) return;
 
-    PhotometricCalibration other = scan_.photometry;
-    if (other.response) {
-      other.response.reset();
-      list.push_back({.likely = "a response that is corrected but does not show in the frames",
-                      .advice = "try --gamma none",
-                      .photometry = other,
-                      .gravity = Gravity::doubtful});
+    if (scan_.photometry.response) {
+      PossibleMistake& mistake = add(CauseKind::needless_response,
+                                     "a response that is corrected but does not show in the frames",
+                                     {try_setting("gamma", "none")});
+      mistake.photometry = scan_.photometry;
+      mistake.photometry->response.reset();
+      mistake.severity = Severity::doubtful;
       return;
     }
 
     for (double gamma = 0.5; gamma < 3.05; gamma += 0.1) {
-      other.response = {PowerLaw{gamma}, gamma, 0};
-      list.push_back(
-          {.likely = fmt::format(
-               "the projector's gamma (with the camera's, about {:.1f}) is not corrected", gamma),
-           .advice = "measure it with slipstream calibrate gamma, or try --gamma blind",
-           .photometry = other,
-           .family = gamma_family,
-           .gravity = Gravity::doubtful,
-           .approximate = true});
+      PossibleMistake& mistake = add(
+          CauseKind::gamma,
+          fmt::format("the projector's gamma (with the camera's, about {:.1f}) is not corrected",
+                      gamma),
+          {{"measure it with `calibrate_gamma()`"}, try_setting("gamma", "blind")});
+      mistake.photometry = scan_.photometry;
+      mistake.photometry->response = {PowerLaw{gamma}, gamma, 0};
+      mistake.family = gamma_family;
+      mistake.severity = Severity::doubtful;
+      mistake.approximate = true;
     }
   }
 
@@ -191,29 +200,26 @@ class Mistakes {
     const Strategy& strategy = scan_.sequence.strategy;
     StrategySettings settings = strategy.settings();
 
-    // The options that change these settings, as advice.
-    std::string advice = "try";
+    // As a remedy.
+    std::vector<SettingChange> changed;
     for (const auto& [name, value] : changes) {
       settings[name] = value;
-
-      std::string flag = name;
-      std::ranges::replace(flag, '_', '-');
-      advice += value == SettingValue(true)    ? fmt::format(" --{}", flag)
-                : value == SettingValue(false) ? fmt::format(" --no-{}", flag)
-                                               : fmt::format(" --{} {}", flag, value.text());
+      changed.push_back({name, value.text()});
     }
 
     // The same settings may come up for several reasons: try them once.
-    if (!tried_.insert(advice).second) return;
+    if (std::ranges::count(tried_, changed) > 0) return;
+    tried_.push_back(changed);
 
     try {
       Sequence sequence = scan_.sequence;
       sequence.strategy = make_strategy(strategy.name(), settings);
       if (frame_count(sequence.strategy) != scan_.samples.frames()) return;
-      list.push_back({.likely = std::move(likely),
-                      .advice = std::move(advice),
-                      .sequence = std::move(sequence),
-                      .family = family});
+
+      PossibleMistake& mistake = add(CauseKind::pattern_settings, std::move(likely),
+                                     {change_settings("try", std::move(changed))});
+      mistake.sequence = std::move(sequence);
+      mistake.family = family;
     } catch (const Error&) {
       return;  // the strategy does not allow them
     }
@@ -350,10 +356,10 @@ class Mistakes {
     const auto add = [&](const FrameOrder& order, std::string likely) {
       if (!known.insert(order).second) return;
       const FrameOrder all = composed(scan_.settings.order, order);
-      list.push_back(
-          {.likely = std::move(likely),
-           .advice = std::ranges::is_sorted(all) ? "omit --order" : "try --order " + text_of(all),
-           .order = order});
+      this->add(CauseKind::frame_order, std::move(likely),
+                {std::ranges::is_sorted(all) ? change_settings("omit", {{"order", ""}})
+                                             : try_setting("order", text_of(all))})
+          .order = order;
     };
 
     const auto add_swapped = [&](int n, int m) {
@@ -393,16 +399,16 @@ class Mistakes {
     Sequence turned = scan_.sequence;
     turned.axis = other;
 
-    list.push_back({.likely = fmt::format("patterns that vary along {}, not {}", name_of(other),
-                                          name_of(axis)),
-                    .advice = fmt::format("try --axis {}", name_of(other)),
-                    .sequence = std::move(turned)});
+    add(CauseKind::axis,
+        fmt::format("patterns that vary along {}, not {}", name_of(other), name_of(axis)),
+        {try_setting("axis", std::string(name_of(other)))})
+        .sequence = std::move(turned);
 
     // 2. Pictures saved another way round.
     const auto pictures = [&](const PictureTurn& turn, const char* how, const char* advice) {
-      list.push_back({.likely = fmt::format("pictures {} since the calibration", how),
-                      .advice = advice,
-                      .turn = turn});
+      add(CauseKind::picture_orientation, fmt::format("pictures {} since the calibration", how),
+          {{advice}})
+          .turn = turn;
     };
 
     pictures({.columns = true, .rows = true}, "turned upside down",
@@ -411,10 +417,11 @@ class Mistakes {
     pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
 
     // 3. Scanner files, each with its mistake mended.
-    const auto file = [&](std::string_view what, const char* advice, const auto& mend) {
-      PossibleMistake& made = list.emplace_back(PossibleMistake{
-          fmt::format("a scanner file {}", what), advice, {}, {}, {}, *scan_.scanner});
-      mend(*made.scanner);
+    const auto file = [&](std::string_view what, const char* advice, const auto& mend,
+                          CauseKind kind = CauseKind::scanner_file) {
+      Scanner mended = *scan_.scanner;
+      mend(mended);
+      add(kind, fmt::format("a scanner file {}", what), {{advice}}).scanner = mended;
     };
 
     const auto invert = [](Scanner& scanner) {
@@ -447,17 +454,20 @@ class Mistakes {
 
     for (const double scale : {0.5, 2.0}) {
       const char* const large = scale < 1 ? "twice as large" : "half as large";
-      file(fmt::format("for camera pictures {}", large), "use pictures of the calibrated size",
-           [&](Scanner& scanner) { scanner.camera.intrinsic.topRows<2>() *= scale; });
-      file(fmt::format("for projector pictures {}", large),
-           "set --projector to the calibrated size",
-           [&](Scanner& scanner) { scanner.projector.intrinsic.topRows<2>() *= scale; });
+      const auto larger = [scale](Lens& lens) { lens.intrinsic.topRows<2>() *= scale; };
+
+      file(
+          fmt::format("for camera pictures {}", large), "use pictures of the calibrated size",
+          [&](Scanner& scanner) { larger(scanner.camera); }, CauseKind::picture_size);
+      file(
+          fmt::format("for projector pictures {}", large), "set `projector` to the calibrated size",
+          [&](Scanner& scanner) { larger(scanner.projector); }, CauseKind::projector_size);
     }
   }
 
   const JudgedScan& scan_;
   const Fit& as_given_;
-  std::set<std::string> tried_;  ///< advice
+  std::vector<std::vector<SettingChange>> tried_;
 };
 
 }  // namespace

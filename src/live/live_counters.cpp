@@ -117,13 +117,14 @@ bool SequenceWatch::look(std::uint64_t sequence) {
 void FindingLog::replace(std::vector<Finding> findings, std::uint64_t sequence) {
   // Diagnostics that the new check no longer has end here; others begin, or go on.
   for (LiveFinding& told : told_) {
-    const bool found = std::ranges::count(findings, told.finding.what, &Finding::what) > 0;
+    const bool found = std::ranges::any_of(
+        findings, [&](const Finding& finding) { return is_same(finding, told.finding); });
     if (!told.end && !found) told.end = sequence;
   }
 
   for (const Finding& finding : findings) {
     const bool lasts = std::ranges::any_of(told_, [&](const LiveFinding& told) {
-      return !told.end && told.finding.what == finding.what;
+      return !told.end && is_same(told.finding, finding);
     });
     if (!lasts) told_.push_back({finding, sequence});
   }

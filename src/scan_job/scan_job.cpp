@@ -53,23 +53,26 @@ EngineSetup setup_for_maps(const Scan& scan, const ScanJobSettings& settings,
 /// Two coordinates of one pixel that do not meet in one projector pixel.
 Finding contradiction(const EpipolarCheck& check) {
   return {
+      .kind = FindingKind::axes_disagree,
       .what = "the coordinates along x and y do not meet in one projector pixel",
-      .evidence = {{"median distance from the epipolar lines, projector pixels",
-                    check.median_length},
+      .evidence = {{"median distance from the epipolar lines", check.median_length,
+                    "projector pixels"},
                    {"expected sigma", check.median_sigma}},
-      .likely = "the camera or projector moved since calibration, or frames are in the wrong order",
-      .advice =
-          "calibrate again with slipstream calibrate geometry; scans along x alone do not show "
-          "this"};
+      .causes = {{CauseKind::rig_moved,
+                  "the camera or projector moved since calibration, or frames are in the wrong "
+                  "order"}},
+      .remedies = {{"calibrate again with `calibrate_geometry()`; scans along x alone do not show "
+                    "this"}}};
 }
 
 /// The cameras do not agree on the fringe order where one band of many periods leaves it open.
 Finding undecided_order() {
-  return {.what = "the cameras do not agree on the fringe order of most surfaces",
-          .likely = "several orders fit at the depths tried, or the calibration does not",
-          .advice =
-              "name the depths, mm, between which everything lit lies: --nearest "
-              "NUMBER --farthest NUMBER"};
+  return {.kind = FindingKind::camera_orders_disagree,
+          .what = "the cameras do not agree on the fringe order of most surfaces",
+          .causes = {{CauseKind::depth_range,
+                      "several orders fit at the depths tried, or the calibration does not"}},
+          .remedies = {{"name the depths, mm, between which everything lit lies: "
+                        "`nearest NUMBER` `farthest NUMBER`"}}};
 }
 
 /// No point, or under half of the pixels that are lit and within the user's limits.
@@ -90,11 +93,13 @@ std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSe
 
   const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
   return Finding{
+      .kind = FindingKind::few_points,
       .what = points == 0 ? "not one pixel became a point"
                           : "under 50 % of the lit pixels became points",
       .evidence = {{"share", static_cast<double>(points) / static_cast<double>(lit)}},
-      .likely = fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most))),
-      .advice = "look at the frames with slipstream view"};
+      .causes = {{CauseKind::rejected_pixels,
+                  fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most)))}},
+      .remedies = {{"look at the frames with `view()`"}}};
 }
 
 /// Counts the pixels by validity; warns of missing points.

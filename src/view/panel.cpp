@@ -148,8 +148,9 @@ void draw_stages(const LiveStatistics& statistics) {
 /// Problems and their causes, one short line each, without numbers.
 void draw_findings(const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) {
-    const ImVec4& colour = finding.gravity == Gravity::wrong ? bad : doubtful;
-    say(colour, "{}{}{}", finding.what, finding.likely.empty() ? "" : ": ", finding.likely);
+    const ImVec4& colour = finding.severity == Severity::wrong ? bad : doubtful;
+    const std::string causes = causes_of(finding);
+    say(colour, "{}{}{}", symptom_of(finding), causes.empty() ? "" : ": ", causes);
   }
 }
 

@@ -7,12 +7,13 @@
 namespace slipstream::app::scan_findings_test {
 
 const Finding dim{.what = "the frames are dim"};
-const Finding rotated{.gravity = Gravity::wrong,
+const Finding rotated{.kind = FindingKind::fringe_orders_disagree,
+                      .severity = Severity::wrong,
                       .what = "the bands disagree",
                       .evidence = {{"agreement", 0.25}},
-                      .likely = "frames 0 to 2 are rotated by one",
-                      .advice = "try --order 2,0,1,3,4,5"};
-const Finding dark{.gravity = Gravity::wrong, .what = "no frame has light in it"};
+                      .causes = {{CauseKind::frame_order, "frames 0 to 2 are rotated by one"}},
+                      .remedies = {try_setting("order", "2,0,1,3,4,5")}};
+const Finding dark{.severity = Severity::wrong, .what = "no frame has light in it"};
 
 std::string refusal_of(const std::vector<Finding>& findings, bool anyway = false) {
   Output output(false);
@@ -28,7 +29,7 @@ TEST(ScanFindings, AllThatIsWrongIsRefusedInOneLine) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(refusal_of({dim, rotated, dark}),
             "scan: the bands disagree (agreement = 0.25); likely frames 0 to 2 are rotated by one; "
-            "try --order 2,0,1,3,4,5 | no frame has light in it | the frames are dim");
+            "try `order 2,0,1,3,4,5` | no frame has light in it | the frames are dim");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
@@ -56,17 +57,24 @@ TEST(ScanFindings, OnlyWhatIsWrongMakesACloudDoubted) {
 }
 
 TEST(ScanFindings, GammaIsLeftOutWhereItIsMeasured) {
-  const Finding gamma{.what = "ripples", .likely = "the projector's gamma is not corrected"};
-  EXPECT_EQ(without_cause({dim, gamma, dark}, gamma_is_to_blame),
-            (std::vector<Finding>{dim, dark}));
+  const Finding gamma{.what = "ripples", .causes = {{CauseKind::gamma, "the projector's gamma"}}};
+  EXPECT_EQ(without_cause({dim, gamma, dark}, CauseKind::gamma), (std::vector<Finding>{dim, dark}));
 }
 
 TEST(ScanFindings, JsonHasAllOfAFinding) {
-  EXPECT_EQ(nlohmann::json(rotated), (nlohmann::json{{"what", "the bands disagree"},
-                                                     {"evidence", {{"agreement", 0.25}}},
-                                                     {"likely", "frames 0 to 2 are rotated by one"},
-                                                     {"try", "try --order 2,0,1,3,4,5"},
-                                                     {"refused", true}}));
+  const nlohmann::json expected{
+      {"kind", "fringe-orders-disagree"},
+      {"what", "the bands disagree"},
+      {"evidence", {{"agreement", 0.25}}},
+      {"quantities", {{{"name", "agreement"}, {"value", 0.25}}}},
+      {"likely", "frames 0 to 2 are rotated by one"},
+      {"causes", {{{"kind", "frame-order"}, {"text", "frames 0 to 2 are rotated by one"}}}},
+      {"try", "try --order 2,0,1,3,4,5"},
+      {"remedies",
+       {{{"text", "try --order 2,0,1,3,4,5"}, {"settings", {{"order", "2,0,1,3,4,5"}}}}}},
+      {"refused", true}};
+  EXPECT_EQ(nlohmann::json(rotated), expected);
+
   const nlohmann::json none = dim;
   EXPECT_EQ(none["refused"], false);
   EXPECT_TRUE(none["evidence"].is_object());

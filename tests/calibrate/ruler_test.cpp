@@ -9,13 +9,13 @@ const CalibrationBoard chessboard{.columns = 13, .rows = 9, .spacing = 10};
 
 std::string advice(const CalibrationBoard& board, const MeasuredPrint& measured) {
   const std::vector<Finding> findings = findings_of_ruler(board, measured);
-  return findings.size() == 1 ? findings[0].advice : "";
+  return findings.size() == 1 ? remedies_of(findings[0]) : "";
 }
 
 TEST(Ruler, SaysWhichSpacingToGive) {
-  EXPECT_EQ(advice(chessboard, {121.9, 81.3}), "use --spacing 10.16");
-  EXPECT_EQ(advice(chessboard, {121.9, 80.3}), "use --spacing 10.16x10.04");
-  EXPECT_EQ(advice(chessboard, {80, 120}), "use --measured 120x80");
+  EXPECT_EQ(advice(chessboard, {121.9, 81.3}), "use `spacing 10.16`");
+  EXPECT_EQ(advice(chessboard, {121.9, 80.3}), "use `spacing 10.16x10.04`");
+  EXPECT_EQ(advice(chessboard, {80, 120}), "use `measured 120x80`");
   EXPECT_TRUE(findings_of_ruler(chessboard, {120.2, 79.8}).empty()) << "as well as a ruler reads";
   CalibrationBoard stretched = chessboard;
   stretched.row_spacing = 10.04;
@@ -28,7 +28,7 @@ TEST(Ruler, MeasuresCirclesAlongARowAndFromRowToRow) {
   const CalibrationBoard circles{
       .kind = BoardKind::circles, .columns = 5, .rows = 8, .spacing = 16};
   EXPECT_TRUE(findings_of_ruler(circles, {8 * 16, 7 * 16}).empty());
-  EXPECT_EQ(advice(circles, {8 * 16.5, 7 * 16.5}), "use --spacing 16.5");
+  EXPECT_EQ(advice(circles, {8 * 16.5, 7 * 16.5}), "use `spacing 16.5`");
 }
 
 TEST(Ruler, LengthsThatCannotBeAreAnError) {

@@ -45,7 +45,7 @@ TEST(Verification, AKnockIsToldAndCorrected) {
     EXPECT_FALSE(found.holds) << count;
     ASSERT_TRUE(found.mended) << count << " poses, epipolar " << found.after.epipolar;
     ASSERT_EQ(found.findings.size(), 1U);
-    EXPECT_NE(found.findings[0].likely.find("moved relative to each other"), std::string::npos);
+    EXPECT_NE(causes_of(found.findings[0]).find("moved relative to each other"), std::string::npos);
     EXPECT_NEAR(found.rotation, 0.5 * degree, (count == 1 ? 0.2 : 0.05) * degree);
     EXPECT_LT(found.after.epipolar, 0.15);
     EXPECT_GT(found.before.epipolar, 2);
@@ -65,7 +65,7 @@ TEST(Verification, AnotherLensIsNotMendedByAMove) {
   EXPECT_FALSE(found.holds);
   EXPECT_FALSE(found.mended);
   ASSERT_FALSE(found.findings.empty());
-  EXPECT_NE(found.findings.back().likely.find("zoom"), std::string::npos);
+  EXPECT_NE(causes_of(found.findings.back()).find("zoom"), std::string::npos);
 }
 
 TEST(Verification, AWrongSpacingIsNoMove) {
@@ -76,9 +76,9 @@ TEST(Verification, AWrongSpacingIsNoMove) {
   EXPECT_FALSE(found.holds);
   EXPECT_FALSE(found.mended);
   ASSERT_FALSE(found.findings.empty());
-  EXPECT_NE(found.findings.back().likely.find("another spacing"), std::string::npos);
-  EXPECT_NE(found.findings.back().advice.find("20 mm"), std::string::npos)
-      << found.findings.back().advice;
+  EXPECT_NE(causes_of(found.findings.back()).find("another spacing"), std::string::npos);
+  EXPECT_NE(remedies_of(found.findings.back()).find("20 mm"), std::string::npos)
+      << remedies_of(found.findings.back());
 }
 
 TEST(Verification, WithoutABoardIsAnError) {

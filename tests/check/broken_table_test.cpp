@@ -304,7 +304,7 @@ void print(Table& all) {
 bool names_cause(const std::vector<Finding>& findings, const Words& causes) {
   return std::ranges::any_of(findings, [&](const Finding& finding) {
     return std::ranges::any_of(causes, [&](const std::string& cause) {
-      return finding.likely.find(cause) != std::string::npos;
+      return causes_of(finding).find(cause) != std::string::npos;
     });
   });
 }
@@ -374,22 +374,22 @@ class BrokenSet {
 
   /// With a hint the scan must not be refused; a single one must give the right cloud.
   void follow_all(const Finding& finding, const Scan& broken, const std::string& mistake) {
-    const std::vector<std::string> hints = hints_in(finding.advice);
-    const bool single = hints.size() == 1 && finding.advice.find("or ") == std::string::npos &&
-                        finding.likely.find(", or ") == std::string::npos &&
-                        finding.advice.find("more would fit") == std::string::npos;
-    for (const std::string& hint : hints) {
+    const bool single =
+        finding.remedies.size() == 1 && finding.causes.size() == 1 && finding.remark.empty();
+
+    for (const Remedy& remedy : finding.remedies) {
       Scan mended = broken;
-      if (!follow(hint, mended)) continue;
+      if (!follow(remedy, mended)) continue;
       ++table().hints;
       const std::vector<Finding> left = check_scan(mended, right_.settings).findings;
       if (any_wrong(left)) {
         table().bad_hints.push_back(
-            fmt::format("{}: {} leaves {}", title(mistake), hint, text_of(left)));
+            fmt::format("{}: {} leaves {}", title(mistake), remedy.text, text_of(left)));
       } else if (const CloudError error = error_of(mended, truth_);
                  single && error.is_wrong(right_error_)) {
         table().bad_hints.push_back(fmt::format("{}: {} alone leaves {:.3g} mm, {}", title(mistake),
-                                                hint, error.median, slipstream::text_of(finding)));
+                                                remedy.text, error.median,
+                                                slipstream::text_of(finding)));
       }
     }
   }

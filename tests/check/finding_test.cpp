@@ -1,27 +1,92 @@
-#include <gtest/gtest.h>
+#include "slipstream/finding.h"
 
-#include "slipstream/check.h"
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
 
 namespace slipstream::finding_test {
 
 TEST(Finding, IsOneLineForPeople) {
-  const Finding finding{.what = "the bands disagree about the phase",
-                        .evidence = {{"agreement", 0.123456}, {"offset in periods", 0.33}},
-                        .likely = "frames 0 to 2 are rotated by one",
-                        .advice = "try --order 2,0,1,3,4,5"};
-  EXPECT_EQ(
-      text_of(finding),
-      "the bands disagree about the phase (agreement = 0.123, offset in periods = 0.33); likely "
-      "frames 0 to 2 are rotated by one; try --order 2,0,1,3,4,5");
+  const Finding finding{
+      .what = "the bands disagree about the phase",
+      .evidence = {{"agreement", 0.123456}, {"median depth", 812.4, "mm"}},
+      .causes = {{CauseKind::frame_order, "frames 0 to 2 are rotated by one"},
+                 {CauseKind::gamma, "the projector's gamma"}},
+      .remedies = {try_setting("order", "2,0,1,3,4,5"), {"measure it with `calibrate_gamma()`"}},
+      .remark = "all of these fit, so verify the result",
+      .subject = "camera 2"};
+
+  EXPECT_EQ(text_of(finding),
+            "camera 2: the bands disagree about the phase (agreement = 0.123, median depth, mm = "
+            "812); likely frames 0 to 2 are rotated by one, or the projector's gamma; try `order "
+            "2,0,1,3,4,5`; or measure it with `calibrate_gamma()`; all of these fit, so verify the "
+            "result");
   EXPECT_EQ(text_of({.what = "no light"}), "no light");
+}
+
+TEST(Finding, RemedyIsSettingsAndWords) {
+  const Remedy remedy = change_settings(
+      "try", {{"backwards", "true"}, {"plain", "false"}, {"origin", "1.57"}, {"order", ""}});
+
+  EXPECT_EQ(remedy.text, "try `backwards` `no_plain` `origin 1.57` `order`");
+  ASSERT_EQ(remedy.settings.size(), 4U);
+  EXPECT_EQ(remedy.settings[2], (SettingChange{"origin", "1.57"}));
 }
 
 TEST(Finding, RefusesWhereOneIsWrong) {
   EXPECT_FALSE(any_wrong({}));
+
   const std::vector<Finding> doubtful{{.what = "a"}};
   EXPECT_FALSE(any_wrong(doubtful));
-  const std::vector<Finding> wrong{{.what = "a"}, {.gravity = Gravity::wrong, .what = "b"}};
+
+  const std::vector<Finding> wrong{{.what = "a"}, {.severity = Severity::wrong, .what = "b"}};
   EXPECT_TRUE(any_wrong(wrong));
+  EXPECT_EQ(gravest_first(wrong).front().what, "b");
+}
+
+TEST(Finding, IsTheSameWithOtherNumbersButNotOfAnotherFrame) {
+  const Finding black{.kind = FindingKind::partly_black_frame,
+                      .what = "frame 3 is black",
+                      .evidence = {{"share", 0.2}},
+                      .frames = {3}};
+
+  Finding later = black;
+  later.evidence = {{"share", 0.4}};
+  EXPECT_TRUE(is_same(black, later));
+
+  Finding other = black;
+  other.frames = {4};
+  EXPECT_FALSE(is_same(black, other));
+
+  other = black;
+  other.subject = "camera 2";
+  EXPECT_FALSE(is_same(black, other));
+}
+
+// Scripts depend on them: lower case, words joined by dashes, no two alike.
+template <class Kinds>
+void expect_identifiers(const Kinds& kinds) {
+  std::set<std::string_view> names;
+  for (const auto kind : kinds) {
+    const std::string_view name = name_of(kind);
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_TRUE(std::ranges::all_of(name, [](char c) { return c == '-' || std::islower(c); }))
+        << name;
+  }
+}
+
+TEST(Finding, KindsAndCausesHaveIdentifiers) {
+  expect_identifiers(finding_kinds());
+  expect_identifiers(cause_kinds());
+
+  EXPECT_EQ(name_of(FindingKind::fringe_orders_disagree), "fringe-orders-disagree");
+  EXPECT_EQ(name_of(FindingKind::inaccurate_scanner), "inaccurate-scanner");
+  EXPECT_EQ(name_of(CauseKind::gamma), "gamma");
 }
 
 }  // namespace slipstream::finding_test

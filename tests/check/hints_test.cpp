@@ -27,7 +27,7 @@ using Order = std::vector<int>;
 
 std::string advice_for(const Scan& scan) {
   std::string text;
-  for (const Finding& finding : check_scan(scan).findings) text += finding.advice;
+  for (const Finding& finding : check_scan(scan).findings) text += remedies_of(finding);
   return text;
 }
 
@@ -36,12 +36,12 @@ TEST(RealCodes, GiveOriginAndDirection) {
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const auto names = names_of(18, [](int n) { return fmt::format("frame_{:02}.png", n); });
   Scan scan = real_scan(folder, names, GrayPhase{.steps = 12}, {1920, 1080});
-  EXPECT_TRUE(advice_for(scan).starts_with("try --backwards --origin 3.1416")) << advice_for(scan);
+  EXPECT_TRUE(advice_for(scan).starts_with("try `backwards` `origin 3.1416`")) << advice_for(scan);
   scan.sequence.strategy = GrayPhase{.steps = 12, .shifts = {3.1416, true}};
   EXPECT_EQ(advice_for(scan), "");
   taken_in_order({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 17, 16})(scan);
   EXPECT_TRUE(
-      advice_for(scan).starts_with("try --order 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,17,16"))
+      advice_for(scan).starts_with("try `order 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,17,16`"))
       << advice_for(scan);
 }
 
@@ -52,11 +52,11 @@ TEST(RealMicroPhaseShifting, GivesOriginAndDirection) {
   const std::vector<double> periods{23.0366, 21.9441, 20.9257, 22.3948,
                                     23.9459, 19.7955, 32.2165, 21.3583};
   Scan scan = real_scan(folder, names, MicroPhaseShifting{.periods = periods}, {1024, 768});
-  EXPECT_TRUE(advice_for(scan).starts_with("try --backwards")) << advice_for(scan);
+  EXPECT_TRUE(advice_for(scan).starts_with("try `backwards`")) << advice_for(scan);
   scan.sequence.strategy = MicroPhaseShifting{.periods = periods, .shifts = {0, true}};
   EXPECT_EQ(advice_for(scan), "");
   scan.sequence.strategy = MicroPhaseShifting{.periods = periods, .shifts = {1, true}};
-  EXPECT_TRUE(advice_for(scan).starts_with("try --origin 0")) << advice_for(scan);
+  EXPECT_TRUE(advice_for(scan).starts_with("try `origin 0`")) << advice_for(scan);
 }
 
 // With the order in force a hint gives the whole order; the stored order is no order.
@@ -64,9 +64,9 @@ TEST(Hints, AreComposedWithTheOrderInForce) {
   Scan scan = right_scan("statue", GrayPhase{});
   const Order wrong{0, 1, 2, 3, 5, 4, 6, 7, 8, 9};
   taken_in_order(wrong)(scan);
-  EXPECT_EQ(advice_for(scan), "try --order 0,1,2,3,5,4,6,7,8,9");
+  EXPECT_EQ(advice_for(scan), "try `order 0,1,2,3,5,4,6,7,8,9`");
   scan.order = wrong;
-  EXPECT_EQ(advice_for(scan), "omit --order");
+  EXPECT_EQ(advice_for(scan), "omit `order`");
 }
 
 }  // namespace slipstream::hints_test

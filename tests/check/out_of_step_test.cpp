@@ -66,7 +66,7 @@ double median_error(const Cloud& cloud, const Cloud& right) {
 }
 
 bool names_out_of_step(const Finding& finding) {
-  return finding.likely.find("out of step") != std::string::npos;
+  return std::ranges::count(finding.causes, CauseKind::out_of_step, &Cause::kind) > 0;
 }
 
 /// How scans with each share of the frame before are told.

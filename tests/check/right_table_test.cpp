@@ -198,12 +198,14 @@ std::string true_cause(const Scan& scan, const VirtualScan& truth, const Photome
     deviations.push_back(error / static_cast<double>(sigma.z.begin()[i]));
   }
   if (photometry.physics.flicker > 0 &&
-      without_cause(found, "light that flickers").size() < found.size())
+      without_cause(found, CauseKind::flicker).size() < found.size())
     return "flicker";
   if (saturated > many * lit) return "saturated";
   const bool is_known = scan.scanner->photometry.response.has_value();
-  if (!is_known && without_cause(found, "the projector's gamma, if it is not 1").empty())
-    return "unknown response";
+  const auto is_unproven = [](const Finding& finding) {
+    return finding.kind == FindingKind::unproven_response;
+  };
+  if (!is_known && std::ranges::all_of(found, is_unproven)) return "unknown response";
   if (static_cast<double>(errors.size()) < most * lit) return "few points";
   if (wrong_orders > most_wrong_orders * static_cast<double>(errors.size()))
     return "wrong fringe orders";
@@ -287,7 +289,7 @@ TEST_P(RightScans, AreLeftInPeace) {
     if (!cause.empty()) ++line.with_cause;
     for (const Finding& finding : found) {
       fmt::print("{}{}: {}{}\n", cause.empty() ? "" : "(" + cause + ") ", right.name,
-                 finding.gravity == Gravity::wrong ? "REFUSED, " : "", text_of(finding));
+                 finding.severity == Severity::wrong ? "REFUSED, " : "", text_of(finding));
     }
   }
 }

@@ -113,7 +113,8 @@ void expect_told(const Strategy& shown, Disturb disturb, const std::string& caus
   run_to_its_end(pipeline);
   const std::vector<LiveFinding> told = pipeline.findings();
   ASSERT_EQ(told.size(), 1U) << cause;
-  EXPECT_TRUE(told[0].finding.likely.find(cause) != std::string::npos) << text_of(told[0].finding);
+  EXPECT_TRUE(causes_of(told[0].finding).find(cause) != std::string::npos)
+      << text_of(told[0].finding);
   const auto cycle_of = [&](std::uint64_t sequence) { return static_cast<int>(sequence) / count; };
   EXPECT_GE(cycle_of(told[0].begin), first);
   EXPECT_LE(cycle_of(told[0].begin), first + 2) << cause;

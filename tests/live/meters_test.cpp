@@ -72,7 +72,7 @@ TEST(SequenceWatch, a_damaged_frame_is_lost_once) {
 }
 
 Finding finding(const std::string& what, double value = 0) {
-  return {.what = what, .evidence = {{"value", value}}};
+  return {.what = what, .evidence = {{"value", value}}, .subject = what};
 }
 
 TEST(FindingLog, KnowsWhenWhatBeganAndEnded) {

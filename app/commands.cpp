@@ -196,7 +196,8 @@ void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) 
       ->required(served);
 }
 
-std::string located(const RigSaid& said, const std::string& message) {
+std::string located(const RigSaid& said, const std::string& text) {
+  const std::string message = with_flags(text);
   if (message.starts_with(said.file + ": line ")) return message;
 
   // The setting that the message names most clearly; of several, the first in the file.

@@ -13,6 +13,7 @@
 
 #include <CLI/App.hpp>
 
+#include "app/flag_names.h"
 #include "app/output.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
@@ -110,25 +111,26 @@ struct FlagGroup {
     return add_read<>(flag, read, help)->default_str(std::string(usual));
   }
 
-  /// Adds the described number and switch settings of a struct that have a flag; out of range
-  /// values throw Error. Calls `add_other(setting, value)` for the others.
+  /// Adds a flag for each described number and switch of a struct that has an option; out of range
+  /// values throw Error. Calls `add_other(flag, help, value)` for other settings.
   template <class Settings, class... AddOther>
   void add_settings(Settings& settings, const AddOther&... add_other) const {
     Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
       using Value = std::remove_cvref_t<decltype(value)>;
-      if (*setting.flag == '\0') return;
+      if (*setting.option == '\0') return;
+      const std::string flag = flag_of(setting.option), help = with_flags(setting.help);
 
       if constexpr (std::is_same_v<Value, bool>) {
-        const auto set = [&value, on = !setting.flag_clears] { value = on; };
-        app.add_flag_callback(setting.flag, set, setting.help)->group(name);
+        const auto set = [&value, on = !setting.option_clears] { value = on; };
+        app.add_flag_callback(flag, set, help)->group(name);
       } else if constexpr (std::is_arithmetic_v<typename NumberOf<Value>::Type>) {
-        add(setting.flag, value, setting.help)->check([setting](const std::string& text) {
+        add(flag, value, help)->check([setting](const std::string& text) {
           require_in_range(setting, std::strtod(text.c_str(), nullptr));
           return std::string();
         });
       } else {
         // Boxes, outlines and the like: the caller knows how to read them.
-        (add_other(setting, value), ...);
+        (add_other(flag, help, value), ...);
       }
     });
   }
@@ -209,9 +211,9 @@ struct RigSaid {
 /// to the rig file.
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said);
 
-/// The message prefixed with "rig.yaml: line 3: " of the setting it names most clearly; unchanged
-/// if it names none or is already prefixed.
-std::string located(const RigSaid& said, const std::string& message);
+/// The message with_flags, prefixed with "rig.yaml: line 3: " of the setting it names most clearly;
+/// without prefix if it names none or already has one.
+std::string located(const RigSaid& said, const std::string& text);
 
 /// The chosen subcommand and its parsed flags.
 struct Command {

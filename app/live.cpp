@@ -120,7 +120,7 @@ void tell_pictures(const LiveSession& session, Output& output) {
       measured, too_dark, saturated, report.modulation);
 }
 
-/// The session's statistics so far.
+/// The session's statistics so far, also for its sinks.
 nlohmann::json document_of(const LiveSession& session) {
   nlohmann::json document = as_json(session.pipeline->statistics());
   document["findings"] = session.pipeline->findings();
@@ -130,7 +130,7 @@ nlohmann::json document_of(const LiveSession& session) {
   });
 
   document["source"] = session.flags.source.source;
-  return document;
+  return document_with_flags(std::move(document));
 }
 
 /// Prints the session's statistics and writes its last cloud as requested.

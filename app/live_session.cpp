@@ -54,10 +54,10 @@ void for_each_live_setting(Settings& settings, const Visit& visit) {
 std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
   std::vector<RunSetting> all;
   for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
-    const char* const name = setting.flag + 2;  // skips "--"
+    const char* const name = setting.option;
     const auto& [help, unit, least, most] = setting.live;
     if constexpr (std::is_same_v<decltype(value), const bool&>) {
-      all.push_back(off_or_on(name, help, value != setting.flag_clears));
+      all.push_back(off_or_on(name, help, value != setting.option_clears));
     } else {
       all.push_back(number(name, help, unit, {static_cast<double>(value), least, most}));
     }
@@ -70,11 +70,11 @@ std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
 void change_described(ReconstructSettings& settings, const std::string& name,
                       const std::string& value) {
   for_each_live_setting(settings, [&](const Setting& setting, auto& member) {
-    if (name != setting.flag + 2) return;
+    if (name != setting.option) return;
     using Member = std::remove_reference_t<decltype(member)>;
 
     if constexpr (std::is_same_v<Member, bool>) {
-      member = (value == "on") != setting.flag_clears;
+      member = (value == "on") != setting.option_clears;
     } else {
       member = static_cast<Member>(number_in<double>(value).value_or(0));
     }
@@ -287,7 +287,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
             [document] {  // paths need not be UTF-8
               return document().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
             },
-        .trouble = [&session] { return trouble_of(session); },
+        .trouble = [&session] { return with_flags(trouble_of(session)); },
         .save = [&session] { return save_newest(session); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
         .sequence = [&session] { return setup_of(session).sequence; },

@@ -80,9 +80,22 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
+nlohmann::json document_with_flags(nlohmann::json document) {
+  if (document.is_string()) return with_flags(document.get_ref<const std::string&>());
+  if (document.is_array()) {
+    for (nlohmann::json& element : document) element = document_with_flags(std::move(element));
+  } else if (document.is_object()) {
+    for (const auto& [name, value] : document.items()) {
+      if (name != "files") value = document_with_flags(std::move(value));
+    }
+  }
+  return document;
+}
+
 void Output::finish() {
   if (json_) {  // file names need not be UTF-8
-    write_line(stdout, document.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
+    write_line(stdout, document_with_flags(document).dump(
+                           2, ' ', true, nlohmann::json::error_handler_t::replace));
   }
 
   if (pipe_closed) end_by_closed_pipe();

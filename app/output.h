@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "app/flag_names.h"
 #include "slipstream/check.h"
 #include "slipstream/cloud.h"
 #include "slipstream/finding.h"
@@ -32,6 +33,9 @@ void to_json(nlohmann::json& json, const LiveFinding& finding);
 }  // namespace slipstream
 
 namespace slipstream::app {
+
+/// The document with all its texts with_flags, except its `files`.
+nlohmann::json document_with_flags(nlohmann::json document);
 
 /// Converts numbers and texts; an empty optional to null; lists; pairs of a name and a value to an
 /// object; ValidityCounts by reason; and types with for_each_figure, see LiveStatistics.
@@ -96,8 +100,8 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
-/// A subcommand's output: text on stdout, or on stderr if stdout carries data. Control
-/// characters are shown as "\x1b".
+/// A subcommand's output: text on stdout, or on stderr if stdout carries data. Texts are printed
+/// with_flags, and control characters as "\x1b".
 class Output {
  public:
   /// `piped`: stdout carries a file, so that text goes to stderr.
@@ -120,11 +124,14 @@ class Output {
   /// A line of text.
   template <class... Values>
   void say(fmt::format_string<Values...> format, Values&&... values) {
-    write_line(aside_ ? stderr : stdout, fmt::format(format, std::forward<Values>(values)...));
+    const std::string line = fmt::format(format, std::forward<Values>(values)...);
+    write_line(aside_ ? stderr : stdout, with_flags(line));
   }
 
   /// A line on stderr, prefixed with "warning:".
-  void warn(std::string_view message) { write_line(stderr, fmt::format("warning: {}", message)); }
+  void warn(std::string_view message) {
+    write_line(stderr, fmt::format("warning: {}", with_flags(message)));
+  }
 
   void warn(const std::vector<std::string>& messages) {
     for (const std::string& message : messages) warn(message);
@@ -136,7 +143,7 @@ class Output {
 
   /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message) {
-    write_line(stderr, fmt::format("slipstream: {}", message));
+    write_line(stderr, fmt::format("slipstream: {}", with_flags(message)));
   }
 
   /// A line before work of seconds, for who watches: only on a terminal.

@@ -168,7 +168,7 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
       judge(flags, 0, scan);
     }
   } catch (const Error& error) {
-    scan.failure = error.what();
+    scan.failure = with_flags(error.what());
   }
   return std::move(scan);
 }

@@ -132,10 +132,10 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
           text_of(name));
     }
   } catch (const Error& error) {
-    result.failure = error.what();
+    result.failure = with_flags(error.what());
   } catch (const WorldError& error) {  // an unreadable file fails only its own scan
     if (flags.scans.size() == 1) throw;
-    result.failure = error.what();
+    result.failure = with_flags(error.what());
   }
 
   return loaded;

@@ -17,11 +17,6 @@ namespace slipstream::app {
 namespace {
 
 /// Converts low_steps to --low-steps.
-std::string flag_of(std::string setting) {
-  std::ranges::replace(setting, '_', '-');
-  return "--" + setting;
-}
-
 std::vector<double> settings_in(const std::string& text) {
   std::vector<double> numbers;
   SettingValue(text).read(numbers);
@@ -57,7 +52,7 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   // A flag for each setting of the registry; switches have an opposite too.
   for (const SettingDescription& setting : strategy_settings()) {
     const std::string flag = flag_of(setting.name),
-                      help = fmt::format("{} [{}]", setting.help, setting.strategies);
+                      help = fmt::format("{} [{}]", with_flags(setting.help), setting.strategies);
     std::optional<std::string>& value = changes.settings[setting.name];
 
     if (setting.is_switch) {
@@ -151,7 +146,7 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
 
 void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
   const auto read = [&settings](const std::string& name) { set_backend(settings, name); };
-  group.add_read<>("--backend", read, backend_forms)->default_str("fused");
+  group.add_read<>("--backend", read, with_flags(backend_forms))->default_str("fused");
 }
 
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
@@ -167,7 +162,8 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
       ->group(group.name);
 
   // The two settings that are neither numbers nor switches: a box in mm, and an outline in pixels.
-  group.add_settings(settings.clean, [&group](const Setting& setting, auto& value) {
+  group.add_settings(settings.clean, [&group](const std::string& flag, const std::string& help,
+                                              auto& value) {
     const auto read = [&value](const std::vector<double>& numbers) {
       const std::size_t count = numbers.size();
 
@@ -187,7 +183,7 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
       }
     };
 
-    group.add_read<std::vector<double>>(setting.flag, read, setting.help)->delimiter(',');
+    group.add_read<std::vector<double>>(flag, read, help)->delimiter(',');
   });
 
   subcommand.get_option("--min-component")->default_str("");  // its help names the default

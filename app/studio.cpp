@@ -107,7 +107,7 @@ view::ViewSource idle(Studio& studio) {
                    studio.steps->choices[camera].options.push_back(found.name);
                  }
                } catch (const std::exception& error) {
-                 studio.steps->message = error.what();
+                 studio.steps->message = with_flags(error.what());
                }
              }
              return view::ShownCloud{};
@@ -126,7 +126,7 @@ view::ViewStep step(Studio& studio, const char* name, char key, const char* help
             try {
               return dressed(studio, begin(studio));
             } catch (const std::exception& error) {
-              studio.steps->message = error.what();
+              studio.steps->message = with_flags(error.what());
               return idle(studio);
             }
           }};
@@ -149,7 +149,7 @@ view::ViewSource show_live(Studio& studio) {
       try {
         std::rethrow_exception(failure);
       } catch (const std::exception& error) {
-        studio.steps->message = error.what();
+        studio.steps->message = with_flags(error.what());
       }
     }
     return newest();
@@ -175,7 +175,7 @@ std::optional<view::Guide> guide_of(GuidedPoses& poses, const std::string& folde
                   "next: Live, then Capture"};
     last.colour = {128, 217, 140};
   } catch (const std::exception& error) {
-    last.headline = error.what();
+    last.headline = with_flags(error.what());
     last.colour = {255, 128, 107};
     last.lines = {"Calibrate again, or take another scanner file."};
   }

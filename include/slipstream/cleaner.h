@@ -59,7 +59,7 @@ struct CleanSettings {
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
     visit({.name = "largest_sigma",
-           .flag = "--max-sigma",
+           .option = "max-sigma",
            .help = "maximum standard deviation of depth predicted from the noise, mm; default: 3 % "
                    "of the depth",
            .unit = "mm",
@@ -71,23 +71,22 @@ struct CleanSettings {
     visit({.name = "drop_outliers"}, self.drop_outliers);
 
     visit({.name = "smallest_component",
-           .flag = "--min-component",
+           .option = "min-component",
            .help = "minimum pixels of a connected piece; default 200",
            .unit = "pixels",
            .least = 0,
            .live = {"minimum pixels of a connected piece", "pixels", 0, 1e6}},
           self.smallest_component);
 
-    visit({"box", "--box", "keep only points inside, mm: minimum x,y,z and maximum x,y,z"},
-          self.box);
-    visit({"outline", "--outline",
+    visit({"box", "box", "keep only points inside, mm: minimum x,y,z and maximum x,y,z"}, self.box);
+    visit({"outline", "outline",
            "keep only camera pixels inside x,y,x,y: two corners of a rectangle, or a polygon"},
           self.outline);
 
-    visit({"widest_gap", "--fill", "fill gaps in a surface up to this width, pixels", "pixels", 0},
+    visit({"widest_gap", "fill", "fill gaps in a surface up to this width, pixels", "pixels", 0},
           self.widest_gap);
-    visit({"smoothing", "--smooth", "half the window of edge-preserving smoothing, pixels",
-           "pixels", 0, 10},
+    visit({"smoothing", "smooth", "half the window of edge-preserving smoothing, pixels", "pixels",
+           0, 10},
           self.smoothing);
   }
 

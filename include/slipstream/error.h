@@ -12,6 +12,11 @@ namespace slipstream {
 /// Bad input: a missing or truncated file, one of the wrong size, a parameter out of range, a
 /// singular calibration. The message is one line with the thing, its value and the remedy. The
 /// program prints it and exits with 2.
+///
+/// Messages, also warnings and help, name settings and operations in backquotes: a setting by its
+/// keyword, alone or with a value, "`order`" or "`order 2,0,1`"; an operation with parentheses,
+/// "`calibrate_gamma()`". The program prints these as its flags and commands: "--order", "--order
+/// 2,0,1" and "slipstream calibrate gamma".
 class Error : public std::runtime_error {
  public:
   /// Line breaks, e.g. in texts from files, become spaces.

@@ -37,10 +37,9 @@ struct SourceRequest {
   /// Settings shared by flags and keywords.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
-    visit(
-        {"rate", "--rate", "frames per second; 0: as fast as possible; default: the source's own"},
-        self.rate);
-    visit({"loop", "--loop", "restart a recording at its end"}, self.loop);
+    visit({"rate", "rate", "frames per second; 0: as fast as possible; default: the source's own"},
+          self.rate);
+    visit({"loop", "loop", "restart a recording at its end"}, self.loop);
   }
 };
 

@@ -81,7 +81,7 @@ struct ReconstructSettings {
   static void for_each_setting(Self& self, const Visit& visit) {
     // Light.
     visit({.name = "minimum_modulation",
-           .flag = "--min-modulation",
+           .option = "min-modulation",
            .help = "least modulation, grey levels of 255 for any bit depth of the camera",
            .unit = "grey levels",
            .least = 0,
@@ -89,9 +89,9 @@ struct ReconstructSettings {
            .live = {"least modulation of a point", "grey levels of 255", 0, 127}},
           self.minimum_modulation);
     visit({.name = "drop_saturated",
-           .flag = "--keep-saturated",
+           .option = "keep-saturated",
            .help = "keep pixels with a saturated frame",
-           .flag_clears = true,
+           .option_clears = true,
            .live = {"pixels with a saturated frame become points"}},
           self.drop_saturated);
 
@@ -101,18 +101,18 @@ struct ReconstructSettings {
 
     // Where a point may lie.
     visit({.name = "field_margin", .least = 0}, self.field_margin);
-    visit({"nearest", "--nearest", "least depth, mm; default: half the nearest calibrated depth"},
+    visit({"nearest", "nearest", "least depth, mm; default: half the nearest calibrated depth"},
           self.nearest);
-    visit({"farthest", "--farthest",
-           "largest depth, mm; default: twice the farthest calibrated depth"},
-          self.farthest);
+    visit(
+        {"farthest", "farthest", "largest depth, mm; default: twice the farthest calibrated depth"},
+        self.farthest);
   }
 
   friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;
 };
 
 inline constexpr const char* backend_forms =
-    "fused, gpu or gpu:NUMBER (see slipstream gpu list), lut, closed-form, equation or "
+    "fused, gpu or gpu:NUMBER (see `gpu_list()`), lut, closed-form, equation or "
     "intensity-ratio";
 
 /// Sets engine and phase method by one of these names; the last four select the reference engine.

@@ -110,11 +110,11 @@ struct PhotometricCalibration {
   /// The numbers, named as in scanner files.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
-    visit({"ambient_light", "--ambient",
+    visit({"ambient_light", "ambient",
            "ambient light, grey levels of 255; default: from the scanner file", "grey levels", -255,
            255},
           self.ambient);
-    visit({"noise_variance", "--noise-variance",
+    visit({"noise_variance", "noise-variance",
            "noise variance sigma_w^2, squared grey levels of 255; default: from the scanner file",
            "grey levels^2", 0, 255 * 255, /*above_least=*/true},
           self.noise_variance);

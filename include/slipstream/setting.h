@@ -18,16 +18,18 @@ struct Setting {
     double least = 0, most = 0;  ///< range of a number
   };
 
-  const char* name;       ///< member name and Python keyword; messages show it with spaces
-  const char* flag = "";  ///< command-line flag, e.g. "--fill"; empty: none
-  const char* help = "";  ///< of the flag
+  const char* name;  ///< member name and Python keyword; messages show it with spaces
+  /// Short name by which a command line or page offers it, without dashes, e.g. "fill"; empty: not
+  /// offered.
+  const char* option = "";
+  const char* help = "";  ///< of the option; names other settings as messages do, see Error
   const char* unit = "";  ///< e.g. "mm"
 
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
 
-  bool above_least = false;  ///< excludes `least` itself from the range
-  bool flag_clears = false;  ///< the flag of a boolean sets it to false
+  bool above_least = false;    ///< excludes `least` itself from the range
+  bool option_clears = false;  ///< the option of a boolean sets it to false
 
   Live live{};
 };

@@ -67,16 +67,15 @@ struct WorldSettings {
   /// The numbers shared by flags and keywords.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
-    visit(
-        {"reflectivity", "--reflectivity", "reflectivity alpha of every surface, 0 to 1", "", 0, 1},
-        self.reflectivity);
-    visit({"ambient", "--virtual-ambient", "ambient light beta, grey levels of 255"}, self.ambient);
-    visit({"noise_variance", "--virtual-noise",
+    visit({"reflectivity", "reflectivity", "reflectivity alpha of every surface, 0 to 1", "", 0, 1},
+          self.reflectivity);
+    visit({"ambient", "virtual-ambient", "ambient light beta, grey levels of 255"}, self.ambient);
+    visit({"noise_variance", "virtual-noise",
            "noise variance sigma_w^2, squared grey levels of 255; default: the world's"},
           self.noise_variance);
-    visit({"bits", "--camera-bits", "bit depth of the camera, 8 to 16"}, self.bits);
-    visit({"seed", "--seed", "seed of the noise"}, self.seed);
-    visit({"rays", "--rays", "rays per pixel at edges, 1 to 256: more are more exact and slower"},
+    visit({"bits", "camera-bits", "bit depth of the camera, 8 to 16"}, self.bits);
+    visit({"seed", "seed", "seed of the noise"}, self.seed);
+    visit({"rays", "rays", "rays per pixel at edges, 1 to 256: more are more exact and slower"},
           self.rays);
   }
 };

@@ -201,7 +201,7 @@ class Keywords {
   }
 
   /// Describes the keyword taken next by its setting.
-  void explain(const Setting& setting) { help_ = setting.flag_clears ? "" : setting.help; }
+  void explain(const Setting& setting) { help_ = setting.option_clears ? "" : setting.help; }
 
   /// Takes a required keyword.
   template <class Value>

@@ -6,11 +6,11 @@ namespace slipstream {
 namespace {
 
 constexpr std::string_view style = R"(
-:root { color-scheme: light dark; --line: #8886; }
+:root { color-scheme: light dark; }
 body { max-width: 62rem; margin: 2rem auto; padding: 0 1rem; font: 15px/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.1rem; margin-top: 2rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: left;
+th, td { padding: .25rem .7rem; border-bottom: 1px solid #8886; text-align: left;
          vertical-align: top; overflow-wrap: anywhere; }
 figure { display: inline-block; margin: .5rem 1rem .5rem 0; break-inside: avoid; }
 img { max-width: 100%; } figcaption { font-size: .85rem; opacity: .75; }

@@ -86,16 +86,16 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
     if (seen && seen != Size{board.columns, board.rows}) {
       return fmt::format(
           "no chessboard of {}x{} corners is fully visible, but one of at least {}x{} is; check "
-          "--corners",
+          "`corners`",
           board.columns, board.rows, seen->width, seen->height);
     }
   }
   return fmt::format(
-      "no {} of {}x{} corners is {}visible; likely a wrong --board, --corners{}, or a picture that "
+      "no {} of {}x{} corners is {}visible; likely a wrong `board`, `corners`{}, or a picture that "
       "is dark, overexposed or out of focus",
       name_of(board.kind), board.columns, board.rows,
       board.kind == BoardKind::charuco ? "" : "fully ",
-      board.kind == BoardKind::charuco ? " or --dictionary" : "");
+      board.kind == BoardKind::charuco ? " or `dictionary`" : "");
 }
 
 void require_same(Size& known, Size size, const std::string& pose, const char* what) {
@@ -111,7 +111,7 @@ Scan scan_of(const BoardScans& pose, Axis axis, Size projector, PoseCaptures& ca
   if (scan.sequence.projector == Size{}) scan.sequence.projector = projector;
 
   captures.warnings.insert(captures.warnings.end(), scan.warnings.begin(), scan.warnings.end());
-  throw_if(scan.sequence.projector == Size{}, "{}: no projector size; set it with --projector",
+  throw_if(scan.sequence.projector == Size{}, "{}: no projector size; set it with `projector`",
            pose.name);
 
   require_same(captures.camera, scan.frames.size(), pose.name, "frames of");
@@ -223,7 +223,7 @@ PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardSca
                            const std::function<void(const std::string& words)>& told) {
   for (const std::string& name : excluded) {
     throw_if(std::ranges::count(poses, name, &BoardScans::name) == 0,
-             "--exclude {}: no such pose in {}", name, folder);
+             "`excluded {}`: no such pose in {}", name, folder);
   }
 
   PoseCaptures captures;

@@ -240,7 +240,7 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
     const std::vector<double> outside = contrast(count, corner_of, 1);
     if (inside.size() < fewest_seen || outside.size() < fewest_seen) return;
     throw_if(median(outside) >= share_of_contrast * median(inside),
-             "the board has more than {}x{} corners; check --corners", board.columns, board.rows);
+             "the board has more than {}x{} corners; check `corners`", board.columns, board.rows);
   };
 
   // The left, right, upper and lower side.

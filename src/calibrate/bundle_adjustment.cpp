@@ -292,7 +292,7 @@ class BundleProblem {
     ceres::Solve(options, &problem_, &summary);
     throw_if(!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost),
              "bundle adjustment did not converge; likely corners that contradict each other: check "
-             "--board and --corners");
+             "`board` and `corners`");
   }
 
   [[nodiscard]] const Parameters& parameters() const { return parameters_; }

@@ -145,7 +145,7 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
                                        const MeasuredPrint& measured) {
   const Eigen::Array2d is(measured.along_row, measured.along_column);
   throw_if(!((is > 0).all() && is.isFinite().all()),
-           "--measured {:g}x{:g} mm: both lengths must be above 0", measured.along_row,
+           "`measured {:g}x{:g}` mm: both lengths must be above 0", measured.along_row,
            measured.along_column);
 
   // The printed lengths of a row and a column; a shifted last row of circles ends further right.

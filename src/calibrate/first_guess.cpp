@@ -182,7 +182,7 @@ void require_same_handedness(const BoardView& view) {
   // Swapped axes have the larger elements off the diagonal, a mirrored picture on it.
   throw_if(A.diagonal().squaredNorm() < A.squaredNorm() / 2,
            "{}: projector x and y are swapped; likely the scans along x and y are exchanged: check "
-           "the frame order or --first-axis",
+           "the frame order or `first_axis`",
            view.name);
 
   throw Error(
@@ -248,7 +248,7 @@ Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
     cv::solvePnP(board, seen, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, translation);
   } catch (const cv::Exception& exception) {
     throw Error(
-        fmt::format("{}: OpenCV finds no pose for its corners: {}; exclude it with --exclude",
+        fmt::format("{}: OpenCV finds no pose for its corners: {}; exclude it with `excluded`",
                     view.name, exception.err));
   }
 

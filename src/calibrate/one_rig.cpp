@@ -161,11 +161,11 @@ void require_one_rig(const BoardViews& views, const BundleState& state,
     throw Error(text_of(finding));
   }
 
-  throw Error(
-      fmt::format("the poses do not fit one camera and projector (median RMS {:.3g} px); likely "
-                  "frames of two cameras are mixed, the rig was moved between poses, or the board "
-                  "settings are wrong: check --board and --corners, or --exclude some poses",
-                  median(rms)));
+  throw Error(fmt::format(
+      "the poses do not fit one camera and projector (median RMS {:.3g} px); likely "
+      "frames of two cameras are mixed, the rig was moved between poses, or the board "
+      "settings are wrong: check `board` and `corners`, or exclude some poses with `excluded`",
+      median(rms)));
 }
 
 std::optional<MovedRig> moved_rig(const BoardViews& views, const BundleState& state) {

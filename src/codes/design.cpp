@@ -233,9 +233,9 @@ std::string doubt_about(const Sequence& sequence) {
 
   return fmt::format(
       "at a reflectivity of {} and sigma_w^2 of {} only {:.0f} % of the pixels would be unwrapped "
-      "correctly on their own; use fewer periods{}, see slipstream design",
+      "correctly on their own; use fewer periods{}, see `design()`",
       usual.alpha, usual.noise_variance, 100 * success,
-      layout.bands[0].share < 1 ? " or a smaller --share" : "");
+      layout.bands[0].share < 1 ? " or a smaller `share`" : "");
 }
 
 void require_valid(const StrategyGoal& goal) {

@@ -19,7 +19,7 @@ void add_settings_in_pixels(const StrategySettings& lengths, int length,
                             StrategySettings& settings) {
   for (const auto& [name, value] : lengths) {
     throw_if(length == 0,
-             "lengths in projector pixels require the projector size, e.g. --projector 1920x1080");
+             "lengths in projector pixels require the projector size, e.g. `projector 1920x1080`");
 
     std::vector<double> numbers;
     value.read(numbers);
@@ -50,7 +50,7 @@ Sequence along(Sequence sequence, Axis axis) {
     Strategy other = with_settings(sequence.strategy, sequence.strategy.name(), settings);
 
     throw_if(frame_count(other) != frame_count(sequence.strategy),
-             "{}: lengths in projector pixels make {} frames along {}, not {}; set --bits",
+             "{}: lengths in projector pixels make {} frames along {}, not {}; set `bits`",
              other.name(), frame_count(other), name_of(axis), frame_count(sequence.strategy));
 
     sequence.strategy = std::move(other);

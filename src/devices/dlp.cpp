@@ -149,7 +149,7 @@ DlpSink::DlpSink(OpenedController opened, PatternSink* screen, DlpSettings setti
       port_(std::move(opened.second)),
       screen_(screen),
       settings_(std::move(settings)) {
-  throw_if(screen == nullptr && is_dlpc350_, "a DLPC350 takes no patterns over USB; drop --binary");
+  throw_if(screen == nullptr && is_dlpc350_, "a DLPC350 takes no patterns over USB; drop `binary`");
 
   // The chip, whose size the screen must have.
   const std::size_t type = is_dlpc350_ ? 0 : read("hardware type");

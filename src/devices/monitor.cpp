@@ -85,7 +85,7 @@ bool make_gamma_table_the_identity(int monitor) {
 MonitorSink::MonitorSink(const opengl::WindowSystem& system, int monitor)
     : monitor_(monitor),
       refresh_hz_(refresh_hz_of(system, monitor)),
-      window_(system, {.title = "slipstream project", .fills_monitor = monitor}),
+      window_(system, {.title = "slipstream projector", .fills_monitor = monitor}),
       has_gamma_table_(make_gamma_table_the_identity(monitor)),
       program_({.vertex = vertex_shader, .fragment = fragment_shader}),
       vertex_array_(opengl::make_vertex_array()),
@@ -206,12 +206,12 @@ ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
 }
 
 int refreshes_for(std::optional<double> rate, std::optional<int> hold, double refresh_hz) {
-  if (rate && hold) throw Error("--rate and --hold exclude each other");
+  if (rate && hold) throw Error("`rate` and `hold` exclude each other");
 
   const int held = hold.value_or(1);
-  throw_if(held < 1, "--hold {} is out of range; 1 or more refreshes", held);
+  throw_if(held < 1, "`hold {}` is out of range; 1 or more refreshes", held);
   if (!rate) return held;
-  throw_if(refresh_hz <= 0, "--rate {}: the monitor's refresh rate is unknown; use --hold", *rate);
+  throw_if(refresh_hz <= 0, "`rate {}`: the monitor's refresh rate is unknown; use `hold`", *rate);
 
   const double wanted = *rate > 0 ? refresh_hz / *rate : 0;
   const double whole = std::round(wanted);

@@ -44,7 +44,7 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
   opened.sequence = default_sequence(scanner.projector.size, request.sequence);
   opened.sequence.marker |= request.marker;
   throw_if(opened.sequence.projector != scanner.projector.size,
-           "--projector {} differs from the scanner's, {}", text_of(opened.sequence.projector),
+           "`projector {}` differs from the scanner's, {}", text_of(opened.sequence.projector),
            text_of(scanner.projector.size));
 
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
@@ -80,7 +80,7 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
 
   const RecordingHeader& header = replay->header();
   throw_if(!header.sequence && !request.sequence.strategy,
-           "{}: contains no pattern description; add --strategy", path);
+           "{}: contains no pattern description; add `strategy`", path);
 
   NamedSource opened;
   opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
@@ -100,7 +100,7 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
 /// Opens a camera; it does not know the patterns.
 NamedSource open_camera_source(const std::string&, const SourceRequest& request) {
   throw_if(!request.sequence.strategy,
-           "{}: a camera does not know the projected patterns; add --strategy", request.source);
+           "{}: a camera does not know the projected patterns; add `strategy`", request.source);
 
   NamedSource opened;
   opened.sequence = changed({}, request.sequence);
@@ -117,7 +117,7 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
   opened.in_colour = patterns > 1;
   if (opened.in_colour) {
     require_in_colour(opened.sequence,
-                      "--pixel-format " + std::string(name_of(settings.pixel_format)));
+                      fmt::format("`pixel_format {}`", name_of(settings.pixel_format)));
   }
 
   settings.cycle /= patterns;
@@ -177,7 +177,7 @@ NamedSource open_source(const SourceRequest& request) {
 
   const double rate = request.rate.value_or(0);
   throw_if(!(rate == 0 || (rate >= 1e-3 && rate <= 1e6)),
-           "--rate {} is out of range; expected 0 (as fast as possible) or 0.001 to 1e6 Hz", rate);
+           "`rate {}` is out of range; expected 0 (as fast as possible) or 0.001 to 1e6 Hz", rate);
 
   // 2. Open it. A scanner that is given replaces the source's own.
   NamedSource opened = scheme->open(what, request);

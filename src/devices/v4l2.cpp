@@ -166,7 +166,7 @@ void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pix
 
 double whole_gain(double gain) {
   throw_if(!(std::abs(gain) <= std::numeric_limits<int>::max()),
-           "--gain {} is out of range; expected a 32-bit integer", gain);
+           "`gain {}` is out of range; expected a 32-bit integer", gain);
   return std::round(gain);
 }
 
@@ -176,20 +176,20 @@ FrameFormat format_from(const CameraSettings& settings) {
   throw_if(pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
                pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8 &&
                pixels != PixelFormat::mjpg,
-           "--pixel-format {}: not available on v4l2 cameras; use Mono8, Mono10, Mono12, RGB8 or "
+           "`pixel_format {}`: not available on v4l2 cameras; use Mono8, Mono10, Mono12, RGB8 or "
            "MJPG, or BayerRG8 and so on",
            pixel_format_of(settings));
 
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   throw_if(region.x != 0 || region.y != 0,
-           "--region {}x{}+{}+{}: v4l2 cameras have a size but no region offset; give e.g. 640x480",
+           "`region {}x{}+{}+{}`: v4l2 cameras have a size but no region offset; give e.g. 640x480",
            region.size.width, region.size.height, region.x, region.y);
 
   throw_if(!settings.trigger.empty() || !settings.strobe.empty(),
            "{} {}: v4l2 cameras have no trigger",
-           settings.strobe.empty() ? "--trigger" : "--strobe",
+           settings.strobe.empty() ? "`trigger`" : "`strobe`",
            settings.strobe.empty() ? settings.trigger : settings.strobe);
-  throw_if(!settings.nodes.empty(), "--feature: v4l2 cameras have no GenICam nodes");
+  throw_if(!settings.nodes.empty(), "`feature`: v4l2 cameras have no GenICam nodes");
 
   if (settings.gain) (void)whole_gain(*settings.gain);
   return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
@@ -388,7 +388,7 @@ class V4l2Stream {
       const auto jpeg = bytes.first(std::min<std::size_t>(buffer.bytesused, bytes.size()));
       if (!decode_jpeg(jpeg, std::get<Image<std::uint8_t>>(frame.pixels))) return Arrival::damaged;
 #else
-      throw Error("--pixel-format MJPG: this build reads no pictures (-DSLIPSTREAM_IO=ON)");
+      throw Error("`pixel_format MJPG`: this build reads no pictures (-DSLIPSTREAM_IO=ON)");
 #endif
     } else if (buffer.bytesused < needed || bytes.size() < needed) {
       return Arrival::damaged;

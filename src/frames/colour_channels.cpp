@@ -210,7 +210,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
 std::string doubt_about_colours(bool mixture_known, bool white_known) {
   if (!mixture_known) {
     return "colour pictures without a colour mixture: channels are not separated; measure it with "
-           "slipstream calibrate colour";
+           "`calibrate_colour()`";
   }
   return white_known
              ? ""

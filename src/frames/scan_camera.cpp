@@ -23,7 +23,7 @@ constexpr milliseconds longest_wait{5000};
 void set_exposure(FrameSource& source, double seconds) {
   CameraControls* const controls = source.controls();
   throw_if(controls == nullptr,
-           "this source cannot change the exposure while it runs; omit --exposures");
+           "this source cannot change the exposure while it runs; omit `exposures`");
 
   controls->set_control(CameraControl::exposure, seconds * 1e3);
 }

@@ -296,7 +296,7 @@ Scanner completed(Scanner scanner, const std::string& file, Size camera, Size pr
   complete(scanner.projector.size, projector, "projector", "the patterns are for");
 
   throw_if(scanner.projector.size == Size{},
-           "{}: the projector size is missing; set it with --projector", file);
+           "{}: the projector size is missing; set it with `projector`", file);
 
   try {
     require_valid(scanner);

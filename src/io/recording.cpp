@@ -482,7 +482,7 @@ FileLimit file_limit_from(const std::string& text) {
   const double number = number_in<double>(parts[1].str()).value_or(0);
 
   throw_if(!fits || !(number > 0 && number <= 1e6) || sizes.count(unit) + times.count(unit) == 0,
-           "--limit '{}': expected a size or time, e.g. 500MB, 20GB, 90s, 10min or 20GB,ring",
+           "`limit` '{}': expected a size or time, e.g. 500MB, 20GB, 90s, 10min or 20GB,ring",
            text);
 
   FileLimit limit{.ring = parts[3].matched};

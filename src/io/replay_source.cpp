@@ -198,7 +198,7 @@ void ReplaySource::open_folder(const fs::path& folder) {
 
 /// Each picture shows the next pattern of the cycle.
 void ReplaySource::open_pictures(const ScanFiles& files) {
-  throw_if(!files.order.empty(), "{}: --order needs a single cycle of frames", files.path.string());
+  throw_if(!files.order.empty(), "{}: `order` needs a single cycle of frames", files.path.string());
 
   pictures_ = files.frames;
   bits_ = files.bits;

@@ -26,7 +26,7 @@ FrameSet recorded_frames(const ScanFiles& files) {
   if (recording.header().in_colour) require_in_colour(files.sequence, files.path.string());
 
   const int bits = recording.header().format.bits;
-  throw_if(bits != files.bits, "{}: its frames have {} bits; --camera-bits {} is only for pictures",
+  throw_if(bits != files.bits, "{}: its frames have {} bits; `camera_bits {}` is only for pictures",
            files.path.string(), bits, files.bits);
 
   naming(files.path.string(), [&] {
@@ -126,7 +126,7 @@ Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixtu
   const int count = scan.frames.count();
   throw_if(
       !is_order_of(files.order, count),
-      "{}: --order {} is not an order of its {} frames; list each of 0 to {} once, separated by "
+      "{}: `order {}` is not an order of its {} frames; list each of 0 to {} once, separated by "
       "commas",
       files.path.string(), fmt::join(files.order, ","), count, count - 1);
 
@@ -271,7 +271,7 @@ Scan load_scan(const ScanFiles& files) {
 
 Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
   throw_if(!files.order.empty(),
-           "{}: --order is only for grey scans; the channels of a colour picture are captured "
+           "{}: `order` is only for grey scans; the channels of a colour picture are captured "
            "together",
            files.path.string());
 

@@ -224,7 +224,7 @@ std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
   }
 
   throw_if(sinusoids.empty() || shown.size() == sinusoids.size(),
-           "--order in words requires a strategy of sinusoids and a code; {} has only one of them",
+           "`order` in words requires a strategy of sinusoids and a code; {} has only one of them",
            sequence.strategy.name());
 
   if (code_first) {
@@ -248,7 +248,7 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
 
   std::vector<int> order = numbers_in<int>(text, ',');
   throw_if(order.empty(),
-           "--order '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
+           "`order` '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
            "code,sinusoids",
            text);
   return order;
@@ -371,7 +371,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
 
 void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(!files.described && !changes.sequence.strategy,
-           "{}: {}; set the pattern strategy with --strategy", files.path.string(),
+           "{}: {}; set the pattern strategy with `strategy`", files.path.string(),
            files.frames.empty() ? "its patterns are unknown" : "no scan.yaml in it");
 
   // The order and the window depend on the changed sequence.
@@ -382,7 +382,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
 
   files.bits = changes.bits.value_or(files.bits);
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
-           "--camera-bits {} is out of range; expected 8 to 16", files.bits);
+           "`camera_bits {}` is out of range; expected 8 to 16", files.bits);
 
   if (changes.scanner) files.scanner = changes.scanner;
   if (changes.second_camera) files.second_camera = changes.second_camera;

@@ -98,8 +98,8 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
   // An order is proposed only if exactly as many pictures are suspect as are too many.
   if (static_cast<int>(extra.size()) != surplus) {
     return fmt::format(
-        "{} too many; leave them out with --order, or check --strategy, --steps and --low-steps{}",
-        surplus, count < 2 * wanted ? "" : "; reconstruct --windows : takes them as a recording");
+        "{} too many; leave them out with `order`, or check `strategy`, `steps` and `low_steps`{}",
+        surplus, count < 2 * wanted ? "" : "; reconstruct `windows :` takes them as a recording");
   }
 
   std::vector<int> order;
@@ -113,7 +113,7 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
     }
   }
 
-  return fmt::format("{} too many, likely frame{} {}; try --order {}", surplus,
+  return fmt::format("{} too many, likely frame{} {}; try `order {}`", surplus,
                      surplus == 1 ? "" : "s", fmt::join(named, ", "), fmt::join(order, ","));
 }
 
@@ -133,7 +133,7 @@ std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
   if (count < wanted || (count > wanted && files.order.empty())) {
     throw Error(fmt::format(
         "{}: {} frames, but {} has {}{}", files.path.string(), count, what, wanted,
-        count < wanted ? "; likely a frame is missing, or --strategy, --steps or --low-steps differ"
+        count < wanted ? "; likely a frame is missing, or `strategy`, `steps` or `low_steps` differ"
                        : ": " + about_surplus(pictures, wanted)));
   }
 
@@ -144,7 +144,7 @@ std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
   throw_if(static_cast<int>(files.order.size()) != wanted ||
                static_cast<int>(chosen.size()) != wanted || *chosen.begin() < 0 ||
                *chosen.rbegin() >= count,
-           "{}: --order {} is not an order of its {} frames; list {} of 0 to {} once, separated by "
+           "{}: `order {}` is not an order of its {} frames; list {} of 0 to {} once, separated by "
            "commas",
            files.path.string(), fmt::join(files.order, ","), count,
            count == wanted ? "each" : std::to_string(wanted), count - 1);

@@ -229,7 +229,7 @@ void require_present(const StoredEntries& entries, std::string_view name) {
 
   throw Error(fmt::format("{} is missing{}", name,
                           is_one_file && name.starts_with(of_projector)
-                              ? "; name its file too: --scanner CAMERA,PROJECTOR"
+                              ? "; name its file too: `scanner CAMERA,PROJECTOR`"
                           : is_in_second ? " in the first file; name the camera's file first"
                                          : ""));
 }
@@ -415,7 +415,7 @@ Scanner geometry_of(const StoredEntries& entries, bool pair) {
   const Layout& names = layout_of(entries);
   throw_if(pair != is_camera_pair(names, pair), "{}",
            pair ? "calibrates a projector, not a second camera"
-                : "calibrates two cameras and no projector; only slipstream reconstruct reads it, "
+                : "calibrates two cameras and no projector; only `reconstruct()` reads it, "
                   "for scans of both cameras");
 
   Scanner scanner;
@@ -546,7 +546,7 @@ Response response_named(const std::string& text, const std::string& name) {
   if (auto curve = curve_named(text)) return *std::move(curve);
 
   const auto measured = read_photometric_calibration(text).response;
-  throw_if(!measured, "{}: has no gamma; add it with slipstream calibrate gamma", text);
+  throw_if(!measured, "{}: has no gamma; add it with `calibrate_gamma()`", text);
 
   return measured->response;
 }

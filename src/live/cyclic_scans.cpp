@@ -22,7 +22,7 @@ CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scan
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
             [&] { return Frame(source.format()); }) {
   throw_if(scans > 1 && sequence.motion > 0,
-           "scans along both axes require a still scene; leave out --motion");
+           "scans along both axes require a still scene; leave out `motion`");
 }
 
 std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {

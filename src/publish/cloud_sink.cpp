@@ -23,8 +23,8 @@ namespace slipstream {
 const SinkKind ros2_sink{
     "ros2", "ros2:NAMESPACE",
     [](const std::string& name) {
-      throw Error("--publish ros2:" + name +
-                  " needs Cyclone DDS, but this program was built without it (cyclonedds-dev, "
+      throw Error("`publish ros2:" + name +
+                  "` needs Cyclone DDS, but this program was built without it (cyclonedds-dev, "
                   "-DSLIPSTREAM_ROS2=ON)");
     },
     [](const std::string&, PublishedRun) { return std::unique_ptr<CloudSink>(); }};
@@ -39,10 +39,10 @@ std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
   const std::size_t colon = std::min(name.find(':'), name.size());
   const std::string called = name.substr(0, colon), what = name.substr(colon);
   const auto kind = std::ranges::find(kinds, called, &SinkKind::name);
-  throw_if(kind == kinds.end(), "--publish {}: unknown kind of sink{}; {}", name,
+  throw_if(kind == kinds.end(), "`publish {}`: unknown kind of sink{}; {}", name,
            did_you_mean(called, kinds | std::views::transform(&SinkKind::name)), sink_forms());
 
-  if (what.size() < 2) throw Error(fmt::format("--publish {}: expected {}", name, (*kind)->form));
+  if (what.size() < 2) throw Error(fmt::format("`publish {}`: expected {}", name, (*kind)->form));
   return {**kind, what.substr(1)};
 }
 

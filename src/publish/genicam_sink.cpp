@@ -454,7 +454,7 @@ std::string address_from(const std::string& where) {
   in_addr host{};
   if (::inet_pton(AF_INET, where.c_str(), &host) == 1) return where;
   throw Error(fmt::format(
-      "--publish genicam:{}: expected an IPv4 address of this machine, e.g. genicam:127.0.0.1",
+      "`publish genicam:{}`: expected an IPv4 address of this machine, e.g. genicam:127.0.0.1",
       where));
 }
 
@@ -464,7 +464,7 @@ const SinkKind genicam_sink{
     "genicam", "genicam:ADDRESS",
     [](const std::string& where) { static_cast<void>(address_from(where)); },
     [](const std::string& where, PublishedRun run) -> std::unique_ptr<CloudSink> {
-      throw_if(!run.has_points, "--publish genicam:{}: a 3-D camera needs points; give a --scanner",
+      throw_if(!run.has_points, "`publish genicam:{}`: a 3-D camera needs points; give a `scanner`",
                where);
       return std::make_unique<GenicamSink>(address_from(where), std::move(run));
     }};

@@ -38,7 +38,7 @@ std::string variable(const char* name) {
 
 dds_entity_t made(dds_entity_t entity, std::string_view what) {
   if (entity >= 0) return entity;
-  throw WorldError(fmt::format("--publish ros2: {}: {}", what, dds_strretcode(-entity)));
+  throw WorldError(fmt::format("`publish ros2`: {}: {}", what, dds_strretcode(-entity)));
 }
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
@@ -405,7 +405,7 @@ std::string ros_namespace(const std::string& given) {
   std::smatch found;
   if (std::regex_match(given, found, form)) return found[1];
   throw Error(
-      fmt::format("--publish ros2:{}: expected a ROS 2 namespace, e.g. ros2:scanner or "
+      fmt::format("`publish ros2:{}`: expected a ROS 2 namespace, e.g. ros2:scanner or "
                   "ros2:cell/left: letters, digits and single _, no digit first",
                   given));
 }

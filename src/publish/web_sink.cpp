@@ -417,7 +417,7 @@ WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
     acceptor_ = tcp::acceptor(io_, endpoint);
   } catch (const boost::system::system_error& error) {
     throw WorldError(
-        fmt::format("--publish web:{}:{}: {}", host_, endpoint.port(), error.code().message()));
+        fmt::format("`publish web:{}:{}`: {}", host_, endpoint.port(), error.code().message()));
   }
 
   // The address to open. Other machines need this one's name, and the token.
@@ -482,7 +482,7 @@ tcp::endpoint web_endpoint_from(const std::string& where) {
   Failure failure;
   const auto address = asio::ip::make_address(host, failure);
   throw_if(!port || failure,
-           "--publish web:{}: expected a port, or an IP address of this machine and a port, e.g. "
+           "`publish web:{}`: expected a port, or an IP address of this machine and a port, e.g. "
            "web:8080 or web:0.0.0.0:8080",
            where);
 

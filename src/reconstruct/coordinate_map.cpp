@@ -37,8 +37,8 @@ void require_possible(const Image<double>& map, const std::string& form, double 
 
   const auto [least, largest] = std::ranges::minmax_element(values);
   throw_if(form.starts_with("phase") && field > two_pi && is_wrapped(*least, *largest),
-           "the phase is wrapped, {:.4g} to {:.4g} rad; unwrap it, e.g. with slipstream unwrap",
-           *least, *largest);
+           "the phase is wrapped, {:.4g} to {:.4g} rad; unwrap it, e.g. with `unwrap()`", *least,
+           *largest);
 
   constexpr double outliers = 0.02, margin = 0.05;  // of the values; of the field
   const double low = quantile(values, outliers), high = quantile(values, 1 - outliers);

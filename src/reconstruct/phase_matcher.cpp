@@ -116,7 +116,7 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
   const Unwrapping& unwrapping = sequence.strategy.layout().unwrapping;
   throw_if(unwrapping->whole_stripes || sequence.strategy.is_spectral(),
            "{}: frames cannot be matched between cameras; use a strategy of sinusoids, or "
-           "--one-camera",
+           "`one_camera`",
            sequence.strategy.name());
 
   tables_ = std::make_unique<Tables>(first, second, sequence, settings, match);

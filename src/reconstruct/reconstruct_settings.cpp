@@ -81,7 +81,7 @@ void require_valid(const EngineSetup& setup) {
 
   require_valid(sequence.light);
   throw_if(sequence.both_axes,
-           "patterns along both axes require a finished scan; use --axis x here");
+           "patterns along both axes require a finished scan; use `axis x` here");
   require_resolved(sequence.strategy, sequence.axis, scanner.projector.size);
 
   require_valid(settings);
@@ -95,7 +95,7 @@ void require_reconstructible(const EngineSetup& setup) {
 
   throw Error(fmt::format(
       "{}: more than one period covers the field, so these frames alone give no depth; set "
-      "--nearest and --farthest to a range of less than a period, or use one period, a second "
+      "`nearest` and `farthest` to a range of less than a period, or use one period, a second "
       "camera, or a strategy that unwraps: {}",
       strategy.name(), fmt::join(names_with_coordinate(), ", ")));
 }
@@ -104,7 +104,7 @@ void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {
   const Strategy& strategy = setup.sequence.strategy;
   throw_if(needs_ambient_light(strategy.layout()) && !setup.scanner.photometry.ambient,
            "{}: the ambient light is unknown, but {} with {} frames needs it; measure it "
-           "with slipstream calibrate ambient, or set --ambient",
+           "with `calibrate_ambient()`, or set `ambient_light`",
            scanner, strategy.name(), frame_count(strategy));
 }
 

@@ -97,8 +97,8 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
            percent, 100 * expected);
   throw Error(
       fmt::format("the response is not linear (second harmonic {:.2g} % of the first), which looks "
-                  "like ambient light; first add gamma to the scanner file (slipstream "
-                  "calibrate gamma), then pass that file with --scanner",
+                  "like ambient light; first add gamma to the scanner file "
+                  "(`calibrate_gamma()`), then pass that file with `scanner`",
                   percent));
 }
 
@@ -220,7 +220,7 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
 
 AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha,
                                      const std::optional<Response>& response) {
-  require_in_range(least_alpha > 0 && least_alpha <= 1, "--least-reflectivity", least_alpha,
+  require_in_range(least_alpha > 0 && least_alpha <= 1, "`least_alpha`", least_alpha,
                    "above 0, at most 1");
 
   const Sequence& sequence = scans.sequence;

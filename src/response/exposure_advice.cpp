@@ -250,7 +250,7 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
     throw Error(lit.saturated > 0
                     ? "every lit pixel is saturated; use a shorter exposure"
                     : "no pixel shows the patterns; use a longer exposure, or inspect "
-                      "the frames with slipstream view");
+                      "the frames with `view()`");
   }
 
   const Prediction prediction = prediction_of(lit, layout, needs);

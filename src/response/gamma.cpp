@@ -50,7 +50,7 @@ BlindGamma surest_gamma(const Layout& layout, const FrameViews& frames) {
 GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
   if (step_runs(layout).empty()) {
     return {.source = "blind",
-            .sentence = "phase not corrected: --gamma blind requires a run of equal phase steps"};
+            .sentence = "phase not corrected: `gamma blind` requires a run of equal phase steps"};
   }
 
   const BlindGamma found = surest_gamma(layout, frames);
@@ -82,15 +82,15 @@ std::string_view reason_of(BlindRefusal refusal) {
 GammaChoice choose_gamma(const std::string& how,
                          const std::optional<MeasuredResponse>& of_scanner) {
   throw_if(how == "blind",
-           "--gamma blind requires a scan of a static scene; find gamma with slipstream "
-           "reconstruct --gamma blind and pass that number");
+           "`gamma blind` requires a scan of a static scene; find gamma with `reconstruct()` "
+           "`gamma blind` and pass that number");
 
   if (how == "scanner" && of_scanner) return corrected_for(*of_scanner, "scanner file");
   if (how == "scanner" || how == "none") return {};
 
   const auto gamma = number_in<double>(how);
-  throw_if(!gamma, "--gamma '{}' is unknown; expected scanner, blind, none or a number", how);
-  require_gamma(*gamma, "--gamma");
+  throw_if(!gamma, "`gamma` '{}' is unknown; expected scanner, blind, none or a number", how);
+  require_gamma(*gamma, "`gamma`");
   return corrected_for({PowerLaw{*gamma}, *gamma, 0}, "given");
 }
 

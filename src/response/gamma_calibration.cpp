@@ -335,7 +335,7 @@ MeasuredResponse found_response(const GammaCalibration& calibration) {
                                              steps < 8 ? "" : ", sRGB or S-curve", misfit)
                                : std::string(reason_of(fit.refusal));
 
-  throw Error(fmt::format("{}; scan with {} steps or more, or measure the response with --uniform",
+  throw Error(fmt::format("{}; scan with {} steps or more, or measure the response with `uniform`",
                           what, steps < 8 ? 8 : 12));
 }
 

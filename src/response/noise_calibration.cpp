@@ -204,7 +204,7 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
       if (!alike && !(of_one_band(layout) && of_one_band(b.strategy.layout()))) continue;
       throw_if(alike && std::ranges::equal(a.mean, b.mean),  // noise would make them differ
                "two of the scans have identical frames: copies, or virtual scans with the same "
-               "--seed; measuring noise requires two takes");
+               "`seed`; measuring noise requires two takes");
 
       const Image<std::uint8_t> both = in_both(a.measured, b.measured);
       add(alike ? means : unequal_means, noise_from_means(a.mean, a.steps, b.mean, b.steps, both));

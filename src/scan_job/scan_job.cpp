@@ -119,7 +119,7 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
                         scan.camera_pair && !scan.further_cameras.empty();
   const bool wants_points = settings.output == ScanOutput::points && !has_pair;
   throw_if(wants_points && !scan.scanner,
-           "{}: no scanner is known; name its file with --scanner or in scan.yaml", name);
+           "{}: no scanner is known; name its file with `scanner` or in scan.yaml", name);
 
   Stopwatch watch;
   CheckedJob job{.scan = std::move(scan)};
@@ -183,7 +183,7 @@ void ScanJob::match_cameras(const CheckedJob& job, ScanResult& result) {
 
   // 2. With one, phases match along epipolar lines, Liu 2010, Section 4.4.
   throw_if(!second.scanner,
-           "the second camera's scanner is unknown; name its file with --second-scanner");
+           "the second camera's scanner is unknown; name its file with `second_scanner`");
   PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
                      {.window = settings_.match_window});
   PhaseMatcher::Result matched = match(scan, second);

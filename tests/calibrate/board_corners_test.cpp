@@ -135,7 +135,7 @@ TEST(BoardCorners, ABoardOfAnotherSizeIsToldByItsSize) {
     try {
       EXPECT_FALSE(find_board(smaller, picture.seen));
     } catch (const Error& error) {
-      EXPECT_NE(std::string(error.what()).find("--corners"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("`corners`"), std::string::npos);
     }
   }
 }

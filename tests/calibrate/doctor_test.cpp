@@ -96,9 +96,9 @@ std::vector<BrokenCase> broken_frames() {
       of_frames("projector_out_of_focus", "the projector is out of focus",
                 {.strategy = fine,
                  .spoil = [](Pictures& pictures, int, Axis) { fade(pictures, 3, 0.35); }}),
-      of_frames("a_row_of_corners_too_few", "--corners",
+      of_frames("a_row_of_corners_too_few", "`corners`",
                 {.said_board = CalibrationBoard{.columns = 9, .rows = 5, .spacing = 20}}),
-      of_frames("circles_of_another_count", "--corners",
+      of_frames("circles_of_another_count", "`corners`",
                 {.board = {.kind = BoardKind::circles, .columns = 5, .rows = 8, .spacing = 16},
                  .said_board =
                      CalibrationBoard{

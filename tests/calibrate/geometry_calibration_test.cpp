@@ -220,7 +220,7 @@ TEST_F(CalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
       {"pose0", "mirrored along y"});
   expect_error(
       [&] { (void)calibrated(changed([](Pixel p) { return Pixel(p.y(), p.x()); }), plain); },
-      {"pose0", "swapped", "--first-axis"});
+      {"pose0", "swapped", "`first_axis`"});
   // A projector mounted upside down is valid.
   EXPECT_NO_THROW(
       (void)calibrated(changed([](Pixel p) { return Pixel(1279 - p.x(), 799 - p.y()); }), plain));
@@ -233,7 +233,7 @@ TEST_F(CalibrationOfCorners, PosesOfAnotherCameraAreTold) {
   const auto views_of_other = virtual_views(other, board, printed_places(board), 6, 0.05).views;
   std::vector<BoardView> one = boards(6).views;
   one[4] = views_of_other[4];
-  expect_error([&] { (void)calibrated(one, plain); }, {"pose4", "do not fit", "--exclude"});
+  expect_error([&] { (void)calibrated(one, plain); }, {"pose4", "do not fit", "`excluded`"});
   std::vector<BoardView> half = boards(6).views;
   for (const std::size_t v : {1U, 3U, 5U}) half[v] = views_of_other[v];
   expect_error([&] { (void)calibrated(half, plain); }, {"fit"});

@@ -64,7 +64,7 @@ TEST(MultiplexingDesign, DoubtsCuesByTheirOwnShare) {
   EXPECT_EQ(doubt_about({.strategy = PeriodCoded{}}), "");
   const std::string told = doubt_about({.strategy = PeriodCoded{.high = 32}});
   EXPECT_NE(told.find("only 64 %"), std::string::npos) << told;
-  EXPECT_EQ(told.find("--share"), std::string::npos) << "it has none: " << told;
+  EXPECT_EQ(told.find("`share`"), std::string::npos) << "it has none: " << told;
 }
 
 TEST(MultiplexingDesign, RefusesWhatCannotBe) {

@@ -216,7 +216,7 @@ TEST(Lengths, RefuseAnotherNumberOfFramesAlongTheOtherAxis) {
     (void)along(sequence, Axis::y);
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("--bits"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("`bits`"), std::string::npos) << error.what();
   }
 }
 

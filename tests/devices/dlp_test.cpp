@@ -342,7 +342,7 @@ TEST(DlpErrors, AreOneLine) {
   EXPECT_EQ(message_of<Error>([&] { sink_on(other, Controller::dlpc350, &small, 60); }),
             "a DLP4500 requires a monitor of 912x1140; change its resolution");
   EXPECT_EQ(message_of<Error>([&] { sink_on(other, Controller::dlpc350, nullptr, 60); }),
-            "a DLPC350 takes no patterns over USB; drop --binary");
+            "a DLPC350 takes no patterns over USB; drop `binary`");
 }
 
 /// A run of both ways of showing patterns: start, pictures, stop.

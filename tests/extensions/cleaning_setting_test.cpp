@@ -21,9 +21,9 @@ struct TooDark {
 
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
-    visit({"least_intensity", "--least-intensity", "darker points are left out", "grey levels", 0,
-           255},
-          self.least_intensity);
+    visit(
+        {"least_intensity", "least-intensity", "darker points are left out", "grey levels", 0, 255},
+        self.least_intensity);
   }
   void operator()(Cloud& cloud) const {
     for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {

@@ -80,7 +80,7 @@ TEST_F(ScanPictures, WhiteAndBlackAfterThePatternsAreNamedAndLeftOut) {
   add(white_and_black());
   expect_error([&] { load("dual-frequency"); },
                {"8 frames", "has 6", "2 too many", "frames 6 (white), 7 (black)",
-                "try --order 0,1,2,3,4,5"});
+                "try `order 0,1,2,3,4,5`"});
   const Scan scan = load("dual-frequency", "0,1,2,3,4,5");
   expect_same(scan.frames, patterns);
   expect_same(load("dual-frequency", "2,0,1,3,4,5").frames,
@@ -94,7 +94,7 @@ TEST_F(ScanPictures, WhiteAloneBeforeThePatternsIsToo) {
   expect_error([&] { load("pmp"); }, {"has 3", "2 too many", "leave them out"});
   const ScanChanges four{.sequence = {.strategy = "pmp", .settings = {{"steps", "4"}}}};
   expect_error([&] { load_scan(folder(), four); },
-               {"1 too many, likely frame 0 (white); try --order 1,2,3,4"});
+               {"1 too many, likely frame 0 (white); try `order 1,2,3,4`"});
 }
 
 TEST_F(ScanPictures, ARepeatedOneIsToo) {

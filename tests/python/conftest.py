@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import subprocess
 
 import pytest
@@ -21,6 +22,23 @@ def program(*arguments):
     done = run_program(*arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def as_printed(error):
+    """The message of a refused scan as the program prints it: with flags and commands."""
+    other_names = {"minimum_modulation": "min-modulation", "largest_sigma": "max-sigma",
+                   "smallest_component": "min-component", "ambient_light": "ambient"}
+
+    def flag(match):
+        name, value = match.groups("")
+        return "--" + other_names.get(name, name).replace("_", "-") + value
+
+    def command(match):
+        return "slipstream " + match[1].replace("_", " ")
+
+    message = str(error).removeprefix("scan: ")
+    message = re.sub(r"`([a-z][a-z0-9_]*)\(\)`", command, message)
+    return re.sub(r"`([a-z][a-z0-9_]*)( [^`]+)?`", flag, message)
 
 
 def taken(name, camera=(320, 240), scene="sphere", path=None, **settings):

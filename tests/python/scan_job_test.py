@@ -2,7 +2,7 @@
 from the program. Not a case of clouds_test.py, which has one camera and one axis."""
 
 import pytest
-from conftest import program, run_program
+from conftest import as_printed, program, run_program
 
 import slipstream
 
@@ -30,4 +30,4 @@ def test_a_broken_scan_is_refused_by_both(tmp_path):
     assert refused.returncode == 2
     with pytest.raises(slipstream.Error) as error:
         slipstream.reconstruct(slipstream.load_scan(scan))
-    assert str(error.value).removeprefix("scan: ") in refused.stderr
+    assert as_printed(error.value) in refused.stderr

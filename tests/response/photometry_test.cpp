@@ -131,7 +131,7 @@ TEST(NoiseCalibration, GivesTheVarianceByEveryEquationThatTheScansAllow) {
     EXPECT_EQ(measured.reason, "") << measured.equation;
   }
   scans.push_back(scans.front());
-  expect_error([&] { (void)calibrate_noise(scans); }, {"identical frames", "--seed"});
+  expect_error([&] { (void)calibrate_noise(scans); }, {"identical frames", "`seed`"});
 }
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};

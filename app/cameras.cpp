@@ -196,6 +196,36 @@ std::vector<Finding> findings_of_recording(const std::string& file, Output& outp
   return findings;
 }
 
+/// A recording that has ended.
+struct Recorded {
+  std::int64_t frames = 0;
+  double seconds = 0;
+  SourceCounters source{};
+  Recorder::Status file{};
+};
+
+/// Tells how many frames are in the file, which were lost, and faults of the first cycle.
+void tell_recorded(const RecordFlags& flags, const Recorded& recorded, Size size, Output& output) {
+  const auto& [frames, seconds, counters, counts] = recorded;
+
+  const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
+  output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written, text_of(size),
+             rate);
+
+  // Frames lost, in transit or at the disk.
+  if (!counts.limited.empty()) output.say("{}", counts.limited);
+  if (counters.lost > 0) output.warn(fmt::format("{} frames were lost", counters.lost));
+  if (counts.lost > 0) {
+    output.warn(fmt::format("{} frames were dropped because the disk was too slow", counts.lost));
+  }
+
+  output.document =
+      described("recording", flags.file, "findings", findings_of_recording(flags.file, output),
+                "frames", counts.written, "limit_reached", !counts.limited.empty(), "lost",
+                counters.lost, "not_written", counts.lost, "resent_packets", counters.resent,
+                "reconnects", counters.reconnects, "seconds", seconds, "frames_per_second", rate);
+}
+
 void record(const RecordFlags& flags, Output& output) {
   const std::int64_t wanted = flags.frames.value_or(1);
   throw_if(wanted < 1, "--frames {} is out of range; at least 1", wanted);
@@ -233,29 +263,12 @@ void record(const RecordFlags& flags, Output& output) {
   source.stop();
   recorder.finish();
 
-  const SourceCounters counters = source.counters();
-  const Recorder::Status counts = recorder.status();
-
-  if (counts.written == 0) {
+  const Recorded recorded{frames, seconds, source.counters(), recorder.status()};
+  if (recorded.file.written == 0) {
     throw WorldError(fmt::format("{}: received no frame to record", flags.file));
   }
 
-  const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
-  output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
-             text_of(source.format().size), rate);
-
-  // Frames lost, in transit or at the disk.
-  if (!counts.limited.empty()) output.say("{}", counts.limited);
-  if (counters.lost > 0) output.warn(fmt::format("{} frames were lost", counters.lost));
-  if (counts.lost > 0) {
-    output.warn(fmt::format("{} frames were dropped because the disk was too slow", counts.lost));
-  }
-
-  output.document =
-      described("recording", flags.file, "findings", findings_of_recording(flags.file, output),
-                "frames", counts.written, "limit_reached", !counts.limited.empty(), "lost",
-                counters.lost, "not_written", counts.lost, "resent_packets", counters.resent,
-                "reconnects", counters.reconnects, "seconds", seconds, "frames_per_second", rate);
+  tell_recorded(flags, recorded, source.format().size, output);
 }
 
 }  // namespace

@@ -403,54 +403,36 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
   return scanner;
 }
 
-}  // namespace
-
-LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
-  // 1. The request to the source, from the flags.
-  require_good(flags);
-  LiveSettings settings = flags.live;
+/// The request to the source, from the flags.
+SourceRequest live_request(const LiveFlags& flags) {
   SourceRequest request = request_from(flags.source);
-  request.marker = settings.indexing == PatternIndexing::marker;
+  request.marker = flags.live.indexing == PatternIndexing::marker;
   request.as_taken = true;  // stored with the recording
   if (!flags.headless) request.before_rendering = require_desktop;
 
   // Repeat the first cycle until all is rendered, for a first cloud at once. Not with two cameras,
   // which move in step, nor for a number of frames as fast as possible: each run gives the same.
   const bool repeats =
-      flags.second_camera.empty() && (request.rate.value_or(0) > 0 || !settings.most_frames);
+      flags.second_camera.empty() && (request.rate.value_or(0) > 0 || !flags.live.most_frames);
   request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;
 
-  // 2. Open the projector first: the patterns have its size.
-  projector = open_projector(flags.monitor);
-  if (projector.sink != nullptr && !request.sequence.projector) {
-    request.sequence.projector = projector.sink->size();
-  }
+  return request;
+}
 
-  // 3. Open the source, or both cameras, and set up reconstruction for its scanner.
-  NamedSource opened = open(request, output);
-  if (!flags.second_camera.empty())
-    settings.second_camera = add_second_camera(flags, request, opened, output);
-
-  if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
-  setup = setup_from(opened, flags, output);
-
-  // 4. Take extra frames to compensate motion where possible. Exceptions:
-  // A replay may end after its first cycle; the channels of a colour picture move together; the
-  // published tables are of one cycle.
+/// Whether extra frames can compensate motion. Exceptions: a replay may end after its first cycle;
+/// the channels of a colour picture move together; the published tables are of one cycle.
+bool takes_extra_frames(const SourceRequest& request, const NamedSource& opened,
+                        const EngineSetup& setup) {
   const bool is_published = setup.settings.engine == EngineKind::reference &&
                             setup.settings.phase_method == PhaseMethod::tables;
-  settings.motion_when_seen = scheme_of(request.source) != "replay" && !opened.in_colour &&
-                              !settings.second_camera && !request.sequence.motion &&
-                              setup.sequence.motion == 0 && takes_motion(setup.sequence) &&
-                              !is_published;
-  if (settings.motion_when_seen) setup.sequence.motion = 2;
 
-  // 5. In step with the monitor; from here on the source shows the patterns.
-  if (flags.monitor) {
-    stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);
-  }
+  return scheme_of(request.source) != "replay" && !opened.in_colour && !request.sequence.motion &&
+         setup.sequence.motion == 0 && takes_motion(setup.sequence) && !is_published;
+}
 
-  // 6. Recording: the pipeline reads frames through it, whether or not they are written.
+/// The frames of the opened source, which can be recorded.
+std::unique_ptr<RecordedSource> recorded_source(NamedSource& opened, const SourceRequest& request,
+                                                const EngineSetup& setup, const FileLimit& limit) {
   const RecordingHeader header{
       .format = opened.frames->format(),
       .frame_rate = request.rate.value_or(0),
@@ -458,10 +440,44 @@ LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)
       .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt,
       .in_colour = opened.in_colour,
       .white = opened.white};
-  auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header, flags.limit);
+  return std::make_unique<RecordedSource>(std::move(opened.frames), header, limit);
+}
+
+}  // namespace
+
+LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
+  require_good(flags);
+  LiveSettings settings = flags.live;
+  SourceRequest request = live_request(flags);
+
+  // 1. Open the projector first: the patterns have its size.
+  projector = open_projector(flags.monitor);
+  if (projector.sink != nullptr && !request.sequence.projector) {
+    request.sequence.projector = projector.sink->size();
+  }
+
+  // 2. Open the source, or both cameras, and set up reconstruction for its scanner.
+  NamedSource opened = open(request, output);
+  if (!flags.second_camera.empty())
+    settings.second_camera = add_second_camera(flags, request, opened, output);
+
+  if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
+  setup = setup_from(opened, flags, output);
+
+  // 3. Take extra frames to compensate motion where possible.
+  settings.motion_when_seen = !settings.second_camera && takes_extra_frames(request, opened, setup);
+  if (settings.motion_when_seen) setup.sequence.motion = 2;
+
+  // 4. In step with the monitor; from here on the source shows the patterns.
+  if (flags.monitor) {
+    stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);
+  }
+
+  // 5. Recording: the pipeline reads frames through it, whether or not they are written.
+  auto source = recorded_source(opened, request, setup, flags.limit);
   recorder = source.get();
 
-  // 7. The pipeline. Sinks hold clouds until they have published them, so it needs that many more.
+  // 6. The pipeline. Sinks hold clouds until they have published them, so it needs that many more.
   settings.model = !flags.model.empty();
   if (!flags.publish.empty()) {
     settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
@@ -487,27 +503,58 @@ void LiveSession::start() {
   if (stepped != nullptr) tell_steps(*stepped, output);
 }
 
+namespace {
+
+/// Prints once that a recording has reached its limit. `told`: as printed so far.
+void tell_limit(const LiveSession& session, std::string& told, Output& output) {
+  const auto recording = session.recorder->recording();
+  if (!recording || recording->limited == told) return;
+
+  told = recording->limited;
+  if (!told.empty()) output.say("{}", told);
+}
+
+/// Stops the session, prints what happened last, and writes the results.
+void finish(LiveSession& session, ToldNews& news, Output& output) {
+  session.pipeline->stop();
+  session.publisher.finish();
+  tell_news(session.publisher, output);
+  tell_news(*session.pipeline, news, output);
+
+  std::exception_ptr unfinished;
+  try {
+    // Before anything that may end the program; a recording may have started in the window.
+    session.recorder->finish_recording();
+  } catch (const WorldError&) {
+    unfinished = std::current_exception();
+  }
+
+  write_results(session, output);
+  if (unfinished) std::rethrow_exception(unfinished);
+
+  for (const SinkStatistics& sink : session.publisher.statistics()) {
+    if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
+  }
+}
+
+}  // namespace
+
 void live(const LiveFlags& flags, Output& output) {
   return_memory();
   LiveSession session(flags, output);
-  LivePipeline& pipeline = *session.pipeline;
-  Publisher& publisher = session.publisher;
   const RunEnd end(flags.duration);
   std::string limited;  // as printed
 
   // 1. The end of the run, polled by the window or the loop below; it also prints news.
   session.is_over = [&] {
-    tell_news(publisher, output);
-    const auto recording = session.recorder->recording();
-    if (recording && recording->limited != std::exchange(limited, recording->limited) &&
-        !limited.empty()) {
-      output.say("{}", limited);
-    }
+    tell_news(session.publisher, output);
+    tell_limit(session, limited, output);
 
     if (session.projector.closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
 
     // A window stays open when the frames end, unless a number of frames was given.
+    const LivePipeline& pipeline = *session.pipeline;
     const bool at_end = flags.headless || flags.live.most_frames;
     return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
   };
@@ -526,27 +573,7 @@ void live(const LiveFlags& flags, Output& output) {
 
   if (flags.headless) wait_until_over(session, news, output);
 
-  // 3. Stop, and print what happened last.
-  pipeline.stop();
-  publisher.finish();
-  tell_news(publisher, output);
-  tell_news(pipeline, news, output);
-
-  std::exception_ptr unfinished;
-  try {
-    // Before anything that may end the program; a recording may have started in the window.
-    session.recorder->finish_recording();
-  } catch (const WorldError&) {
-    unfinished = std::current_exception();
-  }
-
-  write_results(session, output);
-  if (unfinished) std::rethrow_exception(unfinished);
-
-  for (const SinkStatistics& sink : publisher.statistics()) {
-    if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
-  }
-
+  finish(session, news, output);
   if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
 }
 

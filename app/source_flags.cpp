@@ -86,6 +86,67 @@ void add_device_flags(CLI::App& command, VirtualFlags& flags) {
   command.get_option("--reflectivity")->group("Scene");
 }
 
+/// Exposure, gain, the part of the sensor and the pixel format.
+void add_picture_flags(const FlagGroup& group, CameraSettings& settings) {
+  const auto expose = [&settings](double ms) { settings.exposure = ms / 1e3; };
+  group.add_read<double>("--exposure", expose, "exposure time per frame, ms");
+
+  group.add("--gain", settings.gain, "camera gain, in the camera's unit, usually dB");
+  const auto cut = [&settings](const std::string& text) {
+    settings.region = rectangle_of_text(text);
+    throw_if(!settings.region.has_value(),
+             "--region '{}' is not a region; give width x height + x + y, e.g. 640x480+16+8", text);
+  };
+
+  group.add_read<>(
+      "--region", cut,
+      "part of the sensor, width x height + x + y, e.g. 640x480+16+8; v4l2: only the size");
+
+  const auto read = [&settings](const std::string& text) { set_pixel_format(settings, text); };
+  group
+      .add_read<>("--pixel-format", read,
+                  "Mono8, Mono10, Mono12, Mono16, or packed: Mono10p, Mono12p, Mono10Packed, "
+                  "Mono12Packed; BayerRG8 and so on: a colour sensor's mosaic, read as grey; RGB8: "
+                  "three patterns per colour picture; MJPG: webcams, lossy")
+      ->default_str("Mono8");
+}
+
+/// What starts a frame, and what advances the projector.
+void add_wiring_flags(const FlagGroup& group, CameraSettings& settings) {
+  group.add("--trigger", settings.trigger,
+            "camera input that starts each frame, e.g. Line1; default: free-running");
+
+  group.add("--strobe", settings.strobe,
+            "camera output that advances the projector at each exposure, e.g. Line1");
+
+  const auto delay = [&settings](double ms) { settings.strobe_delay = ms / 1e3; };
+  group.add_read<double>("--strobe-delay", delay, "from the start of the exposure to a pulse, ms")
+      ->needs("--strobe");
+
+  group
+      .add("--strobe-inverted", settings.strobe_inverted,
+           "low during the exposure, for projectors that advance at a falling edge")
+      ->needs("--strobe");
+}
+
+/// The nodes are set in the order given.
+void add_node_flag(const FlagGroup& group, CameraSettings& settings) {
+  const auto set = [&settings](const std::vector<std::string>& nodes) {
+    for (const std::string& node : nodes) {
+      const std::size_t equals = node.find('=');
+      throw_if(equals == 0 || equals == std::string::npos,
+               "--feature '{}': expected NAME=VALUE, e.g. LineSource=ExposureActive", node);
+      settings.nodes.push_back({node.substr(0, equals), node.substr(equals + 1)});
+    }
+  };
+
+  group
+      .add_read<std::vector<std::string>>(
+          "--feature", set, "set any GenICam node: NAME=VALUE, may be repeated, in this order")
+      ->expected(1)
+      ->take_all();
+}
+
 }  // namespace
 
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags) {
@@ -122,61 +183,9 @@ Sequence sequence_for(const SequenceChanges& changes, const Scanner& scanner) {
 
 void add_camera_flags(CLI::App& command, CameraSettings& settings) {
   const FlagGroup group{command, "Camera"};
-
-  // Exposure, gain and the part of the sensor.
-  const auto expose = [&settings](double ms) { settings.exposure = ms / 1e3; };
-  group.add_read<double>("--exposure", expose, "exposure time per frame, ms");
-
-  group.add("--gain", settings.gain, "camera gain, in the camera's unit, usually dB");
-  const auto cut = [&settings](const std::string& text) {
-    settings.region = rectangle_of_text(text);
-    throw_if(!settings.region.has_value(),
-             "--region '{}' is not a region; give width x height + x + y, e.g. 640x480+16+8", text);
-  };
-
-  group.add_read<>(
-      "--region", cut,
-      "part of the sensor, width x height + x + y, e.g. 640x480+16+8; v4l2: only the size");
-
-  const auto read = [&settings](const std::string& text) { set_pixel_format(settings, text); };
-  group
-      .add_read<>("--pixel-format", read,
-                  "Mono8, Mono10, Mono12, Mono16, or packed: Mono10p, Mono12p, Mono10Packed, "
-                  "Mono12Packed; BayerRG8 and so on: a colour sensor's mosaic, read as grey; RGB8: "
-                  "three patterns per colour picture; MJPG: webcams, lossy")
-      ->default_str("Mono8");
-
-  // What starts a frame, and what advances the projector.
-  group.add("--trigger", settings.trigger,
-            "camera input that starts each frame, e.g. Line1; default: free-running");
-
-  group.add("--strobe", settings.strobe,
-            "camera output that advances the projector at each exposure, e.g. Line1");
-
-  const auto delay = [&settings](double ms) { settings.strobe_delay = ms / 1e3; };
-  group.add_read<double>("--strobe-delay", delay, "from the start of the exposure to a pulse, ms")
-      ->needs("--strobe");
-
-  group
-      .add("--strobe-inverted", settings.strobe_inverted,
-           "low during the exposure, for projectors that advance at a falling edge")
-      ->needs("--strobe");
-
-  // The nodes are set in the order given.
-  const auto set = [&settings](const std::vector<std::string>& nodes) {
-    for (const std::string& node : nodes) {
-      const std::size_t equals = node.find('=');
-      throw_if(equals == 0 || equals == std::string::npos,
-               "--feature '{}': expected NAME=VALUE, e.g. LineSource=ExposureActive", node);
-      settings.nodes.push_back({node.substr(0, equals), node.substr(equals + 1)});
-    }
-  };
-
-  group
-      .add_read<std::vector<std::string>>(
-          "--feature", set, "set any GenICam node: NAME=VALUE, may be repeated, in this order")
-      ->expected(1)
-      ->take_all();
+  add_picture_flags(group, settings);
+  add_wiring_flags(group, settings);
+  add_node_flag(group, settings);
 
   group.add("--packet-size", settings.packet_size,
             "GigE Vision packet size, bytes; 0: the largest the network passes");

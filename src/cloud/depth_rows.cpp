@@ -194,57 +194,115 @@ struct LinksAlong {
   std::array<std::uint64_t, block_words + words_of_ends> linked, bent;
 };
 
+/// A vector of words of a block's row, with the rows around it. `down`: rows below that row.
+class PlaceInBlock {
+ public:
+  HWY_INLINE PlaceInBlock(const RelationWords& of, const LinksAlong& along, std::size_t i)
+      : points(of.trusted + i),
+        linked(along.linked.data() + 1 + i),
+        bent(along.bent.data() + 1 + i),
+        of_(of),
+        i_(i) {}
+
+  HWY_INLINE Words points_in(std::ptrdiff_t down) const { return row(of_.trusted, down); }
+  HWY_INLINE Words to_below(std::ptrdiff_t down) const { return row(of_.to_below, down); }
+
+  /// Points that have another one below them.
+  HWY_INLINE Words pairs(std::ptrdiff_t down) const {
+    return hn::And(points_in(down), points_in(down + 1));
+  }
+
+  /// Points with a link to the one below them.
+  HWY_INLINE Words linked_down(std::ptrdiff_t down) const {
+    return hn::And(to_below(down), pairs(down));
+  }
+
+  /// Bends of the columns, which need three points.
+  HWY_INLINE Words bent_across(std::ptrdiff_t down) const {
+    return all(row(of_.bent_across, down), pairs(down), pairs(down - 1));
+  }
+
+  const std::uint64_t *points, *linked, *bent;  ///< this row's; linked and bent along it
+
+ private:
+  HWY_INLINE Words row(const std::uint64_t* plane, std::ptrdiff_t down) const {
+    return words(plane + i_ + down * of_.stride);
+  }
+
+  const RelationWords& of_;
+  std::size_t i_;
+};
+
+/// Links to the four neighbours, and over two pixels in each direction.
+struct LinksAround {
+  Words right, left, down, up, right_2, left_2, down_2, up_2;
+};
+
+HWY_INLINE LinksAround links_around(const PlaceInBlock& at) {
+  const Words right = words(at.linked), left = before(at.linked);
+  const Words down = at.linked_down(0), up = at.linked_down(-1);
+
+  return {right,
+          left,
+          down,
+          up,
+          hn::And(right, after(at.linked)),
+          hn::And(left, before<2>(at.linked)),
+          hn::And(down, at.linked_down(1)),
+          hn::And(up, at.linked_down(-2))};
+}
+
+/// EvidenceWords::mixed: beside a bend, and without links over two pixels on the other side.
+HWY_INLINE Words mixed_points(const PlaceInBlock& at, const LinksAround& links) {
+  return hn::And(
+      at.points_in(0),
+      any(hn::AndNot(links.right_2, before(at.bent)), hn::AndNot(links.left_2, after(at.bent)),
+          hn::AndNot(links.down_2, at.bent_across(-1)), hn::AndNot(links.up_2, at.bent_across(1))));
+}
+
+/// EvidenceWords::at_edge.
+HWY_INLINE Words points_at_edge(const PlaceInBlock& at, const LinksAround& links) {
+  return hn::And(
+      at.points_in(0),
+      any(hn::AndNot(links.right, after(at.points)), hn::AndNot(links.left, before(at.points)),
+          hn::AndNot(links.down, at.points_in(1)), hn::AndNot(links.up, at.points_in(-1))));
+}
+
+/// EvidenceWords::thin: unless the surface goes on for several pixels in both the row and the
+/// column.
+HWY_INLINE Words thin_points(const PlaceInBlock& at, const LinksAround& links) {
+  const Words wide = any(all(links.right_2, after<2>(at.linked), after<3>(at.linked)),
+                         all(links.left_2, before<3>(at.linked), before<4>(at.linked)));
+  const Words high = hn::Or(hn::And(links.down_2, at.to_below(2)), links.up_2);
+
+  return hn::AndNot(hn::And(wide, high), at.points_in(0));
+}
+
+/// EvidenceWords::outlier.
+HWY_INLINE Words outliers(const PlaceInBlock& at, const LinksAround& links) {
+  const Words linked_to_all = all(links.right, links.left, links.down, links.up);
+  const Words linked_to_any = any(links.right, links.left, links.down, links.up);
+
+  const Words bent_in_both = all(linked_to_all, words(at.bent), at.bent_across(0));
+  const Words surrounded =
+      all(before(at.points), after(at.points), at.points_in(-1), at.points_in(1));
+
+  return hn::And(at.points_in(0), hn::Or(bent_in_both, hn::AndNot(linked_to_any, surrounded)));
+}
+
 std::uint64_t FindEvidence(const RelationWords& of, const EvidenceWords& to) {
   const WordTag d;
   const LinksAlong along(of);
 
   std::uint64_t found = 0;
   for (std::size_t i = 0; i < block_words; i += hn::Lanes(d)) {
-    const auto row = [&](const std::uint64_t* plane, std::ptrdiff_t down)
-                         SLIPSTREAM_STEP { return words(plane + i + down * of.stride); };
+    const PlaceInBlock at(of, along, i);
+    const LinksAround links = links_around(at);
 
-    const std::uint64_t* const points = of.trusted + i;
-    const std::uint64_t* const linked = along.linked.data() + 1 + i;
-    const std::uint64_t* const bent = along.bent.data() + 1 + i;
-    const Words here = words(points), above = row(of.trusted, -1), below = row(of.trusted, 1);
-    // Pairs of this row and the next, of the one above it and this, and those beyond.
-    const Words both = hn::And(here, below), both_up = hn::And(above, here);
-    const Words both_1 = hn::And(below, row(of.trusted, 2));
-    const Words both_up_1 = hn::And(row(of.trusted, -2), above);
+    const Words mixed = mixed_points(at, links), at_edge = points_at_edge(at, links);
+    const Words thin = thin_points(at, links), outlier = outliers(at, links);
+    const Words untrusted = hn::AndNot(at.points_in(0), words(of.point + i));
 
-    // Links to the four neighbours, and over two pixels in each direction.
-    const Words right = words(linked), left = before(linked);
-    const Words down = hn::And(row(of.to_below, 0), both);
-    const Words up = hn::And(row(of.to_below, -1), both_up);
-    const Words right_2 = hn::And(right, after(linked)), left_2 = hn::And(left, before<2>(linked));
-    const Words down_2 = all(down, row(of.to_below, 1), both_1);
-    const Words up_2 = all(up, row(of.to_below, -2), both_up_1);
-
-    // Bends need three points in a column.
-    const Words bent_across = all(row(of.bent_across, 0), both, both_up);
-    const Words bent_above = all(row(of.bent_across, -1), both_up, both_up_1);
-    const Words bent_below = all(row(of.bent_across, 1), both, both_1);
-
-    const Words mixed =
-        hn::And(here, any(hn::AndNot(right_2, before(bent)), hn::AndNot(left_2, after(bent)),
-                          hn::AndNot(down_2, bent_above), hn::AndNot(up_2, bent_below)));
-
-    const Words at_edge =
-        hn::And(here, any(hn::AndNot(right, after(points)), hn::AndNot(left, before(points)),
-                          hn::AndNot(down, below), hn::AndNot(up, above)));
-
-    // Thin unless the surface goes on for several pixels in both the row and the column.
-    const Words wide = any(all(right_2, after<2>(linked), after<3>(linked)),
-                           all(left_2, before<3>(linked), before<4>(linked)));
-    const Words high = hn::Or(hn::And(down_2, row(of.to_below, 2)), up_2);
-    const Words thin = hn::AndNot(hn::And(wide, high), here);
-
-    const Words bent_in_both = all(right, left, down, up, words(bent), bent_across);
-    const Words surrounded = all(before(points), after(points), above, below);
-    const Words outlier =
-        hn::And(here, hn::Or(bent_in_both, hn::AndNot(any(right, left, down, up), surrounded)));
-
-    const Words untrusted = hn::AndNot(here, words(of.point + i));
     hn::StoreU(mixed, d, to.mixed + i);
     hn::StoreU(at_edge, d, to.at_edge + i);
     hn::StoreU(thin, d, to.thin + i);

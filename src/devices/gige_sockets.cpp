@@ -64,6 +64,63 @@ constexpr unsigned short negate = BPF_ALU | BPF_NEG, go_on = BPF_JMP | BPF_JA;
 constexpr unsigned short if_equal = BPF_JMP | BPF_JEQ | BPF_K, if_set = BPF_JMP | BPF_JSET | BPF_K;
 constexpr unsigned short if_beyond_offset = BPF_JMP | BPF_JGT | BPF_X;
 
+/// The program for the kernel, see pass_pictures_only.
+std::array<sock_filter, 31> picture_filter(const PictureStream& stream) {
+  // Offsets count from the UDP header; SKF_NET_OFF reaches the IPv4 header before it, with the
+  // sender's address at byte 12.
+  constexpr auto sender = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
+  constexpr std::uint32_t udp = 8, kind = udp + 4, long_numbers = 0x80, kinds = 0x7f;
+  constexpr std::uint32_t leader = 1, trailer = 2, pixels = 3, picture = 1, leader_bytes = 36;
+  constexpr std::uint32_t negative = 0x80000000;
+
+  // The trailer follows all picture packets, which are numbered from 1.
+  const auto trailer_number = [&](std::uint32_t header) {
+    const std::uint32_t each = stream.packet_size - 20 - udp - header;  // 20: IPv4 header
+    return (stream.picture_bytes + each - 1) / each + 1;
+  };
+
+  // The last field is an offset, a mask, a value to compare with, or the result. Jumps count
+  // instructions skipped if true and if false.
+  return {{// Drop packets from other senders.
+           {load_word, 0, 0, sender},
+           {if_equal, 0, 28, stream.camera},
+           // 16-bit numbers: A = the trailer's number - this packet's.
+           {set_offset, 0, 0, udp + 8},
+           {load_byte, 0, 0, kind},
+           {if_set, 5, 0, long_numbers},
+           {load_word, 0, 0, kind},
+           {mask, 0, 0, 0x00ffffff},
+           {negate, 0, 0, 0},
+           {add, 0, 0, trailer_number(8)},
+           {go_on, 0, 0, 5},
+           // Extended numbers: the same.
+           {set_offset, 0, 0, udp + 20},
+           {load_word, 0, 0, udp + 16},
+           {if_set, 17, 0, negative},
+           {negate, 0, 0, 0},
+           {add, 0, 0, trailer_number(20)},
+           // Drop packets after the trailer, and those without content.
+           {if_set, 14, 0, negative},
+           {keep, 0, 0, 0},
+           {load_length, 0, 0, 0},
+           {if_beyond_offset, 0, 11, 0},
+           // Pass a trailer, and pixels before the trailer's number.
+           {load_byte, 0, 0, kind},
+           {mask, 0, 0, kinds},
+           {if_equal, 7, 0, trailer},
+           {if_equal, 0, 2, pixels},
+           {load_kept, 0, 0, 0},
+           {if_equal, 5, 4, 0},
+           // Pass a whole leader of a picture.
+           {if_equal, 0, 4, leader},
+           {load_byte_there, 0, 0, leader_bytes - 1},
+           {load_half_there, 0, 0, 2},
+           {if_equal, 0, 1, picture},
+           // Pass; drop.
+           {give, 0, 0, 0xffffffff},
+           {give, 0, 0, 0}}};
+}
+
 }  // namespace
 
 in_addr host_from(const std::string& address) {
@@ -183,61 +240,9 @@ std::vector<std::pair<int, sockaddr_in>> udp_sockets() {
 }
 
 bool pass_pictures_only(const PictureStream& stream) {
-  // Offsets count from the UDP header; SKF_NET_OFF reaches the IPv4 header before it, with the
-  // sender's address at byte 12.
-  constexpr auto sender = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
-  constexpr std::uint32_t udp = 8, kind = udp + 4, long_numbers = 0x80, kinds = 0x7f;
-  constexpr std::uint32_t leader = 1, trailer = 2, pixels = 3, picture = 1, leader_bytes = 36;
-  constexpr std::uint32_t negative = 0x80000000;
+  auto lines = picture_filter(stream);
 
-  // The trailer follows all picture packets, which are numbered from 1.
-  const auto trailer_number = [&](std::uint32_t header) {
-    const std::uint32_t each = stream.packet_size - 20 - udp - header;  // 20: IPv4 header
-    return (stream.picture_bytes + each - 1) / each + 1;
-  };
-
-  // The last field is an offset, a mask, a value to compare with, or the result. Jumps count
-  // instructions skipped if true and if false.
-  std::array<sock_filter, 31> lines{{// Drop packets from other senders.
-                                     {load_word, 0, 0, sender},
-                                     {if_equal, 0, 28, stream.camera},
-                                     // 16-bit numbers: A = the trailer's number - this packet's.
-                                     {set_offset, 0, 0, udp + 8},
-                                     {load_byte, 0, 0, kind},
-                                     {if_set, 5, 0, long_numbers},
-                                     {load_word, 0, 0, kind},
-                                     {mask, 0, 0, 0x00ffffff},
-                                     {negate, 0, 0, 0},
-                                     {add, 0, 0, trailer_number(8)},
-                                     {go_on, 0, 0, 5},
-                                     // Extended numbers: the same.
-                                     {set_offset, 0, 0, udp + 20},
-                                     {load_word, 0, 0, udp + 16},
-                                     {if_set, 17, 0, negative},
-                                     {negate, 0, 0, 0},
-                                     {add, 0, 0, trailer_number(20)},
-                                     // Drop packets after the trailer, and those without content.
-                                     {if_set, 14, 0, negative},
-                                     {keep, 0, 0, 0},
-                                     {load_length, 0, 0, 0},
-                                     {if_beyond_offset, 0, 11, 0},
-                                     // Pass a trailer, and pixels before the trailer's number.
-                                     {load_byte, 0, 0, kind},
-                                     {mask, 0, 0, kinds},
-                                     {if_equal, 7, 0, trailer},
-                                     {if_equal, 0, 2, pixels},
-                                     {load_kept, 0, 0, 0},
-                                     {if_equal, 5, 4, 0},
-                                     // Pass a whole leader of a picture.
-                                     {if_equal, 0, 4, leader},
-                                     {load_byte_there, 0, 0, leader_bytes - 1},
-                                     {load_half_there, 0, 0, 2},
-                                     {if_equal, 0, 1, picture},
-                                     // Pass; drop.
-                                     {give, 0, 0, 0xffffffff},
-                                     {give, 0, 0, 0}}};
-
-  // Attach it to the socket that receives the stream.
+  // Attach the filter to the socket that receives the stream.
   const sock_fprog program{static_cast<unsigned short>(lines.size()), lines.data()};
   const auto sockets = udp_sockets();
   const auto socket = std::ranges::find_if(

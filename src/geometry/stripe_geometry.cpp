@@ -219,6 +219,54 @@ void set_place(StripeGeometry& geometry, const ProjectorPlane& plane, const Unit
                             unit.offset * geometry.place_slope;
 }
 
+/// The ends of the stripes at the nodes of the coordinate.
+struct StripeEnds {
+  NodeSamples y;  ///< the coordinate
+  NodeSamples low, high;
+
+  /// Whether both ends exist, less than three fields apart.
+  [[nodiscard]] bool are_usable() const {
+    return low.allFinite() && high.allFinite() && high.maxCoeff() - low.minCoeff() < 3;
+  }
+};
+
+/// The undistorted end of the field, moved along its epipolar line to the coordinate y.
+StripeEnds stripe_ends(const ProjectorPlane& plane, const UnitMap& unit_coordinate, double margin) {
+  const auto place = [&](double y, double edge) {
+    const Eigen::Vector2d w = plane.undistorted({y, edge});
+    return w.y() + plane.slope_through(w) * (y - w.x());
+  };
+
+  StripeEnds ends;
+  for (int i = 0; i < fitted_nodes; ++i) {
+    ends.y(i) = unit_coordinate.inverse(node(i));
+    ends.low(i) = place(ends.y(i), -margin);
+    ends.high(i) = place(ends.y(i), 1 + margin);
+  }
+
+  return ends;
+}
+
+/// The lens: undistorted minus distorted coordinate at the nodes of (p, q). `inside` keeps to
+/// places in the field and starts at the lens's own inverse there.
+StripeSamples added_by_lens(const ProjectorPlane& plane, const StripeEnds& ends,
+                            const UnitMap& unit_place, bool inside) {
+  StripeSamples samples;
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    const double y = ends.y(i);
+    double across = unit_place.inverse(node(j)), start = y;
+    if (inside) {
+      across = std::clamp(across, ends.low(i), ends.high(i));
+      const double near = plane.undistorted({y, across}).x();
+      if (std::isfinite(near)) start = near;
+    }
+
+    samples(i, j) = plane.undistorted_on_line(y, across, start) - y;
+  });
+
+  return samples;
+}
+
 }  // namespace
 
 std::pair<double, double> StripeGeometry::places_at(double p) const {
@@ -254,56 +302,26 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
   geometry.largest_coordinate = 1 + end;
   geometry.unit_coordinate = UnitMap::of(-end, 1 + end);
 
-  // 2. The ends of the stripes: the undistorted end of the field, moved along its epipolar line to
-  //    the coordinate y.
-  const auto place = [&](double y, double edge) {
-    const Eigen::Vector2d w = plane.undistorted({y, edge});
-    return w.y() + plane.slope_through(w) * (y - w.x());
-  };
+  // 2. The ends of the stripes.
+  const StripeEnds ends = stripe_ends(plane, geometry.unit_coordinate, margin);
+  if (!ends.are_usable()) return std::nullopt;
 
-  NodeSamples y, low, high;
-  for (int i = 0; i < fitted_nodes; ++i) {
-    y(i) = geometry.unit_coordinate.inverse(node(i));
-    low(i) = place(y(i), -margin);
-    high(i) = place(y(i), 1 + margin);
-  }
-
-  // Give up without both ends, or with ends three fields or more apart.
-  if (!(low.allFinite() && high.allFinite() && high.maxCoeff() - low.minCoeff() < 3)) {
-    return std::nullopt;
-  }
-
-  const UnitMap unit_place = UnitMap::of(low.minCoeff(), high.maxCoeff());
+  const UnitMap unit_place = UnitMap::of(ends.low.minCoeff(), ends.high.maxCoeff());
   set_place(geometry, plane, unit_place);
 
-  const auto low_edge = fitted_edge(unit_place.scale * low.array() + unit_place.offset);
-  const auto high_edge = fitted_edge(unit_place.scale * high.array() + unit_place.offset);
+  const auto low_edge = fitted_edge(unit_place.scale * ends.low.array() + unit_place.offset);
+  const auto high_edge = fitted_edge(unit_place.scale * ends.high.array() + unit_place.offset);
 
-  // 3. The lens: undistorted minus distorted coordinate at the nodes of (p, q). `inside` keeps to
-  //    places in the field and starts at the lens's own inverse there.
-  const auto added = [&](bool inside) {
-    StripeSamples samples;
-    for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
-      double across = unit_place.inverse(node(j)), start = y(i);
-      if (inside) {
-        across = std::clamp(across, low(i), high(i));
-        const double near = plane.undistorted({y(i), across}).x();
-        if (std::isfinite(near)) start = near;
-      }
-
-      samples(i, j) = plane.undistorted_on_line(y(i), across, start) - y(i);
-    });
-    return samples;
-  };
-
-  // 4. Polynomials if they are exact enough, otherwise a start for Newton's method.
-  auto lens = fitted(added(false), lens_tolerance, PlanePolynomial::largest_degree);
+  // 3. The lens: polynomials if they are exact enough, otherwise a start for Newton's method.
+  auto lens = fitted(added_by_lens(plane, ends, unit_place, false), lens_tolerance,
+                     PlanePolynomial::largest_degree);
   if (low_edge && high_edge && lens) {
     geometry.low_edge = *low_edge;
     geometry.high_edge = *high_edge;
   } else {
     // Outside the field, where the model may turn back, any start will do.
-    lens = fitted(added(true), start_tolerance, SolvedLens::start_degree);
+    lens = fitted(added_by_lens(plane, ends, unit_place, true), start_tolerance,
+                  SolvedLens::start_degree);
     geometry.solved = plane.solved(unit_place, end, margin);
     if (!lens || !geometry.solved) return std::nullopt;
   }

@@ -267,6 +267,71 @@ void keep_window(ScanFiles& files) {
   files.frames = std::vector<fs::path>(first, first + frame_count(files.sequence));
 }
 
+/// Writes a key and its value.
+template <class... Value>
+void put_value(YAML::Emitter& yaml, const std::string& key, const Value&... value) {
+  yaml << YAML::Key << key << YAML::Value;
+  (yaml << ... << value);
+}
+
+/// The strategy and how it is shown, the exposures and the projector.
+void put_sequence(YAML::Emitter& yaml, const Sequence& sequence) {
+  // `in`: the lengths in projector pixels.
+  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion, in] =
+      sequence;
+
+  // 1. The strategy, in one line.
+  put_value(yaml, "strategy", YAML::Flow, YAML::BeginMap);
+  put_value(yaml, "name", strategy.name());
+  for (const auto& [name, value] : strategy.settings()) {
+    put_value(yaml, name, value.text());
+  }
+
+  // Along one axis, the setting itself gives the same patterns.
+  for (const auto& [key, setting] : lengths) {
+    if (both_axes && in.contains(setting)) put_value(yaml, key, in.at(setting).text());
+  }
+
+  put_value(yaml, "axis", std::string(axes_of(sequence)));
+  put_value(yaml, "alpha_p", light.alpha_p);
+  put_value(yaml, "beta_p", light.beta_p);
+
+  // Defaults are left out.
+  if (marker) put_value(yaml, "marker", true);
+  if (binary) put_value(yaml, "binary", true);
+  if (motion > 0) put_value(yaml, "motion", motion);
+  yaml << YAML::EndMap;
+
+  // 2. The exposures and the projector.
+  if (exposures != Sequence{}.exposures) put_value(yaml, "exposures", YAML::Flow, exposures);
+
+  if (projector != Size{}) {
+    put_value(yaml, "projector", YAML::Flow, YAML::BeginMap);
+    put_value(yaml, "width", projector.width);
+    put_value(yaml, "height", projector.height);
+    yaml << YAML::EndMap;
+  }
+}
+
+/// The files, named from the folder, and the bits of the frames.
+void put_files(YAML::Emitter& yaml, const ScanFiles& scan, const fs::path& folder) {
+  const auto name_of = [&](const fs::path& file) {
+    return file.lexically_proximate(folder).string();
+  };
+
+  if (scan.bits != 0) put_value(yaml, "bits", scan.bits);
+
+  if (!scan.frames.empty()) {
+    put_value(yaml, "frames", YAML::BeginSeq);
+    for (const fs::path& frame : scan.frames) yaml << name_of(frame);
+    yaml << YAML::EndSeq;
+  }
+
+  for (const auto& [key, wanted, file] : named_files) {
+    if (scan.*file) put_value(yaml, key, name_of(*(scan.*file)));
+  }
+}
+
 }  // namespace
 
 ScanFiles read_scan_files(const fs::path& file) {
@@ -304,68 +369,14 @@ void require_as_taken(const Strategy& strategy) {
 
 std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   require_as_taken(scan.sequence.strategy);
+
   YAML::Emitter yaml;
-
-  const auto put = [&](const std::string& key, const auto&... value) {
-    yaml << YAML::Key << key << YAML::Value;
-    (yaml << ... << value);
-  };
-
-  const auto name_of = [&](const fs::path& file) {
-    return file.lexically_proximate(folder).string();
-  };
-
   yaml << YAML::BeginMap;
-  put("slipstream", 1);
-
-  // 1. The strategy and how it is shown, in one line.
-  put("strategy", YAML::Flow, YAML::BeginMap);
-  // `in`: the lengths in projector pixels.
-  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion, in] =
-      scan.sequence;
-
-  put("name", strategy.name());
-  for (const auto& [name, value] : strategy.settings()) put(name, value.text());
-
-  // Along one axis, the setting itself gives the same patterns.
-  for (const auto& [key, setting] : lengths) {
-    if (both_axes && in.contains(setting)) put(key, in.at(setting).text());
-  }
-
-  put("axis", std::string(axes_of(scan.sequence)));
-  put("alpha_p", light.alpha_p);
-  put("beta_p", light.beta_p);
-
-  // Defaults are left out.
-  if (marker) put("marker", true);
-  if (binary) put("binary", true);
-  if (motion > 0) put("motion", motion);
+  put_value(yaml, "slipstream", 1);
+  put_sequence(yaml, scan.sequence);
+  put_files(yaml, scan, folder);
   yaml << YAML::EndMap;
 
-  // 2. The exposures and the projector.
-  if (exposures != Sequence{}.exposures) put("exposures", YAML::Flow, exposures);
-
-  if (projector != Size{}) {
-    put("projector", YAML::Flow, YAML::BeginMap);
-    put("width", projector.width);
-    put("height", projector.height);
-    yaml << YAML::EndMap;
-  }
-
-  // 3. The files.
-  if (scan.bits != 0) put("bits", scan.bits);
-
-  if (!scan.frames.empty()) {
-    put("frames", YAML::BeginSeq);
-    for (const fs::path& frame : scan.frames) yaml << name_of(frame);
-    yaml << YAML::EndSeq;
-  }
-
-  for (const auto& [key, wanted, file] : named_files) {
-    if (scan.*file) put(key, name_of(*(scan.*file)));
-  }
-
-  yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
 }
 

@@ -217,72 +217,88 @@ class LiveRun {
     captured_all_.notify_all();
   }
 
+  /// State of make_windows from frame to frame.
+  struct Windowing {
+    std::shared_ptr<WindowEngine> engine{};
+    std::optional<PatternWindows> windows{};
+    std::uint64_t lost_before = 0, resynchronised_before = 0;  ///< totals when `windows` began
+    std::uint64_t restarts = 0;                                ///< of the source
+    std::vector<Pooled<Frame>> window{};                       ///< memory for the next one
+  };
+
   void make_windows() {
-    std::shared_ptr<WindowEngine> current;
-    std::optional<PatternWindows> windows;
-    std::uint64_t lost_before = 0, resynchronised_before = 0, restarts = 0;
-    std::vector<Pooled<Frame>> window;
+    Windowing state;
 
     while (auto captured = captured_.pop()) {
-      // 1. Apply changed settings. Other patterns need a new PatternWindows, whose counts start at
-      // 0; the totals go on from their present values.
-      if (auto wanted = locked(plan_); wanted != current) {
-        const auto patterns_of = [](const Sequence& shown) {
-          return std::tie(shown.strategy, shown.axis, shown.exposures);
-        };
-        const Sequence& sequence = wanted->setup().sequence;
-        if (!windows || patterns_of(sequence) != patterns_of(current->setup().sequence)) {
-          lost_before = windows_lost_;
-          resynchronised_before = resynchronisations_;
-          windows.emplace(pattern_cycle(sequence), settings_.indexing, format_.size);
-        }
+      apply_plan(state);
 
-        current = std::move(wanted);
+      // Put the frame in its place in the pattern order.
+      if (captured->restarts != state.restarts) {
+        state.restarts = captured->restarts;
+        state.windows->restart();
       }
 
-      // 2. Put the frame in its place in the pattern order.
-      if (captured->restarts != restarts) {
-        restarts = captured->restarts;
-        windows->restart();
-      }
-
-      if (!windows->put(captured->frame)) ++frames_repeated_;
+      if (!state.windows->put(captured->frame)) ++frames_repeated_;
       captured.reset();
 
-      resynchronisations_ = resynchronised_before + windows->resynchronisations();
-
-      // 3. Pass on each window that the frame completes, unless reconstruction cannot keep up.
-      while (windows->next(window)) {
-        Pooled<LiveCloud> cloud = cloud_unless_behind(windows->first_pattern());
-        if (!cloud) {
-          ++windows_skipped_;
-          continue;
-        }
-
-        LiveCloud& filled = cloud.fill();
-        std::swap(filled.frames, window);
-        window.clear();
-        filled.first_pattern = windows->first_pattern();
-
-        // Frames may come out of order: latency counts from the highest sequence number.
-        const auto newest = std::ranges::max_element(
-            filled.frames, {}, [](const auto& frame) { return frame->stamp.sequence; });
-        filled.newest = (*newest)->stamp;
-
-        window_meter_.done(filled.newest.host_time);
-        windows_.push_when_room({std::move(cloud), current});
-      }
-
-      windows_lost_ = lost_before + windows->lost();
+      resynchronisations_ = state.resynchronised_before + state.windows->resynchronisations();
+      pass_on_windows(state);
     }
 
     // The source has ended, so incomplete windows are lost.
-    if (windows) {
-      windows->finish();
-      windows_lost_ = lost_before + windows->lost();
+    if (state.windows) {
+      state.windows->finish();
+      windows_lost_ = state.lost_before + state.windows->lost();
     }
 
     windows_.close();
+  }
+
+  /// Applies changed settings. Other patterns need a new PatternWindows, whose counts start at 0;
+  /// the totals go on from their present values.
+  void apply_plan(Windowing& state) {
+    std::shared_ptr<WindowEngine> wanted = locked(plan_);
+    if (wanted == state.engine) return;
+
+    const auto patterns_of = [](const Sequence& shown) {
+      return std::tie(shown.strategy, shown.axis, shown.exposures);
+    };
+    const Sequence& sequence = wanted->setup().sequence;
+    if (!state.windows || patterns_of(sequence) != patterns_of(state.engine->setup().sequence)) {
+      state.lost_before = windows_lost_;
+      state.resynchronised_before = resynchronisations_;
+      state.windows.emplace(pattern_cycle(sequence), settings_.indexing, format_.size);
+    }
+
+    state.engine = std::move(wanted);
+  }
+
+  /// Passes on each window that the last frame completes, unless reconstruction cannot keep up.
+  void pass_on_windows(Windowing& state) {
+    PatternWindows& windows = *state.windows;
+
+    while (windows.next(state.window)) {
+      Pooled<LiveCloud> cloud = cloud_unless_behind(windows.first_pattern());
+      if (!cloud) {
+        ++windows_skipped_;
+        continue;
+      }
+
+      LiveCloud& filled = cloud.fill();
+      std::swap(filled.frames, state.window);
+      state.window.clear();
+      filled.first_pattern = windows.first_pattern();
+
+      // Frames may come out of order: latency counts from the highest sequence number.
+      const auto newest = std::ranges::max_element(
+          filled.frames, {}, [](const auto& frame) { return frame->stamp.sequence; });
+      filled.newest = (*newest)->stamp;
+
+      window_meter_.done(filled.newest.host_time);
+      windows_.push_when_room({std::move(cloud), state.engine});
+    }
+
+    windows_lost_ = state.lost_before + windows.lost();
   }
 
   void reconstruct() {

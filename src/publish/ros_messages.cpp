@@ -97,6 +97,87 @@ void skip_header(CdrReader& cdr) {
   cdr.text();  // the frame's
 }
 
+/// Offset of each known field within a point, if it is there.
+using FieldOffsets = std::array<std::optional<std::uint32_t>, point_fields.size()>;
+
+FieldOffsets read_offsets(CdrReader& cdr, std::uint32_t fields) {
+  FieldOffsets offsets;
+  for (std::uint32_t i = 0; i < fields; ++i) {
+    const std::string_view name = cdr.text();
+    const std::uint32_t offset = cdr.count();
+    const bool wanted = cdr.get<std::uint8_t>() == float32;
+    cdr.count();  // count; only the first is used
+
+    const auto known = std::ranges::find(point_fields, name, &PointField::name);
+    if (wanted && known != point_fields.end()) {
+      offsets.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
+    }
+  }
+
+  return offsets;
+}
+
+/// Where the points of a message lie.
+struct PointLayout {
+  std::uint32_t width, height;
+  FieldOffsets offsets;
+  bool big_endian;
+  std::uint32_t step, row_step;  ///< bytes from point to point and from row to row
+  std::span<const std::uint8_t> data;
+};
+
+PointLayout read_layout(std::span<const std::uint8_t> message) {
+  CdrReader cdr(message);
+  skip_header(cdr);
+  const std::uint32_t height = cdr.count(), width = cdr.count(), fields = cdr.count();
+  const FieldOffsets offsets = read_offsets(cdr, fields);
+  const bool big_endian = cdr.get<std::uint8_t>() != 0;
+  const std::uint32_t step = cdr.count(), row_step = cdr.count();
+
+  return {width, height, offsets, big_endian, step, row_step, cdr.list()};
+}
+
+/// Throws Error unless x, y and z are there, and fields and rows lie within the data.
+void require_readable(const PointLayout& layout) {
+  const auto& [width, height, offsets, big_endian, step, row_step, data] = layout;
+
+  const auto lies_in_point = [step = step](const std::optional<std::uint32_t>& offset) {
+    return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
+  };
+
+  const std::uint64_t points = std::uint64_t{width} * height;
+  throw_if(big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
+               !std::all_of(offsets.begin(), offsets.end(), lies_in_point) ||
+               points > largest_picture || row_step < std::uint64_t{width} * step ||
+               data.size() < std::uint64_t{row_step} * height,
+           "cloud without little-endian 32-bit float x, y, z fields");
+}
+
+/// Copies a field of all points, in mm.
+void copy_field(const PointLayout& layout, std::size_t field, Image<float>& image) {
+  float* to = image.begin();
+  for (std::uint32_t row = 0; row < layout.height; ++row) {
+    const std::uint8_t* at =
+        layout.data.data() + std::uint64_t{row} * layout.row_step + *layout.offsets[field];
+    for (std::uint32_t column = 0; column < layout.width; ++column, at += layout.step) {
+      std::memcpy(to, at, sizeof *to);
+      *to++ *= point_fields[field].millimetres;
+    }
+  }
+}
+
+/// Points that are not finite are missing.
+void set_validity(Cloud& cloud) {
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (std::isfinite(cloud.x(column, row)) && std::isfinite(cloud.y(column, row)) &&
+        std::isfinite(cloud.z(column, row))) {
+      cloud.validity(column, row) = Validity::valid;
+    } else {
+      cloud.leave_out(column, row, Validity::no_point);
+    }
+  });
+}
+
 }  // namespace
 
 RosType point_cloud_type() {
@@ -184,44 +265,15 @@ void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& 
 }
 
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
-  // 1. Fields: the offset of each known one within a point.
-  CdrReader cdr(message);
-  skip_header(cdr);
-  const std::uint32_t height = cdr.count(), width = cdr.count(), fields = cdr.count();
-  std::array<std::optional<std::uint32_t>, point_fields.size()> offsets;
-  for (std::uint32_t i = 0; i < fields; ++i) {
-    const std::string_view name = cdr.text();
-    const std::uint32_t offset = cdr.count();
-    const bool wanted = cdr.get<std::uint8_t>() == float32;
-    cdr.count();  // count; only the first is used
+  // Check the layout before memory is allocated.
+  const PointLayout layout = read_layout(message);
+  require_readable(layout);
 
-    const auto known = std::ranges::find(point_fields, name, &PointField::name);
-    if (wanted && known != point_fields.end()) {
-      offsets.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
-    }
-  }
+  const Size size{static_cast<int>(layout.width), static_cast<int>(layout.height)};
+  StoredCloud stored{.cloud = Cloud(size), .organised = layout.height > 1};
 
-  // 2. Check the layout before memory is allocated: fields and rows must lie within the data.
-  const bool big_endian = cdr.get<std::uint8_t>() != 0;
-  const std::uint32_t step = cdr.count(), row_step = cdr.count();
-  const auto data = cdr.list();
-
-  const auto largest = [&](const std::optional<std::uint32_t>& offset) {
-    return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
-  };
-
-  const std::uint64_t points = std::uint64_t{width} * height;
-  throw_if(big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
-               !std::all_of(offsets.begin(), offsets.end(), largest) || points > largest_picture ||
-               row_step < std::uint64_t{width} * step ||
-               data.size() < std::uint64_t{row_step} * height,
-           "cloud without little-endian 32-bit float x, y, z fields");
-
-  // 3. Copy field by field, in mm. Without uncertainty its images are empty and left out.
-  const Size size{static_cast<int>(width), static_cast<int>(height)};
-  StoredCloud stored{.cloud = Cloud(size), .organised = height > 1};
-
-  if (offsets.back()) stored.uncertainty.emplace(size);
+  // Without uncertainty its images are empty and left out.
+  if (layout.offsets.back()) stored.uncertainty.emplace(size);
   Uncertainty none;
   Uncertainty& sigma = stored.uncertainty ? *stored.uncertainty : none;
 
@@ -230,28 +282,10 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
       &sigma.coordinate, &sigma.x,        &sigma.y,        &sigma.z};
 
   for (std::size_t field = 0; field < images.size(); ++field) {
-    if (!offsets[field] || images[field]->empty()) continue;
-    float* to = images[field]->begin();
-    for (std::uint32_t row = 0; row < height; ++row) {
-      const std::uint8_t* at = data.data() + std::uint64_t{row} * row_step + *offsets[field];
-      for (std::uint32_t column = 0; column < width; ++column, at += step) {
-        std::memcpy(to, at, sizeof *to);
-        *to++ *= point_fields[field].millimetres;
-      }
-    }
+    if (layout.offsets[field] && !images[field]->empty()) copy_field(layout, field, *images[field]);
   }
 
-  // 4. Points that are not finite are missing.
-  Cloud& cloud = stored.cloud;
-  for_each_pixel_in_order(size, [&](int column, int row) {
-    if (std::isfinite(cloud.x(column, row)) && std::isfinite(cloud.y(column, row)) &&
-        std::isfinite(cloud.z(column, row))) {
-      cloud.validity(column, row) = Validity::valid;
-    } else {
-      cloud.leave_out(column, row, Validity::no_point);
-    }
-  });
-
+  set_validity(stored.cloud);
   return stored;
 }
 

@@ -40,6 +40,7 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 using Failure = boost::system::error_code;
 using Request = http::request<http::string_body>;
+using WebResponse = http::response<http::string_body>;
 using SharedBytes = std::shared_ptr<const std::string>;
 
 /// Clients at a time, and of one address those that have sent no authorised request yet.
@@ -130,8 +131,8 @@ class WebSink final : public CloudSink {
   }
 
   /// `full`: only /health is answered.
-  http::response<http::string_body> answer(const Request& request, bool full) {
-    http::response<http::string_body> response(http::status::ok, request.version());
+  WebResponse answer(const Request& request, bool full) {
+    WebResponse response(http::status::ok, request.version());
 
     // Headers that every answer has.
     response.keep_alive(request.keep_alive());
@@ -139,54 +140,25 @@ class WebSink final : public CloudSink {
     response.set("X-Content-Type-Options", "nosniff");
     response.set("Referrer-Policy", "no-referrer");
 
-    const auto say = [&](http::status status, std::string body, const char* type = "text/plain") {
-      response.result(status);
-      response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
-      response.body() = std::move(body);
-    };
-
-    // Dispatch by method and path, without the token.
+    // Method and path, without the token.
     const std::string_view target = text_of(request.target());
     const auto asked =
         fmt::format("{} {}", text_of(request.method_string()), target.substr(0, target.find('?')));
+
     try {
       if (const std::string why = refusal(request); !why.empty()) {
-        say(http::status::forbidden, why + "\n");
+        say(response, http::status::forbidden, why + "\n");
         response.keep_alive(false);
       } else if (full && asked != "GET /health") {
         tell(fmt::format("at most {} clients at a time; further ones are refused", most_clients));
-        say(http::status::service_unavailable, "too many clients\n");
-      } else if (asked == "GET /") {
-        response.set("Content-Security-Policy", page_rules);
-        say(http::status::ok, std::string(web_page()), "text/html");
-      } else if (asked == "GET /rays") {
-        say(http::status::ok, rays_, "application/octet-stream");
-      } else if (asked == "GET /palette") {
-        const ColourMap colours = depth_colours();
-        const auto* const bytes = reinterpret_cast<const char*>(colours.data());
-        say(http::status::ok, std::string(bytes, sizeof(colours)), "application/octet-stream");
-      } else if (asked == "GET /statistics") {
-        say(http::status::ok, run_.statistics(), "application/json");
-      } else if (asked == "GET /metrics") {
-        say(http::status::ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
-      } else if (asked == "GET /health") {
-        const std::string trouble = run_.trouble();
-        say(trouble.empty() ? http::status::ok : http::status::service_unavailable,
-            (trouble.empty() ? "ok" : trouble) + "\n");
-      } else if (asked == "GET /settings") {
-        say(http::status::ok, settings(), "application/json");
-      } else if (asked == "POST /settings") {
-        change(request.body());
-        say(http::status::ok, settings(), "application/json");
-      } else if (asked == "POST /save") {
-        say(http::status::ok, run_.save());
+        say(response, http::status::service_unavailable, "too many clients\n");
       } else {
-        say(http::status::not_found, "no such page\n");
+        dispatch(asked, request.body(), response);
       }
     } catch (const Error& error) {
-      say(http::status::bad_request, error.what());
+      say(response, http::status::bad_request, error.what());
     } catch (const std::exception& error) {
-      say(http::status::internal_server_error, error.what());
+      say(response, http::status::internal_server_error, error.what());
     }
 
     response.prepare_payload();
@@ -233,6 +205,46 @@ class WebSink final : public CloudSink {
       } catch (const std::exception& error) {  // ends only this client
         tell(error.what());
       }
+    }
+  }
+
+  static void say(WebResponse& response, http::status status, std::string body,
+                  const char* type = "text/plain") {
+    response.result(status);
+    response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
+    response.body() = std::move(body);
+  }
+
+  /// Fills the response to an authorised request, e.g. "GET /settings".
+  void dispatch(std::string_view asked, const std::string& body, WebResponse& response) {
+    using enum http::status;
+
+    if (asked == "GET /") {
+      response.set("Content-Security-Policy", page_rules);
+      say(response, ok, std::string(web_page()), "text/html");
+    } else if (asked == "GET /rays") {
+      say(response, ok, rays_, "application/octet-stream");
+    } else if (asked == "GET /palette") {
+      const ColourMap colours = depth_colours();
+      const auto* const bytes = reinterpret_cast<const char*>(colours.data());
+      say(response, ok, std::string(bytes, sizeof(colours)), "application/octet-stream");
+    } else if (asked == "GET /statistics") {
+      say(response, ok, run_.statistics(), "application/json");
+    } else if (asked == "GET /metrics") {
+      say(response, ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
+    } else if (asked == "GET /health") {
+      const std::string trouble = run_.trouble();
+      say(response, trouble.empty() ? ok : service_unavailable,
+          (trouble.empty() ? "ok" : trouble) + "\n");
+    } else if (asked == "GET /settings") {
+      say(response, ok, settings(), "application/json");
+    } else if (asked == "POST /settings") {
+      change(body);
+      say(response, ok, settings(), "application/json");
+    } else if (asked == "POST /save") {
+      say(response, ok, run_.save());
+    } else {
+      say(response, not_found, "no such page\n");
     }
   }
 
@@ -401,7 +413,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool known_ = false;
   beast::flat_buffer buffer_{2 * largest_header};
   std::optional<http::request_parser<http::string_body>> parser_;
-  http::response<http::string_body> response_;
+  WebResponse response_;
   std::optional<websocket::stream<beast::tcp_stream>> page_;
   bool asked_ = false, with_phase_ = false;
   SharedBytes sending_;

@@ -58,13 +58,19 @@ int best_order(const std::uint32_t* votes, int count) {
   return least < fits && second > least + clearly ? best : -1;
 }
 
-/// One line of pixels through the image, and how far each order is from the line's first one.
+/// One line of pixels through the image.
 struct Line {
   Line(const CameraPhases& camera, const Image<float>& phase, bool along_row, int number)
       : validity(along_row ? camera.validity.row(number) : camera.validity.begin() + number),
         phi(along_row ? phase.row(number) : phase.begin() + number),
+        first(along_row ? number * phase.width() : number),
         stride(along_row ? 1 : phase.width()),
         length(along_row ? phase.width() : phase.height()) {}
+
+  /// Index in the image of pixel i of the line.
+  [[nodiscard]] std::size_t pixel(int i) const {
+    return static_cast<std::size_t>(first + i * stride);
+  }
 
   [[nodiscard]] bool is_valid(int i) const { return validity[i * stride] == Validity::valid; }
 
@@ -84,7 +90,95 @@ struct Line {
 
   const Validity* validity;
   const float* phi;
+  int first;  ///< index in the image of its first pixel
   int stride, length;
+};
+
+/// Sums the votes of up to `reach` pixels on either side of each pixel of a line, order by order,
+/// as far as the phase continues.
+class LineSums {
+ public:
+  LineSums(const Line& line, const CandidateOrders& candidates,
+           const std::vector<std::uint32_t>& votes, std::vector<std::uint32_t>& summed)
+      : line_(line),
+        candidates_(candidates),
+        votes_(votes),
+        summed_(summed),
+        shift_(static_cast<std::size_t>(line.length)) {}
+
+  void sum() {
+    for (int begin = 0, end = 0; begin < line_.length; begin = end) {
+      end = begin + 1;
+      if (!line_.is_valid(begin)) continue;
+
+      end = place_candidates(begin);
+      move_window(begin, end);
+    }
+  }
+
+ private:
+  /// Finds the first candidate of each pixel over which the phase continues from `begin` on,
+  /// counted from the order of the first pixel, and clears the window for them. Returns the end.
+  int place_candidates(int begin) {
+    int turns = 0, least = 0, most = 0;
+    const auto place = [&](int i) {
+      const int first = candidates_.first.begin()[line_.pixel(i)] - turns;
+      shift_[i] = first;
+      least = i == begin ? first : std::min(least, first);
+      most = i == begin ? first : std::max(most, first);
+    };
+
+    place(begin);
+    int end = begin + 1;
+    for (; end < line_.length && line_.is_valid(end); ++end) {
+      const auto turn = line_.turn_before(end);
+      if (!turn) break;
+      turns += *turn;
+      place(end);
+    }
+
+    least_ = least;
+    window_.assign(static_cast<std::size_t>(most - least + candidates_.most), 0);
+    return end;
+  }
+
+  /// The sums of a window that moves over the pixels [begin, end): adds the pixel that enters it
+  /// and subtracts the one that leaves.
+  void move_window(int begin, int end) {
+    for (int i = begin; i < std::min(end, begin + reach); ++i) change(i, true);
+    for (int i = begin; i < end; ++i) {
+      if (i + reach < end) change(i + reach, true);
+      if (i - reach > begin) change(i - reach - 1, false);
+
+      std::copy_n(window_.begin() + (shift_[i] - least_), count(i),
+                  summed_.begin() + static_cast<std::ptrdiff_t>(index(i)));
+    }
+  }
+
+  /// Subtracts by adding 0 - votes, modulo 2^32: the sums stay exact.
+  void change(int i, bool enters) {
+    const std::uint32_t* const votes = votes_.data() + index(i);
+    std::uint32_t* const sums = window_.data() + (shift_[i] - least_);
+    const int candidates = count(i);
+    for (int k = 0; k < candidates; ++k) sums[k] += enters ? votes[k] : 0 - votes[k];
+  }
+
+  /// Number of candidates of pixel i of the line.
+  [[nodiscard]] int count(int i) const { return candidates_.count.begin()[line_.pixel(i)]; }
+
+  /// Where its votes begin.
+  [[nodiscard]] std::size_t index(int i) const {
+    return line_.pixel(i) * static_cast<std::size_t>(candidates_.most);
+  }
+
+  const Line& line_;
+  const CandidateOrders& candidates_;
+  const std::vector<std::uint32_t>& votes_;
+  std::vector<std::uint32_t>& summed_;
+
+  std::vector<int> shift_;             ///< first candidate of each pixel
+  int least_ = 0;                      ///< the least of these
+  std::vector<std::uint32_t> window_;  ///< running sums, one for each order from `least_` on
 };
 
 }  // namespace
@@ -192,65 +286,12 @@ void CameraOrders::vote(const CameraPhases& camera, const Image<float>& phase,
   });
 }
 
-/// Sums the votes of up to `reach` pixels on either side of each pixel, order by order, by adding
-/// the one that enters the window and subtracting the one that leaves.
+/// Sums the votes in a window along each row or column.
 void CameraOrders::sum_windows(const CameraPhases& camera, const Image<float>& phase,
                                bool along_rows) {
-  const int lines = along_rows ? phase.height() : phase.width();
-  for_each_row(lines, [&](int number) {
+  for_each_row(along_rows ? phase.height() : phase.width(), [&](int number) {
     const Line line(camera, phase, along_rows, number);
-
-    // Places in the votes and in the candidates of pixel i of the line.
-    const auto index = [&](int i) { return along_rows ? at(i, number) : at(number, i); };
-    const auto pixel = [&](int i) {
-      return static_cast<std::size_t>(along_rows ? number * phase.width() + i
-                                                 : i * phase.width() + number);
-    };
-
-    // For each pixel its first candidate, and the running sums, one for each order.
-    std::vector<int> shift(static_cast<std::size_t>(line.length));
-    std::vector<std::uint32_t> window;
-    for (int begin = 0, end = 0; begin < line.length; begin = end) {
-      end = begin + 1;
-      if (!line.is_valid(begin)) continue;
-
-      // 1. The pixels [begin, end) over which the phase continues, each with its first candidate,
-      //    counted from the order of the first pixel.
-      int turns = 0, least = 0, most = 0;
-      const auto place = [&](int i) {
-        const int first = candidates_.first.begin()[pixel(i)] - turns;
-        shift[i] = first;
-        least = i == begin ? first : std::min(least, first);
-        most = i == begin ? first : std::max(most, first);
-      };
-      place(begin);
-      for (; end < line.length && line.is_valid(end); ++end) {
-        const auto turn = line.turn_before(end);
-        if (!turn) break;
-        turns += *turn;
-        place(end);
-      }
-
-      // 2. The sums of a window that moves along them.
-      window.assign(static_cast<std::size_t>(most - least + candidates_.most), 0);
-
-      // Subtracts by adding 0 - votes, modulo 2^32: the sums stay exact.
-      const auto change = [&](int i, bool enters) {
-        const std::uint32_t* const votes = votes_.data() + index(i);
-        std::uint32_t* const sums = window.data() + (shift[i] - least);
-        const int count = candidates_.count.begin()[pixel(i)];
-        for (int k = 0; k < count; ++k) sums[k] += enters ? votes[k] : 0 - votes[k];
-      };
-
-      for (int i = begin; i < std::min(end, begin + reach); ++i) change(i, true);
-      for (int i = begin; i < end; ++i) {
-        if (i + reach < end) change(i + reach, true);
-        if (i - reach > begin) change(i - reach - 1, false);
-
-        std::copy_n(window.begin() + (shift[i] - least), candidates_.count.begin()[pixel(i)],
-                    summed_.begin() + static_cast<std::ptrdiff_t>(index(i)));
-      }
-    }
+    LineSums(line, candidates_, votes_, summed_).sum();
   });
 
   std::swap(votes_, summed_);

@@ -314,6 +314,54 @@ struct Match {
   }
 };
 
+/// The ray of a pixel of the first camera.
+struct FirstRay {
+  Eigen::Vector3d at_1;  ///< its point at 1 mm from the baseline
+  double cotangent;      ///< of its angle to the baseline
+  double scale;          ///< depth, times the difference of the cotangents
+
+  /// Where it meets the ray of the second camera through this place.
+  [[nodiscard]] double depth(const Place& place) const {
+    return scale / (cotangent - place.cotangent);
+  }
+};
+
+/// `frame`: in which the epipolar rays are given. `baseline`: its length, mm.
+FirstRay first_ray(const EpipolarRay& ray, const Eigen::Matrix3d& frame, double baseline) {
+  const Eigen::Vector3d in_frame(ray.cotangent, std::cos(ray.angle), std::sin(ray.angle));
+  const Eigen::Vector3d at_1 = frame.transpose() * in_frame;
+  return {at_1, ray.cotangent, baseline * at_1.z()};
+}
+
+/// Depth of a match, with the noise of both coordinates.
+struct MatchedDepth {
+  double Z;
+  double variance;  ///< of the coordinate, fields^2
+  double sigma;     ///< standard deviation of Z, over Z
+};
+
+MatchedDepth matched_depth(const FirstRay& ray, const Place& place, double first_variance,
+                           const Image<double>& second_variance) {
+  const double Z = ray.depth(place);
+  const double variance = first_variance + place.weights.cwiseAbs2().dot(place.of(second_variance));
+  const double sigma = Z / ray.scale * std::abs(place.slope) * std::sqrt(variance);
+
+  return {Z, variance, sigma};
+}
+
+void store_point(const FirstRay& ray, const MatchedDepth& depth, int column, int row, Cloud& cloud,
+                 Uncertainty& uncertainty) {
+  const std::array point{&cloud.x, &cloud.y, &cloud.z};
+  const std::array deviation{&uncertainty.x, &uncertainty.y, &uncertainty.z};
+
+  uncertainty.coordinate(column, row) = static_cast<float>(std::sqrt(depth.variance));
+  for (int i = 0; i < 3; ++i) {
+    const double value = depth.Z / ray.at_1.z() * ray.at_1[i];
+    (*point[i])(column, row) = static_cast<float>(value);
+    (*deviation[i])(column, row) = static_cast<float>(depth.sigma * std::abs(value));
+  }
+}
+
 }  // namespace
 
 CoordinateMatcher::CoordinateMatcher(const Scanner& pair, const Sequence& sequence,
@@ -355,51 +403,39 @@ CoordinateMatcher::Result CoordinateMatcher::operator()(const Scan& scan) const 
   const DepthRange depths = depth_range(setup_);
   const double grey_level = scan.frames.full_scale() / 255;
 
+  const auto match_of = [&](int column, int row, const FirstRay& ray) {
+    Match match;
+    const Eigen::Vector2d wanted(first_(column, row).angle, first.maps.coordinate(column, row));
+    cells.for_each_place(wanted, [&](const Place& place) {
+      if (contradicts(seen, place, row * first_.width() + column)) return;
+      match.take(place, ray.depth(place), depths);
+    });
+    return match;
+  };
+
   // 2. Points: where epipolar angle and coordinate agree.
   Result result{.cloud = Cloud(first_.size()), .uncertainty = Uncertainty(first_.size())};
   auto& [cloud, maps, uncertainty] = result;
-  const std::array point{&cloud.x, &cloud.y, &cloud.z};
-  const std::array deviation{&uncertainty.x, &uncertainty.y, &uncertainty.z};
   for_each_pixel(first_.size(), [&](int column, int row) {
     Validity& validity = cloud.validity(column, row) = first.validity(column, row);
     cloud.intensity(column, row) = static_cast<float>(first.maps.mean(column, row) / grey_level);
     if (validity != Validity::valid) return;
 
-    const double angle = first_(column, row).angle, cotangent = first_(column, row).cotangent;
-
-    // The ray's point at 1 mm from the baseline.
-    const Eigen::Vector3d at_1 =
-        frame_.transpose() * Eigen::Vector3d(cotangent, std::cos(angle), std::sin(angle));
-    const double scale = baseline * at_1.z();  // depth, times the difference of the cotangents
-
-    Match match;
-    cells.for_each_place({angle, first.maps.coordinate(column, row)}, [&](const Place& place) {
-      if (contradicts(seen, place, row * first_.width() + column)) return;
-      match.take(place, scale / (cotangent - place.cotangent), depths);
-    });
-
+    const FirstRay ray = first_ray(first_(column, row), frame_, baseline);
+    const Match match = match_of(column, row, ray);
     validity = match.validity;
     if (validity != Validity::valid) return;
 
-    // Depth, and its deviation from the noise of both coordinates.
-    const Place& place = match.place;
-    const double Z = scale / (cotangent - place.cotangent);
-    const double variance =
-        first.variance(column, row) + place.weights.cwiseAbs2().dot(place.of(second.variance));
-    const double sigma = Z / scale * std::abs(place.slope) * std::sqrt(variance);  // of Z, over Z
-
-    // Without a setting, up to 3 % of the depth.
-    if (sigma * Z > setup_.settings.clean.largest_sigma.value_or(0.03 * Z)) {
+    // Without a setting, a deviation of up to 3 % of the depth.
+    const MatchedDepth depth =
+        matched_depth(ray, match.place, first.variance(column, row), second.variance);
+    const double largest = setup_.settings.clean.largest_sigma.value_or(0.03 * depth.Z);
+    if (depth.sigma * depth.Z > largest) {
       validity = Validity::low_trust;
       return;
     }
 
-    uncertainty.coordinate(column, row) = static_cast<float>(std::sqrt(variance));
-    for (int i = 0; i < 3; ++i) {
-      const double value = Z / at_1.z() * at_1[i];
-      (*point[i])(column, row) = static_cast<float>(value);
-      (*deviation[i])(column, row) = static_cast<float>(sigma * std::abs(value));
-    }
+    store_point(ray, depth, column, row, cloud, uncertainty);
   });
 
   // 3. Clean the cloud.

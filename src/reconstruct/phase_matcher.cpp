@@ -13,6 +13,7 @@
 #include "base/throw_if-inl.h"
 #include "reconstruct/camera_agreement.h"
 #include "reconstruct/camera_orders.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/epipolar_search.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/fused/pair_rows.h"
@@ -61,6 +62,7 @@ struct PhaseMatcher::Tables {
       : first(setup_of(one, sequence, settings)),
         second(setup_of(other, sequence, settings)),
         match(match_settings),
+        depths(depth_range(first)),
         there(one, other, first.sequence.axis),
         bands(band_search(first.sequence.strategy.layout(), other.camera.size.width)),
         period(1 / highest_frequency(first.sequence.strategy)),
@@ -70,8 +72,12 @@ struct PhaseMatcher::Tables {
     if (searches) back.emplace(other, one, first.sequence.axis);
   }
 
+  /// Further columns before and after each row, see MatchedRows.
+  [[nodiscard]] int side() const { return match.window + least_row_width; }
+
   EngineSetup first, second;
   PhaseMatchSettings match;
+  DepthRange depths;  ///< of points
 
   EpipolarTables there;                ///< of the first camera in the second
   std::optional<EpipolarTables> back;  ///< of the second in the first, to search orders
@@ -231,7 +237,7 @@ void PhaseMatcher::search_orders() {
       return pixel == Validity::valid ? phi : std::numeric_limits<float>::quiet_NaN();
     });
 
-    const DepthRange set = depth_range(tables_->first);
+    const DepthRange& set = tables_->depths;
     memory.agreement = camera_agreement(tables_->there, periods, set, lit, first, second);
     if (memory.agreement && tables_->first.settings.nearest && tables_->first.settings.farthest)
       memory.agreement->depths = set;
@@ -254,74 +260,95 @@ void PhaseMatcher::search_orders() {
   memory.coordinates[1] = (*memory.back_orders)(second, memory.wrapped[1], first);
 }
 
-/// Matches the pixels of a row of the first camera, leaving out matches that are not certain.
-void PhaseMatcher::match_row(int row) {
+/// A match of a pixel of the first camera, which no test contradicts.
+struct PhaseMatcher::CertainMatch {
+  float inverse_depth, weight, pixel_step;  ///< see MatchedRows
+};
+
+const Image<float>& PhaseMatcher::coordinates(int camera) const {
+  return tables_->searches ? memory_->coordinates[camera] : memory_->phases[camera].maps.coordinate;
+}
+
+/// Whether the second camera finds the same point: where the right place is hidden from it, a wrong
+/// one may match by chance, but not both ways.
+bool PhaseMatcher::is_seen_from_second(const Eigen::Vector2f& at, float y) const {
+  const float other =
+      coordinates(1)(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
+  return std::abs(other - y) < static_cast<float>(tables_->period) / 2;
+}
+
+/// Whether the phases along the other axis agree.
+bool PhaseMatcher::agrees_across(int column, int row, const Eigen::Vector2f& at) const {
+  constexpr float most = 1;  // rad; a calibration may be off by a pixel
+  const auto& [first, second] = memory_->others;
+  const EpipolarSearch across(tables_->there, first, second, column, row);
+  if (first.validity(column, row) != Validity::valid) return false;
+  return std::abs(across.near_difference(first.bands.size() - 1, at)) < most;
+}
+
+/// The match of a pixel of the first camera; nullopt if it is not certain.
+std::optional<PhaseMatcher::CertainMatch> PhaseMatcher::certain_match(int column, int row) const {
   const Tables& tables = *tables_;
-  Memory& memory = *memory_;
-  const CameraPhases &first = memory.phases[0], &second = memory.phases[1];
-  const Image<float>& coordinate = tables.searches ? memory.coordinates[0] : first.maps.coordinate;
-  const Image<float>& other_coordinate =
-      tables.searches ? memory.coordinates[1] : second.maps.coordinate;
-  const auto period = static_cast<float>(tables.period);
+  const CameraPhases &first = memory_->phases[0], &second = memory_->phases[1];
 
-  /// Whether the second camera finds the same point: where the right place is hidden from it, a
-  /// wrong one may match by chance, but not both ways.
-  const auto is_seen_from_second = [&](const Eigen::Vector2f& at, float y) {
-    const float other = other_coordinate(static_cast<int>(std::lround(at.x())),
-                                         static_cast<int>(std::lround(at.y())));
-    return std::abs(other - y) < period / 2;
-  };
-  /// Whether the phases along the other axis agree.
-  const auto agrees_across = [&](int column, const Eigen::Vector2f& at) {
-    constexpr float most = 1;  // rad; a calibration may be off by a pixel
-    const EpipolarSearch across(tables.there, memory.others[0], memory.others[1], column, row);
-    if (memory.others[0].validity(column, row) != Validity::valid) return false;
-    return std::abs(across.near_difference(memory.others[0].bands.size() - 1, at)) < most;
-  };
+  // 1. The guess: inverse depth by the projector coordinate.
+  if (first.validity(column, row) != Validity::valid) return std::nullopt;
+  if (!tables.there.has_ray(column, row)) return std::nullopt;
+  const float y = coordinates(0)(column, row);
+  const float guess = tables.there.inverse_depth(column, row, y);
+  if (!(guess > 0)) return std::nullopt;
 
-  // Rows of the maps, past their further columns.
-  const auto side =
-      static_cast<std::ptrdiff_t>(memory.inverse_depth.width() - first.validity.width()) / 2;
-  float* const depths = memory.inverse_depth.row(row) + side;
-  float* const weights = memory.weight.row(row) + side;
-  float* const steps = memory.pixel_step.row(row) + side;
-  for (int column = 0; column < first.validity.width(); ++column) {
-    // 1. The guess: inverse depth by the projector coordinate.
-    depths[column] = std::numeric_limits<float>::quiet_NaN();
-    if (first.validity(column, row) != Validity::valid) continue;
-    if (!tables.there.has_ray(column, row)) continue;
-    const float y = coordinate(column, row);
-    const float guess = tables.there.inverse_depth(column, row, y);
-    if (!(guess > 0)) continue;
+  // 2. The match, and the slope of its phase along the epipolar line.
+  const EpipolarSearch line(tables.there, first, second, column, row);
+  const EpipolarMatch match = match_pixel(line, guess, tables.bands);
+  if (!match.is_found()) return std::nullopt;
+  const float slope = line.slope(tables.bands.fringes.size() - 1, match);
+  if (!std::isfinite(slope) || slope == 0) return std::nullopt;
 
-    // 2. The match, and the slope of its phase along the epipolar line.
-    const EpipolarSearch line(tables.there, first, second, column, row);
-    const EpipolarMatch match = match_pixel(line, guess, tables.bands);
-    if (!match.is_found()) continue;
-    const float slope = line.slope(tables.bands.fringes.size() - 1, match);
-    if (!std::isfinite(slope) || slope == 0) continue;
-
-    // 3. Where the order is uncertain, the match must be nearer to the guess than a quarter of a
-    //    period, and the second camera must find the same point. With frames along the other axis,
-    //    their phases must agree too.
-    if (tables.searches || !tables.by_bands) {
-      const float beside = tables.there.inverse_depth(column, row, y + period / 4);
-      if (!(std::abs(match.w - guess) < std::abs(beside - guess))) continue;
-      if (!is_seen_from_second(match.at, y)) continue;
-    }
-    if (memory.has_others && !agrees_across(column, match.at)) continue;
-
-    // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
-    depths[column] = match.w;
-    weights[column] = slope * slope * std::norm(first.bands.back()(column, row));
-    steps[column] = 1 / match.direction.norm();
+  // 3. Where the order is uncertain, the match must be nearer to the guess than a quarter of a
+  //    period, and the second camera must find the same point. With frames along the other axis,
+  //    their phases must agree too.
+  if (tables.searches || !tables.by_bands) {
+    const float quarter = static_cast<float>(tables.period) / 4;
+    const float beside = tables.there.inverse_depth(column, row, y + quarter);
+    if (!(std::abs(match.w - guess) < std::abs(beside - guess))) return std::nullopt;
+    if (!is_seen_from_second(match.at, y)) return std::nullopt;
   }
+  if (memory_->has_others && !agrees_across(column, row, match.at)) return std::nullopt;
+
+  // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
+  return CertainMatch{.inverse_depth = match.w,
+                      .weight = slope * slope * std::norm(first.bands.back()(column, row)),
+                      .pixel_step = 1 / match.direction.norm()};
+}
+
+/// Matches all pixels of the first camera, leaving out matches that are not certain.
+void PhaseMatcher::match_rows() {
+  Memory& memory = *memory_;
+  const Size size = memory.phases[0].validity.size();
+
+  for_each_row(size.height, [&](int row) {
+    // Rows of the maps, past their further columns.
+    const int side = tables_->side();
+    float* const depths = memory.inverse_depth.row(row) + side;
+    float* const weights = memory.weight.row(row) + side;
+    float* const steps = memory.pixel_step.row(row) + side;
+
+    for (int column = 0; column < size.width; ++column) {
+      const std::optional<CertainMatch> match = certain_match(column, row);
+      depths[column] = match ? match->inverse_depth : std::numeric_limits<float>::quiet_NaN();
+      if (!match) continue;
+
+      weights[column] = match->weight;
+      steps[column] = match->pixel_step;
+    }
+  });
 }
 
 /// How far the phases are from those at which the projector lit the matched points: median, rad.
 double PhaseMatcher::remaining_phase_shift() const {
   const Image<float>& coordinate = memory_->coordinates[0];
-  const int side = (memory_->inverse_depth.width() - coordinate.width()) / 2;
+  const int side = tables_->side();
   std::vector<double> shifts;
 
   // Every second row and column: a sample is enough for a median.
@@ -338,7 +365,7 @@ double PhaseMatcher::remaining_phase_shift() const {
 }
 
 /// Shifts the phase as long as the matched points say so, and more pixels match.
-void PhaseMatcher::improve_phase_shift(const std::function<void()>& match_all) {
+void PhaseMatcher::improve_phase_shift() {
   // A calibration alone may be off by this; a shift once found is refined to 0.01 rad.
   constexpr double of_calibration = 0.3;  // rad
   constexpr int most_steps = 4;
@@ -357,70 +384,59 @@ void PhaseMatcher::improve_phase_shift(const std::function<void()>& match_all) {
     const auto points = matched();
     shift = std::remainder(shift + more, two_pi);
     search_orders();
-    match_all();
+    match_rows();
 
     // Unless this gives 2 % more matches, keep the origin as given.
     if (before == 0 && matched() < points + points / 50) {
       shift = before;
       search_orders();
-      match_all();
+      match_rows();
       return;
     }
   }
 }
 
-void PhaseMatcher::match(Result& result) {
-  const Tables& tables = *tables_;
-  Memory& memory = *memory_;
-  const CameraPhases& first = memory.phases[0];
-  const Size size = first.validity.size();
-  const bool had_agreement = memory.agreement.has_value();
+/// Whether a pixel of this depth becomes a point, or why not.
+Validity PhaseMatcher::validity_at(int column, int row, float depth) const {
+  const Validity decoded = memory_->phases[0].validity(column, row);
+  if (decoded != Validity::valid) return decoded;
 
-  if (tables.searches) search_orders();
-
-  // 1. Matches of all pixels.
-  const int side = tables.match.window + least_row_width;
-  const Size padded{size.width + 2 * side, size.height};
-  if (memory.inverse_depth.size() != padded) {
-    memory.inverse_depth = Image<float>(padded, std::numeric_limits<float>::quiet_NaN());
-    memory.weight = memory.pixel_step = Image<float>(padded);
+  if (std::isnan(depth)) {
+    const bool is_doubtful = tables_->searches && std::isnan(memory_->coordinates[0](column, row));
+    return is_doubtful ? Validity::doubtful_order : Validity::no_point;
   }
 
-  const auto match_all = [&] { for_each_row(size.height, [&](int row) { match_row(row); }); };
-  match_all();
-  if (memory.agreement && !had_agreement) improve_phase_shift(match_all);
+  const auto& [nearest, farthest] = tables_->depths;
+  return depth < nearest || depth > farthest ? Validity::out_of_range : Validity::valid;
+}
 
-  // 2. Their depths, smoothed by planes, and points.
-  const DepthRange depths = depth_range(tables.first);
-  const MatchedRows matches{tables.match.window, side, memory.inverse_depth, memory.weight,
+/// Points at the depths of the matches, smoothed by planes.
+void PhaseMatcher::make_points(Cloud& cloud) const {
+  const Tables& tables = *tables_;
+  const Memory& memory = *memory_;
+  const CameraPhases& first = memory.phases[0];
+  const Size size = first.validity.size();
+
+  const MatchedRows matches{tables.match.window, tables.side(), memory.inverse_depth, memory.weight,
                             memory.pixel_step};
-
-  Cloud& cloud = result.cloud;
-  if (cloud.size() != size) cloud = Cloud(size);
-  cloud.validity = first.validity;
+  const bool smooths = tables.match.window > 0 && size.width >= least_row_width;
   const auto grey_level = static_cast<float>(memory.full_scale / 255);
 
+  if (cloud.size() != size) cloud = Cloud(size);
+  cloud.validity = first.validity;
+
   for_each_row(size.height, [&](int row) {
-    std::vector<float> smooth(matches.inverse_depth.row(row) + side,
-                              matches.inverse_depth.row(row) + side + size.width);
-    if (tables.match.window > 0 && size.width >= least_row_width)
-      plane_row(matches, row, smooth.data());
+    const float* const matched = matches.inverse_depth.row(row) + matches.side;
+    std::vector<float> smooth(matched, matched + size.width);
+    if (smooths) plane_row(matches, row, smooth.data());
 
     for (int column = 0; column < size.width; ++column) {
       cloud.intensity(column, row) = first.maps.mean(column, row) / grey_level;
 
-      // Why a pixel becomes no point: without a depth, or outside the depth range.
       const float Z = 1 / smooth[column];
-      Validity& pixel = cloud.validity(column, row);
-      if (pixel == Validity::valid && std::isnan(Z)) {
-        const bool doubtful = tables.searches && std::isnan(memory.coordinates[0](column, row));
-        pixel = doubtful ? Validity::doubtful_order : Validity::no_point;
-      } else if (pixel == Validity::valid && (Z < depths.nearest || Z > depths.farthest)) {
-        pixel = Validity::out_of_range;
-      }
-
-      if (pixel != Validity::valid) {
-        cloud.leave_out(column, row, pixel);
+      const Validity validity = validity_at(column, row, Z);
+      if (validity != Validity::valid) {
+        cloud.leave_out(column, row, validity);
         continue;
       }
 
@@ -430,7 +446,30 @@ void PhaseMatcher::match(Result& result) {
       cloud.z(column, row) = Z;
     }
   });
+}
 
+void PhaseMatcher::match(Result& result) {
+  const Tables& tables = *tables_;
+  Memory& memory = *memory_;
+  const CameraPhases& first = memory.phases[0];
+  const bool had_agreement = memory.agreement.has_value();
+
+  if (tables.searches) search_orders();
+
+  // 1. Matches of all pixels.
+  const Size size = first.validity.size();
+  const Size padded{size.width + 2 * tables.side(), size.height};
+  if (memory.inverse_depth.size() != padded) {
+    memory.inverse_depth = Image<float>(padded, std::numeric_limits<float>::quiet_NaN());
+    memory.weight = memory.pixel_step = Image<float>(padded);
+  }
+
+  match_rows();
+  if (memory.agreement && !had_agreement) improve_phase_shift();
+
+  // 2. Points.
+  Cloud& cloud = result.cloud;
+  make_points(cloud);
   result.cleaned = memory.clean(cloud);
 
   // 3. The maps, and the agreement of the cameras, which is kept unless the scene has changed.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,9 +72,20 @@ class PhaseMatcher {
   void read(const FrameViews& first, const FrameViews& second, int first_pattern);
   void read_across(const FrameViews& first, const FrameViews& second);
   void search_orders();
-  void match_row(int row);
+
+  /// Projector coordinates that camera 0 or 1 uses.
+  [[nodiscard]] const Image<float>& coordinates(int camera) const;
+  [[nodiscard]] bool is_seen_from_second(const Eigen::Vector2f& at, float y) const;
+  [[nodiscard]] bool agrees_across(int column, int row, const Eigen::Vector2f& at) const;
+  struct CertainMatch;
+  [[nodiscard]] std::optional<CertainMatch> certain_match(int column, int row) const;
+  void match_rows();
+
   [[nodiscard]] double remaining_phase_shift() const;
-  void improve_phase_shift(const std::function<void()>& match_all);
+  void improve_phase_shift();
+
+  [[nodiscard]] Validity validity_at(int column, int row, float depth) const;
+  void make_points(Cloud& cloud) const;
   void match(Result& result);
 
   std::unique_ptr<Tables> tables_;

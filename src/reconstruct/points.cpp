@@ -109,6 +109,56 @@ double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sig
   return ratios.size() < 100 ? 1 : deviation_from_median(double{quantile(ratios, 0.5)});
 }
 
+/// Random error of coordinates: noise / B, amplified by the correction of the response.
+class RandomError {
+ public:
+  RandomError(const EngineSetup& setup, double full_scale)
+      : layout_(setup.sequence.strategy.layout()),
+        photometry_(setup.scanner.photometry),
+        band_(measuring_band(layout_)),
+        run_(bent_run(band_)),
+        grey_level_(full_scale / 255),
+        noise_at_half_(cue_settings(setup).noise_variance),
+        unit_variance_(coordinate_variance(layout_, 1, 1)) {}
+
+  /// Whether it comes from noise, else from the width of stripes.
+  [[nodiscard]] bool is_of_noise() const { return !layout_.unwrapping->whole_stripes; }
+
+  /// Standard deviation, fields.
+  [[nodiscard]] double at(const Maps& maps, int column, int row) const {
+    const double unit = std::sqrt(unit_variance_);
+    if (!is_of_noise()) return unit * equal_stripes(maps, column, row);
+
+    const double modulation = maps.modulation(column, row) / grey_level_;
+    const double noise_variance = noise_variance_at(maps.mean(column, row) / grey_level_,
+                                                    noise_at_half_, photometry_.noise_gain);
+    const double gain = gain_at(maps.coordinate(column, row));
+    return unit * (gain * std::sqrt(noise_variance) / modulation);
+  }
+
+ private:
+  /// Of a code, 1 + 8 doubt stripes are equally likely.
+  [[nodiscard]] static double equal_stripes(const Maps& maps, int column, int row) {
+    const Image<float>& doubt = maps.fringe_order_doubt;
+    return doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
+  }
+
+  /// How much the correction amplifies noise at the phase of this coordinate.
+  [[nodiscard]] double gain_at(double y) const {
+    const auto& corrected = photometry_.response;
+    if (!run_ || !corrected || band_.carrier != 0) return 1;
+
+    const double phi = 2 * std::numbers::pi * band_.periods * y;
+    return noise_gain(corrected->response, run_->steps, shifted_phase(run_->shifts, phi));
+  }
+
+  const Layout& layout_;
+  const PhotometricCalibration& photometry_;
+  const Band& band_;
+  std::optional<StepRun> run_;
+  double grey_level_, noise_at_half_, unit_variance_;
+};
+
 }  // namespace
 
 Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
@@ -207,41 +257,14 @@ BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity
 
 Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSetup& setup,
                            double full_scale) {
-  // 1. Common to all pixels: noise, and the response whose correction amplifies it.
-  const Layout& layout = setup.sequence.strategy.layout();
-  const double grey_level = full_scale / 255;
-  const double at_half = cue_settings(setup).noise_variance;
-  const double by_light = setup.scanner.photometry.noise_gain;
-  const Band& band = measuring_band(layout);
-  const std::optional<StepRun> run = bent_run(band);
-  const auto& corrected = setup.scanner.photometry.response;
-  const bool by_noise = !layout.unwrapping->whole_stripes;
-  const double unit_variance = coordinate_variance(layout, 1, 1);
-
+  const RandomError random_error(setup, full_scale);
   Uncertainty sigma(cloud.size());
   for_each_pixel(cloud.size(), [&](int column, int row) {
     if (cloud.validity(column, row) != Validity::valid) return;
+    const double random = random_error.at(maps, column, row);
 
-    // 2. Random error of the coordinate: noise / B, amplified by the correction at this phase.
-    const double modulation = maps.modulation(column, row) / grey_level;
-    const double noise_variance =
-        noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
-    const double y = maps.coordinate(column, row);
-    const double phi = 2 * std::numbers::pi * band.periods * y;
-
-    const double gain =
-        run && corrected && band.carrier == 0
-            ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
-            : 1;
-
-    // Of a code, 1 + 8 doubt stripes are equally likely.
-    const Image<float>& doubt = maps.fringe_order_doubt;
-    const double stripes = doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
-    const double random = std::sqrt(unit_variance) *
-                          (by_noise ? gain * std::sqrt(noise_variance) / modulation : stripes);
-
-    // 3. The point moves along its ray by this much for a change of y. At an edge the pixel's
-    //    centre is uncertain as well.
+    // The point moves along its ray by this much for a change of y. At an edge the pixel's centre
+    // is uncertain as well.
     const Eigen::Vector3d point = position_at(cloud, column, row);
     const Eigen::Vector3d by_y = point.cwiseAbs() / change_along_ray(point, setup);
     const double at_edge =
@@ -257,7 +280,7 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
 
   // Unexplained noise larger than the explained: one-bit patterns in focus, fine speckle.
   constexpr double most_excess = 1.5;
-  const double excess = by_noise ? noise_excess(cloud, maps, sigma) : 1;
+  const double excess = random_error.is_of_noise() ? noise_excess(cloud, maps, sigma) : 1;
   if (excess <= most_excess) return sigma;
 
   for (Image<float>* const part : {&sigma.coordinate, &sigma.x, &sigma.y, &sigma.z}) {

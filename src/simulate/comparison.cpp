@@ -110,36 +110,68 @@ ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
   return result;
 }
 
+/// Counts of pixels and sums of squared errors.
+struct ErrorSums {
+  std::size_t points = 0;
+  std::size_t lit = 0, measured = 0;  ///< pixels that the projector lights; those with points
+  std::size_t on_surface = 0, within_5 = 0, flying = 0, wrong = 0;
+  double squares = 0, predicted_squares = 0;  ///< on a surface, mm^2
+  double normalised_squares = 0;              ///< within 5 standard deviations
+};
+
+/// A point's error, mm. Prefers the pixel's own surface within noise: the nearest one would
+/// understate the error on slopes.
+double depth_error(double z, double sigma, const Image<double>& depth, int column, int row) {
+  const double own = z - depth(column, row);
+  return std::abs(own) <= 5 * sigma ? own : nearest_error(z, depth, column, row);
+}
+
+CloudErrors errors_from(const ErrorSums& sums) {
+  // Empty sets count as 0.
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+
+  const auto root_mean = [](double sum, std::size_t count) {
+    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
+  };
+
+  CloudErrors errors;
+  errors.points = sums.points;
+  errors.completeness = share(sums.measured, sums.lit);
+  errors.rms = root_mean(sums.squares, sums.on_surface);
+  errors.predicted = root_mean(sums.predicted_squares, sums.on_surface);
+  errors.normalised_rms = root_mean(sums.normalised_squares, sums.within_5);
+  errors.beyond_5 = share(sums.points - sums.within_5, sums.points);
+  errors.flying = share(sums.flying, sums.points);
+  errors.wrong_order = share(sums.wrong, sums.points);
+
+  return errors;
+}
+
 }  // namespace
 
 CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
                          const Image<float>& coordinate, const Layout& layout,
                          const VirtualScan& truth, const VirtualWorld& world) {
   const double periods = measuring_band(layout).periods;
-  CloudErrors errors;
-  std::size_t lit = 0, measured = 0, on_surface = 0, within_5 = 0, flying = 0, wrong = 0;
-  double squares = 0, predicted_squares = 0, normalised_squares = 0;
+  ErrorSums sums;
 
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     const double y = truth.coordinate(column, row);
-    if (std::isfinite(y)) ++lit;
+    if (std::isfinite(y)) ++sums.lit;
     if (cloud.validity(column, row) != Validity::valid) return;
 
     // The point counts as wrong if its coordinate is off by half a period or more.
-    ++errors.points;
-    if (std::isfinite(y)) ++measured;
-    if (std::abs(coordinate(column, row) - y) * periods >= 0.5) ++wrong;
+    ++sums.points;
+    if (std::isfinite(y)) ++sums.measured;
+    if (std::abs(coordinate(column, row) - y) * periods >= 0.5) ++sums.wrong;
 
-    const double z = cloud.z(column, row), sigma = uncertainty.z(column, row);
-    // Prefer the pixel's own surface within noise: the nearest one would understate the error on
-    // slopes.
-    const double own = z - truth.depth(column, row);
-    const double error =
-        std::abs(own) <= 5 * sigma ? own : nearest_error(z, truth.depth, column, row);
-
+    const double sigma = uncertainty.z(column, row);
+    const double error = depth_error(cloud.z(column, row), sigma, truth.depth, column, row);
     if (std::abs(error) <= 5 * sigma) {
-      ++within_5;
-      normalised_squares += std::pow(error / sigma, 2);
+      ++sums.within_5;
+      sums.normalised_squares += std::pow(error / sigma, 2);
     }
 
     // Far from the depth seen here, it may still lie on a surface nearby: at a steep edge, say.
@@ -148,33 +180,15 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
                                                 : distance_to_surfaces(cloud, column, row, world);
 
     if (off > limit) {
-      ++flying;
+      ++sums.flying;
     } else {
-      ++on_surface;
-      squares += off * off;
-      predicted_squares += sigma * sigma;
+      ++sums.on_surface;
+      sums.squares += off * off;
+      sums.predicted_squares += sigma * sigma;
     }
   });
 
-  // Empty sets count as 0.
-  const auto share = [](std::size_t part, std::size_t whole) {
-    return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-  };
-
-  errors.completeness = share(measured, lit);
-
-  const auto root_mean = [](double sum, std::size_t count) {
-    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
-  };
-
-  errors.rms = root_mean(squares, on_surface);
-  errors.predicted = root_mean(predicted_squares, on_surface);
-  errors.normalised_rms = root_mean(normalised_squares, within_5);
-  errors.beyond_5 = share(errors.points - within_5, errors.points);
-  errors.flying = share(flying, errors.points);
-  errors.wrong_order = share(wrong, errors.points);
-
-  return errors;
+  return errors_from(sums);
 }
 
 std::vector<ComparedSequence> compare(const VirtualWorld& world,

@@ -201,7 +201,7 @@ class CueVectors {
   template <std::size_t count>
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
-    const bool decoding = row_.turn != nullptr, wants_modulation = row_.modulation != nullptr;
+    const bool wants_modulation = row_.modulation != nullptr;
 
     // 1. Sums of the frames, and the modulation where it is needed.
     Several<count> U, V, square, sum, channel, sine, modulation;
@@ -224,7 +224,7 @@ class CueVectors {
     });
 
     // 2. Often, as in shadows, no pixel can become a point or vote: skip the angles.
-    if (!casts_shade() && !decoding && hn::AllTrue(d, all_hidden)) {
+    if (!casts_shade() && !is_decoding() && hn::AllTrue(d, all_hidden)) {
       return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
         store_hidden(i + k * hn::Lanes(d), sum[k], square[k]);
       });
@@ -239,34 +239,45 @@ class CueVectors {
     const Several<count> cue_place =
         cue_periods<form, count>(cue_, row_.cue_limits, channel, sine, modulation);
 
-    // 4. The fringe order nearest to the cue, and its distance from it as doubt.
+    // 4. The coordinates.
     const bool saturated = saturation_.template among<count>(i);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      const std::size_t pixel = i + k * hn::Lanes(d);
-      const Floats periods = hn::Sub(cue_place[k], turn[k]);
-      const Floats order = nearest_order<form>(cue_, periods);
-      const Floats y = coordinate(hn::Add(turn[k], order));
-
-      Floats doubt = hn::Abs(hn::Sub(periods, order));
-      if constexpr (!is_circle) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
-
-      store_flags(pixel, square[k], doubt, saturated);
-      fetch_ahead(row_.mean + pixel, row_.past_cache);
-      store(shown_mean(sum[k], modulation[k], y), row_.mean + pixel, row_.past_cache);
-
-      if (HWY_UNLIKELY(decoding)) {
-        hn::StoreU(turn[k], d, row_.turn + pixel);
-        hn::StoreU(doubt, d, row_.doubt + pixel);
-        hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
-      }
-
-      hn::StoreU(hn::IfThenElse(cannot_vote(square[k]), nans(), y), d, row_.coordinate + pixel);
+      store_pixels(i + k * hn::Lanes(d), sum[k], square[k], modulation[k], turn[k], cue_place[k],
+                   saturated);
     });
   }
 
  private:
   static constexpr bool is_circle = form == CueForm::circle;
   static constexpr bool has_weights = steps == mirrored_weights || steps == any_weights;
+
+  /// Whether more than points is wanted.
+  HWY_INLINE bool is_decoding() const { return row_.turn != nullptr; }
+
+  /// Stores a vector of pixels, at the fringe order nearest to the cue, with the distance from it
+  /// as doubt.
+  HWY_INLINE void store_pixels(std::size_t pixel, Floats sum, Floats square, Floats modulation,
+                               Floats turn, Floats cue_place, bool saturated) const {
+    const FloatTag d;
+    const Floats periods = hn::Sub(cue_place, turn);
+    const Floats order = nearest_order<form>(cue_, periods);
+    const Floats y = coordinate(hn::Add(turn, order));
+
+    Floats doubt = hn::Abs(hn::Sub(periods, order));
+    if constexpr (!is_circle) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
+
+    store_flags(pixel, square, doubt, saturated);
+    fetch_ahead(row_.mean + pixel, row_.past_cache);
+    store(shown_mean(sum, modulation, y), row_.mean + pixel, row_.past_cache);
+
+    if (HWY_UNLIKELY(is_decoding())) {
+      hn::StoreU(turn, d, row_.turn + pixel);
+      hn::StoreU(doubt, d, row_.doubt + pixel);
+      hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
+    }
+
+    hn::StoreU(hn::IfThenElse(cannot_vote(square), nans(), y), d, row_.coordinate + pixel);
+  }
 
   /// Whether the cue changes the mean, which is reported without it.
   HWY_INLINE bool casts_shade() const {

@@ -117,75 +117,73 @@ FusedStages::Link link(std::vector<int> of, double ratio, double periods,
                      .coordinate = unplaced(periods)}};
 }
 
-/// Adds the bands, the measuring one first, and their unwrapping.
-void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& setup,
-               const PhaseCorrections& corrections) {
-  // 1. Put the sinusoids in order: the measuring band, the other bands, then the mirrored ones.
-  const std::vector<double> weights = band_weights(layout);
+/// The sinusoids of all bands, each with the index of its band.
+using Sinusoids = std::vector<std::pair<std::size_t, const Band*>>;
+
+/// In the order of the stages: the measuring band, the other bands, then the mirrored ones.
+Sinusoids ordered_sinusoids(const Layout& layout) {
   const std::size_t measuring = measuring_band_index(layout);
-  std::vector<std::pair<std::size_t, const Band*>> sinusoids;  // with its band's index
+
+  Sinusoids sinusoids;
   for (std::size_t i = 0; i < layout.bands.size(); ++i) sinusoids.emplace_back(i, &layout.bands[i]);
   std::rotate(sinusoids.begin(), sinusoids.begin() + measuring, sinusoids.begin() + measuring + 1);
+
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
     for (const Band& mirrored : layout.bands[i].mirrored) sinusoids.emplace_back(i, &mirrored);
   }
+
+  return sinusoids;
+}
+
+/// The factor of each sinusoid in a sum. A mirrored sinusoid has the factor of its band.
+std::vector<int> factors(const PhaseSum& sum, const Sinusoids& sinusoids) {
+  std::vector<int> of;
+  for (const auto& [i, band] : sinusoids) of.push_back(sum.of[i]);
+  return of;
+}
+
+/// Tries every fringe order.
+void try_orders(FusedStages& stages, const Sinusoids& sinusoids, const Layout& layout,
+                const EngineSetup& setup) {
+  stages.orders = order_stage(layout, setup);
+  if (!stages.weighs_modulations()) return;
+
+  // A wave per sinusoid, weighted by the inverse variance of its phase.
   for (const auto& [i, band] : sinusoids) {
-    stages.bands.push_back(band_stage(*band, corrections));
-    stages.bands.back().weight = narrow(weights[i]);
+    stages.orders->waves.push_back({.ratio = narrow(band->periods / measuring_band(layout).periods),
+                                    .weight = narrow(1 / component_noise(*band))});
   }
 
-  // A mirrored sinusoid has the factor of its band.
-  const auto factors = [&](const PhaseSum& sum) {
-    std::vector<int> of;
-    for (const auto& [i, band] : sinusoids) of.push_back(sum.of[i]);
-    return of;
-  };
+  stages.coarse_in_field = true;  // the mean of all bands may leave it
+}
 
-  stages.weighs_bands = weights[measuring] < 1;
-
-  // 2. Try every fringe order: no chain of bands.
-  if (layout.unwrapping->tries_orders) {
-    stages.orders = order_stage(layout, setup);
-    if (!stages.weighs_modulations()) return;
-
-    // A wave per sinusoid, weighted by the inverse variance of its phase.
-    for (const auto& [i, band] : sinusoids) {
-      stages.orders->waves.push_back(
-          {.ratio = narrow(band->periods / layout.bands[measuring].periods),
-           .weight = narrow(1 / component_noise(*band))});
-    }
-    stages.coarse_in_field = true;  // the mean of all bands may leave it
+/// Takes the fringe order from a code's stripes. `periods`: of the measured phase.
+void take_order_from_code(FusedStages& stages, double periods, const Layout& layout,
+                          const EngineSetup& setup) {
+  stages.code = code_bits(layout, setup);
+  if (layout.unwrapping->whole_stripes) {
+    stages.consensus.fewest_neighbours = 0;  // only doubtful pixels need them, as in `judged`
     return;
   }
 
-  const std::vector<PhaseSum> chain = unwrapping_chain(layout);
-  stages.measured = factors(chain.back());
+  // A phase anywhere within its stripe leaves no doubt, so only the rest of the residual counts.
+  const double open = open_by_code(*layout.code, periods);
+  stages.chain.push_back(link(stages.measured, periods, periods, setup));
+  UnwrapStage& unwrap = stages.chain.back().unwrap;
+  unwrap.open = narrow(open);
+  unwrap.doubt_scale = narrow(1 / (1 - 2 * open));
+}
 
-  // 3. Take the fringe order from a code's stripes.
-  if (layout.unwrapping->reads_code) {
-    stages.code = code_bits(layout, setup);
-    if (layout.unwrapping->whole_stripes) {
-      stages.consensus.fewest_neighbours = 0;  // only doubtful pixels need them, as in `judged`
-      return;
-    }
-
-    // A phase anywhere within its stripe leaves no doubt, so only the rest of the residual counts.
-    const double periods = chain.back().periods, open = open_by_code(*layout.code, periods);
-    stages.chain.push_back(link(stages.measured, periods, periods, setup));
-    UnwrapStage& unwrap = stages.chain.back().unwrap;
-    unwrap.open = narrow(open);
-    unwrap.doubt_scale = narrow(1 / (1 - 2 * open));
-    return;
-  }
-
-  // 4. Unwrap band after band, from the coarsest to the measuring one. A single band needs this
-  // only if its mirrored sinusoids must be added up.
+/// Unwraps band after band, from the coarsest to the measuring one.
+void unwrap_in_chain(FusedStages& stages, const std::vector<PhaseSum>& chain,
+                     const Sinusoids& sinusoids, const Layout& layout, const EngineSetup& setup) {
+  // A single band needs this only if its mirrored sinusoids must be added up.
   const bool several = chain.size() > 1;
   if (!several && measuring_band(layout).mirrored.empty()) return;
   stages.only_adds = !several;
   if (!several) stages.consensus.fewest_neighbours = 0;
 
-  stages.coarse = factors(chain.front());
+  stages.coarse = factors(chain.front(), sinusoids);
   stages.coarse_in_field = !is_circle(layout);
   stages.coarse_stage =
       coordinate_stage(chain.front().periods, chain.front().periods, projector_length(setup));
@@ -195,13 +193,38 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   for (std::size_t i = several ? 1 : 0; i < chain.size(); ++i) {
     const bool first = i == 1 && stages.coarse_in_field;
     const double before = first ? 1 : chain[i - (several ? 1 : 0)].periods;
-    stages.chain.push_back(link(factors(chain[i]), chain[i].periods / before, 1, setup));
+    stages.chain.push_back(link(factors(chain[i], sinusoids), chain[i].periods / before, 1, setup));
   }
 
   // A circular chain places its result in the field at the end; a weighted mean does so itself.
   UnwrapStage& last = stages.chain.back().unwrap;
   const bool places = !stages.coarse_in_field && !stages.weighs_bands;
   last.coordinate = places ? stages.coordinate : unplaced(chain.back().periods);
+}
+
+/// Adds the bands, the measuring one first, and their unwrapping.
+void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& setup,
+               const PhaseCorrections& corrections) {
+  const std::vector<double> weights = band_weights(layout);
+  const Sinusoids sinusoids = ordered_sinusoids(layout);
+  for (const auto& [i, band] : sinusoids) {
+    stages.bands.push_back(band_stage(*band, corrections));
+    stages.bands.back().weight = narrow(weights[i]);
+  }
+
+  stages.weighs_bands = weights[measuring_band_index(layout)] < 1;
+
+  // The fringe order: by trial, from a code, or along a chain of bands.
+  if (layout.unwrapping->tries_orders) return try_orders(stages, sinusoids, layout, setup);
+
+  const std::vector<PhaseSum> chain = unwrapping_chain(layout);
+  stages.measured = factors(chain.back(), sinusoids);
+
+  if (layout.unwrapping->reads_code) {
+    return take_order_from_code(stages, chain.back().periods, layout, setup);
+  }
+
+  unwrap_in_chain(stages, chain, sinusoids, layout, setup);
 }
 
 /// Adds the measuring band, whose fringe order is known from the coarse coordinate.

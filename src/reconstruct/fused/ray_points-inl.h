@@ -41,37 +41,27 @@ HWY_INLINE Floats plane_polynomial(const float* coefficients, Floats p, Floats q
   return sum;
 }
 
-/// The undistorted coordinate of the point lit at y on a ray with q = start + w rise, see
-/// SolvedLens. Newton's method from w: mostly two steps.
-HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats start, Floats rise,
-                         FloatMask& in_field) {
-  const auto all = [](float c) SLIPSTREAM_STEP { return hn::Set(FloatTag(), c); };
+/// A direction (a, b, 1), and its derivatives by the undistorted coordinate.
+struct RayDirection {
+  Floats a, b, da, db;
+};
 
-  // The lens, with s = r^2:
-  //   R = (1 + k1 s + k2 s^2 + k3 s^3) / (1 + k4 s + k5 s^2 + k6 s^3),
-  //   a bends to a (R + t_a a + t_b b) + s (u_a + v_a s),
-  //   b bends to b (R + t_a a + t_b b) + s (u_b + v_b s).
-  // k1 to k6 are its radial terms, t its tangential ones; u and v add its thin prism.
-  const auto k = [&](int i) SLIPSTREAM_STEP { return all(lens.bend(i - 1)); };
+/// Bends directions as the lens of SolvedLens does. With s = r^2:
+///   R = (1 + k1 s + k2 s^2 + k3 s^3) / (1 + k4 s + k5 s^2 + k6 s^3),
+///   a bends to a (R + t_a a + t_b b) + s (u_a + v_a s),
+///   b bends to b (R + t_a a + t_b b) + s (u_b + v_b s).
+/// k1 to k6 are its radial terms, t its tangential ones; u and v add its thin prism.
+class LensBend {
+ public:
+  HWY_INLINE explicit LensBend(const SolvedLens& lens)
+      : lens_(lens), t_a_(k(7)), t_b_(k(8)), u_a_(k(9)), v_a_(k(10)), u_b_(k(11)), v_b_(k(12)) {}
 
-  const Floats settled = all(1e-4F);  // the next change is about the square of this one
-  const Floats one = all(1), two = all(2);
-  const Floats t_a = k(7), t_b = k(8), u_a = k(9), v_a = k(10), u_b = k(11), v_b = k(12);
+  /// `s`: becomes r^2 of the direction.
+  HWY_INLINE RayDirection bent(const RayDirection& from, Floats& s) const {
+    const Floats one = all(1), two = all(2);
+    const Floats a = from.a, b = from.b, da = from.da, db = from.db;
 
-  const auto row = [&](int i) SLIPSTREAM_STEP {  // its product with the bent direction is 0 at y
-    return all(lens.image(0, i)) - y * all(lens.image(2, i));
-  };
-
-  // Derivatives by w begin with d, but dR is by r^2.
-  const Floats da = all(lens.direction(0, 0)) + all(lens.direction(0, 1)) * rise;
-  const Floats db = all(lens.direction(1, 0)) + all(lens.direction(1, 1)) * rise;
-
-  Floats s = y, bent_a = y, bent_b = y;  // s is r^2
-  Floats change = y;
-  for (int step = 0; step < 12; ++step) {
-    // The direction (a, b, 1) of w on the epipolar line.
-    const Floats q = w * rise + start;
-    const Floats a = linear(lens.direction.row(0), w, q), b = linear(lens.direction.row(1), w, q);
+    // Derivatives by w begin with d, but dR is by r^2.
     const Floats ds = two * (a * da + b * db);
     s = a * a + b * b;
 
@@ -81,25 +71,59 @@ HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats star
     const Floats dR = below * (k(1) + s * (two * k(2) + all(3) * s * k(3)) -
                                R * (k(4) + s * (two * k(5) + all(3) * s * k(6))));
 
-    // The bent direction and its derivatives.
-    const Floats scale = R + t_a * a + t_b * b, dscale = dR * ds + t_a * da + t_b * db;
-    bent_a = a * scale + s * (u_a + v_a * s);
-    bent_b = b * scale + s * (u_b + v_b * s);
-    const Floats dbent_a = da * scale + a * dscale + ds * (u_a + two * v_a * s);
-    const Floats dbent_b = db * scale + b * dscale + ds * (u_b + two * v_b * s);
+    const Floats scale = R + t_a_ * a + t_b_ * b, dscale = dR * ds + t_a_ * da + t_b_ * db;
+    const Floats bent_a = a * scale + s * (u_a_ + v_a_ * s);
+    const Floats bent_b = b * scale + s * (u_b_ + v_b_ * s);
+    const Floats dbent_a = da * scale + a * dscale + ds * (u_a_ + two * v_a_ * s);
+    const Floats dbent_b = db * scale + b * dscale + ds * (u_b_ + two * v_b_ * s);
+
+    return {bent_a, bent_b, dbent_a, dbent_b};
+  }
+
+ private:
+  static HWY_INLINE Floats all(float c) { return hn::Set(FloatTag(), c); }
+  HWY_INLINE Floats k(int i) const { return all(lens_.bend(i - 1)); }
+
+  const SolvedLens& lens_;
+  Floats t_a_, t_b_, u_a_, v_a_, u_b_, v_b_;
+};
+
+/// The undistorted coordinate of the point lit at y on a ray with q = start + w rise, see
+/// SolvedLens. Newton's method from w: mostly two steps.
+HWY_INLINE Floats solved(const SolvedLens& lens, Floats y, Floats w, Floats start, Floats rise,
+                         FloatMask& in_field) {
+  const auto all = [](float c) SLIPSTREAM_STEP { return hn::Set(FloatTag(), c); };
+  const Floats settled = all(1e-4F);  // the next change is about the square of this one
+  const LensBend lens_bend(lens);
+
+  const auto row = [&](int i) SLIPSTREAM_STEP {  // its product with the bent direction is 0 at y
+    return all(lens.image(0, i)) - y * all(lens.image(2, i));
+  };
+
+  // Derivatives of the direction by w.
+  const Floats da = all(lens.direction(0, 0)) + all(lens.direction(0, 1)) * rise;
+  const Floats db = all(lens.direction(1, 0)) + all(lens.direction(1, 1)) * rise;
+
+  RayDirection bent{y, y, y, y};
+  Floats s = y, change = y;  // s is r^2
+  for (int step = 0; step < 12; ++step) {
+    // The direction of w on the epipolar line, bent by the lens.
+    const Floats q = w * rise + start;
+    const Floats a = linear(lens.direction.row(0), w, q), b = linear(lens.direction.row(1), w, q);
+    bent = lens_bend.bent({a, b, da, db}, s);
 
     // Newton's step towards the decoded coordinate y.
-    const Floats error = row(0) * bent_a + row(1) * bent_b + row(2);
-    change = error / (row(0) * dbent_a + row(1) * dbent_b);
+    const Floats error = row(0) * bent.a + row(1) * bent.b + row(2);
+    change = error / (row(0) * bent.da + row(1) * bent.db);
     w = w - change;
     if (hn::AllFalse(FloatTag(), hn::Gt(hn::Abs(change), settled))) break;
   }
 
   // The point lies in the field if its position along the stripe does, Newton's method has
   // settled, and the ray is not so far out that the lens model turns back.
-  const Floats place = linear(lens.image.row(1), bent_a, bent_b);
+  const Floats place = linear(lens.image.row(1), bent.a, bent.b);
   in_field =
-      hn::And(hn::Le(hn::Abs(place), linear(lens.image.row(2), bent_a, bent_b)),
+      hn::And(hn::Le(hn::Abs(place), linear(lens.image.row(2), bent.a, bent.b)),
               hn::And(hn::Le(hn::Abs(change), settled), hn::Le(s, all(lens.largest_square))));
 
   return w;

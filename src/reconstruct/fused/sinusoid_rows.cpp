@@ -120,6 +120,57 @@ HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>
   return without_shifts<count>(stage, turn);
 }
 
+/// The position of the k-th vector from pixel `i` on.
+HWY_INLINE std::size_t vector_at(std::size_t i, std::size_t k) {
+  return i + k * hn::Lanes(FloatTag());
+}
+
+/// Whether all pixels of the vectors are flagged as dark.
+template <std::size_t count>
+HWY_INLINE bool all_dark(const SinusoidRow& row, std::size_t i) {
+  const FloatTag d;
+  const IntTag di;
+
+  Ints common = hn::Set(di, PixelFlag::dark);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    common = hn::And(common, hn::LoadU(di, row.flags + vector_at(i, k)));
+  });
+
+  return hn::AllTrue(d, is_dark(common));
+}
+
+/// Stores the flags of vectors from pixel `i` on. Frames are read again only if one is saturated.
+template <std::size_t count, class Sums>
+HWY_INLINE void store_flags(const Sums& sums, const Several<count, FloatMask>& dark, bool saturated,
+                            const SinusoidRow& row, std::size_t i) {
+  const IntTag di;
+
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const std::size_t pixel = vector_at(i, k);
+    Ints flags = flag_where(dark[k], PixelFlag::dark);
+    if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(pixel).greatest));
+    if (row.another) flags = hn::Or(flags, hn::LoadU(di, row.flags + pixel));
+    hn::StoreU(flags, di, row.flags + pixel);
+  });
+}
+
+/// Stores the turns of vectors from pixel `i` on, NaN where flagged if so wanted.
+template <std::size_t count>
+HWY_INLINE void store_turns(Several<count> turn, const SinusoidRow& row, std::size_t i) {
+  const FloatTag d;
+  const IntTag di;
+
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const std::size_t pixel = vector_at(i, k);
+    if (row.nan_if_flagged) {
+      const Ints flags = hn::LoadU(di, row.flags + pixel);
+      const auto good = hn::RebindMask(d, hn::Eq(flags, hn::Zero(di)));
+      turn[k] = hn::IfThenElse(good, turn[k], nans());
+    }
+    hn::StoreU(turn[k], d, row.turn + pixel);
+  });
+}
+
 /// Decodes vectors from pixel `i` on; `N` as in `turns`.
 template <int N, std::size_t count, class Sums, class Saturated>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
@@ -128,68 +179,46 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
   const IntTag di;
 
   // 1. Skip the vectors if all their pixels are known to be dark.
-  const auto at = [&](std::size_t k) SLIPSTREAM_STEP { return i + k * hn::Lanes(d); };
-  const auto all_dark = [&](const auto& flags) SLIPSTREAM_STEP {
-    Ints common = hn::Set(di, PixelFlag::dark);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { common = hn::And(common, flags(k)); });
-    return hn::AllTrue(d, is_dark(common));
-  };
-
-  const auto known = [&](std::size_t k)
-                         SLIPSTREAM_STEP { return hn::LoadU(di, row.flags + at(k)); };
-
-  if (row.only_lit && row.another && all_dark(known)) return;
+  if (row.only_lit && row.another && all_dark<count>(row, i)) return;
 
   // 2. Sums, levels, and which pixels are dark.
-  Several<count> U, V, turn;
+  Several<count> U, V;
   Several<count, FloatMask> dark;
   FloatMask any_dark = hn::FirstN(d, 0);
   const Floats least_square = hn::Set(d, row.limits.least_square);
 
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const FrameSums sum = sums(at(k));
+    const FrameSums sum = sums(vector_at(i, k));
     U[k] = sum.U;
     V[k] = sum.V;
 
     const Floats square = modulation_square(stage, sum);
     dark[k] = hn::Lt(square, least_square);
     any_dark = hn::Or(any_dark, dark[k]);
-    store_levels(stage, sum.sum, square, row, at(k));
+    store_levels(stage, sum.sum, square, row, vector_at(i, k));
   });
 
   // 3. Mostly no pixel is dark or saturated: store the turns.
   const bool saturated = saturation.template among<count>(i);
   if (HWY_LIKELY(hn::AllFalse(d, any_dark) && !saturated)) {
-    turn = turns<N, count>(stage, U, V);
+    const Several<count> turn = turns<N, count>(stage, U, V);
     return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      if (!row.another) hn::StoreU(hn::Zero(di), di, row.flags + at(k));
-      hn::StoreU(turn[k], d, row.turn + at(k));
+      if (!row.another) hn::StoreU(hn::Zero(di), di, row.flags + vector_at(i, k));
+      hn::StoreU(turn[k], d, row.turn + vector_at(i, k));
     });
   }
 
-  // 4. Otherwise set the flags first. Frames are read again only if one is saturated.
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    Ints flags = flag_where(dark[k], PixelFlag::dark);
-    if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(at(k)).greatest));
-    if (row.another) flags = hn::Or(flags, known(k));
-    hn::StoreU(flags, di, row.flags + at(k));
-  });
+  // 4. Otherwise set the flags first.
+  store_flags(sums, dark, saturated, row, i);
 
   // 5. Then the turns, unless all pixels are dark and their turns are not wanted.
-  if (row.only_lit && all_dark(known)) {
+  if (row.only_lit && all_dark<count>(row, i)) {
     if (!row.nan_if_flagged) return;
     return each<count>([&](std::size_t k)
-                           SLIPSTREAM_STEP { hn::StoreU(nans(), d, row.turn + at(k)); });
+                           SLIPSTREAM_STEP { hn::StoreU(nans(), d, row.turn + vector_at(i, k)); });
   }
 
-  turn = turns<N, count>(stage, U, V);
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    if (row.nan_if_flagged) {
-      const auto good = hn::RebindMask(d, hn::Eq(known(k), hn::Zero(di)));
-      turn[k] = hn::IfThenElse(good, turn[k], nans());
-    }
-    hn::StoreU(turn[k], d, row.turn + at(k));
-  });
+  store_turns(turns<N, count>(stage, U, V), row, i);
 }
 
 template <int N, class Sums, class Saturated>

@@ -36,106 +36,207 @@ HWY_INLINE Ints stripes(const CodeStage& stage, Ints shown) {
   return hn::Xor(shown, hn::ShiftRight<16>(shown));
 }
 
-/// `alone`: CodeStage::alone, else also a part of the phase.
-template <bool alone, class Pixel>
-HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel* const* frames,
-                           const float* reference, float* contrast, const UnwrappedRow& row) {
-  constexpr int most_doubtful = 4;  // see read_code
+/// The darkest and the brightest level of some frames.
+struct LevelRange {
+  Ints darkest, brightest;
+};
 
-  // Local copies stay in registers: no store can alias them.
-  const std::span<const int> bits = stage.frames, inverses = stage.inverses;
+/// The number that each pixel's bits show, the first frame's bit the highest.
+struct ShownNumber {
+  Ints bits;
+  Ints doubtful;        ///< of a code alone: bits within the tolerance of their threshold
+  Ints doubtful_count;  ///< how many these are
+};
 
-  const FloatTag d;
+/// The first and the last stripe that the doubtful bits allow.
+struct StripeSpan {
+  Ints first, last;
+  hn::Mask<IntTag> readable;  ///< else with too many doubtful bits, and read as it stands
+};
+
+/// -1 where the test is true, else 0.
+template <class Test>
+HWY_INLINE Ints minus_one_where(Test test) {
   const IntTag di;
-  const Floats half = hn::Set(d, 0.5F), zero = hn::Zero(d);
+  return hn::VecFromMask(di, hn::RebindMask(di, test));
+}
 
-  const Floats tolerance = hn::Set(d, grey_level * stage.tolerance);
-  const Floats least = hn::Set(d, grey_level * stage.least_contrast);
+/// Reads the code of one row, see code_row. `alone`: CodeStage::alone, else also a part of the
+/// phase. Members are copies, so that no store can alias them.
+template <bool alone, class Pixel>
+class CodeVectors {
+ public:
+  HWY_INLINE CodeVectors(const CodeStage& stage, float grey_level, const Pixel* const* frames,
+                         const float* reference, float* contrast)
+      : stage_(stage),
+        bits_(stage.frames),
+        inverses_(stage.inverses),
+        frames_(frames),
+        reference_(reference),
+        contrast_(contrast),
+        tolerance_(hn::Set(FloatTag(), grey_level * stage.tolerance)),
+        least_contrast_(hn::Set(FloatTag(), grey_level * stage.least_contrast)) {}
 
-  // -1 where the test is true, else 0.
-  const auto mask = [&](auto test)
-                        SLIPSTREAM_STEP { return hn::VecFromMask(di, hn::RebindMask(di, test)); };
+  /// The coordinates of the vector from pixel `i` on.
+  HWY_INLINE Unwrapped read(std::size_t i, Ints flags) const {
+    LevelRange levels = levels_of_bits(i);
+    const ShownNumber number = shown_number(i, threshold(levels, i));
+    const StripeSpan stripes = allowed_stripes(number);
+    const Floats y = middle_of(stripes);
 
-  const auto read = [&](std::size_t i, Ints flags) SLIPSTREAM_STEP {
-    const auto level = [&](int frame) SLIPSTREAM_STEP { return load_pixels(frames[frame] + i); };
+    if constexpr (!alone) {
+      return Unwrapped{y, hn::Zero(FloatTag()), flags};
+    } else {
+      // The contrast counts all frames.
+      widen(levels, stage_.rest, i);
+      const Floats contrast = contrast_of(levels);
+      if (contrast_ != nullptr) hn::StoreU(contrast, FloatTag(), contrast_ + i);
 
-    Ints darkest = level(bits.front()), brightest = darkest;
-    const auto take = [&](std::span<const int> some) SLIPSTREAM_STEP {
-      for (const int frame : some) {
-        darkest = hn::Min(darkest, level(frame));
-        brightest = hn::Max(brightest, level(frame));
-      }
-    };
+      return Unwrapped{y, doubt_of(stripes), hn::Or(flags, dark_flags(contrast))};
+    }
+  }
 
-    // 1. The level above which a bit is bright: the reference, or half way between the darkest and
-    // the brightest bit.
-    if (alone || (reference == nullptr && inverses.empty())) take(bits);
-    Floats limit = hn::Mul(half, hn::ConvertTo(d, hn::Add(darkest, brightest)));
-    if (reference != nullptr) limit = hn::LoadU(d, reference + i);
+ private:
+  static constexpr int most_doubtful = 4;  // see read_code
+
+  HWY_INLINE Ints level(int frame, std::size_t i) const { return load_pixels(frames_[frame] + i); }
+
+  /// Widens the range to the levels of these frames.
+  HWY_INLINE void widen(LevelRange& levels, std::span<const int> frames, std::size_t i) const {
+    for (const int frame : frames) {
+      levels.darkest = hn::Min(levels.darkest, level(frame, i));
+      levels.brightest = hn::Max(levels.brightest, level(frame, i));
+    }
+  }
+
+  /// Of all bits where their range counts, else of the first one.
+  HWY_INLINE LevelRange levels_of_bits(std::size_t i) const {
+    const Ints first = level(bits_.front(), i);
+    LevelRange levels{first, first};
+    if (alone || (reference_ == nullptr && inverses_.empty())) widen(levels, bits_, i);
+
+    return levels;
+  }
+
+  /// The level above which a bit is bright: the reference, or half way between the darkest and the
+  /// brightest bit.
+  HWY_INLINE Floats threshold(const LevelRange& levels, std::size_t i) const {
+    const FloatTag d;
+    if (reference_ != nullptr) return hn::LoadU(d, reference_ + i);
+
+    const Ints twice = hn::Add(levels.darkest, levels.brightest);
+    return hn::Mul(hn::Set(d, 0.5F), hn::ConvertTo(d, twice));
+  }
+
+  /// Reads the bits, the highest first: each is compared with its inverse, or with the limit.
+  HWY_INLINE ShownNumber shown_number(std::size_t i, Floats limit) const {
+    const FloatTag d;
+    const IntTag di;
 
     // A whole level is above a number if it is above the number rounded down.
     const Ints whole_limit = hn::ConvertTo(di, hn::Floor(limit));
 
-    // 2. Read the bits, the highest first. A bit within the tolerance of its threshold is doubtful.
-    Ints shown = hn::Zero(di), doubtful = shown, count = shown;
-    for (std::size_t bit = 0; bit < bits.size(); ++bit) {
-      const Ints here = level(bits[bit]);
-      const Ints dark = inverses.empty() ? whole_limit : level(inverses[bit]);
-      shown = hn::Sub(hn::Add(shown, shown), mask(hn::Gt(here, dark)));  // a mask is -1
+    ShownNumber number{hn::Zero(di), hn::Zero(di), hn::Zero(di)};
+    for (std::size_t bit = 0; bit < bits_.size(); ++bit) {
+      const Ints here = level(bits_[bit], i);
+      const Ints dark = inverses_.empty() ? whole_limit : level(inverses_[bit], i);
+      number.bits = with_bit(number.bits, minus_one_where(hn::Gt(here, dark)));
 
+      // A bit within the tolerance of its threshold is doubtful.
       if constexpr (alone) {
-        const Floats above = inverses.empty()
+        const Floats above = inverses_.empty()
                                  ? hn::Sub(hn::ConvertTo(d, here), limit)
-                                 : hn::Mul(half, hn::ConvertTo(d, hn::Sub(here, dark)));
-        const Ints unsure = mask(hn::Lt(hn::Abs(above), tolerance));
-        doubtful = hn::Sub(hn::Add(doubtful, doubtful), unsure);
-        count = hn::Sub(count, unsure);
+                                 : hn::Mul(hn::Set(d, 0.5F), hn::ConvertTo(d, hn::Sub(here, dark)));
+        const Ints unsure = minus_one_where(hn::Lt(hn::Abs(above), tolerance_));
+        number.doubtful = with_bit(number.doubtful, unsure);
+        number.doubtful_count = hn::Sub(number.doubtful_count, unsure);
       }
     }
 
-    // 3. The first and last stripe that the doubtful bits allow. With too many of them the number
-    // is unreadable, and the stripe is read as it stands.
-    const auto readable = hn::Lt(count, hn::Set(di, most_doubtful + 1));
-    doubtful = hn::IfThenElseZero(readable, doubtful);
-    Ints first = stripes(stage, shown), last = first;
+    return number;
+  }
+
+  /// Appends a bit to the number. `mask`: -1 for a bit of 1.
+  static HWY_INLINE Ints with_bit(Ints number, Ints mask) {
+    return hn::Sub(hn::Add(number, number), mask);
+  }
+
+  HWY_INLINE StripeSpan allowed_stripes(const ShownNumber& number) const {
+    const IntTag di;
+    const auto readable = hn::Lt(number.doubtful_count, hn::Set(di, most_doubtful + 1));
+    const Ints doubtful = hn::IfThenElseZero(readable, number.doubtful);
+
+    const Ints as_shown = stripes(stage_, number.bits);
+    StripeSpan span{as_shown, as_shown, readable};
 
     // Pixels with fewer doubtful bits go through theirs again until all end at once.
     // Counting down as (wrong - 1) & doubtful visits every subset of the doubtful bits.
     for (Ints wrong = doubtful; alone && !hn::AllTrue(di, hn::Eq(wrong, hn::Zero(di)));
          wrong = hn::And(hn::Sub(wrong, hn::Set(di, 1)), doubtful)) {
-      const Ints stripe = stripes(stage, hn::Xor(shown, wrong));
-      first = hn::Min(first, stripe);
-      last = hn::Max(last, stripe);
+      const Ints stripe = stripes(stage_, hn::Xor(number.bits, wrong));
+      span.first = hn::Min(span.first, stripe);
+      span.last = hn::Max(span.last, stripe);
     }
 
-    // 4. The middle of these stripes. `halves` is twice its stripe number, and `rest` corrects for
-    // the stripe width's rounding to float.
-    const Floats halves = hn::ConvertTo(d, hn::Add(hn::Add(first, last), hn::Set(di, 1)));
+    return span;
+  }
+
+  /// The coordinate of the middle of these stripes.
+  HWY_INLINE Floats middle_of(const StripeSpan& span) const {
+    const FloatTag d;
+    const IntTag di;
+
+    // `halves` is twice its stripe number, and `rest` corrects for the stripe width's rounding to
+    // float.
+    const Floats halves = hn::ConvertTo(d, hn::Add(hn::Add(span.first, span.last), hn::Set(di, 1)));
     const Floats rest =
-        hn::NegMulAdd(halves, hn::Set(d, stage.narrower / 2), hn::Set(d, stage.shift));
-    const Floats y = hn::MulAdd(halves, hn::Set(d, stage.stripe / 2), rest);
+        hn::NegMulAdd(halves, hn::Set(d, stage_.narrower / 2), hn::Set(d, stage_.shift));
+    return hn::MulAdd(halves, hn::Set(d, stage_.stripe / 2), rest);
+  }
 
-    if (!alone) return Unwrapped{y, zero, flags};
+  /// Half the range of the levels.
+  HWY_INLINE Floats contrast_of(const LevelRange& levels) const {
+    const FloatTag d;
+    const Ints range = hn::Sub(levels.brightest, levels.darkest);
+    return hn::Mul(hn::Set(d, 0.5F), hn::ConvertTo(d, range));
+  }
 
-    // 5. Contrast over all frames, and the doubt: an eighth per stripe of spread, at most a half.
-    // An unreadable code could be any stripe.
-    take(stage.rest);
-    const Floats range = hn::Mul(half, hn::ConvertTo(d, hn::Sub(brightest, darkest)));
-    if (contrast != nullptr) hn::StoreU(range, d, contrast + i);
+  /// The flag of pixels with too little contrast.
+  HWY_INLINE Ints dark_flags(Floats contrast) const {
+    const Ints is_dark = minus_one_where(hn::Lt(contrast, least_contrast_));
+    return hn::And(is_dark, hn::Set(IntTag(), PixelFlag::dark));
+  }
 
+  /// An eighth per stripe of spread, at most a half. An unreadable code could be any stripe.
+  HWY_INLINE Floats doubt_of(const StripeSpan& span) const {
+    const FloatTag d;
+    const Floats apart = hn::ConvertTo(d, hn::Sub(span.last, span.first));
     const Floats spread =
-        hn::IfThenElse(hn::RebindMask(d, readable), hn::ConvertTo(d, hn::Sub(last, first)),
-                       hn::Set(d, 1 / stage.stripe));
+        hn::IfThenElse(hn::RebindMask(d, span.readable), apart, hn::Set(d, 1 / stage_.stripe));
 
-    const Ints dark = hn::And(mask(hn::Lt(range, least)), hn::Set(di, PixelFlag::dark));
-    return Unwrapped{y, hn::Min(half, hn::Mul(spread, hn::Set(d, 0.125F))), hn::Or(flags, dark)};
-  };
+    return hn::Min(hn::Set(d, 0.5F), hn::Mul(spread, hn::Set(d, 0.125F)));
+  }
+
+  const CodeStage& stage_;
+  std::span<const int> bits_, inverses_;
+  const Pixel* const* frames_;
+  const float* reference_;
+  float* contrast_;
+  Floats tolerance_, least_contrast_;
+};
+
+template <bool alone, class Pixel>
+HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel* const* frames,
+                           const float* reference, float* contrast, const UnwrappedRow& row) {
+  const CodeVectors<alone, Pixel> vectors(stage, grey_level, frames, reference, contrast);
+  const auto read = [&](std::size_t i, Ints flags)
+                        SLIPSTREAM_STEP { return vectors.read(i, flags); };
 
   if (alone) return unwrap_vectors(row, stage.largest_doubt, read);
 
   // The start of a chain: the later links judge the doubt.
   for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
-    hn::StoreU(read(i, hn::Zero(di)).y, d, row.coordinate + i);
+    hn::StoreU(read(i, hn::Zero(IntTag())).y, FloatTag(), row.coordinate + i);
   });
 }
 

@@ -275,6 +275,44 @@ void collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot) 
   }
 }
 
+/// Throws Error unless all frames have one format that the GPU takes.
+void require_one_format(const GpuEngine& engine, std::span<const FrameViews> scans) {
+  const GpuStages& stages = engine.text.stages;
+  const FrameViews& like = scans.front();
+
+  for (const FrameViews& frames : scans) {
+    require_frames(frames, engine.fused.stages->frames, {stages.width, stages.height});
+    if (frames.quantised() && bytes_of_pixels(frames) == bytes_of_pixels(like) &&
+        frames.full_scale() == like.full_scale() && frames.merged() == like.merged()) {
+      continue;
+    }
+    throw Error("frames are not quantised or differ in format; the GPU takes 8 to 16 bits");
+  }
+}
+
+/// Whether the buffers of the last call are large enough.
+bool have_room(const std::vector<GpuScanMemory::Slot>& slots, const Job& job) {
+  if (slots.empty()) return false;
+
+  // The last slot is never larger than the others.
+  const GpuScanMemory::Slot& last = slots.back();
+  return last.frames.size() >= job.together * job.upload_bytes &&
+         last.between.size() >= job.between_bytes &&
+         last.output.size() >= job.together * job.output_bytes;
+}
+
+/// A cloud with maps takes its intensity from their mean.
+void add_intensity(std::span<const Outputs> outputs, double full_scale) {
+  const auto to_8_bits = static_cast<float>(255 / full_scale);
+
+  for (const Outputs& output : outputs) {
+    if (output.cloud == nullptr || output.maps == nullptr) continue;
+    const Image<float>& mean = output.maps->mean;
+    std::transform(mean.begin(), mean.end(), output.cloud->intensity.begin(),
+                   [&](float level) { return to_8_bits * level; });
+  }
+}
+
 }  // namespace
 
 GpuEngine::GpuEngine(const FusedEngine& of, GpuProgramText program,
@@ -335,36 +373,22 @@ void GpuEngine::operator()(const FrameViews& frames, const Outputs& output, GpuS
 
 void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Outputs> outputs,
                            GpuScanMemory& memory, const Image<float>* coarse) const {
-  // 1. All frames must have one format.
-  const FrameViews& like = scans.front();
-  for (const FrameViews& frames : scans) {
-    require_frames(frames, fused.stages->frames, {text.stages.width, text.stages.height});
-    if (frames.quantised() && bytes_of_pixels(frames) == bytes_of_pixels(like) &&
-        frames.full_scale() == like.full_scale() && frames.merged() == like.merged()) {
-      continue;
-    }
-    throw Error("frames are not quantised or differ in format; the GPU takes 8 to 16 bits");
-  }
+  require_one_format(*this, scans);
 
-  // 2. Buffers: those of the last call, if they are large enough.
+  // 1. Buffers: those of the last call, if they are large enough.
   Job job = job_for(*this, scans, outputs, coarse);
   const std::size_t at_a_time = (scans.size() + job.together - 1) / job.together;
   const std::size_t steps = at_a_time * parts.size();
 
   auto& slots = memory.slots;
-
-  // The last slot is never larger than the others.
-  const bool keeps = !slots.empty() &&
-                     slots.back().frames.size() >= job.together * job.upload_bytes &&
-                     slots.back().between.size() >= job.between_bytes &&
-                     slots.back().output.size() >= job.together * job.output_bytes;
+  const bool keeps = have_room(slots, job);
   if (!keeps) slots.clear();
 
   while (slots.size() < (memory.resident ? steps : std::min<std::size_t>(steps, 2))) {
     slots.push_back(slot_for(*this, job, memory.resident));
   }
 
-  // 3. Upload and start each step, then collect the one before while the device computes.
+  // 2. Upload and start each step, then collect the one before while the device computes.
   const auto step_of = [&](std::size_t i) {
     const std::size_t first = i / parts.size() * job.together;
     return Step{parts[i % parts.size()], first, std::min(job.together, scans.size() - first)};
@@ -384,16 +408,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
   }
 
   collect_from(steps - 1);
-  if (memory.resident) return;
-
-  // 4. A cloud with maps takes its intensity from their mean.
-  const auto to_8_bits = static_cast<float>(255 / like.full_scale());
-  for (const Outputs& output : outputs) {
-    if (output.cloud == nullptr || output.maps == nullptr) continue;
-    const Image<float>& mean = output.maps->mean;
-    std::transform(mean.begin(), mean.end(), output.cloud->intensity.begin(),
-                   [&](float level) { return to_8_bits * level; });
-  }
+  if (!memory.resident) add_intensity(outputs, scans.front().full_scale());
 }
 
 }  // namespace slipstream

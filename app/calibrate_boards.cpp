@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/board_flags.h"
+#include "app/flag_names.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
@@ -223,7 +224,8 @@ void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& qualit
 }
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
-  const auto& [calibration, unused, board, comparison, findings] = report;
+  const GeometryCalibration& calibration = report.calibration;
+  const ScannerComparison* const other = report.comparison;
 
   // The poses used, with the quality of each when left out of the calibration.
   nlohmann::json poses = nlohmann::json::array();
@@ -232,12 +234,12 @@ nlohmann::json json_of_poses(const CalibrationReport& report) {
     nlohmann::json told = described("name", pose.name, "used", true, "rms", json_of(pose.rms),
                                     "corners", pose.corners, "lit_corners", pose.lit);
     add_quality(told, pose.left_out);
-    if (comparison) add_quality(told["compared"], comparison->poses[i]);
+    if (other != nullptr) add_quality(told["compared"], other->poses[i]);
     poses.push_back(told);
   }
 
   // The others, with the reason.
-  for (const UnusedPose& pose : unused) {
+  for (const UnusedPose& pose : report.unused) {
     poses.push_back(described("name", pose.name, "used", false, "reason", pose.why));
   }
 
@@ -312,8 +314,9 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   for (const auto* more : {&captures.findings, &calibration.findings}) {
     findings.insert(findings.end(), more->begin(), more->end());
   }
-  const CalibrationReport report{calibration, captures.unused, board,
-                                 comparison ? &*comparison : nullptr, findings};
+  const CalibrationReport report{calibration, captures.unused,
+                                 board,       comparison ? &*comparison : nullptr,
+                                 findings,    &with_flags};
 
   if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
 

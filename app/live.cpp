@@ -152,7 +152,7 @@ void write_results(LiveSession& session, Output& output) {
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline->newest();
     if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
-    write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
+    write_cloud(flags.output, last->cloud, {.remarks = remarks_about(statistics.findings)});
     output.add_file("cloud", flags.output);
   }
 

@@ -186,7 +186,7 @@ std::string save_newest(LiveSession& session) {
 
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
-                         doubts(session.pipeline->statistics().findings));
+                         remarks_about(session.pipeline->statistics().findings));
 
   session.saved = std::chrono::steady_clock::now();
   return folder;

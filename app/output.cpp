@@ -183,6 +183,12 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
   for (const std::string& repair : checked.repairs) output.say("{}: {}", scan, repair);
 }
 
+std::vector<std::string> remarks_about(const std::vector<Finding>& findings) {
+  std::vector<std::string> remarks = doubts(findings);
+  for (std::string& remark : remarks) remark = with_flags(remark);
+  return remarks;
+}
+
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output) {
   // A diagnostic with the same begin was printed before; then only its end is news.

@@ -239,6 +239,9 @@ std::function<void(double)> progress_of(std::string label);
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
                     Output& output);
 
+/// doubts with the program's flags: header lines of a cloud file.
+std::vector<std::string> remarks_about(const std::vector<Finding>& findings);
+
 /// Prints each diagnostic that has appeared or disappeared since `told`, and updates it.
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output);

@@ -69,7 +69,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   write_results({.cloud = scan.files.cloud}, coarse ? *coarse : result.cloud, {},
                 {.normals = normals ? &*normals : nullptr,
                  .uncertainty = uncertainty ? &*uncertainty : nullptr,
-                 .remarks = doubts(result.checked.findings)});
+                 .remarks = remarks_about(result.checked.findings)});
 }
 
 /// Warns of the findings that follow the `told` ones of the check, and compares the points with

@@ -43,7 +43,7 @@ view::ViewSource view_source_of(LiveSession& session) {
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
     require_saveable(session);
     return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
-                              doubts(session.pipeline->statistics().findings));
+                              remarks_about(session.pipeline->statistics().findings));
   };
   source.record = [&session](bool on) { change_setting(session, "record", on ? "on" : "off"); };
   source.recording = [&session] {
@@ -154,8 +154,8 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},
                    {"from the frames", blind}};
-  source.save = [save_to, remarks = doubts(job.checked.findings)](const view::ShownCloud& cloud,
-                                                                  const EngineSetup& used) {
+  source.save = [save_to, remarks = remarks_about(job.checked.findings)](
+                    const view::ShownCloud& cloud, const EngineSetup& used) {
     return save_in_new_folder(cloud.frames, used, save_to, remarks);
   };
 

@@ -34,15 +34,16 @@ std::string escaped(std::string_view text) {
   return safe;
 }
 
-Page::Page(std::string_view title)
-    : text_(fmt::format("<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta "
+Page::Page(std::string_view title, Wording wording)
+    : wording_(wording),
+      text_(fmt::format("<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta "
                         "name=\"viewport\" content=\"width=device-width\">\n<title>{0}</title>\n"
                         "<style>{1}</style>\n<h1>{0}</h1>\n",
                         escaped(title), style)) {}
 
 void Page::verdict(const Verdict& verdict) {
   end_table();
-  text_ += fmt::format("<p class=\"verdict {}\">{}</p>\n", verdict.grade, escaped(verdict.words));
+  text_ += fmt::format("<p class=\"verdict {}\">{}</p>\n", verdict.grade, shown(verdict.words));
 }
 
 void Page::table(const std::vector<std::string>& columns) {
@@ -62,13 +63,13 @@ void Page::picture(std::string_view says, const std::string& file) {
 
 void Page::add(std::string_view element, std::string_view text) {
   end_table();
-  text_ += fmt::format("<{0}>{1}</{0}>\n", element, escaped(text));
+  text_ += fmt::format("<{0}>{1}</{0}>\n", element, shown(text));
 }
 
 void Page::cells_in(std::string_view element, const std::vector<std::string>& cells) {
   text_ += "<tr>";
   for (const std::string& cell : cells) {
-    text_ += fmt::format("<{0}>{1}</{0}>", element, escaped(cell));
+    text_ += fmt::format("<{0}>{1}</{0}>", element, shown(cell));
   }
   text_ += "</tr>\n";
 }

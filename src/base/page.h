@@ -20,10 +20,13 @@ struct Verdict {
   std::string words;  ///< one sentence
 };
 
+/// How a front end shows texts that name settings in backquotes, see Error; null: as they are.
+using Wording = std::string (*)(std::string_view text);
+
 /// A report as a web page, built part by part; it prints well. All texts are escaped.
 class Page {
  public:
-  explicit Page(std::string_view title);
+  explicit Page(std::string_view title, Wording wording = nullptr);
 
   /// In a line, in the colour of its grade.
   void verdict(const Verdict& verdict);
@@ -62,10 +65,15 @@ class Page {
  private:
   void add(std::string_view element, std::string_view text);
   void cells_in(std::string_view element, const std::vector<std::string>& cells);
+  /// A text as the front end shows it, escaped.
+  [[nodiscard]] std::string shown(std::string_view text) const {
+    return escaped(wording_ == nullptr ? std::string(text) : wording_(text));
+  }
   void end_table() {
     if (std::exchange(in_table_, false)) text_ += "</table>\n";
   }
 
+  Wording wording_;
   std::string text_;
   bool in_table_ = false;
   std::vector<std::string> files_;

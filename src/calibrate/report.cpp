@@ -205,7 +205,7 @@ void write_left_out(Page& page, const CalibrationReport& report) {
       "Each pose's board, measured with a calibration of all other poses: the RMS distance of its "
       "corners from their best plane, the RMS error of the distances between all pairs of corners, "
       "and the mean relative error of these distances. The last two rely on the configured "
-      "spacing: only a ruler (--measured) reveals a print of another scale.{}",
+      "spacing: only a ruler (`measured`) reveals a print of another scale.{}",
       other != nullptr ? fmt::format(" For comparison, the same corners measured with {}, which "
                                      "may have been made from these poses.",
                                      other->name)
@@ -408,7 +408,7 @@ std::string text_of(const CalibrationReport& report) {
 
 Page calibration_report(const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
-  Page page("Calibration of a camera and a projector");
+  Page page("Calibration of a camera and a projector", report.wording);
   page.paragraph(
       "{} poses of a {} of {}x{}, {:g} mm apart. RMS: camera {:.3f} px, projector {:.3f} px, "
       "stereo {:.3f} px.",

@@ -35,6 +35,7 @@ struct CalibrationReport {
   const CalibrationBoard& board;
   const ScannerComparison* comparison = nullptr;  ///< may be null
   std::vector<Finding> findings{};                ///< of frames, ruler and calibration
+  Wording wording = nullptr;                      ///< of the page
 };
 
 /// A summary of a few lines: RMS, quality of the held-out poses, comparison, lens models.

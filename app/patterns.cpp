@@ -10,7 +10,7 @@
 #include "io/plot.h"
 #include "response/correction.h"
 #include "slipstream/layout.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::app {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "slipstream/live_pipeline.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_camera.h"
 
 using namespace slipstream;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 

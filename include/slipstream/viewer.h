@@ -19,8 +19,8 @@
 #include "slipstream/image.h"
 #include "slipstream/live_statistics.h"
 #include "slipstream/reconstruct_settings.h"
-#include "slipstream/registry.h"
 #include "slipstream/response.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 class LivePipeline;

@@ -11,7 +11,7 @@
 #include "response/correction.h"
 #include "slipstream/check.h"
 #include "slipstream/geometry_calibration.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

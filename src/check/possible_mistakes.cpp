@@ -12,7 +12,7 @@
 #include "base/numbers.h"
 #include "check/explanations.h"
 #include "slipstream/error.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

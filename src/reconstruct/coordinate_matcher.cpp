@@ -17,7 +17,7 @@
 #include "codes/predicted_variance.h"
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/pipeline.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -9,7 +9,7 @@
 #include "geometry/triangulator.h"
 #include "reconstruct/engine_setup.h"
 #include "response/correction.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/registry.h"
 #include "slipstream/scan.h"
+#include "slipstream/strategy.h"
 #include "tests/check/mistakes.h"
 
 namespace slipstream {

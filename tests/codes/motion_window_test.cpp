@@ -9,7 +9,7 @@
 #include "response/correction.h"
 #include "slipstream/error.h"
 #include "slipstream/layout.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::motion_window_test {
 

@@ -8,7 +8,7 @@
 #include "base/statistics.h"
 #include "io/image_file.h"
 #include "slipstream/engine.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::mjpg_test {

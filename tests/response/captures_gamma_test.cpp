@@ -19,7 +19,7 @@
 #include "response/gamma_calibration.h"
 #include "response/scan_average.h"
 #include "slipstream/gamma.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::captures_gamma_test {

@@ -7,7 +7,7 @@
 #include "simulate/looped_scene.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_camera.h"
 #include "slipstream/virtual_world.h"
 

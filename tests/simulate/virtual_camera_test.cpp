@@ -13,7 +13,7 @@
 #include "slipstream/image.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/pattern_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/simulate/virtual_rig.h"
 
 namespace slipstream::virtual_camera_test {

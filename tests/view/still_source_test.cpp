@@ -10,7 +10,7 @@
 #include "slipstream/cloud_file.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/viewer.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "decode/phase_decoder.h"
 #include "decode/surface_orders.h"
 #include "geometry/triangulator.h"
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 
 namespace slipstream {
 

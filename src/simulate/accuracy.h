@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/page.h"
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

@@ -7,7 +7,7 @@
 #include "slipstream/frame_source.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

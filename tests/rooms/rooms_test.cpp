@@ -289,7 +289,7 @@ TEST(Rooms, UseOpenCvForBoardsAndFigures) {
 /// Kernels, compiled for every vector target, include only plain structs of slipstream.
 TEST(Rooms, KernelsTakePlainArrays) {
   static const std::regex plain(
-      "(base|reconstruct/fused)/.*|slipstream/(cloud|error|image|size)\\.h|cloud/depth_rows\\.h|"
+      "(base|reconstruct/fused)/.*|slipstream/(cloud|error|image)\\.h|cloud/depth_rows\\.h|"
       "decode/(motion_block|neighbourhood_vote|surface_window)\\.h|geometry/ray_table\\.h");
   const Uses uses = read_rooms();
   int kernels = 0;

@@ -8,7 +8,7 @@
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

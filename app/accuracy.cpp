@@ -10,6 +10,7 @@
 #include "io/plot.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"
+#include "simulate/rehearsal.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 

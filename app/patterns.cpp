@@ -5,6 +5,7 @@
 
 #include "app/scan_flags.h"
 #include "codes/design.h"
+#include "codes/motion_window.h"
 #include "codes/predicted_variance.h"
 #include "io/pattern_pictures.h"
 #include "io/plot.h"

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "slipstream/gray_code.h"
 #include "slipstream/strategy.h"
 
 namespace slipstream {

@@ -6,6 +6,7 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/board_corners.h"
 #include "calibrate/board_view.h"
+#include "calibrate/projector_corners.h"
 #include "decode/decoder.h"
 #include "decode/phase_decoder.h"
 #include "response/correction.h"

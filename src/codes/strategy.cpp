@@ -11,6 +11,7 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "codes/motion_window.h"
 
 namespace slipstream {
 namespace {

@@ -20,7 +20,9 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/mesh_file.h"
 #include "io/point_elements.h"
+#include "io/xyz_points.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -13,6 +13,7 @@
 #include "base/throw_if-inl.h"
 #include "reconstruct/camera_agreement.h"
 #include "reconstruct/camera_orders.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/epipolar_search.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/fused/pair_rows.h"

@@ -12,6 +12,7 @@
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
 #include "simulate/looped_scene.h"
+#include "simulate/projected_light.h"
 #include "simulate/rendered_reel.h"
 #include "simulate/seen_scene.h"
 

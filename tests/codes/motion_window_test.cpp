@@ -1,3 +1,5 @@
+#include "codes/motion_window.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 
 #include "response/correction.h"
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/layout.h"
 #include "slipstream/strategy.h"
 

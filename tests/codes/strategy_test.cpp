@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/sequence.h"
 #include "tests/own_strategies.h"
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/hid_port.h"
 #include "slipstream/pattern_set.h"
 #include "slipstream/strategy.h"
 #include "tests/app/program.h"

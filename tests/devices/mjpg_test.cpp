@@ -6,7 +6,7 @@
 #include <turbojpeg.h>
 
 #include "base/statistics.h"
-#include "io/image_file.h"
+#include "io/plain_pictures.h"
 #include "slipstream/engine.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"

@@ -9,6 +9,7 @@
 #include "frames/pattern_windows.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/viewer.h"
@@ -17,6 +18,7 @@
 #include "tests/view/made_up_cloud.h"
 #include "view/cloud_screen.h"
 #include "view/opengl.h"
+#include "view/pictures.h"
 
 namespace slipstream::view::still_source_test {
 

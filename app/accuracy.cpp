@@ -10,7 +10,8 @@
 #include "io/plot.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"
-#include "slipstream/registry.h"
+#include "simulate/rehearsal.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::app {

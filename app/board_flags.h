@@ -10,7 +10,7 @@
 #include "simulate/rendered_reel.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/scan_files.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::app {

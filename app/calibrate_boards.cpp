@@ -15,6 +15,7 @@
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
 #include "io/image_file.h"
+#include "io/print_file.h"
 #include "io/scan_pictures.h"
 #include "slipstream/scan_files.h"
 

@@ -14,8 +14,8 @@
 #include "frames/colour_channels.h"
 #include "io/image_file.h"
 #include "live/cyclic_scans.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::app {

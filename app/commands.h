@@ -18,8 +18,8 @@
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/rig_file.h"
+#include "slipstream/image.h"
 #include "slipstream/setting.h"
-#include "slipstream/size.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "slipstream/cleaner.h"
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 #include "slipstream/scanner.h"
 #include "slipstream/setting.h"
 

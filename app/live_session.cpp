@@ -16,8 +16,8 @@
 #include "io/file.h"
 #include "io/result_files.h"
 #include "reconstruct/engine_setup.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::app {
 namespace {

@@ -19,7 +19,7 @@
 #include "slipstream/check.h"
 #include "slipstream/cloud.h"
 #include "slipstream/finding.h"
-#include "slipstream/live_statistics.h"
+#include "slipstream/live_pipeline.h"
 
 namespace slipstream {
 

@@ -5,12 +5,13 @@
 
 #include "app/scan_flags.h"
 #include "codes/design.h"
+#include "codes/motion_window.h"
 #include "codes/predicted_variance.h"
 #include "io/pattern_pictures.h"
 #include "io/plot.h"
 #include "response/correction.h"
 #include "slipstream/layout.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::app {
 namespace {

@@ -7,6 +7,7 @@
 #include "app/process.h"
 #include "app/scan_flags.h"
 #include "devices/dlp.h"
+#include "devices/hid_port.h"
 #include "devices/monitor.h"
 #include "frames/colour_channels.h"
 #include "io/file.h"

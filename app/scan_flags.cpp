@@ -10,8 +10,8 @@
 
 #include "base/numbers.h"
 #include "slipstream/recording.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::app {
 namespace {

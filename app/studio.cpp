@@ -14,7 +14,7 @@
 #include "io/file.h"
 #include "io/result_files.h"
 #include "slipstream/camera.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "view/opengl.h"
 
 namespace slipstream::app {

@@ -5,7 +5,7 @@
 #include "bench/bench_rows.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 

@@ -9,10 +9,13 @@
 
 #include "bench/bench_rows.h"
 #include "bench/vector_target.h"
+#include "geometry/ray_table.h"
 #include "geometry/stripe_geometry.h"
 #include "io/image_file.h"
 #include "io/scan_pictures.h"
 #include "reconstruct/fused/fused_stages.h"
+#include "reconstruct/fused/point_rows.h"
+#include "reconstruct/fused/sinusoid_rows.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"

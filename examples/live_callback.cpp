@@ -5,8 +5,8 @@
 
 #include "slipstream/live_pipeline.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_scanner.h"
 
 using namespace slipstream;
 

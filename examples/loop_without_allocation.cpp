@@ -6,7 +6,7 @@
 
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 using namespace slipstream;
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan_job.h"
+#include "slipstream/strategy.h"
 
 using namespace slipstream;
 

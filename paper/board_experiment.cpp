@@ -10,7 +10,7 @@
 #include "slipstream/frame_set.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

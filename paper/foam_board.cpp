@@ -17,7 +17,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

@@ -11,7 +11,7 @@
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

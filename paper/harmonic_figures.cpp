@@ -12,7 +12,7 @@
 #include "response/correction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

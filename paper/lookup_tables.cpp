@@ -16,7 +16,7 @@
 #include "reconstruct/fused/fused_engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

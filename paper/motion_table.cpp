@@ -11,7 +11,7 @@
 #include "paper/reproduction.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

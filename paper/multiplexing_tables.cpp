@@ -14,7 +14,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

@@ -15,7 +15,7 @@
 #include "response/noise_calibration.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

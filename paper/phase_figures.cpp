@@ -13,7 +13,7 @@
 #include "paper/reproduction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/registry.h"
+#include "slipstream/gray_code.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 

@@ -9,9 +9,9 @@
 
 #include "slipstream/calibration_board.h"
 #include "slipstream/check.h"
+#include "slipstream/image.h"
 #include "slipstream/response.h"
 #include "slipstream/scan.h"
-#include "slipstream/size.h"
 
 namespace slipstream {
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -99,49 +98,14 @@ struct CameraDescription {
   std::string protocol;  ///< "GigEVision", "USB3Vision", "V4L2"
 };
 
-/// Opens a camera by name: "aravis:NAME", see open_genicam_camera, or "v4l2:NUMBER" for
-/// /dev/video<NUMBER>. Throws Error for other names, a refused setting, or a GenICam camera in a
-/// build without Aravis; WorldError if the camera does not answer.
+/// Opens a camera by name: "aravis:NAME" for the GenICam camera of that name, serial number or
+/// network address, or the first one found if NAME is empty, or "v4l2:NUMBER" for
+/// /dev/video<NUMBER>. A lost camera is searched for until it is back. Throws Error for other
+/// names, a refused setting, or a GenICam camera in a build without Aravis; WorldError if the
+/// camera does not answer.
 std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSettings& settings);
 
 /// Cameras that answer, by their names for open_camera. Takes about a second.
 std::vector<CameraDescription> list_cameras();
-
-/// Opens the GenICam camera of that name (see list_genicam_cameras), serial number or network
-/// address; the first one found if empty. Frames are numbered by the camera, from 0 at the start,
-/// and timed by its clock. A lost camera is searched for until it is back; closing a lost camera
-/// takes seconds. Throws Error for a missing node, a refused setting or one that reads back
-/// different (numbers: by over 1 %), WorldError without an answer.
-std::unique_ptr<FrameSource> open_genicam_camera(const std::string& name,
-                                                 const CameraSettings& settings);
-
-/// GenICam cameras that answer, on all networks and USB. Takes a second. Empty without Aravis.
-std::vector<CameraDescription> list_genicam_cameras();
-
-/// System calls of a V4L2 driver, or of a simulated one in tests; errors in errno.
-class VideoDevice {
- public:
-  virtual ~VideoDevice() = default;
-  /// ioctl: 0, or -1 and errno.
-  virtual int control(unsigned long request, void* argument) = 0;
-  /// Maps driver memory, null on failure; release with `unmap`.
-  virtual void* map(std::size_t length, std::size_t offset) = 0;
-  virtual void unmap(void* memory, std::size_t length) = 0;
-  /// Waits for a frame or an error; false after the timeout.
-  virtual bool wait(std::chrono::milliseconds timeout) = 0;
-};
-
-/// Opens a device such as /dev/video0. Throws WorldError if it cannot be opened.
-std::unique_ptr<VideoDevice> open_video_device(const std::string& path);
-
-/// Opens a camera through V4L2; `name` is used in messages. Sequence number and device time come
-/// from the driver, so that dropped frames are noticed. An unplugged camera is reopened when it is
-/// back. Throws Error if it refuses a setting, WorldError if it does not answer.
-std::unique_ptr<FrameSource> open_v4l2_camera(
-    const std::string& name, const std::function<std::unique_ptr<VideoDevice>()>& open,
-    const CameraSettings& settings);
-
-/// V4L2 cameras of this machine; their names are numbers.
-std::vector<CameraDescription> list_v4l2_cameras();
 
 }  // namespace slipstream

@@ -110,26 +110,6 @@ void require_sink(const std::string& name);
 /// Throws like require_sink, and WorldError if the port is taken or the file cannot be written.
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run);
 
-/// One kind of sink; each is defined in its own file.
-struct SinkKind {
-  const char* name;
-  const char* form;                          ///< "NAME:WHAT"
-  void (*require)(const std::string& what);  ///< throws Error if invalid
-  std::unique_ptr<CloudSink> (*open)(const std::string& what, PublishedRun run);
-};
-
-/// Serves a page with the newest cloud, its picture and the run's statistics over HTTP and
-/// WebSocket; /statistics as JSON, /metrics for Prometheus, /health. If other machines can reach
-/// it, a random token is required; the printed address contains it.
-extern const SinkKind web_sink;
-/// Writes ROS 2 messages into an MCAP file: /points and /image, of clouds that share no frame.
-extern const SinkKind mcap_sink;
-/// Publishes clouds, pictures and services to ROS 2 over Cyclone DDS, in the domain ROS_DOMAIN_ID.
-extern const SinkKind ros2_sink;
-/// Acts as a GigE Vision and GenICam 3-D camera: one client at a time receives clouds as points or
-/// depth, with intensity and confidence on request.
-extern const SinkKind genicam_sink;
-
 struct SinkStatistics {
   std::string name;             ///< as requested
   std::uint64_t published = 0;  ///< clouds taken

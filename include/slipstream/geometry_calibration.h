@@ -12,8 +12,8 @@
 #include "slipstream/board_capture.h"
 #include "slipstream/calibration_board.h"
 #include "slipstream/check.h"
+#include "slipstream/image.h"
 #include "slipstream/scanner.h"
-#include "slipstream/size.h"
 
 namespace slipstream {
 

@@ -8,7 +8,7 @@
 
 #include "slipstream/camera.h"
 #include "slipstream/sequence.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

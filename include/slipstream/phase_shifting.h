@@ -8,8 +8,7 @@
 
 #include "slipstream/layout.h"
 
-// Codings of phase-shifted sinusoids, in sequence or several in one frame, and of Gray codes. See
-// Strategy.
+// Codings of phase-shifted sinusoids, in sequence or several in one frame. See Strategy.
 namespace slipstream {
 
 /// N phase-shifted patterns (`steps`) of f periods across the projector field (`frequency`).
@@ -288,80 +287,6 @@ struct TwoFrequency4N {
 
   void require_valid() const;
   [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
-};
-
-/// Stripes numbered by a Gray or plain binary code: y to half a stripe, for any response.
-struct GrayCode {
-  static constexpr std::string_view name = "gray";
-
-  int bits = 10;
-  /// How to separate bright from dark: "white-black", two frames after the bits; "inverse", the
-  /// negative after each bit; "mean" of all frames; "none", half way between the darkest and the
-  /// brightest bit.
-  std::string reference = "white-black";
-  std::optional<double> stripes{};  ///< across the field; default 2^bits
-  bool plain = false;               ///< plain binary instead of Gray
-  bool least_first = false;         ///< narrowest stripes first
-
-  static void for_each_setting(auto& self, const auto& visit) {
-    visit("bits", "bits of the code, one frame each", self.bits);
-    visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
-    visit("stripes", "number of stripes across the field; default and most: 2^bits", self.stripes);
-    visit("plain", "plain binary code instead of a Gray code", self.plain);
-    visit("least_first", "show the least significant bit first", self.least_first);
-  }
-
-  void require_valid() const;
-  [[nodiscard]] Layout layout() const;
-};
-
-/// A Gray code whose wide stripes are XORed with narrow ones, so that interreflections and
-/// subsurface scattering average out in every frame (Gupta et al., IJCV 102, 2013).
-struct ExclusiveOrGray {
-  static constexpr std::string_view name = "xor-gray";
-
-  int bits = 10;
-  int base = 1;  ///< 1: the narrowest stripes (XOR-02), 2: the next ones (XOR-04)
-  std::string reference = "inverse";  ///< as in GrayCode
-
-  static void for_each_setting(auto& self, const auto& visit) {
-    visit("bits", "bits of the code, one frame each", self.bits);
-    visit("base", "stripes XORed into all bits: 1 the narrowest, 2 the next", self.base);
-    visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
-  }
-
-  void require_valid() const;
-  [[nodiscard]] Layout layout() const;
-};
-
-/// N-step sinusoids of many periods and a Gray code for the period: Liu 2010, Eq. (1.18).
-struct GrayPhase {
-  static constexpr std::string_view name = "gray-phase";
-
-  int steps = 4;
-  double periods = 32;
-  std::optional<int> bits{};  ///< default: enough for a stripe per period
-  /// Adds one bit with stripes of half the width, which tolerates code edges up to a quarter of a
-  /// period from the phase wraps; default: true.
-  std::optional<bool> complementary{};
-  /// As in GrayCode, but "mean" and "none" are those of the sinusoids.
-  std::string reference = "mean";
-  Shifts shifts{};
-  std::vector<double> angles{};  ///< degrees; replace `steps`: see Sinusoid
-
-  static void for_each_setting(auto& self, const auto& visit) {
-    visit_steps(self, visit);
-    visit("periods", "periods of each sinusoid across the field", self.periods);
-    visit("bits", "bits of the code, one frame each", self.bits);
-    visit("complementary", "add a bit with stripes of half a period: true or false",
-          self.complementary);
-    visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
-    visit_shifts(self.shifts, visit);
-  }
-
-  void require_valid() const;
-  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, periods, shifts, angles}}; }
-  [[nodiscard]] Layout layout() const;
 };
 
 }  // namespace slipstream

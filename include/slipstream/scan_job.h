@@ -10,7 +10,6 @@
 #include "slipstream/gamma.h"
 #include "slipstream/image.h"
 #include "slipstream/maps.h"
-#include "slipstream/reconstruct_settings.h"
 #include "slipstream/scan.h"
 #include "slipstream/scanner.h"
 

@@ -14,13 +14,13 @@
 
 #include "slipstream/check.h"
 #include "slipstream/cloud.h"
+#include "slipstream/engine.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/frame_source.h"
 #include "slipstream/image.h"
-#include "slipstream/live_statistics.h"
-#include "slipstream/reconstruct_settings.h"
-#include "slipstream/registry.h"
+#include "slipstream/live_pipeline.h"
 #include "slipstream/response.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 class LivePipeline;

@@ -14,8 +14,8 @@
 #include "python/bindings/bindings.h"
 #include "response/correction.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::python {
 namespace {

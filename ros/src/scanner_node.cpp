@@ -13,9 +13,9 @@
 #include <slipstream/error.h>
 #include <slipstream/live_pipeline.h>
 #include <slipstream/named_source.h>
-#include <slipstream/registry.h>
 #include <slipstream/ros_messages.h>
 #include <slipstream/scan_files.h>
+#include <slipstream/strategy.h>
 #include <std_srvs/srv/trigger.hpp>
 
 namespace slipstream_ros {

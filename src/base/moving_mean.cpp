@@ -1,9 +1,10 @@
+#include "base/moving_mean.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "base/parallel_rows.h"
-#include "base/statistics.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/moving_mean.cpp"

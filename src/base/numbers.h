@@ -15,7 +15,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "slipstream/size.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "slipstream/size.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 

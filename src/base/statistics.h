@@ -68,15 +68,6 @@ inline Histogram histogram(const Image<double>& map, double low, double high, in
   return result;
 }
 
-/// Applies a moving mean of the window's odd width and height three times, in place: close to a
-/// Gaussian with half of each as standard deviation. It removes anything periodic in the window's
-/// width along rows or in its height along columns. At the edges the mean is over the pixels inside
-/// the image. `scratch` is resized to the image.
-void take_moving_mean(Image<float>& picture, Size window, Image<float>& scratch);
-
-/// The nearest odd length.
-int odd_length(double length);
-
 /// Point (x, y) number i of a low-discrepancy sequence in [0, 1): any first part of it covers the
 /// square evenly, without a grid that could alias with stripes.
 inline std::pair<double, double> spread_place(int i) {

@@ -6,12 +6,13 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/board_corners.h"
 #include "calibrate/board_view.h"
+#include "calibrate/projector_corners.h"
 #include "decode/decoder.h"
 #include "decode/phase_decoder.h"
 #include "response/correction.h"
 #include "slipstream/check.h"
 #include "slipstream/geometry_calibration.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

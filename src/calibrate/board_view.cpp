@@ -14,8 +14,8 @@
 
 #include "base/numbers.h"
 #include "base/statistics.h"
-#include "calibrate/board_corners.h"
 #include "calibrate/opencv.h"
+#include "calibrate/projector_corners.h"
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
 #include "slipstream/unwrapping.h"

@@ -1,6 +1,8 @@
 // The only source that includes Ceres.
 #include "calibrate/bundle_adjustment.h"
 
+#include <array>
+#include <cmath>
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -20,10 +22,10 @@
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
-#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/board_view.h"
 #include "calibrate/pixel_derivatives.h"
+#include "calibrate/reprojection.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "calibrate/first_guess.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +13,6 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/board_view.h"
-#include "calibrate/diagnosis.h"
 #include "calibrate/opencv.h"
 
 namespace slipstream {

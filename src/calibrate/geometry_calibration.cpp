@@ -15,6 +15,9 @@
 #include "calibrate/board_view.h"
 #include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
+#include "calibrate/first_guess.h"
+#include "calibrate/one_rig.h"
+#include "calibrate/reprojection.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "calibrate/one_rig.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +13,8 @@
 #include "calibrate/board_view.h"
 #include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
+#include "calibrate/first_guess.h"
+#include "calibrate/reprojection.h"
 #include "slipstream/error.h"
 
 namespace slipstream {

@@ -17,7 +17,7 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/board_corners.h"
 #include "calibrate/board_view.h"
-#include "calibrate/diagnosis.h"
+#include "calibrate/first_guess.h"
 #include "calibrate/opencv.h"
 
 namespace slipstream {

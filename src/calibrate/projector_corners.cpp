@@ -1,3 +1,5 @@
+#include "calibrate/projector_corners.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,8 +12,6 @@
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
-#include "calibrate/board_corners.h"
-#include "calibrate/bundle_adjustment.h"
 
 namespace slipstream {
 namespace {

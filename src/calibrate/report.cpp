@@ -15,8 +15,8 @@
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "calibrate/board_view.h"
-#include "calibrate/bundle_adjustment.h"
 #include "calibrate/opencv.h"
+#include "calibrate/reprojection.h"
 
 namespace slipstream {
 namespace {

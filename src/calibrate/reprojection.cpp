@@ -1,3 +1,5 @@
+#include "calibrate/reprojection.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,7 +11,6 @@
 
 #include "base/statistics.h"
 #include "calibrate/board_view.h"
-#include "calibrate/bundle_adjustment.h"
 
 namespace slipstream {
 namespace {

@@ -8,6 +8,8 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
+#include "calibrate/first_guess.h"
+#include "calibrate/reprojection.h"
 
 namespace slipstream {
 namespace {

@@ -11,6 +11,9 @@
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "check/explanations.h"
+#include "check/frame_faults.h"
+#include "check/judged_scan.h"
+#include "check/mistake_search.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "check/code_evidence.h"
+
 // What the frames of a code reveal without geometry.
 #include <algorithm>
 #include <array>
@@ -10,7 +12,6 @@
 #include <vector>
 
 #include "base/numbers.h"
-#include "check/fit.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

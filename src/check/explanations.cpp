@@ -12,6 +12,11 @@
 #include <fmt/format.h>
 
 #include "base/statistics.h"
+#include "check/code_evidence.h"
+#include "check/frame_faults.h"
+#include "check/method_limits.h"
+#include "check/mistake_search.h"
+#include "check/out_of_step.h"
 
 namespace slipstream {
 namespace {

@@ -8,47 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "check/code_evidence.h"
 #include "check/frame_model.h"
 #include "slipstream/finding.h"
 
 namespace slipstream {
-
-/// What the frames of a code, or of single frames, reveal without geometry. All 0 if right.
-struct CodeEvidence {
-  /// Share of the pixels in which a frame is darker than black or brighter than white. Light adds
-  /// up, so that any pattern lies between the two.
-  double disordered = 0;
-  double unlisted = 0;  ///< share of the pixels whose code word numbers no stripe
-  /// Between neighbours that differ in one bit of a Gray code, the finer bits are 1, 0, 0, ... if
-  /// the stripes are next to each other: the share that contradicts, of the worst bit. Ignores as
-  /// many of the finest bits as have stripes narrower than two pixels, or blurred ones.
-  double torn = 0;
-  double incoherence = 0;  ///< of the phase at the code's edges: 1 - |mean exp(i phi)|
-  /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5;
-  /// within the limit if blur, a tenth of a pixel, may be the cause.
-  double offset = 0;
-  double against = 0;      ///< share of the edges across which the phase runs against the code
-  double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate
-  bool has_edges = false;  ///< whether enough edges were found to compare phases with the code
-};
-
-/// `phases`: whether to compare phases with the code, which takes most of the time.
-CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
-                           const FrameOrder& order, bool phases = true);
-
-/// One kind of contradiction, its limit, and the cause and advice to give if no tried remedy fits.
-struct CodeSymptom {
-  FindingKind kind;
-  std::string_view what;      ///< with {} for the limit in percent
-  std::string_view quantity;  ///< name of the value
-  double CodeEvidence::*value;
-  double limit;
-  CauseKind cause;
-  std::string_view likely;   ///< the cause in words
-  std::string_view compare;  ///< "SOMETHING with": the patterns follow
-};
-
-extern const std::array<CodeSymptom, 7> code_symptoms;
 
 /// How well a band agrees with the band or cue that unwraps it, from SampleReading::relations.
 struct BandRelation {

@@ -1,3 +1,5 @@
+#include "check/frame_faults.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "base/statistics.h"
-#include "check/explanations.h"
 
 namespace slipstream {
 namespace {

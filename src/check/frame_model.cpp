@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <fmt/ranges.h>
 
 #include "base/numbers.h"
 #include "decode/cue_evidence.h"
@@ -295,6 +297,18 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
       reading.unexplained[i] += complement_(i, n) * left;
     }
   }
+}
+
+FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
+  if (first.empty()) return then;
+
+  FrameOrder both;
+  for (const int place : then) both.push_back(first.at(place));
+  return both;
+}
+
+std::string text_of(const FrameOrder& order) {
+  return fmt::format("{}", fmt::join(order, ","));
 }
 
 }  // namespace slipstream

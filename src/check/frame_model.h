@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -107,5 +108,11 @@ class FrameModel {
   Eigen::MatrixXd complement_;  ///< rows: orthogonal to all pattern shapes
   std::vector<double> light_;   ///< with a response: of shapes from 0 to 1, and once more
 };
+
+/// Applies `first` (identity if empty), then `then`, as one order.
+FrameOrder composed(const FrameOrder& first, const FrameOrder& then);
+
+/// "2,0,1,3,4,5".
+std::string text_of(const FrameOrder& order);
 
 }  // namespace slipstream

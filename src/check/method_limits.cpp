@@ -1,4 +1,6 @@
 // What frames that fit cannot show, or measure badly.
+#include "check/method_limits.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +15,6 @@
 
 #include "base/numbers.h"
 #include "base/statistics.h"
-#include "check/explanations.h"
 #include "codes/predicted_variance.h"
 #include "decode/cue_evidence.h"
 #include "slipstream/unwrapping.h"

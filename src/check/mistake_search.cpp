@@ -1,3 +1,5 @@
+#include "check/mistake_search.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -7,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include <fmt/ranges.h>
 
 #include "base/numbers.h"
-#include "check/explanations.h"
+#include "check/code_evidence.h"
+#include "check/method_limits.h"
 
 namespace slipstream {
 namespace {
@@ -188,18 +190,6 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
 }
 
 }  // namespace
-
-FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
-  if (first.empty()) return then;
-
-  FrameOrder both;
-  for (const int place : then) both.push_back(first.at(place));
-  return both;
-}
-
-std::string text_of(const FrameOrder& order) {
-  return fmt::format("{}", fmt::join(order, ","));
-}
 
 Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {

@@ -1,4 +1,6 @@
 // Frames that contain a share of the pattern before: exposures that span two patterns.
+#include "check/out_of_step.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -7,7 +9,7 @@
 #include <vector>
 
 #include "base/statistics.h"
-#include "check/explanations.h"
+#include "check/mistake_search.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,6 @@
 // The mistakes that people make.
+#include "check/possible_mistakes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,9 +12,8 @@
 #include <fmt/format.h>
 
 #include "base/numbers.h"
-#include "check/explanations.h"
 #include "slipstream/error.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace {

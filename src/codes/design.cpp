@@ -10,6 +10,7 @@
 
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

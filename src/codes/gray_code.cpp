@@ -1,3 +1,5 @@
+#include "slipstream/gray_code.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,7 +7,6 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
-#include "slipstream/phase_shifting.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "codes/motion_window.h"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>

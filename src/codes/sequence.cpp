@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
+#include "codes/motion_window.h"
 
 namespace slipstream {
 namespace {

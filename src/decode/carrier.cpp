@@ -1,3 +1,5 @@
+#include "decode/carrier.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <vector>
 
 #include "base/numbers.h"
-#include "decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {

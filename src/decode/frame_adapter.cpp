@@ -1,15 +1,20 @@
 #include "decode/frame_adapter.h"
 
+#include <cmath>
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <vector>
 
+#include "base/moving_mean.h"
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
-#include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "decode/carrier.h"
+#include "decode/located_pixels.h"
+#include "decode/neighbours.h"
+#include "frames/cycle_alignment.h"
 #include "frames/pattern_windows.h"
 
 namespace slipstream {

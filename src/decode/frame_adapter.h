@@ -1,49 +1,14 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "decode/carrier.h"
 #include "frames/pattern_windows.h"
 #include "slipstream/sequence.h"
 
 namespace slipstream {
-
-/// Positions of pixels in the projector's field.
-struct LocatedPixels {
-  explicit LocatedPixels(Size size) : coordinate(size, std::nanf("")), modulation(size) {}
-
-  Image<float> coordinate;  ///< along the axis; NaN if unknown
-  Image<float> modulation;  ///< grey levels of the frames; 0 if unknown
-};
-
-/// Locates pixels from the frames of a grid, see Demodulation. Rejects ambiguous ones.
-LocatedPixels located_by_neighbours(const SymbolGrid& grid, Axis axis,
-                                    std::vector<Image<float>> frames);
-
-/// Locates pixels from vertical stripes in three channels. A transition is where a channel rises or
-/// falls relative to the strongest along a row; dynamic programming matches each row's transitions
-/// to the displayed ones (after Zhang, Curless and Seitz 2002), where a break in the order has a
-/// cost. Drops transitions that are ambiguous or absent from the adjacent rows, and interpolates
-/// pixels between neighbouring ones.
-LocatedPixels located_by_stripes(const SymbolGrid& grid, const std::vector<Image<float>>& channels);
-
-/// Locates pixels from symbols: bright spots at the grid's pitch are neighbours, which give the
-/// surface's slant and so each symbol. All squares of symbols vote for positions; pixels between
-/// four spots that agree are interpolated.
-LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& picture);
-
-/// A sinusoid's position in an image's spectrum: cycles per pixel along rows and columns.
-struct Carrier {
-  double right = 0, down = 0;
-};
-
-/// Finds the carriers of a pattern with the given periods across the projector's field, along the
-/// image's rows or columns, in an image of 0.4 to 2.5 times the field: the common scale at which
-/// they are strongest, then each refined. Always returns a result.
-std::vector<Carrier> found_carriers(const Image<float>& picture, const std::vector<double>& periods,
-                                    bool along_rows);
 
 /// Separates frames that contain several sinusoids, each with its own carrier, into frames of one
 /// each, after Takeda, Ina and Kobayashi 1982: the variation (frame minus its local mean; half the

@@ -1,3 +1,5 @@
+#include "decode/neighbours.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,7 +8,8 @@
 #include <vector>
 
 #include "base/parallel_rows.h"
-#include "decode/frame_adapter.h"
+#include "decode/located_pixels.h"
+#include "decode/symbols.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "decode/symbols.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,8 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/statistics.h"
-#include "decode/frame_adapter.h"
+#include "base/moving_mean.h"
+#include "decode/carrier.h"
+#include "decode/located_pixels.h"
 
 namespace slipstream {
 namespace {

@@ -14,6 +14,8 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "devices/genicam.h"
+#include "devices/v4l2.h"
 #include "io/file.h"
 
 namespace slipstream {

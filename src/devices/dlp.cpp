@@ -1,5 +1,6 @@
 #include "devices/dlp.h"
 
+#include <array>
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
+#include "devices/hid_port.h"
 
 // Sections and tables are those of the programmer's guides DLPU010G (DLPC350), DLPU018J (DLPC900).
 namespace slipstream::dlp {

@@ -1,3 +1,5 @@
+#include "devices/genicam.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>

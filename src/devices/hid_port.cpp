@@ -1,3 +1,5 @@
+#include "devices/hid_port.h"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -7,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "devices/dlp.h"
 #include "slipstream/error.h"
 
 #ifdef SLIPSTREAM_DLP

@@ -1,3 +1,5 @@
+#include "devices/v4l2.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -26,8 +28,8 @@
 
 #include "base/throw_if-inl.h"
 #include "devices/camera_source.h"
+#include "io/plain_pictures.h"
 #ifdef SLIPSTREAM_IO
-#include "io/image_file.h"
 #endif
 
 namespace slipstream {

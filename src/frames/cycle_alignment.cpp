@@ -1,3 +1,5 @@
+#include "frames/cycle_alignment.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "base/statistics.h"
-#include "frames/pattern_windows.h"
 
 namespace slipstream {
 namespace {

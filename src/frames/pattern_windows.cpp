@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
+#include "frames/cycle_alignment.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "geometry/ray_blocks.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "base/parallel_rows.h"
+#include "geometry/ray_table.h"
 #include "geometry/stripe_geometry.h"
 
 namespace slipstream {

@@ -1,3 +1,5 @@
+#include "geometry/ray_table.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,7 +7,6 @@
 #include <vector>
 
 #include "base/parallel_rows.h"
-#include "geometry/stripe_geometry.h"
 
 namespace slipstream {
 namespace {

@@ -1,5 +1,7 @@
 // Losslessly compressed pictures: PNG by libpng, TIFF by libtiff. No exception passes through
 // either library.
+#include "io/compressed_pictures.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -24,6 +26,7 @@
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/pictures.h"
+#include "io/plain_png.h"
 
 namespace slipstream {
 namespace {

@@ -1,5 +1,6 @@
 #include "io/image_file.h"
 
+#include <span>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -17,8 +18,10 @@
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "io/compressed_pictures.h"
 #include "io/file.h"
 #include "io/pictures.h"
+#include "io/plain_pictures.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -61,16 +60,6 @@ void write_one_bit_image(const std::filesystem::path& path, const Image<std::uin
 /// Writes a page, .html, with its PNG pictures inside, and those with pixels also beside it;
 /// creates its folder if missing. The files of the others are there already.
 void write_page(const std::filesystem::path& path, const Page& page);
-
-/// Writes a black and white picture to print at true size: a page, .pdf or .svg, with dark pixels
-/// as rectangles and below them a ruler of up to 100 mm to check the print with; or a .png that
-/// holds its resolution; or any other picture, see write_image.
-void write_print(const std::filesystem::path& path, const Image<std::uint8_t>& picture,
-                 double mm_per_pixel);
-
-/// Decodes the luminance of a JPEG into `grey`. Returns false if the JPEG is damaged or of another
-/// size.
-bool decode_jpeg(std::span<const std::uint8_t> bytes, Image<std::uint8_t>& grey);
 
 /// Throws Error unless the ending supports maps: tif, tiff, npy.
 void require_map_ending(const std::filesystem::path& path);

@@ -1,4 +1,6 @@
 // Mesh formats: writers, and the readers that cloud_reader.cpp lacks.
+#include "io/mesh_file.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,8 +19,8 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/compressed_pictures.h"
 #include "io/file.h"
-#include "io/pictures.h"
 #include "io/point_elements.h"
 
 namespace slipstream {

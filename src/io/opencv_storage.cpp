@@ -1,4 +1,6 @@
 // Reads and writes OpenCV's FileStorage files, YAML and XML.
+#include "io/opencv_storage.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <iterator>

@@ -1,4 +1,6 @@
 // Uncompressed picture formats: BMP, PGM and NumPy; and JPEG, by libjpeg-turbo.
+#include "io/plain_pictures.h"
+
 #include <algorithm>
 #include <bit>
 #include <cctype>
@@ -17,7 +19,6 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
-#include "io/image_file.h"
 #include "io/pictures.h"
 
 namespace slipstream {

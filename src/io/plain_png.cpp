@@ -1,5 +1,7 @@
 // Most PNG files: grey or RGB of 8 or 16 bits, not interlaced. libdeflate unpacks them half again
 // as fast as libpng does.
+#include "io/plain_png.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -10,6 +10,7 @@
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/canvas.h"
+#include "io/compressed_pictures.h"
 #include "io/file.h"
 #include "io/pictures.h"
 #include "slipstream/image.h"

@@ -14,8 +14,8 @@
 #include "io/file.h"
 #include "slipstream/cloud_file.h"
 
-// Readers of files of points, mm: elements of numbers, as in PLY, PCD and XYZ, and mesh formats.
-// Functions throw Error, without a file name, if the data are malformed or truncated.
+// Elements of numbers in files of points, mm, as in PLY, PCD and XYZ. Functions throw Error,
+// without a file name, if the data are malformed or truncated.
 namespace slipstream {
 
 /// Luminance of red, green and blue by ITU-R BT.601, in their unit.
@@ -133,17 +133,5 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
 /// PLY declaration of the intensity. MeshLab interprets a 32-bit float intensity as grey of 0 to 1
 /// and paints the points white, ignoring their colours; it ignores a double.
 inline constexpr const char* ply_intensity = "property double intensity\n";
-
-/// The lines of an XYZ file, without comments and a line of names or of the number of points.
-StoredPoints xyz_points(std::span<const std::uint8_t> bytes);
-
-/// The corners of the triangles of a binary STL file, each once, in unspecified order.
-StoredPoints stl_points(std::span<const std::uint8_t> bytes);
-
-/// The vertices and faces of an OBJ file; the intensity is the colours' luminance.
-StoredPoints obj_points(std::span<const std::uint8_t> bytes);
-
-/// The vertices of a binary glTF 2.0 file, in the camera's frame.
-StoredPoints glb_points(std::span<const std::uint8_t> bytes);
 
 }  // namespace slipstream

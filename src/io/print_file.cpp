@@ -1,3 +1,5 @@
+#include "io/print_file.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,9 +13,9 @@
 #include <fmt/format.h>
 
 #include "base/numbers.h"
+#include "io/compressed_pictures.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "io/pictures.h"
 
 namespace slipstream {
 namespace {

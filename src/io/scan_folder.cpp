@@ -19,9 +19,9 @@
 #include "io/image_file.h"
 #include "io/unique_keys.h"
 #include "slipstream/recording.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

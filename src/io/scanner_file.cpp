@@ -17,6 +17,7 @@
 #include "base/throw_if-inl.h"
 #include "frames/colour_channels.h"
 #include "io/file.h"
+#include "io/opencv_storage.h"
 #include "io/unique_keys.h"
 #include "response/response_fit.h"
 

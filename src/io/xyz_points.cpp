@@ -1,3 +1,5 @@
+#include "io/xyz_points.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "slipstream/check.h"
-#include "slipstream/live_statistics.h"
+#include "slipstream/live_pipeline.h"
 
 // Counters of a live run; all except the diagnostics have fixed memory.
 namespace slipstream {

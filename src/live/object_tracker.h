@@ -3,7 +3,7 @@
 #include <deque>
 
 #include "slipstream/cloud.h"
-#include "slipstream/live_statistics.h"
+#include "slipstream/live_pipeline.h"
 #include "slipstream/measure.h"
 
 namespace slipstream {

@@ -1,3 +1,5 @@
+#include "publish/genicam_sink.h"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -21,6 +23,7 @@
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
 #include "publish/scan3d.h"
+#include "publish/sink_kind.h"
 
 namespace slipstream {
 namespace {

@@ -19,6 +19,7 @@
 #include "io/recorder.h"
 #include "io/scan_folder.h"
 #include "publish/cdr.h"
+#include "publish/sink_kind.h"
 #include "slipstream/ros_messages.h"
 #include "slipstream/scan_files.h"
 

@@ -18,6 +18,7 @@
 
 #include "base/numbers.h"
 #include "io/file.h"
+#include "publish/sink_kind.h"
 
 namespace slipstream {
 
@@ -131,5 +132,8 @@ struct McapMessage {
 /// or if `see` throws.
 bool read_mcap(const std::filesystem::path& path,
                const std::function<void(const McapMessage&)>& see);
+
+/// Writes ROS 2 messages into an MCAP file: /points and /image, of clouds that share no frame.
+extern const SinkKind mcap_sink;
 
 }  // namespace slipstream

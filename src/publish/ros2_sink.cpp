@@ -1,3 +1,5 @@
+#include "publish/ros2_sink.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -24,6 +26,7 @@
 #include "publish/cdr.h"
 #include "publish/dds_messages.h"
 #include "publish/ros_parameters.h"
+#include "publish/sink_kind.h"
 
 namespace slipstream {
 namespace {

@@ -1,3 +1,5 @@
+#include "publish/web_sink.h"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -24,6 +26,7 @@
 #include "base/numbers.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
+#include "publish/sink_kind.h"
 #include "publish/web_content.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/image.h"

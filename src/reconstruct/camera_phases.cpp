@@ -10,7 +10,7 @@
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/fused/pair_rows.h"
 #include "reconstruct/fused/rows.h"
-#include "reconstruct/pipeline.h"
+#include "reconstruct/points.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -7,7 +7,7 @@
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "reconstruct/pipeline.h"
+#include "reconstruct/points.h"
 
 namespace slipstream {
 namespace {

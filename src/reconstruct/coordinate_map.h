@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 
 namespace slipstream {
 

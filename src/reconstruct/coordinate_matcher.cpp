@@ -16,8 +16,8 @@
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
 #include "reconstruct/engine_setup.h"
-#include "reconstruct/pipeline.h"
-#include "slipstream/registry.h"
+#include "reconstruct/points.h"
+#include "slipstream/strategy.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -1,3 +1,5 @@
+#include "reconstruct/depth_unwrapper.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +13,6 @@
 #include "decode/band_unwrapper.h"
 #include "geometry/stripe_geometry.h"
 #include "reconstruct/engine_setup.h"
-#include "reconstruct/pipeline.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

@@ -5,8 +5,8 @@
 #include "decode/cue_evidence.h"
 #include "decode/phase_decoder.h"
 #include "response/correction.h"
+#include "slipstream/engine.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/reconstruct_settings.h"
 
 // Figures that engines derive from their setup.
 namespace slipstream {

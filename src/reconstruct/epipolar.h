@@ -2,7 +2,6 @@
 
 #include "geometry/triangulator.h"
 #include "slipstream/engine.h"
-#include "slipstream/reconstruct_settings.h"
 #include "slipstream/scan.h"
 
 // Epipolar geometry of a camera and the projector: checks with patterns along the other axis.

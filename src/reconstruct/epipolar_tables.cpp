@@ -10,6 +10,7 @@
 
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "geometry/ray_table.h"
 #include "geometry/stripe_geometry.h"
 
 namespace slipstream {

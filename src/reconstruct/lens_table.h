@@ -3,8 +3,8 @@
 #include <array>
 
 #include "geometry/triangulator.h"
+#include "slipstream/engine.h"
 #include "slipstream/image.h"
-#include "slipstream/reconstruct_settings.h"
 
 namespace slipstream {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 #include "slipstream/scan.h"
 
 namespace slipstream {

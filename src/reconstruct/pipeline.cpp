@@ -10,6 +10,7 @@
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"
+#include "reconstruct/points.h"
 #include "slipstream/error.h"
 
 namespace slipstream {

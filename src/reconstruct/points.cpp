@@ -1,5 +1,7 @@
 // Which pixels become points, where the points are, and their uncertainty.
 
+#include "reconstruct/points.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,7 +16,6 @@
 #include "codes/predicted_variance.h"
 #include "geometry/stripe_geometry.h"
 #include "reconstruct/engine_setup.h"
-#include "reconstruct/pipeline.h"
 #include "response/correction.h"
 #include "slipstream/engine.h"
 #include "slipstream/unwrapping.h"

@@ -16,7 +16,7 @@
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/lens_table.h"
-#include "reconstruct/pipeline.h"
+#include "reconstruct/points.h"
 
 namespace slipstream {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "decode/phase_decoder.h"
 #include "geometry/triangulator.h"
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 
 namespace slipstream {
 

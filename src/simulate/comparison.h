@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "slipstream/reconstruct_settings.h"
+#include "slipstream/engine.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "simulate/rendered_reel.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

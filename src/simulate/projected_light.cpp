@@ -1,3 +1,5 @@
+#include "simulate/projected_light.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,5 @@
+#include "simulate/rehearsal.h"
+
 #include <array>
 #include <cmath>
 #include <map>

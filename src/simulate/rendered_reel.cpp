@@ -9,7 +9,7 @@
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "simulate/looped_scene.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 namespace {

@@ -1,4 +1,6 @@
 // Methods that join pixels into groups, edge by edge.
+#include "spatial/growing.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -27,15 +27,6 @@ struct Orders {
   Image<int> region;  ///< equal for connected pixels; -1 without a phase
 };
 
-// The first five are in growing.cpp, the others in the files of their names.
-Orders orders_by_rows(const WrappedCycles& wrapped);
-Orders orders_by_flood(const WrappedCycles& wrapped);
-Orders orders_by_regions(const WrappedCycles& wrapped);
-Orders orders_by_quality(const WrappedCycles& wrapped);
-Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
-Orders orders_by_least_squares(const WrappedCycles& wrapped);
-Orders orders_by_flow(const WrappedCycles& wrapped);
-
 /// Change of the order between neighbours with phases in [-0.5, 0.5], assuming that the true phases
 /// differ by less than half a period.
 inline int step_between(float from, float to) {

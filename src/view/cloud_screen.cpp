@@ -16,8 +16,12 @@
 #include "reconstruct/engine_setup.h"
 #include "slipstream/surface.h"
 #include "view/gui.h"
+#include "view/lines.h"
+#include "view/measuring.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
+#include "view/panel.h"
+#include "view/pictures.h"
 #include "view/scene_renderer.h"
 
 namespace slipstream::view {

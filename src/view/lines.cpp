@@ -1,3 +1,5 @@
+#include "view/lines.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,7 +15,6 @@
 
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
-#include "view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {

@@ -1,3 +1,5 @@
+#include "view/measuring.h"
+
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,7 +12,6 @@
 #include <glm/geometric.hpp>
 
 #include "slipstream/error.h"
-#include "view/cloud_screen.h"
 #include "view/orbit_camera.h"
 
 namespace slipstream::view {

@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "slipstream/size.h"
+#include "slipstream/image.h"
 #include "slipstream/viewer.h"
 
 namespace slipstream::view {

@@ -1,3 +1,5 @@
+#include "view/panel.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,7 +12,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "view/cloud_screen.h"
 #include "view/gui.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"

@@ -1,10 +1,11 @@
+#include "view/pictures.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <type_traits>
 
-#include "view/cloud_screen.h"
 #include "view/scene_renderer.h"
 
 namespace slipstream::view {

@@ -1,5 +1,6 @@
 #include "view/scene_renderer.h"
 
+#include <string_view>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "base/names.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "view/lines.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
 

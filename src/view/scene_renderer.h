@@ -2,10 +2,9 @@
 
 #include <array>
 #include <cstddef>
-#include <string_view>
-#include <vector>
 
 #include "slipstream/viewer.h"
+#include "view/lines.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
 
@@ -37,35 +36,6 @@ CloudExtent extent_of(const PointImages& cloud);
 
 /// Y of the floor, mm: slightly under the cloud, so that it does not cut the object.
 float floor_height(const CloudExtent& extent);
-
-struct Line {
-  glm::vec3 from{0}, to{0};
-  glm::vec3 colour{1};  ///< red, green, blue, 0 to 1
-  float opacity = 1;
-};
-
-/// Straight anti-aliased lines of any width.
-class LineRenderer {
- public:
-  LineRenderer();
-
-  /// Draws into the bound framebuffer of that size, with depth test. `width`: pixels.
-  void draw(const std::vector<Line>& lines, const glm::mat4& clip, Size picture, float width) const;
-
- private:
-  opengl::ShaderProgram program_;
-  opengl::Resource vertex_array_, buffer_;
-};
-
-/// The scanner's axes at the box's lower left front corner, X red, Y green and Z blue, with letters
-/// facing the eye.
-std::vector<Line> axes(const Box& box, const OrbitCamera& camera);
-
-/// Spacing of the floor's grid: a round number of millimetres.
-float grid_step(const Box& box);
-
-/// The floor: lines along X and Z in the plane Y = `height`, under and around the box.
-std::vector<Line> floor_grid(const Box& box, float height);
 
 /// A part of the framebuffer from its lower edge up, in pixels.
 struct Pane {

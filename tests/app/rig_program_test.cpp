@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file.h"
+#include "io/opencv_storage.h"
 #include "io/scan_folder.h"
-#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "io/image_file.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"

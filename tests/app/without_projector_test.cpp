@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file.h"
+#include "io/opencv_storage.h"
 #include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"

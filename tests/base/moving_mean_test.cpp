@@ -1,10 +1,10 @@
+#include "base/moving_mean.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
-
-#include "base/statistics.h"
 
 namespace slipstream::moving_mean_test {
 

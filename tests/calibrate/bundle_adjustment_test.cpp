@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/board_view.h"
-#include "calibrate/diagnosis.h"
+#include "calibrate/first_guess.h"
+#include "calibrate/reprojection.h"
 #include "slipstream/calibration_board.h"
 #include "slipstream/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"

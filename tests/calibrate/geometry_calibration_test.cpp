@@ -11,7 +11,7 @@
 #include "calibrate/board_view.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"

@@ -1,10 +1,11 @@
+#include "calibrate/projector_corners.h"
+
 #include <cmath>
 #include <random>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "calibrate/board_corners.h"
 #include "slipstream/frame_set.h"
 
 namespace slipstream::projector_corners_test {

@@ -13,7 +13,7 @@
 #include "slipstream/board_capture.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::random_rigs_test {

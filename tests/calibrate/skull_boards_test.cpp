@@ -14,8 +14,8 @@
 #include "reconstruct/pipeline.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/geometry_calibration.h"
-#include "slipstream/registry.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::skull_boards_test {

@@ -15,7 +15,7 @@
 #include "slipstream/error.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

@@ -11,6 +11,7 @@
 #include "slipstream/check.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/followed_hints.h"

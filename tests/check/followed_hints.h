@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "slipstream/finding.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/scan.h"
 #include "tests/check/mistakes.h"
 

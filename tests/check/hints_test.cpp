@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/real_sets.h"

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/registry.h"
 #include "slipstream/scan.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 

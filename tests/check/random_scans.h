@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan.h"
+#include "slipstream/strategy.h"
 #include "slipstream/unwrapping.h"
 #include "slipstream/virtual_world.h"
 #include "tests/geometry/random_scanner.h"

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "io/image_file.h"
-#include "slipstream/registry.h"
 #include "slipstream/scan.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {

@@ -7,7 +7,9 @@
 
 #include "io/image_file.h"
 #include "slipstream/check.h"
+#include "slipstream/error.h"
 #include "slipstream/frame_set.h"
+#include "slipstream/named_scenes.h"
 #include "slipstream/scanner_file.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"

@@ -8,7 +8,7 @@
 #include "slipstream/error.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::multiplexing_design_test {
 

@@ -1,3 +1,5 @@
+#include "codes/motion_window.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,8 +10,9 @@
 
 #include "response/correction.h"
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/layout.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::motion_window_test {
 

@@ -13,7 +13,7 @@
 #include "decode/decoder.h"
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::phase_channel_multiplexing_test {
 

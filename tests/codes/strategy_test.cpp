@@ -1,4 +1,6 @@
 
+#include "slipstream/strategy.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error.h"
-#include "slipstream/registry.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/sequence.h"
 #include "tests/own_strategies.h"
 

@@ -9,7 +9,7 @@
 #include "codes/predicted_variance.h"
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::decoder_test {
 

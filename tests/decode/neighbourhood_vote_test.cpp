@@ -15,7 +15,7 @@
 #include "decode/decoder.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/phase_channel_multiplexing.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::neighbourhood_fringe_order_test {
 

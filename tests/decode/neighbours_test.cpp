@@ -1,5 +1,7 @@
 // Pictures of symbols that are known by their neighbours, and pictures of anything.
 
+#include "decode/neighbours.h"
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "decode/frame_adapter.h"
+#include "decode/located_pixels.h"
 
 namespace slipstream::neighbours_test {
 

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "devices/dlp.h"
+#include "devices/hid_port.h"
 #include "slipstream/error.h"
 
 namespace slipstream::dlp {

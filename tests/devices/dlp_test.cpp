@@ -7,8 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/hid_port.h"
 #include "slipstream/pattern_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/app/program.h"
 #include "tests/devices/dlp_double.h"
 #include "tests/view/desktop.h"

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/genicam.h"
 #include "devices/gige_protocol.h"
-#include "slipstream/camera.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/recorded_frames.h"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/camera.h"
+#include "devices/genicam.h"
 #include "slipstream/live_pipeline.h"
 #include "tests/devices/offline.h"
 #include "tests/devices/served_camera.h"

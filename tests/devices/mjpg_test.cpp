@@ -6,9 +6,9 @@
 #include <turbojpeg.h>
 
 #include "base/statistics.h"
-#include "io/image_file.h"
+#include "io/plain_pictures.h"
 #include "slipstream/engine.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::mjpg_test {

@@ -11,7 +11,7 @@
 #include "devices/monitor.h"
 #include "slipstream/error.h"
 #include "slipstream/pattern_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/view/desktop.h"
 #include "view/opengl.h"
 

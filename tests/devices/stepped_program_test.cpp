@@ -12,8 +12,8 @@
 
 #include "base/statistics.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/registry.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 #include "tests/app/program.h"
 #include "tests/devices/served_camera.h"

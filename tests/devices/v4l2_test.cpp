@@ -1,3 +1,5 @@
+#include "devices/v4l2.h"
+
 #include <cerrno>
 #include <cstring>
 #include <deque>

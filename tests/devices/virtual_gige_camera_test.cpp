@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/genicam.h"
 #include "simulate/rendered_reel.h"
 #include "slipstream/camera.h"
 #include "slipstream/engine.h"

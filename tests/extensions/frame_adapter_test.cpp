@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/live_pipeline.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/extensions/seen.h"
 
 namespace slipstream::own_adapter_test {

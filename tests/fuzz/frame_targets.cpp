@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "decode/frame_adapter.h"
+#include "decode/neighbours.h"
 #include "frames/pattern_windows.h"
 #include "slipstream/engine.h"
 #include "slipstream/frame_source.h"

@@ -6,6 +6,7 @@
 #include <linux/videodev2.h>
 
 #include "devices/gige_protocol.h"
+#include "devices/v4l2.h"
 #include "slipstream/camera.h"
 #include "slipstream/error.h"
 #include "tests/devices/gvcp_packets.h"

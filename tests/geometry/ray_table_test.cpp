@@ -1,10 +1,13 @@
 // Blocks of rays and depths against the geometry that they stand for.
+#include "geometry/ray_table.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "geometry/ray_blocks.h"
 #include "geometry/stripe_geometry.h"
 #include "slipstream/named_scenes.h"
 #include "tests/geometry/depth_on_ray.h"

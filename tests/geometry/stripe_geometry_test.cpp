@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/ray_blocks.h"
+#include "geometry/ray_table.h"
 #include "geometry/triangulator.h"
 #include "slipstream/error.h"
 #include "tests/geometry/depth_on_ray.h"

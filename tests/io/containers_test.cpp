@@ -13,6 +13,7 @@
 #include "io/result_files.h"
 #include "io/scan_folder.h"
 #include "io/scan_pictures.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/scan_files.h"

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "io/file.h"
+#include "io/opencv_storage.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scanner_file.h"

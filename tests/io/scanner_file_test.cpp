@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "io/file.h"
+#include "io/opencv_storage.h"
 #include "slipstream/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

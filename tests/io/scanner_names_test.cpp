@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "io/file.h"
+#include "io/opencv_storage.h"
 #include "io/result_files.h"
 #include "io/scan_folder.h"
 #include "slipstream/named_scenes.h"

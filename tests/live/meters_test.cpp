@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "live/live_counters.h"
-#include "slipstream/live_statistics.h"
+#include "slipstream/live_pipeline.h"
 
 namespace slipstream::meters_test {
 using namespace std::chrono_literals;

@@ -9,8 +9,7 @@
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/live_pipeline.h"
-#include "slipstream/live_statistics.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 

@@ -6,7 +6,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "frames/pattern_windows.h"
-#include "slipstream/live_statistics.h"
+#include "slipstream/live_pipeline.h"
 namespace slipstream::rolling_window_test {
 
 Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {

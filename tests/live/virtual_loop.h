@@ -6,8 +6,8 @@
 #include "slipstream/engine.h"
 #include "slipstream/frame_source.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

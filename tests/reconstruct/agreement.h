@@ -12,7 +12,7 @@
 #include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream {

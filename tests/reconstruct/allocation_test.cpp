@@ -8,7 +8,7 @@
 
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/counted_allocations.h"
 #include "tests/own_strategies.h"
 

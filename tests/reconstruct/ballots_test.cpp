@@ -1,4 +1,6 @@
 // The vote's vectors against its rules, on random phases, shifts and costs.
+#include "reconstruct/fused/ballots.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -10,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/vector_target.h"
-#include "reconstruct/fused/rows.h"
+#include "reconstruct/fused/vote_rows.h"
 #include "slipstream/image.h"
 
 namespace slipstream::ballots_test {

@@ -13,9 +13,9 @@
 #include "io/image_file.h"
 #include "io/scan_pictures.h"
 #include "slipstream/engine.h"
-#include "slipstream/registry.h"
 #include "slipstream/scanner.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::captures_test {

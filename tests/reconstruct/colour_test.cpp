@@ -14,7 +14,7 @@
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/pattern_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::colour_test {

@@ -17,7 +17,7 @@
 #include "bench/vector_target.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/own_strategies.h"
 

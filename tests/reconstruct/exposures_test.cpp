@@ -12,7 +12,7 @@
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::exposures_test {

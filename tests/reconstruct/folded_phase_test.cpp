@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "decode/phase_decoder.h"
-#include "reconstruct/fused/fused_stages.h"
+#include "reconstruct/fused/band_stage.h"
+#include "reconstruct/fused/sinusoid_rows.h"
 #include "response/correction.h"
 
 namespace slipstream::folded_phase_test {

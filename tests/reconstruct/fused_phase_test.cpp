@@ -18,7 +18,7 @@
 #include "response/correction.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::fused_phase_test {
 

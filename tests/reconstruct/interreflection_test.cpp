@@ -7,7 +7,7 @@
 
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "tests/reconstruct/agreement.h"
 
 namespace slipstream::interreflection_test {

@@ -20,8 +20,8 @@
 #include "slipstream/error.h"
 #include "slipstream/image.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
 #include "slipstream/spatial_unwrapping.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/shared_data.h"
 

@@ -7,7 +7,7 @@
 #include "decode/equations.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::pcmp_scans_test {

@@ -10,8 +10,8 @@
 #include "io/image_file.h"
 #include "io/scan_pictures.h"
 #include "slipstream/engine.h"
-#include "slipstream/registry.h"
 #include "slipstream/scanner_file.h"
+#include "slipstream/strategy.h"
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
 

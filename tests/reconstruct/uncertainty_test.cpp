@@ -6,7 +6,7 @@
 #include "codes/predicted_variance.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::uncertainty_test {

@@ -5,6 +5,7 @@
 #include "base/statistics.h"
 #include "reconstruct/coordinate_matcher.h"
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/virtual_world.h"

@@ -9,7 +9,7 @@
 #include "codes/design.h"
 #include "decode/decoder.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream::wrong_orders_test {

@@ -9,7 +9,7 @@
 #include "decode/decoder.h"
 #include "paper/multiplexing_tables.h"
 #include "slipstream/phase_channel_multiplexing.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::rounded_frames_test {
 

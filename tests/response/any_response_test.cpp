@@ -21,7 +21,7 @@
 #include "slipstream/error.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::any_response_test {

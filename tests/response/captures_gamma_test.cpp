@@ -19,7 +19,8 @@
 #include "response/gamma_calibration.h"
 #include "response/scan_average.h"
 #include "slipstream/gamma.h"
-#include "slipstream/registry.h"
+#include "slipstream/gray_code.h"
+#include "slipstream/strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::captures_gamma_test {

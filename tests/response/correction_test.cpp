@@ -11,7 +11,8 @@
 #include "paper/formulas.h"
 #include "slipstream/error.h"
 #include "slipstream/frame_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/gray_code.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::correction_test {
 

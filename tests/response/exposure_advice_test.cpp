@@ -8,7 +8,7 @@
 
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::exposure_advice_test {

@@ -9,7 +9,7 @@
 #include "response/noise_calibration.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::noise_measurement_test {

@@ -7,7 +7,7 @@
 #include "codes/predicted_variance.h"
 #include "decode/decoder.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 
 namespace slipstream::phase_noise_test {

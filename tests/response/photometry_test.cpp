@@ -12,7 +12,7 @@
 #include "slipstream/error.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 

@@ -11,7 +11,7 @@
 
 #include "decode/equations.h"
 #include "paper/formulas.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream::predicted_variance_test {
 

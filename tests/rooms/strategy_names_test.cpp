@@ -15,7 +15,7 @@ TEST(StrategyNames, StandInNoRoomButTheirOwn) {
       "PhaseMeasuring|DualFrequency|PhaseChannelMultiplexing|\"(pmp|dual-frequency|pcmp)\"");
   const std::regex of_codes(
       "src/codes/.*|include/slipstream/"
-      "(one_frame|phase_channel_multiplexing|phase_shifting|registry)"
+      "(one_frame|phase_channel_multiplexing|phase_shifting|strategy)"
       "\\.h");
   const fs::path sources = fs::path(SLIPSTREAM_SOURCE_FOLDER);
   int files = 0;

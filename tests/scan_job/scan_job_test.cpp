@@ -13,7 +13,7 @@
 #include "reconstruct/phase_matcher.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "simulate/rehearsal.h"
 #include "slipstream/error.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/virtual_world.h"

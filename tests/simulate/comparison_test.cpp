@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::comparison_test {

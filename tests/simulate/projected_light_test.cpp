@@ -1,5 +1,7 @@
 // One-bit patterns under the projector's blur: what docs/how-to/binary-patterns.md says of their
 // phase. Patterns that vary along both axes, in the light of the virtual projector.
+#include "simulate/projected_light.h"
+
 #include <array>
 #include <cmath>
 #include <complex>

@@ -7,8 +7,8 @@
 #include "simulate/looped_scene.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {

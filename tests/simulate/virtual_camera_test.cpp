@@ -1,5 +1,3 @@
-#include "slipstream/virtual_camera.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,7 +11,8 @@
 #include "slipstream/image.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/pattern_set.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_scanner.h"
 #include "tests/simulate/virtual_rig.h"
 
 namespace slipstream::virtual_camera_test {

@@ -4,8 +4,9 @@
 
 #include "base/throw_if-inl.h"
 #include "simulate/looped_scene.h"
+#include "simulate/projected_light.h"
 #include "simulate/seen_scene.h"
-#include "slipstream/virtual_camera.h"
+#include "slipstream/virtual_scanner.h"
 
 namespace slipstream {
 

@@ -10,8 +10,8 @@
 #include "simulate/rendered_reel.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
 #include "slipstream/sequence.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::virtual_scanner_test {

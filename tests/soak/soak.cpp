@@ -14,9 +14,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "devices/genicam.h"
 #include "devices/virtual_gige_camera.h"
 #include "io/recorder.h"
-#include "slipstream/camera.h"
 #include "slipstream/live_pipeline.h"
 #include "slipstream/recording.h"
 #include "tests/devices/gvcp_packets.h"

@@ -1,10 +1,11 @@
 // Mouse measurements on clouds of known shape.
+#include "view/measuring.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "tests/view/made_up_cloud.h"
-#include "view/cloud_screen.h"
 #include "view/orbit_camera.h"
 
 namespace slipstream::view::measuring_test {

@@ -6,7 +6,7 @@
 #include "simulate/seen_scene.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"

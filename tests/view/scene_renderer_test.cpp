@@ -10,6 +10,7 @@
 #include "slipstream/surface.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
+#include "view/lines.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
 

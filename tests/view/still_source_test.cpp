@@ -9,14 +9,16 @@
 #include "frames/pattern_windows.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/error.h"
+#include "slipstream/gray_code.h"
 #include "slipstream/named_scenes.h"
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 #include "slipstream/viewer.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/view/made_up_cloud.h"
 #include "view/cloud_screen.h"
 #include "view/opengl.h"
+#include "view/pictures.h"
 
 namespace slipstream::view::still_source_test {
 

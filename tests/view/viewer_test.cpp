@@ -18,6 +18,7 @@
 #include "view/cloud_screen.h"
 #include "view/gui.h"
 #include "view/opengl.h"
+#include "view/panel.h"
 
 namespace slipstream::view::viewer_test {
 

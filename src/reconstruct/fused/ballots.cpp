@@ -1,3 +1,5 @@
+#include "reconstruct/fused/ballots.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -6,7 +8,6 @@
 #include <span>
 
 #include "decode/surface_window.h"
-#include "reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/ballots.cpp"

@@ -1,4 +1,6 @@
 // Turns of a band from the sums of its frames, corrected for the projector's response.
+#include "reconstruct/fused/band_stage.h"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,6 +14,7 @@
 #include "decode/phase_decoder.h"
 #include "geometry/stripe_geometry.h"
 #include "reconstruct/fused/fused_stages.h"
+#include "reconstruct/fused/sinusoid_rows.h"
 
 namespace slipstream {
 namespace {

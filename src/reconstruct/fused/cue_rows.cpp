@@ -1,10 +1,12 @@
 // Coordinates of a row from frames with a cue.
 
+#include "reconstruct/fused/cue_rows.h"
+
 #include <algorithm>
 #include <array>
 #include <variant>
 
-#include "reconstruct/fused/rows.h"
+#include "reconstruct/fused/sinusoid_rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/cue_rows.cpp"

@@ -13,6 +13,12 @@
 #include "base/throw_if-inl.h"
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"
+#include "reconstruct/fused/kept_rows.h"
+#include "reconstruct/fused/order_rows.h"
+#include "reconstruct/fused/point_rows.h"
+#include "reconstruct/fused/sinusoid_rows.h"
+#include "reconstruct/fused/unwrap_rows.h"
+#include "reconstruct/fused/voted_band.h"
 
 namespace slipstream {
 namespace {
@@ -312,19 +318,6 @@ void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
 }
 
 }  // namespace
-
-void KeptRows::prepare(int width, int count) {
-  if (flags_.size() == Size{width, count}) return;
-
-  coordinate_ = Image<float>({width + 2 * side, count}, std::numeric_limits<float>::quiet_NaN());
-  flags_ = Image<std::int32_t>({width, count});
-}
-
-void KeptRows::clear(int first, int last) {
-  for (int row = first; row < last; ++row) {
-    std::fill_n(coordinates(row), width(), std::numeric_limits<float>::quiet_NaN());
-  }
-}
 
 FrameRows FusedBand::frame_rows(int row, int column) const {
   return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) -> FrameRows {

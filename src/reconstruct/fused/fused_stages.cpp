@@ -14,7 +14,15 @@
 #include "decode/cue_evidence.h"
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
+#include "geometry/ray_blocks.h"
+#include "geometry/ray_table.h"
 #include "reconstruct/engine_setup.h"
+#include "reconstruct/fused/band_stage.h"
+#include "reconstruct/fused/cue_rows.h"
+#include "reconstruct/fused/order_rows.h"
+#include "reconstruct/fused/point_rows.h"
+#include "reconstruct/fused/sinusoid_rows.h"
+#include "reconstruct/fused/vote_rows.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {

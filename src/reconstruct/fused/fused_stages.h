@@ -6,9 +6,15 @@
 
 #include "decode/cue_evidence.h"
 #include "decode/phase_decoder.h"
-#include "geometry/stripe_geometry.h"
-#include "reconstruct/fused/rows.h"
-#include "slipstream/reconstruct_settings.h"
+#include "geometry/ray_blocks.h"
+#include "geometry/ray_table.h"
+#include "reconstruct/fused/cue_rows.h"
+#include "reconstruct/fused/order_rows.h"
+#include "reconstruct/fused/point_rows.h"
+#include "reconstruct/fused/sinusoid_rows.h"
+#include "reconstruct/fused/unwrap_rows.h"
+#include "reconstruct/fused/vote_rows.h"
+#include "slipstream/engine.h"
 
 namespace slipstream {
 
@@ -95,12 +101,5 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
 /// Limits of the cue for frames with this full scale.
 CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
                      double full_scale);
-
-/// Frames to turns of a band, corrected for the response if known.
-FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections);
-
-/// Accurate to 8e-7 rad. Empty for N other than 3, 4 and 6, if the correction is not an odd
-/// function of the phase or leaves [0, T], and if it bends too much.
-FoldedPhase folded_phase(const PhaseCorrection& correction);
 
 }  // namespace slipstream

@@ -1,9 +1,11 @@
 // Coordinates of a row from the fringe order that fits all frames of a pixel best.
+#include "reconstruct/fused/order_rows.h"
+
 #include <array>
 #include <limits>
 #include <variant>
 
-#include "reconstruct/fused/rows.h"
+#include "reconstruct/fused/unwrap_rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/order_rows.cpp"

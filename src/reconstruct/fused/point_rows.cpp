@@ -1,9 +1,11 @@
+#include "reconstruct/fused/point_rows.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <tuple>
 
-#include "reconstruct/fused/rows.h"
+#include "geometry/ray_blocks.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/point_rows.cpp"
 #include <hwy/foreach_target.h>

@@ -13,7 +13,7 @@
 #include <hwy/highway.h>
 
 #include "base/vectors-inl.h"
-#include "reconstruct/fused/rows.h"
+#include "reconstruct/fused/point_rows.h"
 #include "reconstruct/fused/sinusoid_sums-inl.h"
 
 HWY_BEFORE_NAMESPACE();

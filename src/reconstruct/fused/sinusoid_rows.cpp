@@ -1,12 +1,12 @@
 // Turns, flags and levels of a row from frames.
 
+#include "reconstruct/fused/sinusoid_rows.h"
+
 #include <algorithm>
 #include <array>
 #include <span>
 #include <type_traits>
 #include <variant>
-
-#include "reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/sinusoid_rows.cpp"
 #include <hwy/foreach_target.h>

@@ -13,7 +13,8 @@
 #include <hwy/highway.h>
 
 #include "base/vectors-inl.h"
-#include "reconstruct/fused/rows.h"
+#include "reconstruct/fused/sinusoid_rows.h"
+#include "reconstruct/fused/unwrap_rows.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {

@@ -1,8 +1,8 @@
 // Coordinates of a row from phases: by a code, a coarser coordinate, or the phase alone.
+#include "reconstruct/fused/unwrap_rows.h"
+
 #include <span>
 #include <variant>
-
-#include "reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/unwrap_rows.cpp"

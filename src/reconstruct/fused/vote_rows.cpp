@@ -1,4 +1,6 @@
 // Finds pixels that disagree with their neighbours, and the costs of their other fringe orders.
+#include "reconstruct/fused/vote_rows.h"
+
 #include <array>
 #include <bit>
 #include <cmath>
@@ -8,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "reconstruct/fused/rows.h"
+#include "reconstruct/fused/cue_rows.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/vote_rows.cpp"
 #include <hwy/foreach_target.h>

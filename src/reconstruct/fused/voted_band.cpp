@@ -1,4 +1,6 @@
 // The fused pass for frames with a cue: the neighbours vote on the fringe orders.
+#include "reconstruct/fused/voted_band.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,7 +10,11 @@
 #include <vector>
 
 #include "decode/cue_evidence.h"
+#include "reconstruct/fused/ballots.h"
+#include "reconstruct/fused/cue_rows.h"
 #include "reconstruct/fused/fused_engine.h"
+#include "reconstruct/fused/kept_rows.h"
+#include "reconstruct/fused/vote_rows.h"
 
 namespace slipstream {
 namespace {

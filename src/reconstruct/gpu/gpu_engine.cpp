@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::uint32_t coordinates_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 #include "coordinates.spirv.inc"
+#include "geometry/ray_table.h"
+#include "reconstruct/fused/voted_band.h"
     ;
 constexpr std::uint32_t points_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 #include "points.spirv.inc"

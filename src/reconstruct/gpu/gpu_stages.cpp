@@ -8,6 +8,10 @@
 #include <optional>
 #include <vector>
 
+#include "reconstruct/fused/sinusoid_rows.h"
+#include "reconstruct/fused/unwrap_rows.h"
+#include "reconstruct/fused/vote_rows.h"
+
 namespace slipstream {
 namespace {
 

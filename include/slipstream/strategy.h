@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "slipstream/gray_code.h"
 #include "slipstream/one_frame.h"
 #include "slipstream/pattern_set.h"
 #include "slipstream/phase_channel_multiplexing.h"

@@ -1,4 +1,4 @@
-#include "slipstream/registry.h"
+#include "slipstream/strategy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,7 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "codes/motion_window.h"
 
 namespace slipstream {
 namespace {

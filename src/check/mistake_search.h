@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "check/fit.h"
+#include "check/judged_scan.h"
+#include "check/possible_mistakes.h"
+#include "slipstream/finding.h"
+
+namespace slipstream {
+
+/// The fit of the scan with the given settings, or with a mistake undone.
+Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake = {});
+
+/// A mistake that, once undone, makes everything fit.
+struct Explanation {
+  double misfit = 0;
+  std::vector<Cause> causes{};
+  std::vector<Remedy> remedies{};
+  std::string remark{};  ///< about the remedies
+  Severity severity = Severity::wrong;
+  FrameOrder order{};       ///< set if the cycle has slipped
+  double median_depth = 0;  ///< in that order
+};
+
+/// The likeliest of the common mistakes, and others that explain the scan about as
+/// well. Returns nullopt if none explains it, or fits far better than a scan that fits.
+/// `as_given`: the result of fit_of.
+std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& as_given);
+
+}  // namespace slipstream

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/viewer.h"
+#include "view/gui.h"
+#include "view/measuring.h"
+#include "view/opengl.h"
+#include "view/pictures.h"
+
+namespace slipstream::view {
+
+/// A camera setting as last requested.
+struct ShownControl {
+  CameraControl which;
+  ControlValue value;
+};
+
+/// Choices and texts of the panel.
+struct PanelState {
+  ViewSettings view;
+  EngineSetup setup;
+  std::size_t strategy = 0, gamma = 0;  ///< the source's
+  std::vector<ShownControl> camera;
+  bool paused = false;
+  bool shown = true;                                   ///< whether panel and pictures are visible
+  std::array<bool, 3> picture_open{true, true, true};  ///< camera, modulation, phase
+  std::size_t picture = 0;                           ///< the one shown large if there are no points
+  std::array<std::size_t, validity_count> counts{};  ///< pixel counts by Validity
+  std::size_t pixels = 0;
+  GreyHistogram histogram{};
+  double modulation = 0;  ///< median modulation without points, grey levels of 255
+  bool measures = false;  ///< the mouse measures; if false, it turns the cloud
+  Measured measured;
+  std::array<char, 1024> path{};      ///< path of the file to open
+  std::vector<std::string> openable;  ///< files beside the one shown
+  double drawn_per_second = 0;
+  float grid_mm = 0;
+  std::string message;  ///< result of the last request: path saved to, or why it failed
+};
+
+/// Requests of this frame, by mouse or key.
+struct PanelRequests {
+  bool fit = false;
+  std::optional<Viewpoint> viewpoint{};
+  bool save = false;
+  bool toggle_recording = false;
+  bool change_setup = false;                  ///< PanelState::setup has changed
+  std::optional<ShownControl> set_control{};  ///< camera setting changed
+  std::string open{};                         ///< path; empty: none
+  const ViewStep* step = nullptr;             ///< the step to begin
+  bool expose = false;                        ///< choose the best exposure
+};
+
+/// Whether the source has only pictures: frames without a scanner.
+bool pictures_alone(const ViewSource& source);
+
+/// Whether the camera's exposure can be set, and the best one is known.
+bool can_choose_exposure(const PanelState& state, const ViewSource& source);
+
+/// Widths of the panel (left) and the pictures (right), in window units.
+struct PanelWidths {
+  float left = 0, right = 0;
+};
+
+/// Hidden parts take no room; small windows have no pictures beside the cloud.
+PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen);
+
+/// Draws the left panel: warnings, drawing options, settings, actions, rates.
+void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& source,
+                const LiveStatistics& statistics, const Screen& screen);
+
+/// Draws camera picture, histogram, modulation and phase at the right.
+void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3>& pictures,
+                   const ViewSource& source, const Screen& screen);
+
+/// Explains why a cloud has almost no points; empty if it has some.
+std::string why_no_points(const PanelState& state);
+
+}  // namespace slipstream::view

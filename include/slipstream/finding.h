@@ -14,7 +14,7 @@ enum class Severity {
   wrong,     ///< no point can be right: the scan is refused
 };
 
-/// What a check found: the symptom. name_of gives the stable identifier of each, in JSON and Python
+/// The symptom that a check found. name_of gives the stable identifier of each, in JSON and Python
 /// too: "fringe-orders-disagree". docs/reference/findings.md lists them all. Add new ones at the
 /// end of their group; never rename one.
 enum class FindingKind {
@@ -89,7 +89,7 @@ enum class FindingKind {
 /// The likely cause of a finding. Identifiers as for FindingKind: "frame-order".
 enum class CauseKind {
   unclear,  ///< one of several broad causes
-  // What the scan is said to be.
+  // Settings of the scan.
   frame_order,
   pattern_settings,
   axis,
@@ -192,7 +192,7 @@ struct Finding {
   std::vector<Cause> causes{};     ///< likeliest first
   std::vector<Remedy> remedies{};  ///< one for each cause, or more
   std::string remark{};            ///< about the remedies: "all of these fit, so verify the result"
-  /// What it is about if not the whole scan: "camera 2", "board02 along x".
+  /// The camera or pose that it is about, if not the whole scan: "camera 2", "board02 along x".
   std::string subject{};
   std::vector<int> frames{};  ///< the frames that it is about, if only some
 

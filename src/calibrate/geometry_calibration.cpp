@@ -215,6 +215,32 @@ LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views
   return choice;
 }
 
+/// Adds the poses with their reprojection errors, and those of all.
+void add_reprojections(const BoardViews& views, GeometryCalibration& result) {
+  Reprojection all;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Reprojection of_pose = reprojection(views[v], result.state, v);
+    all.camera.add(of_pose.camera);
+    all.projector.add(of_pose.projector);
+    result.poses.push_back({.name = views[v].name,
+                            .corners = static_cast<int>(views[v].places.size()),
+                            .lit = lit_corners(views[v]),
+                            .rms = of_pose.rms()});
+  }
+
+  result.rms = all.rms();
+}
+
+/// The places of the board's corners. The shape of a print that is taken for exact shows only if
+/// its corners are freed.
+BoardPlaces freed_places(const BoardViews& views, const CalibrationBoard& board,
+                         const BundleState& state, BundleSettings bundle) {
+  if (bundle.print_deviation) return state.places;
+
+  bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * board.spacing;
+  return bundle_adjusted(views, state, printed_places(board), bundle).places;
+}
+
 }  // namespace
 
 const char* name_of_lens_model(int coefficients) {
@@ -272,18 +298,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   require_valid(state.scanner);
 
   // 4. Figures for each pose and for all.
-  Reprojection all;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const Reprojection of_pose = reprojection(views[v], state, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
-    result.poses.push_back({.name = views[v].name,
-                            .corners = static_cast<int>(views[v].places.size()),
-                            .lit = lit_corners(views[v]),
-                            .rms = of_pose.rms()});
-  }
-
-  result.rms = all.rms();
+  add_reprojections(views, result);
   result.deviation =
       widened(result.deviation, leave_each_out(views, state, printed, bundle, result.poses));
 
@@ -291,15 +306,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);
   result.moved = moved_rig(views, state);
-
-  // The shape of a print that is taken for exact shows only if its corners are freed.
-  BoardPlaces places = state.places;
-  if (!bundle.print_deviation) {
-    bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * board.spacing;
-    places = bundle_adjusted(views, state, printed, bundle).places;
-  }
-
-  result.print = print_shape(places, printed);
+  result.print = print_shape(freed_places(views, board, state, bundle), printed);
   result.views = std::move(views);
 
   result.findings = findings_about(result);

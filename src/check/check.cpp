@@ -102,6 +102,24 @@ void check_camera(Scan& camera, const CheckSettings& settings, const std::string
                                         name.empty() ? "" : ": ", text_of(camera.order)));
 }
 
+/// Compares frames, sequence and scanner, and explains a misfit. `of_scanner`: the findings about a
+/// scanner whose pictures may be cropped.
+void judge(JudgedScan scan, std::vector<Finding> of_scanner, ScanFindings& result) {
+  const Fit fit = fit_of(scan);
+
+  // The axis of cropped and rectified pictures may lie anywhere, unless right frames do not fit.
+  if (scan.scanner != nullptr && fit.frames_fit() && !fit.all()) {
+    of_scanner = check_scanner(*scan.scanner);
+  }
+  scan.scanner_doubted = !of_scanner.empty();
+  append(result.findings, std::move(of_scanner));
+
+  ScanFindings explained = explain(scan, fit);
+  append(result.findings, std::move(explained.findings));
+  result.order = std::move(explained.order);
+  result.median_depth = explained.median_depth;
+}
+
 }  // namespace
 
 Finding wrong_origin(const Strategy& strategy, double phase_shift) {
@@ -151,10 +169,10 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   result.findings = light_faults(model, samples, frames.bits(), least);
   if (any_wrong(result.findings)) return result;
 
-  if (std::vector<Finding> damaged = damaged_frames(samples); !damaged.empty()) {
-    append(result.findings, std::move(damaged));
-    return result;  // a damaged frame would cause misleading further diagnostics
-  }
+  std::vector<Finding> damaged = damaged_frames(samples);
+  const bool is_damaged = !damaged.empty();
+  append(result.findings, std::move(damaged));
+  if (is_damaged) return result;
 
   std::vector<Finding> of_scanner;
   if (scanner) of_scanner = check_scanner(*scanner, false);
@@ -167,22 +185,9 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
   if (samples.groups() < ScanSamples::fewest_groups) return result;
 
-  // 3. Whether frames, sequence and scanner fit together.
+  // 3. Whether frames, sequence and scanner fit together, and if not, why.
   const Scanner* const known = scanner ? &*scanner : nullptr;
-  JudgedScan judged{model, samples, sequence, known, photometry, with_motion};
-  const Fit fit = fit_of(judged);
-
-  // The axis of cropped and rectified pictures may lie anywhere, unless right frames do not fit.
-  if (scanner && fit.frames_fit() && !fit.all()) of_scanner = check_scanner(*scanner);
-  judged.scanner_doubted = !of_scanner.empty();
-  append(result.findings, std::move(of_scanner));
-
-  // 4. If they do not, why.
-  ScanFindings explained = explain(judged, fit);
-  append(result.findings, std::move(explained.findings));
-  result.order = std::move(explained.order);
-  result.median_depth = explained.median_depth;
-
+  judge({model, samples, sequence, known, photometry, with_motion}, std::move(of_scanner), result);
   return result;
 }
 

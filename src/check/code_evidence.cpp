@@ -1,6 +1,7 @@
 #include "check/code_evidence.h"
 
 // What the frames of a code reveal without geometry.
+#include <optional>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -197,86 +198,126 @@ const std::array<CodeSymptom, 7> code_symptoms{{
      "compare the settings with"},
 }};
 
-CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
-                           const FrameOrder& order, bool phases) {
-  CodeEvidence evidence;
-  if (!model.layout().code || samples.groups() == 0) return evidence;
+namespace {
 
-  const Code& code = *model.layout().code;
-  const std::size_t band = model.measuring_band();
-  const double f = model.layout().bands[band].periods;
-
-  // 1. Locate the frames to compare: the measuring band, and white and black, if any.
-  // White and black come after the bits.
-  const std::size_t white = std::ranges::max(code.frames) + 1;
-  const bool has_white = code.inverses.empty() && white + 1 < code.reference.size() &&
-                         code.reference[white] == 0.5 && code.reference[white + 1] == 0.5;
-
-  // Black may exceed another frame by noise.
-  constexpr double noise_levels = 6, noise_share = 0.15;
-
-  // 2. Readers of one pixel: its phase, in periods, and its code word.
-  std::array<Steps, ScanSamples::places> steps;
-  Edges edges;
-  SampleReading reading;
-  const auto phase = [&](const float* levels) {
-    model.read(levels, order, reading);
-    return reading.phase[band] / two_pi;
-  };
-
-  std::vector<double> I(order.size());
-  const auto read = [&](const float* levels) {
-    std::ranges::transform(order, I.begin(), [&](int frame) { return levels[frame]; });
-    return word_of(code, I);
-  };
-
-  // 3. Judge each group of pixels: its middle alone, then against its neighbours.
-  int disordered = 0, unlisted = 0;
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const float* const levels = samples.levels(g, Place::middle);
-    const Word here = read(levels);
-    if (here.stripe >= std::ceil(code.stripes) && here.doubtful == 0) ++unlisted;
-
-    // Any pattern lies between black and white, up to noise.
-    if (has_white) {
-      const double low = I[white + 1], high = I[white];
-      const auto [least, greatest] = std::ranges::minmax(I);
-      const double noise = std::max(noise_levels, noise_share * (high - low));
-      if (least < low - noise || greatest > high + noise) ++disordered;
-    }
-
-    // Steps from stripe to stripe, and the phase where they are next to each other.
-    for (const Place place : {Place::right, Place::below, Place::far_right, Place::far_below}) {
-      if (!samples.lit(g, place)) continue;
-
-      const bool far = place == Place::far_right || place == Place::far_below;
-      const float* const there = samples.levels(g, place);
-      const Word next = read(there);
-
-      steps[place].pairs.emplace_back(here, next);
-
-      // An edge is clear if no bit is doubtful but the one that changes there.
-      const bool rising = next.stripe > here.stripe;
-      const unsigned edge = std::max(here.stripe, next.stripe);
-      const bool clear = ((here.doubtful | next.doubtful) & ~(here.bits ^ next.bits)) == 0;
-      if (!phases || far || !clear || edge - std::min(here.stripe, next.stripe) != 1) continue;
-
-      edges.add(phase(levels), phase(there), f * edge / code.stripes, rising);
-    }
+/// Reads the code words of the sampled pixels, and compares neighbours.
+class CodeJudge {
+ public:
+  CodeJudge(const FrameModel& model, const ScanSamples& samples, const FrameOrder& order,
+            bool phases)
+      : model_(model),
+        samples_(samples),
+        order_(order),
+        code_(*model.layout().code),
+        band_(model.measuring_band()),
+        periods_(model.layout().bands[band_].periods),
+        phases_(phases),
+        levels_(order.size()) {
+    // White and black come after the bits.
+    const auto& reference = code_.reference;
+    const std::size_t after = std::ranges::max(code_.frames) + 1;
+    const bool has_white = code_.inverses.empty() && after + 1 < reference.size() &&
+                           reference[after] == 0.5 && reference[after + 1] == 0.5;
+    if (has_white) white_ = after;
   }
 
-  // 4. Turn the counts into shares.
-  const auto n = static_cast<double>(samples.groups());
-  evidence.disordered = disordered / n;
-  evidence.unlisted = unlisted / n;
-  evidence.torn = torn(steps, code.gray);
+  CodeEvidence operator()() {
+    for (std::size_t g = 0; g < samples_.groups(); ++g) {
+      // 1. The pixel by itself.
+      const Word here = read(samples_.levels(g, Place::middle));
+      if (here.stripe >= std::ceil(code_.stripes) && here.doubtful == 0) ++unlisted_;
+      if (is_disordered()) ++disordered_;
 
-  // Stripes narrower than the distance to the next pixel leave no edge to compare with.
-  const bool fine =
-      steps[Place::right].too_fine(code.gray) + steps[Place::below].too_fine(code.gray);
-  if (!model.layout().unwrapping->whole_stripes && !fine) edges.sum_up(evidence);
+      // 2. Against its neighbours.
+      for (const Place place : {Place::right, Place::below, Place::far_right, Place::far_below}) {
+        if (samples_.lit(g, place)) compare(g, here, place);
+      }
+    }
 
-  return evidence;
+    return summed_up();
+  }
+
+ private:
+  /// The code word of a pixel; leaves its levels in `levels_`.
+  Word read(const float* levels) {
+    std::ranges::transform(order_, levels_.begin(), [&](int frame) { return levels[frame]; });
+    return word_of(code_, levels_);
+  }
+
+  /// Periods.
+  double phase(const float* levels) {
+    model_.read(levels, order_, reading_);
+    return reading_.phase[band_] / two_pi;
+  }
+
+  /// Whether a frame of the pixel read last is not between black and white, up to noise.
+  [[nodiscard]] bool is_disordered() const {
+    if (!white_) return false;
+
+    constexpr double noise_levels = 6, noise_share = 0.15;
+    const double high = levels_[*white_], low = levels_[*white_ + 1];
+    const auto [least, greatest] = std::ranges::minmax(levels_);
+    const double noise = std::max(noise_levels, noise_share * (high - low));
+
+    return least < low - noise || greatest > high + noise;
+  }
+
+  /// Adds the step from stripe to stripe, and the phase where they are next to each other.
+  void compare(std::size_t g, const Word& here, Place place) {
+    const float* const there = samples_.levels(g, place);
+    const Word next = read(there);
+    steps_[place].pairs.emplace_back(here, next);
+
+    const bool far = place == Place::far_right || place == Place::far_below;
+    if (!phases_ || far) return;
+
+    // An edge is clear if no bit is doubtful but the one that changes there.
+    const bool rising = next.stripe > here.stripe;
+    const unsigned edge = std::max(here.stripe, next.stripe);
+    const bool clear = ((here.doubtful | next.doubtful) & ~(here.bits ^ next.bits)) == 0;
+    if (!clear || edge - std::min(here.stripe, next.stripe) != 1) return;
+
+    const double before = phase(samples_.levels(g, Place::middle));
+    edges_.add(before, phase(there), periods_ * edge / code_.stripes, rising);
+  }
+
+  [[nodiscard]] CodeEvidence summed_up() const {
+    const auto n = static_cast<double>(samples_.groups());
+    CodeEvidence evidence;
+    evidence.disordered = disordered_ / n;
+    evidence.unlisted = unlisted_ / n;
+    evidence.torn = torn(steps_, code_.gray);
+
+    // Stripes narrower than the distance to the next pixel leave no edge to compare with.
+    const bool fine = steps_[Place::right].too_fine(code_.gray) > 0 ||
+                      steps_[Place::below].too_fine(code_.gray) > 0;
+    if (!model_.layout().unwrapping->whole_stripes && !fine) edges_.sum_up(evidence);
+
+    return evidence;
+  }
+
+  const FrameModel& model_;
+  const ScanSamples& samples_;
+  const FrameOrder& order_;
+  const Code& code_;
+  std::size_t band_;
+  double periods_;                      ///< of the measuring band
+  bool phases_;                         ///< whether to compare phases with the code
+  std::optional<std::size_t> white_{};  ///< its frame, before that of black; if there are both
+
+  SampleReading reading_;
+  std::vector<double> levels_;  ///< of one pixel, in the order of the patterns
+  std::array<Steps, ScanSamples::places> steps_;
+  Edges edges_;
+  int disordered_ = 0, unlisted_ = 0;
+};
+
+}  // namespace
+
+CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
+                           const FrameOrder& order, bool phases) {
+  if (!model.layout().code || samples.groups() == 0) return {};
+  return CodeJudge(model, samples, order, phases)();
 }
 
 }  // namespace slipstream

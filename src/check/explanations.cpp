@@ -31,77 +31,105 @@ const CodeSymptom& worst_symptom(const CodeEvidence& code) {
   });
 }
 
-/// The clearest symptom of a scan that does not fit.
-Finding seen(const Fit& fit) {
-  Finding finding{.severity = Severity::wrong};
-  const auto& geometry = fit.geometry;
+/// A symptom without a cause yet.
+Finding symptom(FindingKind kind, std::string what, std::vector<Evidence> evidence) {
+  return {.kind = kind,
+          .severity = Severity::wrong,
+          .what = std::move(what),
+          .evidence = std::move(evidence)};
+}
 
-  // The first test that fails names the symptom, the most basic one first.
-  if (!fit.patterns_made()) {
-    const double limit = fit.moving ? FitLimits::most_residual_moving : FitLimits::most_residual;
-    finding.kind = FindingKind::pattern_mismatch;
-    finding.what = fmt::format(
-        "the frames do not match the patterns: over {:g} % of their variation is unexplained",
-        100 * limit);
-    finding.evidence = {{.name = "left over, share of their variation",
-                         .value = fit.frames.residual,
-                         .limit = limit}};
-  } else if (!fit.code_agrees()) {
-    const CodeSymptom& worst = worst_symptom(fit.code);
-    finding.kind = worst.kind;
-    finding.what = fmt::format(fmt::runtime(worst.what), 100 * worst.limit);
-    finding.evidence = {{.name = std::string(worst.quantity),
-                         .value = fit.code.*worst.value,
-                         .limit = worst.limit}};
-  } else if (!fit.bands_alike()) {
-    finding.kind = FindingKind::unrelated_modulations;
-    finding.what = fmt::format(
-        "the bands' modulations do not vary together: the spread of their ratio is above {:g}",
-        FitLimits::most_ratio_spread);
-    finding.evidence = {{.name = "spread of their modulations' ratio",
-                         .value = fit.frames.ratio_spread,
-                         .limit = FitLimits::most_ratio_spread}};
-  } else if (!fit.bands_agree()) {
-    finding.kind = FindingKind::fringe_orders_disagree;
-    finding.what = fmt::format(
-        "the frames disagree about the fringe order: agreement below {:g} or offset above {:g}",
-        FitLimits::least_agreement, FitLimits::most_offset);
-    const auto& relations = fit.frames.relations;
+Finding pattern_mismatch(const Fit& fit) {
+  const double limit = fit.moving ? FitLimits::most_residual_moving : FitLimits::most_residual;
+  return symptom(
+      FindingKind::pattern_mismatch,
+      fmt::format(
+          "the frames do not match the patterns: over {:g} % of their variation is unexplained",
+          100 * limit),
+      {{.name = "left over, share of their variation",
+        .value = fit.frames.residual,
+        .limit = limit}});
+}
 
-    const auto worst = std::ranges::min_element(relations, [](const auto& a, const auto& b) {
-      return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
-    });
-    if (worst != relations.end())
-      finding.evidence = {
-          {.name = "agreement", .value = worst->agreement, .limit = FitLimits::least_agreement},
-          {.name = "offset in periods", .value = worst->offset, .limit = FitLimits::most_offset}};
-  } else if (!fit.no_seam()) {
-    finding.kind = FindingKind::coordinate_jumps;
-    finding.what = fmt::format(
-        "the coordinate jumps across the whole field in over {:g} % of the lit pixel pairs",
-        100 * FitLimits::most_seams);
-    finding.evidence = {{.name = "share of the pixels near it",
-                         .value = fit.frames.seams,
-                         .limit = FitLimits::most_seams}};
-  } else if (!fit.geometry_fits()) {
-    finding.kind = FindingKind::geometry_mismatch;
-    finding.what = fmt::format(
-        "frames and scanner do not fit together: slope outside {:g} to {:g}, or over {:g} % of the "
-        "points impossible",
-        FitLimits::least_slope, FitLimits::most_slope, 100 * FitLimits::most_outside);
-    finding.evidence = {{"slope of the coordinate", geometry->slope},
-                        {"share outside the projector's light", geometry->outside},
-                        {"share without a point", geometry->without_point}};
-  } else {
-    finding.kind = FindingKind::depths_beyond_boards;
-    finding.what = fmt::format("over {:g} % of the points lie outside the calibrated depths",
-                               100 * FitLimits::most_out_of_range);
+Finding contradicting_code(const CodeEvidence& code) {
+  const CodeSymptom& worst = worst_symptom(code);
+  return symptom(
+      worst.kind, fmt::format(fmt::runtime(worst.what), 100 * worst.limit),
+      {{.name = std::string(worst.quantity), .value = code.*worst.value, .limit = worst.limit}});
+}
+
+Finding unrelated_modulations(const FrameEvidence& frames) {
+  constexpr double limit = FitLimits::most_ratio_spread;
+  return symptom(
+      FindingKind::unrelated_modulations,
+      fmt::format(
+          "the bands' modulations do not vary together: the spread of their ratio is above {:g}",
+          limit),
+      {{.name = "spread of their modulations' ratio",
+        .value = frames.ratio_spread,
+        .limit = limit}});
+}
+
+Finding fringe_orders_disagree(const FrameEvidence& frames) {
+  Finding finding = symptom(
+      FindingKind::fringe_orders_disagree,
+      fmt::format(
+          "the frames disagree about the fringe order: agreement below {:g} or offset above {:g}",
+          FitLimits::least_agreement, FitLimits::most_offset),
+      {});
+
+  const auto worst = std::ranges::min_element(frames.relations, [](const auto& a, const auto& b) {
+    return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
+  });
+
+  if (worst != frames.relations.end()) {
     finding.evidence = {
-        {.name = "share", .value = geometry->out_of_range, .limit = FitLimits::most_out_of_range},
-        {"median depth", geometry->median_depth, "mm"}};
+        {.name = "agreement", .value = worst->agreement, .limit = FitLimits::least_agreement},
+        {.name = "offset in periods", .value = worst->offset, .limit = FitLimits::most_offset}};
   }
-
   return finding;
+}
+
+Finding coordinate_jumps(const FrameEvidence& frames) {
+  constexpr double limit = FitLimits::most_seams;
+  return symptom(
+      FindingKind::coordinate_jumps,
+      fmt::format(
+          "the coordinate jumps across the whole field in over {:g} % of the lit pixel pairs",
+          100 * limit),
+      {{.name = "share of the pixels near it", .value = frames.seams, .limit = limit}});
+}
+
+Finding geometry_mismatch(const GeometryEvidence& geometry) {
+  return symptom(
+      FindingKind::geometry_mismatch,
+      fmt::format("frames and scanner do not fit together: slope outside {:g} to {:g}, or over "
+                  "{:g} % of the points impossible",
+                  FitLimits::least_slope, FitLimits::most_slope, 100 * FitLimits::most_outside),
+      {{"slope of the coordinate", geometry.slope},
+       {"share outside the projector's light", geometry.outside},
+       {"share without a point", geometry.without_point}});
+}
+
+Finding depths_beyond_boards(const GeometryEvidence& geometry) {
+  constexpr double limit = FitLimits::most_out_of_range;
+  return symptom(
+      FindingKind::depths_beyond_boards,
+      fmt::format("over {:g} % of the points lie outside the calibrated depths", 100 * limit),
+      {{.name = "share", .value = geometry.out_of_range, .limit = limit},
+       {"median depth", geometry.median_depth, "mm"}});
+}
+
+/// The clearest symptom of a scan that does not fit: of the first test that fails, the most basic
+/// one first.
+Finding seen(const Fit& fit) {
+  if (!fit.patterns_made()) return pattern_mismatch(fit);
+  if (!fit.code_agrees()) return contradicting_code(fit.code);
+  if (!fit.bands_alike()) return unrelated_modulations(fit.frames);
+  if (!fit.bands_agree()) return fringe_orders_disagree(fit.frames);
+  if (!fit.no_seam()) return coordinate_jumps(fit.frames);
+  if (!fit.geometry_fits()) return geometry_mismatch(*fit.geometry);
+  return depths_beyond_boards(*fit.geometry);
 }
 
 /// Names a broad cause if no common mistake explains the misfit.
@@ -398,6 +426,79 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
 
 }  // namespace
 
+namespace {
+
+/// Two explanations whose misfits differ by less explain a scan about as well.
+constexpr double nearly = 0.3;
+
+/// Takes over the likeliest mistake, and names others that explain the scan about as well: frames
+/// that contain a share of another, and dark ones.
+void name_mistake(Explanation explanation, bool only_depths,
+                  const std::optional<MixedFrames>& mixed, std::vector<Finding> dark,
+                  ScanFindings& result, Finding& finding) {
+  if (only_depths) {
+    explanation.severity = Severity::doubtful;
+    explanation.causes.push_back(beyond_the_boards);
+  }
+
+  finding.causes = std::move(explanation.causes);
+  finding.remedies = std::move(explanation.remedies);
+  finding.remark = std::move(explanation.remark);
+  finding.severity = explanation.severity;
+
+  // Set if the cycle has slipped: the caller then reorders the frames.
+  result.order = std::move(explanation.order);
+  if (!result.order.empty()) result.median_depth = explanation.median_depth;
+
+  if (mixed && mixed->misfit < explanation.misfit + nearly) dark.push_back(mixed->finding);
+  for (const Finding& fault : dark) {
+    std::ranges::copy(fault.causes, std::back_inserter(finding.causes));
+  }
+}
+
+/// Of a scan that does not fit: its symptom, and the likeliest cause, or a broad one if no specific
+/// one explains it.
+void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedFrames> mixed,
+                    std::optional<Finding> flickering, ScanFindings& result) {
+  Finding finding = seen(fit);
+  const bool only_depths = fit.frames_fit() && fit.geometry_fits();
+  const bool response_known = scan.photometry.response.has_value();
+
+  // 1. Common mistakes; a doubtful scanner explains a misfit of the geometry already.
+  if (scan.scanner_doubted && fit.frames_fit()) {
+    name_broadly(fit, response_known, finding);
+    if (!only_depths) finding.severity = Severity::wrong;
+    result.findings.push_back(std::move(finding));
+    return;
+  }
+
+  auto explanation = likeliest_mistake(scan, fit);
+
+  // 2. Frames without a pattern.
+  constexpr double contradicting = 0.2;  // so far off that a frame may be lost
+  const bool is_lost = !fit.code_agrees() ||
+                       (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
+  std::vector<Finding> dark = dark_frames(scan, is_lost);
+
+  // 3. The likeliest of all.
+  if (mixed && dark.empty() && (!explanation || mixed->misfit < explanation->misfit - nearly)) {
+    finding = std::move(mixed->finding);
+  } else if (explanation) {
+    name_mistake(*std::move(explanation), only_depths, mixed, std::move(dark), result, finding);
+  } else if (!dark.empty()) {
+    result.findings = std::move(dark);
+    return;
+  } else if (flickering) {
+    finding = std::move(*flickering);
+  } else {
+    name_broadly(fit, response_known, finding);
+  }
+
+  result.findings.push_back(std::move(finding));
+}
+
+}  // namespace
+
 ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   ScanFindings result;
   if (fit.geometry) result.median_depth = fit.geometry->median_depth;
@@ -415,59 +516,14 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
     return result;
   }
 
-  // 3. Otherwise name the symptom, unless a frame without a pattern explains everything.
+  // 3. A frame without a pattern explains everything.
   result.findings = dark_frames(scan);
-  if (!result.findings.empty()) return result;
 
-  Finding finding = seen(fit);
-  const bool only_depths = fit.frames_fit() && fit.geometry_fits();
-
-  // 4. Try common mistakes; a doubtful scanner explains a misfit of the geometry already.
-  constexpr double nearly = 0.3;
-  const bool by_scanner = scan.scanner_doubted && fit.frames_fit();
-  auto explanation = by_scanner ? std::nullopt : likeliest_mistake(scan, fit);
-
-  constexpr double contradicting = 0.2;  // so much that a frame may be lost
-  const bool is_lost = !fit.code_agrees() ||
-                       (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
-  std::vector<Finding> dark = dark_frames(scan, is_lost);
-
-  // 5. Name the likeliest cause, or a broad one if no specific one explains the scan.
-  if (by_scanner) {
-    name_broadly(fit, scan.photometry.response.has_value(), finding);
-    if (!only_depths) finding.severity = Severity::wrong;
-  } else if (mixed && dark.empty() &&
-             (!explanation || mixed->misfit < explanation->misfit - nearly)) {
-    finding = std::move(mixed->finding);
-  } else if (explanation) {
-    if (only_depths) {
-      explanation->severity = Severity::doubtful;
-      explanation->causes.push_back(beyond_the_boards);
-    }
-
-    finding.causes = std::move(explanation->causes);
-    finding.remedies = std::move(explanation->remedies);
-    finding.remark = std::move(explanation->remark);
-    finding.severity = explanation->severity;
-
-    // Set if the cycle has slipped: the caller then reorders the frames.
-    result.order = std::move(explanation->order);
-    if (!result.order.empty()) result.median_depth = explanation->median_depth;
-
-    // Name causes that explain the scan about as well.
-    if (mixed && mixed->misfit < explanation->misfit + nearly) dark.push_back(mixed->finding);
-    for (const Finding& fault : dark)
-      std::ranges::copy(fault.causes, std::back_inserter(finding.causes));
-  } else if (!dark.empty()) {
-    result.findings = std::move(dark);
-    return result;
-  } else if (flickering) {
-    finding = std::move(*flickering);
-  } else {
-    name_broadly(fit, scan.photometry.response.has_value(), finding);
+  // 4. Otherwise the symptom and its likeliest cause.
+  if (result.findings.empty()) {
+    explain_misfit(scan, fit, std::move(mixed), std::move(flickering), result);
   }
 
-  result.findings.push_back(std::move(finding));
   return result;
 }
 

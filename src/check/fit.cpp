@@ -239,183 +239,169 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   return evidence_;
 }
 
-GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
-                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
-                                   const PictureTurn& turn) {
-  // Ignoring distortion may move a point this far outside the field.
-  constexpr double margin = 0.05;
-  // Scenes exceed the boards' depths: allow this share of the range on either side.
-  constexpr double further = 0.5, slightly = 0.1;
+namespace {
 
-  const std::size_t band = model.measuring_band();
-  const double f = model.layout().bands[band].periods;
+/// Compares the points of the sampled pixels with a scanner.
+class GeometryJudge {
+ public:
+  GeometryJudge(const FrameModel& model, const ScanSamples& samples, const Scanner& scanner,
+                Axis axis, const FrameOrder& order, const PictureTurn& turn)
+      : model_(model),
+        samples_(samples),
+        scanner_(scanner),
+        axis_(axis),
+        order_(order),
+        turn_(turn),
+        band_(model.measuring_band()),
+        periods_(model.layout().bands[band_].periods),
+        rises_(!model.layout().unwrapping->whole_stripes) {}
 
-  // A code alone changes by whole stripes, and most neighbours lie in the same stripe.
-  const bool rises = !model.layout().unwrapping->whole_stripes;
+  GeometryEvidence operator()() {
+    for (std::size_t g = 0; g < samples_.groups(); ++g) {
+      const std::optional<SeenPoint> point = point_of(g);
 
-  SampleReading here, next;
-  std::vector<double> depths, slopes;
-  int without = 0, outside = 0, out_of_range = 0, beyond = 0;
+      if (!point) {
+        ++without_;
+        continue;
+      }
 
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    // 1. The pixel, and its point: where its ray meets the plane of its stripe.
+      compare_with_bounds(*point);
+      depths_.push_back(point->z);
+      if (rises_ && is_inside_surface(g)) add_slope(g, *point);
+    }
+
+    return samples_.groups() == 0 ? GeometryEvidence() : summed_up();
+  }
+
+ private:
+  /// A pixel's point: where its ray meets the plane of its stripe.
+  struct SeenPoint {
+    Eigen::Vector2d pixel;
+    Eigen::Vector3d ray;
+    double z;        ///< depth, mm
+    FieldPlace lit;  ///< its place in the projector's field
+  };
+
+  /// nullopt if ray and stripe meet behind a device, or are parallel. Leaves the pixel's reading in
+  /// `here_`.
+  std::optional<SeenPoint> point_of(std::size_t g) {
+    const Size size = scanner_.camera.size;
     const Eigen::Vector2d pixel(
-        turn.columns ? scanner.camera.size.width - 1 - samples.column(g) : samples.column(g),
-        turn.rows ? scanner.camera.size.height - 1 - samples.row(g) : samples.row(g));
+        turn_.columns ? size.width - 1 - samples_.column(g) : samples_.column(g),
+        turn_.rows ? size.height - 1 - samples_.row(g) : samples_.row(g));
 
-    model.read(samples.levels(g, ScanSamples::middle), order, here);
-    const Eigen::Vector3d ray = ray_through(scanner.camera, pixel);
-    const double z = depth_of_stripe(scanner, axis, ray, here.coordinate);
-    const FieldPlace lit = place_in_field(scanner, axis, z * ray);
+    model_.read(samples_.levels(g, Place::middle), order_, here_);
+    const Eigen::Vector3d ray = ray_through(scanner_.camera, pixel);
+    const double z = depth_of_stripe(scanner_, axis_, ray, here_.coordinate);
+    const FieldPlace lit = place_in_field(scanner_, axis_, z * ray);
 
-    // No point: ray and stripe meet behind a device, or are parallel.
-    if (!(z > 0 && std::isfinite(z)) || !lit.in_front) {
-      ++without;
-      continue;
-    }
+    if (!(z > 0 && std::isfinite(z)) || !lit.in_front) return std::nullopt;
+    return SeenPoint{pixel, ray, z, lit};
+  }
 
-    // 2. Points outside the projector's light, and beyond the calibrated depths.
-    if (lit.across < -margin || lit.across > 1 + margin || lit.along < -margin ||
-        lit.along > 1 + margin)
-      ++outside;
+  /// Counts points outside the projector's light, and beyond the calibrated depths.
+  void compare_with_bounds(const SeenPoint& point) {
+    // Ignoring distortion may move a point this far outside the field.
+    constexpr double margin = 0.05;
+    const auto is_lit = [](double place) { return place >= -margin && place <= 1 + margin; };
+    if (!is_lit(point.lit.across) || !is_lit(point.lit.along)) ++outside_;
 
-    if (const auto& range = scanner.calibrated_depths) {
-      const auto is_outside = [&](double share) {
-        const double more = share * (range->farthest - range->nearest);
-        return z < range->nearest - more || z > range->farthest + more;
-      };
-      if (is_outside(further)) ++out_of_range;
-      if (is_outside(slightly)) ++beyond;
-    }
+    const auto& range = scanner_.calibrated_depths;
+    if (!range) return;
 
-    depths.push_back(z);
-
-    // 3. The slope of the coordinate, inside of surfaces only.
-    // On things of a few pixels, blur mixes the coordinates of both sides.
-    const bool inside = std::ranges::all_of(
-        std::array{Place::right, Place::below, Place::far_right, Place::far_below},
-        [&](Place place) { return samples.lit(g, place); });
-    if (!rises || !inside) continue;
-
-    // The change to the next pixel on a surface at this depth that faces the camera.
-    const auto expected = [&](const Eigen::Vector2d& step) {
-      return place_in_field(scanner, axis, z * ray_through(scanner.camera, pixel + step)).along -
-             lit.along;
+    // Scenes exceed the boards' depths: allow this share of the range on either side.
+    constexpr double further = 0.5, slightly = 0.1;
+    const auto is_outside = [&](double share) {
+      const double more = share * (range->farthest - range->nearest);
+      return point.z < range->nearest - more || point.z > range->farthest + more;
     };
-    const Eigen::Vector2d flat(expected({turn.columns ? -1 : 1, 0}),
-                               expected({0, turn.rows ? -1 : 1}));
+    if (is_outside(further)) ++out_of_range_;
+    if (is_outside(slightly)) ++beyond_;
+  }
+
+  /// On things of a few pixels, blur mixes the coordinates of both sides.
+  [[nodiscard]] bool is_inside_surface(std::size_t g) const {
+    return std::ranges::all_of(
+        std::array{Place::right, Place::below, Place::far_right, Place::far_below},
+        [&](Place place) { return samples_.lit(g, place); });
+  }
+
+  /// Adds the change of the coordinate to the next pixels, relative to a surface at this depth that
+  /// faces the camera.
+  void add_slope(std::size_t g, const SeenPoint& point) {
+    const auto expected = [&](const Eigen::Vector2d& step) {
+      const Eigen::Vector3d beside = ray_through(scanner_.camera, point.pixel + step);
+      return place_in_field(scanner_, axis_, point.z * beside).along - point.lit.along;
+    };
+    const Eigen::Vector2d flat(expected({turn_.columns ? -1 : 1, 0}),
+                               expected({0, turn_.rows ? -1 : 1}));
 
     // The phase is exact, but wraps between pixels that are a good part of a period apart.
-    const bool coarse = f * flat.cwiseAbs().maxCoeff() > 0.25;
+    const bool coarse = periods_ * flat.cwiseAbs().maxCoeff() > 0.25;
     const auto change = [&](Place place) {
-      model.read(samples.levels(g, place), order, next);
-      if (coarse) return next.coordinate - here.coordinate;
-      return std::remainder(next.phase[band] - here.phase[band], two_pi) / (two_pi * f);
+      model_.read(samples_.levels(g, place), order_, next_);
+      if (coarse) return next_.coordinate - here_.coordinate;
+
+      const double phases = next_.phase[band_] - here_.phase[band_];
+      return std::remainder(phases, two_pi) / (two_pi * periods_);
     };
 
     // Least squares over both directions.
-    const Eigen::Vector2d seen(change(ScanSamples::right), change(ScanSamples::below));
+    const Eigen::Vector2d seen(change(Place::right), change(Place::below));
     const double slope = seen.dot(flat) / flat.squaredNorm();
-    if (std::isfinite(slope)) slopes.push_back(slope);
+    if (std::isfinite(slope)) slopes_.push_back(slope);
   }
 
-  // 4. Shares of the pixels, with or without a point, and medians.
-  GeometryEvidence result;
-  if (samples.groups() == 0) return result;
+  /// Shares of the pixels, with or without a point, and medians.
+  GeometryEvidence summed_up() {
+    GeometryEvidence result;
+    result.without_point = without_ / static_cast<double>(samples_.groups());
 
-  const auto n = static_cast<double>(samples.groups());
-  result.without_point = without / n;
+    if (!depths_.empty()) {
+      const auto points = static_cast<double>(depths_.size());
+      result.outside = outside_ / points;
+      result.out_of_range = out_of_range_ / points;
+      result.beyond = beyond_ / points;
+      result.median_depth = quantile(depths_, 0.5);
+    }
 
-  if (!depths.empty()) {
-    result.outside = outside / static_cast<double>(depths.size());
-    result.out_of_range = out_of_range / static_cast<double>(depths.size());
-    result.beyond = beyond / static_cast<double>(depths.size());
-    result.median_depth = quantile(depths, 0.5);
-  }
-
-  // The scatter of fewer says too little about their median.
-  constexpr std::size_t fewest_slopes = 16;
-  if (slopes.size() >= fewest_slopes) {
-    result.slope = quantile(slopes, 0.5);
+    // The scatter of fewer says too little about their median.
+    constexpr std::size_t fewest_slopes = 16;
+    if (slopes_.size() < fewest_slopes) return result;
+    result.slope = quantile(slopes_, 0.5);
 
     // From here on the slopes are deviations from their median.
-    for (double& slope : slopes) slope = std::abs(slope - result.slope);
+    for (double& slope : slopes_) slope = std::abs(slope - result.slope);
 
     // Standard error of the median; 1.25 is sqrt(pi / 2), for Gaussian scatter.
-    const double error = 1.25 * deviation_from_median(quantile(slopes, 0.5)) /
-                         std::sqrt(static_cast<double>(slopes.size()));
+    const double error = 1.25 * deviation_from_median(quantile(slopes_, 0.5)) /
+                         std::sqrt(static_cast<double>(slopes_.size()));
     result.slope_doubt = 3 * error;
+    return result;
   }
 
-  return result;
-}
+  const FrameModel& model_;
+  const ScanSamples& samples_;
+  const Scanner& scanner_;
+  Axis axis_;
+  const FrameOrder& order_;
+  const PictureTurn& turn_;
 
-bool Fit::has_evidence() const {
-  return std::ranges::none_of(
-      frames.relations, [](const BandRelation& relation) { return relation.noise < least_noise; });
-}
+  std::size_t band_;
+  double periods_;  ///< of the measuring band
+  bool rises_;      ///< a code alone changes by whole stripes: most neighbours lie in one stripe
 
-bool Fit::bands_agree() const {
-  return bands_alike() && std::ranges::all_of(frames.relations, agrees);
-}
+  SampleReading here_, next_;
+  std::vector<double> depths_, slopes_;
+  int without_ = 0, outside_ = 0, out_of_range_ = 0, beyond_ = 0;
+};
 
-bool Fit::patterns_made() const {
-  return frames.residual <= (moving ? FitLimits::most_residual_moving : FitLimits::most_residual);
-}
+}  // namespace
 
-bool Fit::code_agrees() const {
-  return std::ranges::all_of(code_symptoms, [&](const CodeSymptom& symptom) {
-    return std::abs(code.*symptom.value) <= symptom.limit;
-  });
-}
-
-bool Fit::geometry_fits() const {
-  if (!geometry) return true;
-  return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
-         geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
-         geometry->without_point + geometry->outside <= FitLimits::most_outside;
-}
-
-bool Fit::poor() const {
-  // Right scans: at most 0.05, 0.001, 0.04.
-  constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
-
-  const auto is_off = [](const BandRelation& relation) {
-    return relation.noise >= least_noise &&
-           std::abs(relation.offset) > poor_offset + 3 * relation.error;
-  };
-
-  return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||
-         (geometry && (geometry->outside + geometry->without_point > poor_outside ||
-                       geometry->beyond > poor_beyond));
-}
-
-double Fit::misfit() const {
-  // Nearly every term is 1 at its limit.
-  using L = FitLimits;
-  double sum = frames.residual / L::most_residual + frames.seams / L::most_seams +
-               frames.ratio_spread / L::most_ratio_spread;
-
-  for (const BandRelation& relation : frames.relations) {
-    sum += std::max(0.0, 1 - relation.agreement) / (1 - L::least_agreement) +
-           std::abs(relation.offset) / L::most_offset;
-  }
-
-  for (const CodeSymptom& symptom : code_symptoms) {
-    sum += std::abs(code.*symptom.value) / symptom.limit;
-  }
-
-  if (geometry) {
-    const double slope = geometry->slope, doubt = geometry->slope_doubt;
-    // The uncertainty of the slope counts in its favour.
-    const double nearest_to_one = std::clamp(1.0, slope - doubt, slope + doubt);
-
-    sum += (geometry->without_point + geometry->outside) / L::most_outside +
-           geometry->out_of_range / L::most_out_of_range + geometry->beyond +
-           std::abs(std::log(std::max(1e-3, nearest_to_one)));
-  }
-
-  return sum;
+GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
+                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
+                                   const PictureTurn& turn) {
+  return GeometryJudge(model, samples, scanner, axis, order, turn)();
 }
 
 }  // namespace slipstream

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 
 #include "base/numbers.h"
 #include "check/code_evidence.h"

@@ -208,6 +208,37 @@ bool is_suspect(const Fit& fit, bool has_cue, double in_code) {
          std::ranges::any_of(fit.frames.relations | std::views::drop(has_cue ? 1 : 0), is_off);
 }
 
+/// The finding, with the harm that the share did.
+Finding out_of_step(const Mixture& mixture, const std::pair<double, double>& harm, double in_code) {
+  const auto [off, deeper] = harm;
+
+  // Fields: about the noise of one pixel; mm; a share: bits begin to err at a quarter.
+  constexpr double most_off = 2e-4, most_deeper = 0.7, harmful_in_code = 0.15;
+  const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
+
+  Finding finding{
+      .kind = FindingKind::mixed_frames,
+      .severity = is_harmful ? Severity::wrong : Severity::doubtful,
+      .what = "each frame contains a share of the pattern before",
+      .evidence = {{"share", 100 * mixture.mean(), "percent"},
+                   {"coordinates off by", 100 * off, "percent of the field"}},
+      .causes = {{CauseKind::out_of_step,
+                  "camera and projector out of step: exposures span two patterns"}},
+      .remedies = {
+          {"trigger the camera by the projector, or expose later and for whole patterns"}}};
+
+  if (deeper > 0) finding.evidence.push_back({"median depth off by", deeper, "mm"});
+
+  // A rolling shutter exposes row after row, so that the share changes down the picture.
+  if (std::abs(mixture.top - mixture.bottom) > mixture.mean()) {
+    finding.evidence.push_back({"top row", 100 * mixture.top, "percent"});
+    finding.evidence.push_back({"bottom row", 100 * mixture.bottom, "percent"});
+    finding.causes.front().text += " by a rolling shutter";
+  }
+
+  return finding;
+}
+
 }  // namespace
 
 std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) {
@@ -246,33 +277,7 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   if ((fit.all() || scan.settings.moving) && !by_code && !explained) return std::nullopt;
 
   // 3. The harm done.
-  const auto [off, deeper] = errors(scan, undone, fit, then);
-
-  // Fields: about the noise of one pixel; mm; a share: bits begin to err at a quarter.
-  constexpr double most_off = 2e-4, most_deeper = 0.7, harmful_in_code = 0.15;
-  const bool is_harmful = off > most_off || deeper > most_deeper || in_code > harmful_in_code;
-
-  Finding finding{
-      .kind = FindingKind::mixed_frames,
-      .severity = is_harmful ? Severity::wrong : Severity::doubtful,
-      .what = "each frame contains a share of the pattern before",
-      .evidence = {{"share", 100 * mixture.mean(), "percent"},
-                   {"coordinates off by", 100 * off, "percent of the field"}},
-      .causes = {{CauseKind::out_of_step,
-                  "camera and projector out of step: exposures span two patterns"}},
-      .remedies = {
-          {"trigger the camera by the projector, or expose later and for whole patterns"}}};
-
-  if (deeper > 0) finding.evidence.push_back({"median depth off by", deeper, "mm"});
-
-  // A rolling shutter exposes row after row, so that the share changes down the picture.
-  if (std::abs(mixture.top - mixture.bottom) > mixture.mean()) {
-    finding.evidence.push_back({"top row", 100 * mixture.top, "percent"});
-    finding.evidence.push_back({"bottom row", 100 * mixture.bottom, "percent"});
-    finding.causes.front().text += " by a rolling shutter";
-  }
-
-  return MixedFrames{then.misfit(), std::move(finding)};
+  return MixedFrames{then.misfit(), out_of_step(mixture, errors(scan, undone, fit, then), in_code)};
 }
 
 }  // namespace slipstream

@@ -417,7 +417,11 @@ class Mistakes {
     pictures({.columns = true}, "mirrored left to right", "mirror them back");
     pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
 
-    // 3. Scanner files, each with its mistake mended.
+    add_scanner_files();
+  }
+
+  /// Scanner files, each with its mistake mended.
+  void add_scanner_files() {
     const auto file = [&](std::string_view what, const char* advice, const auto& mend,
                           CauseKind kind = CauseKind::scanner_file) {
       Scanner mended = *scan_.scanner;

@@ -82,6 +82,10 @@ class ScanSamples {
     double gain = 1;
   };
 
+  /// Takes the samples from frames of one type of pixels.
+  template <class Views>
+  class Reader;
+
   [[nodiscard]] Pixel pixel(int i) const;
 
   Size size_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <set>
 #include <string>
 #include <string_view>
@@ -68,21 +69,40 @@ TEST(Finding, IsTheSameWithOtherNumbersButNotOfAnotherFrame) {
   EXPECT_FALSE(is_same(black, other));
 }
 
-// Scripts depend on them: lower case, words joined by dashes, no two alike.
+/// The identifiers in the table of the page's section, in its order.
+std::vector<std::string> listed_under(const std::string& heading) {
+  std::ifstream page(std::string(SLIPSTREAM_SOURCE_FOLDER) + "/docs/reference/findings.md");
+  std::vector<std::string> listed;
+  bool is_here = false;
+
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## ")) is_here = line == "## " + heading;
+    if (is_here && line.starts_with("| `")) listed.push_back(line.substr(3, line.find('`', 3) - 3));
+  }
+
+  return listed;
+}
+
+// Scripts depend on them: lower case, words joined by dashes, no two alike, all on the page.
 template <class Kinds>
-void expect_identifiers(const Kinds& kinds) {
+void expect_identifiers(const Kinds& kinds, const std::string& heading) {
   std::set<std::string_view> names;
+  std::vector<std::string> all;
+
   for (const auto kind : kinds) {
     const std::string_view name = name_of(kind);
+    all.emplace_back(name);
     EXPECT_TRUE(names.insert(name).second) << name;
     EXPECT_TRUE(std::ranges::all_of(name, [](char c) { return c == '-' || std::islower(c); }))
         << name;
   }
+
+  EXPECT_EQ(listed_under(heading), all);
 }
 
 TEST(Finding, KindsAndCausesHaveIdentifiers) {
-  expect_identifiers(finding_kinds());
-  expect_identifiers(cause_kinds());
+  expect_identifiers(finding_kinds(), "Kinds");
+  expect_identifiers(cause_kinds(), "Causes");
 
   EXPECT_EQ(name_of(FindingKind::fringe_orders_disagree), "fringe-orders-disagree");
   EXPECT_EQ(name_of(FindingKind::inaccurate_scanner), "inaccurate-scanner");

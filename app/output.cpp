@@ -25,7 +25,7 @@ void to_json(nlohmann::json& json, const Finding& finding) {
   if (!finding.frames.empty()) json["frames"] = finding.frames;
 
   for (const Evidence& evidence : finding.evidence) {
-    json["evidence"][label_of(evidence)] = evidence.value;
+    json["evidence"][name_with_unit(evidence)] = evidence.value;
 
     nlohmann::json quantity = {{"name", evidence.name}, {"value", evidence.value}};
     if (!evidence.unit.empty()) quantity["unit"] = evidence.unit;

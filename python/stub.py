@@ -32,7 +32,8 @@ _Setting = Union[bool, int, float, str, _List[float], _List[int], None]
 _Frames = Union[Frames, NDArray[Any], _List[NDArray[Any]]]
 _Scans = Iterable[Union[Scan, _Path]]
 
-class Error(ValueError): ...
+class Error(ValueError):
+    findings: _List[Finding]
 class WorldError(OSError): ...
 '''
 PYTHON = {  # what __init__.py adds

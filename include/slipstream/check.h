@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "slipstream/error.h"
 #include "slipstream/finding.h"
 #include "slipstream/gamma.h"
 #include "slipstream/scan.h"
@@ -54,7 +56,20 @@ struct CheckedScan {
 /// record the same phase.
 CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
 
-/// Throws Error with the scan and all diagnostics, gravest first, if any is `wrong`.
+/// The error of a scan that is refused.
+class RefusedScan : public Error {
+ public:
+  RefusedScan(std::string message, std::vector<Finding> findings)
+      : Error(std::move(message)), findings_(std::move(findings)) {}
+
+  /// All diagnostics of the scan, gravest first.
+  [[nodiscard]] const std::vector<Finding>& findings() const { return findings_; }
+
+ private:
+  std::vector<Finding> findings_;
+};
+
+/// Throws RefusedScan with the scan's name and all diagnostics if any is `wrong`.
 void require_right(const CheckedScan& checked, const std::string& scan);
 
 /// Header lines for a cloud file that was made although its scan was refused.

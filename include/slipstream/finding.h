@@ -149,7 +149,7 @@ struct Evidence {
 };
 
 /// "median depth, mm".
-std::string label_of(const Evidence& evidence);
+std::string name_with_unit(const Evidence& evidence);
 
 struct Cause {
   CauseKind kind = CauseKind::unclear;

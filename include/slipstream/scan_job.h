@@ -88,8 +88,8 @@ class ScanJob {
 
   /// Two cameras match their phases (with a calibrated projector) or their coordinates (a camera
   /// pair); one camera meets the projector's light. Patterns along both axes check each other by
-  /// the epipolar lines. `name`: of the scan in messages. Throws Error as checked_job, and with the
-  /// findings if the scan is refused and ScanJobSettings::keep_refused is off.
+  /// the epipolar lines. `name`: of the scan in messages. Throws Error as checked_job, and
+  /// RefusedScan if the scan is refused and ScanJobSettings::keep_refused is off.
   [[nodiscard]] ScanResult operator()(Scan scan, const std::string& name = "the scan");
 
   /// The same for a scan that was checked before, with these settings.

@@ -61,11 +61,17 @@ void document(const py::handle& function, const std::string& text) {
   method->ml_doc = ::strdup(text.c_str());
 }
 
-/// E.g. name too long or circular links: bad input, reported by the next translator.
+/// File names too long or circular links become bad input, reported by the next translator; a
+/// refused scan an Error with its findings.
 void translate(std::exception_ptr failure) try {
   if (failure) std::rethrow_exception(failure);
 } catch (const std::filesystem::filesystem_error& error) {
   throw Error(error.path1().string() + ": " + error.code().message());
+} catch (const RefusedScan& refused) {
+  const py::object type = py::module_::import("slipstream").attr("Error");
+  const py::object error = type(refused.what());
+  error.attr("findings") = refused.findings();
+  PyErr_SetObject(type.ptr(), error.ptr());
 }
 
 }  // namespace
@@ -149,7 +155,9 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
 PYBIND11_MODULE(_slipstream, module) {
   using namespace slipstream::python;
 
-  py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError);
+  // A refused scan has its findings, any other error none.
+  py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError).attr("findings") =
+      py::list();
   py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError);
   py::register_exception_translator(translate);
 

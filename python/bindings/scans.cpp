@@ -1,4 +1,3 @@
-#include <string_view>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -7,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -107,7 +107,7 @@ py::object frame_at(const py::object& self, int n) {
 py::dict evidence_of(const Finding& finding) {
   py::dict numbers;
   for (const Evidence& evidence : finding.evidence) {
-    numbers[py::str(label_of(evidence))] = evidence.value;
+    numbers[py::str(name_with_unit(evidence))] = evidence.value;
   }
   return numbers;
 }

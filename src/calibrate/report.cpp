@@ -168,7 +168,7 @@ void write_findings(Page& page, const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) {
     std::vector<std::string> numbers;
     for (const Evidence& evidence : finding.evidence) {
-      numbers.push_back(fmt::format("{}: {:.3g}", label_of(evidence), evidence.value));
+      numbers.push_back(fmt::format("{}: {:.3g}", name_with_unit(evidence), evidence.value));
     }
 
     page.row({symptom_of(finding), fmt::format("{}", fmt::join(numbers, "; ")), causes_of(finding),

@@ -223,10 +223,12 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
 
 void require_right(const CheckedScan& checked, const std::string& scan) {
   if (!any_wrong(checked.findings)) return;
-  std::vector<std::string> texts;
-  for (const Finding& finding : gravest_first(checked.findings)) texts.push_back(text_of(finding));
 
-  throw Error(fmt::format("{}: {}", scan, fmt::join(texts, " | ")));
+  std::vector<Finding> findings = gravest_first(checked.findings);
+  std::vector<std::string> texts;
+  for (const Finding& finding : findings) texts.push_back(text_of(finding));
+
+  throw RefusedScan(fmt::format("{}: {}", scan, fmt::join(texts, " | ")), std::move(findings));
 }
 
 std::vector<std::string> doubts(const std::vector<Finding>& findings) {

@@ -163,7 +163,7 @@ std::span<const CauseKind> cause_kinds() {
   return all_causes;
 }
 
-std::string label_of(const Evidence& evidence) {
+std::string name_with_unit(const Evidence& evidence) {
   return evidence.unit.empty() ? evidence.name : evidence.name + ", " + evidence.unit;
 }
 
@@ -208,7 +208,7 @@ std::string remedies_of(const Finding& finding) {
 std::string text_of(const Finding& finding) {
   std::string numbers;
   for (const Evidence& evidence : finding.evidence) {
-    numbers += fmt::format("{}{} = {:.3g}", numbers.empty() ? "" : ", ", label_of(evidence),
+    numbers += fmt::format("{}{} = {:.3g}", numbers.empty() ? "" : ", ", name_with_unit(evidence),
                            evidence.value);
   }
 

@@ -1,6 +1,8 @@
 """Daily: scans of two cameras and along both axes, and a broken one, give the same from Python as
 from the program. Not a case of clouds_test.py, which has one camera and one axis."""
 
+import json
+
 import pytest
 from conftest import as_printed, program, run_program
 
@@ -26,8 +28,23 @@ def test_a_broken_scan_is_refused_by_both(tmp_path):
     (scan / "frame_02.png").rename(scan / "frame_01.png")
     (tmp_path / "one.png").rename(scan / "frame_02.png")
 
-    refused = run_program("reconstruct", scan, "-o", tmp_path / "program.ply")
+    refused = run_program("reconstruct", scan, "-o", tmp_path / "program.ply", "--json")
     assert refused.returncode == 2
     with pytest.raises(slipstream.Error) as error:
         slipstream.reconstruct(slipstream.load_scan(scan))
     assert as_printed(error.value) in refused.stderr
+
+    # With the same identifiers and settings.
+    told = json.loads(refused.stdout)["findings"]
+    findings = error.value.findings
+    assert [one.kind for one in findings] == [one["kind"] for one in told]
+    assert [one.causes for one in findings] == [
+        [cause["kind"] for cause in one["causes"]] for one in told]
+    assert findings[0].remedies == [one["settings"] for one in told[0]["remedies"]]
+    assert findings[0].remedies[0] == {"order": "0,2,1,3,4,5"}
+
+
+def test_only_refused_scans_have_findings(tmp_path):
+    with pytest.raises(slipstream.Error) as error:
+        slipstream.load_scan(tmp_path / "missing")
+    assert error.value.findings == []

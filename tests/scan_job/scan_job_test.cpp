@@ -94,7 +94,15 @@ TEST(ScanJob, RefusesAScanThatContradictsItsPatterns) {
   Scan scan = scan_of(dual);
   scan.frames = reordered(std::move(scan.frames), {0, 2, 1, 3, 5, 4});
   ScanJobSettings settings;
-  EXPECT_THROW((void)reconstruct(scan), Error);
+
+  try {
+    (void)reconstruct(scan);
+    ADD_FAILURE() << "accepted";
+  } catch (const RefusedScan& refused) {
+    ASSERT_FALSE(refused.findings().empty());
+    EXPECT_EQ(refused.findings().front().severity, Severity::wrong);
+    EXPECT_TRUE(blames(refused.findings().front(), CauseKind::frame_order)) << refused.what();
+  }
 
   settings.keep_refused = true;
   const ScanResult kept = reconstruct(scan, settings);

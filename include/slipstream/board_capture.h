@@ -60,7 +60,7 @@ using BoardViews = std::vector<BoardView>;
 struct BoardCaptureSettings {
   /// Grey levels of 8 bits, 0 to 255; darker pixels are ignored.
   double minimum_modulation = 5;
-  double neighbourhood = 0.7;  ///< `share` of projector_corners, above 0, at most 10
+  double neighbourhood = 0.7;  ///< radius as a share of the distance to the next corner, to 10
   std::optional<MeasuredResponse> response{};  ///< corrects the phases
   Size projector{};                            ///< of scans that do not give it
 };

@@ -100,7 +100,7 @@ struct Band {
   /// is `mirrored`. The band's phase is their sum, without the carrier; its B is the smaller one.
   double carrier = 0;
   std::vector<Band> mirrored{};  ///< one band if there is a carrier, otherwise empty
-  /// In a window over several cycles of steps, see motion_window: the steps it starts with.
+  /// In a window of motion, which is longer than one cycle of the steps: the cycle it starts with.
   std::optional<StepRun> cycle{};
 
   friend bool operator==(const Band&, const Band&) = default;

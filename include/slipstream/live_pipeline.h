@@ -194,7 +194,7 @@ struct LiveCloud {
   /// The window, in the order given by PatternWindows; frames as captured.
   std::vector<Pooled<Frame>> frames;
   int first_pattern = 0;  ///< index of the first frame's pattern
-  int motion = 0;         ///< frames beyond one cycle used for the cloud: see motion_window
+  int motion = 0;         ///< frames beyond one cycle used for the cloud
   FrameStamp newest;      ///< the frame that completed the window
 };
 

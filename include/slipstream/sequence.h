@@ -25,7 +25,7 @@ struct Sequence {
   /// All patterns along x, which is then the axis, followed by all along y: two scans, see along
   /// and Scan.
   bool both_axes = false;
-  /// Frames of a scan beyond one cycle of repeated patterns: see motion_window.
+  /// Frames of a scan beyond one cycle of repeated patterns, whose steps cancel motion.
   int motion = 0;
   /// `periods` and `stripes` as lengths in projector pixels, if given so: for the other axis.
   StrategySettings lengths{};

@@ -172,8 +172,8 @@ class Strategy {
     return shape_(n, y, across);
   }
 
-  /// The same patterns, repeated: a cycle and `extra` frames, starting with pattern `first`; see
-  /// motion_window.
+  /// The same patterns, repeated: a cycle and `extra` frames, starting with pattern `first`:
+  /// the steps of the window cancel the error of steady motion.
   [[nodiscard]] Strategy in_motion(int extra, int first = 0) const;
 
   /// Compares name, settings, layout and demodulation.

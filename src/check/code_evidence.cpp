@@ -303,7 +303,7 @@ class CodeJudge {
   std::size_t band_;
   double periods_;                      ///< of the measuring band
   bool phases_;                         ///< whether to compare phases with the code
-  std::optional<std::size_t> white_{};  ///< its frame, before that of black; if there are both
+  std::optional<std::size_t> white_{};  ///< its frame, next to the black one; if there are both
 
   SampleReading reading_;
   std::vector<double> levels_;  ///< of one pixel, in the order of the patterns

@@ -1,4 +1,4 @@
-// Mesh formats: writers, and the readers that cloud_reader.cpp lacks.
+// Mesh formats: writers, and the readers that cloud_file.cpp lacks.
 #include "io/mesh_file.h"
 
 #include <algorithm>

@@ -22,7 +22,7 @@ std::vector<std::filesystem::path> write_patterns(const std::filesystem::path& f
                                                   const std::function<void()>& written);
 
 /// The same in colour: three patterns per 8-bit picture, a white picture, and the pictures for
-/// `calibrate colour`, named as in primaries.h. Throws Error unless the patterns are a multiple of
+/// `calibrate colour`. Throws Error unless the patterns are a multiple of
 /// three, and for binary patterns or a marker.
 std::vector<std::filesystem::path> write_colour_patterns(const std::filesystem::path& folder,
                                                          const PatternSet& patterns,

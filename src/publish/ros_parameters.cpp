@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "publish/cdr.h"
-#include "publish/ros_parameters.h"
 
 namespace slipstream {
 namespace {

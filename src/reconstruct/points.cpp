@@ -110,7 +110,8 @@ double noise_excess(const Cloud& cloud, const Maps& maps, const Uncertainty& sig
   return ratios.size() < 100 ? 1 : deviation_from_median(double{quantile(ratios, 0.5)});
 }
 
-/// Random error of coordinates: noise / B, amplified by the correction of the response.
+/// Random error of coordinates: noise / B, amplified by the correction of the response; of a code,
+/// the width of the stripes that are about as likely.
 class RandomError {
  public:
   RandomError(const EngineSetup& setup, double full_scale)
@@ -128,7 +129,7 @@ class RandomError {
   /// Standard deviation, fields.
   [[nodiscard]] double at(const Maps& maps, int column, int row) const {
     const double unit = std::sqrt(unit_variance_);
-    if (!is_of_noise()) return unit * equal_stripes(maps, column, row);
+    if (!is_of_noise()) return unit * likely_stripes(maps, column, row);
 
     const double modulation = maps.modulation(column, row) / grey_level_;
     const double noise_variance = noise_variance_at(maps.mean(column, row) / grey_level_,
@@ -139,7 +140,7 @@ class RandomError {
 
  private:
   /// Of a code, 1 + 8 doubt stripes are equally likely.
-  [[nodiscard]] static double equal_stripes(const Maps& maps, int column, int row) {
+  [[nodiscard]] static double likely_stripes(const Maps& maps, int column, int row) {
     const Image<float>& doubt = maps.fringe_order_doubt;
     return doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
   }

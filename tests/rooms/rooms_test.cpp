@@ -302,7 +302,11 @@ TEST(Rooms, SourcesHaveAHeaderOfTheirName) {
     const bool is_exception = sources_of_another_header.contains(name.replace_extension().string());
     EXPECT_NE(has_own_header(file), is_exception) << file;
   }
+
   EXPECT_GT(sources, 100);
+  for (const auto& [name, reason] : sources_of_another_header) {
+    EXPECT_TRUE(fs::exists(rooms_folder() / (name + ".cpp"))) << name << " is gone";
+  }
 }
 
 /// Only `calibrate` and plot.cpp include OpenCV: to find boards and to draw lines and text of

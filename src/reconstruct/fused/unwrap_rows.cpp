@@ -62,7 +62,7 @@ HWY_INLINE Ints minus_one_where(Test test) {
 }
 
 /// Reads the code of one row, see code_row. `alone`: CodeStage::alone, else also a part of the
-/// phase. Members are copies, so that no store can alias them.
+/// phase. The members used for each bit are copies, so that no store can alias them.
 template <bool alone, class Pixel>
 class CodeVectors {
  public:

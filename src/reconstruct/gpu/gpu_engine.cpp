@@ -10,13 +10,14 @@
 #include <span>
 #include <vector>
 
+#include "geometry/ray_table.h"
+#include "reconstruct/fused/voted_band.h"
+
 namespace slipstream {
 namespace {
 
 constexpr std::uint32_t coordinates_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 #include "coordinates.spirv.inc"
-#include "geometry/ray_table.h"
-#include "reconstruct/fused/voted_band.h"
     ;
 constexpr std::uint32_t points_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 #include "points.spirv.inc"

@@ -404,4 +404,72 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   return GeometryJudge(model, samples, scanner, axis, order, turn)();
 }
 
+bool Fit::has_evidence() const {
+  return std::ranges::none_of(
+      frames.relations, [](const BandRelation& relation) { return relation.noise < least_noise; });
+}
+
+bool Fit::bands_agree() const {
+  return bands_alike() && std::ranges::all_of(frames.relations, agrees);
+}
+
+bool Fit::patterns_made() const {
+  return frames.residual <= (moving ? FitLimits::most_residual_moving : FitLimits::most_residual);
+}
+
+bool Fit::code_agrees() const {
+  return std::ranges::all_of(code_symptoms, [&](const CodeSymptom& symptom) {
+    return std::abs(code.*symptom.value) <= symptom.limit;
+  });
+}
+
+bool Fit::geometry_fits() const {
+  if (!geometry) return true;
+  return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
+         geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
+         geometry->without_point + geometry->outside <= FitLimits::most_outside;
+}
+
+bool Fit::poor() const {
+  // Right scans: at most 0.05, 0.001, 0.04.
+  constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
+
+  const auto is_off = [](const BandRelation& relation) {
+    return relation.noise >= least_noise &&
+           std::abs(relation.offset) > poor_offset + 3 * relation.error;
+  };
+
+  return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||
+         (geometry && (geometry->outside + geometry->without_point > poor_outside ||
+                       geometry->beyond > poor_beyond));
+}
+
+double Fit::misfit() const {
+  // Nearly every term is 1 at its limit.
+  using L = FitLimits;
+  double sum = frames.residual / L::most_residual + frames.seams / L::most_seams +
+               frames.ratio_spread / L::most_ratio_spread;
+
+  for (const BandRelation& relation : frames.relations) {
+    sum += std::max(0.0, 1 - relation.agreement) / (1 - L::least_agreement) +
+           std::abs(relation.offset) / L::most_offset;
+  }
+
+  for (const CodeSymptom& symptom : code_symptoms) {
+    sum += std::abs(code.*symptom.value) / symptom.limit;
+  }
+
+  if (geometry) {
+    const double slope = geometry->slope, doubt = geometry->slope_doubt;
+    // The uncertainty of the slope counts in its favour.
+    const double nearest_to_one = std::clamp(1.0, slope - doubt, slope + doubt);
+
+    sum += (geometry->without_point + geometry->outside) / L::most_outside +
+           geometry->out_of_range / L::most_out_of_range + geometry->beyond +
+           std::abs(std::log(std::max(1e-3, nearest_to_one)));
+  }
+
+  return sum;
+}
+
 }  // namespace slipstream

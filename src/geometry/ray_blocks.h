@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "geometry/ray_table.h"
-#include "geometry/stripe_geometry.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
+
+struct StripeGeometry;
 
 /// StripeGeometry and RayTable as polynomials, one set for each block of adjacent pixels of a row.
 /// Their variables are t, the column from the block's middle in half block widths, and p, the

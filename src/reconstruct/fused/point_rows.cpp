@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <tuple>
 
-#include "geometry/ray_blocks.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/point_rows.cpp"
 #include <hwy/foreach_target.h>

@@ -7,6 +7,7 @@
 #include <span>
 #include <type_traits>
 #include <variant>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/sinusoid_rows.cpp"
 #include <hwy/foreach_target.h>

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <tuple>
 
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/point_rows.cpp"
 #include <hwy/foreach_target.h>

@@ -1,4 +1,5 @@
-#include <string_view>
+#include "python/bindings/scans.h"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -7,11 +8,12 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "base/throw_if-inl.h"
-#include "python/bindings/bindings.h"
+#include "python/bindings/arguments.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"

@@ -1,4 +1,4 @@
-#include "simulate/accuracy.h"
+#include "app/accuracy.h"
 
 #include <optional>
 #include <string>
@@ -9,6 +9,7 @@
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "io/result_files.h"
+#include "simulate/accuracy.h"
 #include "simulate/comparison.h"
 #include "simulate/rehearsal.h"
 #include "slipstream/strategy.h"

@@ -1,3 +1,5 @@
+#include "app/assist.h"
+
 #include <optional>
 #include <string>
 #include <vector>

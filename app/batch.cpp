@@ -1,3 +1,5 @@
+#include "app/batch.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -7,7 +9,7 @@
 #include <vector>
 
 #include "app/manifest.h"
-#include "app/reconstruct_flags.h"
+#include "app/reconstruct.h"
 #include "base/parallel_rows.h"
 #include "io/file.h"
 #include "io/image_file.h"

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/commands.h"
-#include "io/scan_folder.h"
 #include "simulate/rendered_reel.h"
-#include "slipstream/board_capture.h"
-#include "slipstream/scan_files.h"
+#include "slipstream/calibration_board.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
@@ -29,16 +26,6 @@ CalibrationBoard board_from(const BoardFlags& flags);
 /// Parses "121.9x80.3" or "121.9": one length or two, mm. Throws Error naming the flag otherwise.
 std::vector<double> lengths_from(const std::string& text, const std::string& flag);
 
-/// Folders of board scans and how to read them.
-struct BoardCaptureFlags {
-  std::string folder;
-  BoardFlags board;
-  ScanChanges scan;
-  std::string first_axis = "x";
-  std::vector<std::string> excluded;
-  BoardCaptureSettings capture;
-};
-
 /// A board held in `count` poses, `still_cycles` each, under patterns along x, then along y.
 /// Throws Error as board_from and poses_of.
 std::shared_ptr<RenderedReel> shown_boards(const BoardFlags& board, int count, int still_cycles,
@@ -49,18 +36,5 @@ Body sheet_of(const CalibrationBoard& board, const Scanner& scanner);
 
 /// `count` poses of the board. Throws Error if --boards is out of range.
 std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scanner& scanner);
-
-/// The flags of `calibrate geometry`.
-struct CalibrateGeometryFlags {
-  BoardCaptureFlags boards;
-  std::string camera_distortion = "auto", projector_distortion = "auto", print = "estimated";
-  double print_deviation = 0.01;
-  std::string scanner;
-  std::optional<std::string> report, compare, measured;
-};
-
-/// Calibrates from board scans in several poses; writes and reports the scanner file and the
-/// report. The document's `verdict` is the report's.
-void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output);
 
 }  // namespace slipstream::app

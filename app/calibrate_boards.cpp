@@ -1,5 +1,5 @@
-// calibrate board, geometry and verify: draw a board, calibrate from its scans, check a scanner
-// file.
+#include "app/calibrate_boards.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "app/board_flags.h"
+#include "app/calibrate_photometry.h"
 #include "app/flag_names.h"
+#include "app/phase_maps.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"

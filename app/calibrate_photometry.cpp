@@ -1,4 +1,5 @@
-// calibrate ambient, colour, gamma and noise: photometric calibration into the scanner file.
+#include "app/calibrate_photometry.h"
+
 #include <functional>
 #include <optional>
 #include <string>

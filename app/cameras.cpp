@@ -1,4 +1,5 @@
-// Commands camera (list, serve a virtual one), record and gpu.
+#include "app/cameras.h"
+
 #include <chrono>
 #include <cstdint>
 #include <memory>

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/calibrate_boards.h"
 #include "app/process.h"
 #include "calibrate/pose_guide.h"
 #include "frames/colour_channels.h"
@@ -336,17 +337,6 @@ std::string GuidedPoses::finish() {
   ending_ = true;
   return work_.get();
 }
-
-#ifndef SLIPSTREAM_VIEW
-void require_desktop() {
-  throw Error("this build has no window support; add --headless");
-}
-
-MonitorProjector open_projector(std::optional<int> monitor) {
-  if (monitor) throw Error("--monitor: this build has no monitor support");
-  return {};
-}
-#endif
 
 void add_capture(const Commands& program) {
   const auto [command, flags] =

@@ -8,8 +8,11 @@
 #include <string>
 
 #include "app/board_flags.h"
-#include "app/live.h"
+#include "app/monitor_projector.h"
+#include "app/source_flags.h"
 #include "frames/scan_camera.h"
+#include "slipstream/named_source.h"
+#include "slipstream/viewer.h"
 
 namespace slipstream::app {
 
@@ -57,5 +60,8 @@ class GuidedPoses {
   std::atomic<bool> ending_ = false;
   std::future<std::string> work_;  ///< uses the members above; awaited first
 };
+
+/// Adds `capture`, which takes a scan, or board poses that it calibrates from.
+void add_capture(const Commands& program);
 
 }  // namespace slipstream::app

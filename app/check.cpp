@@ -1,3 +1,5 @@
+#include "app/check.h"
+
 #include <optional>
 #include <string>
 #include <vector>

@@ -37,12 +37,6 @@ inline constexpr const char* scanner_output_type = "SCANNER";
 /// FlagGroup::common.
 inline constexpr const char* common_options = "Common options";
 
-/// Lays out --help, wrapped to the terminal's width.
-std::shared_ptr<CLI::FormatterBase> help_layout();
-
-/// What the program prints without arguments: commands to begin with.
-std::string greeting();
-
 /// Why the text is not a valid number; empty if it is one. NaN is not.
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
 
@@ -251,21 +245,7 @@ struct Commands {
   }
 };
 
+/// Adds one command, or a command with its own commands.
 using AddCommand = void(const Commands& program);
-
-// Each of these adds one command. `AddCommand add_demo` declares `void add_demo(const Commands&
-// program)`; main.cpp calls those that were built. In every build:
-AddCommand add_demo, add_patterns, add_design, add_reconstruct, add_check, add_measure;
-
-// With SLIPSTREAM_ALL_COMMANDS:
-AddCommand add_simulate, add_calibrate, add_batch, add_convert, add_unwrap, add_height, add_verify;
-AddCommand add_compare, add_assist, add_live, add_serve, add_capture, add_record, add_camera;
-AddCommand add_reproduce, add_bench, add_gpu;
-
-AddCommand add_project, add_view, add_studio;  // with SLIPSTREAM_VIEW
-
-// To `slipstream calibrate`:
-AddCommand add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_ambient,
-    add_calibrate_colour, add_calibrate_gamma, add_calibrate_height, add_calibrate_noise;
 
 }  // namespace slipstream::app

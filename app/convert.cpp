@@ -1,3 +1,5 @@
+#include "app/convert.h"
+
 #include <chrono>
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,7 @@
+#include "app/demo.h"
+
 #include <string>
 
-#include "app/commands.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"
 #include "simulate/virtual_files.h"

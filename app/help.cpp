@@ -1,3 +1,5 @@
+#include "app/help.h"
+
 #include <algorithm>
 #include <map>
 #include <memory>

@@ -1,11 +1,7 @@
 #include "app/live.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,53 +9,15 @@
 #include <thread>
 #include <vector>
 
+#include "app/live_session.h"
 #include "app/process.h"
-#include "frames/paired_source.h"
 #include "frames/pattern_windows.h"
 #include "io/file_names.h"
 #include "io/recorder.h"
 #include "slipstream/recording.h"
-#include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
 namespace {
-
-/// Setup for the source's scanner, with the gamma chosen by flag. Without a known scanner: pictures
-/// only, no points.
-EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output& output) {
-  const std::string& file = opened.scanner_name;
-  const Size camera = opened.frames->format().size, projector = opened.sequence.projector;
-
-  EngineSetup setup{opened.scanner ? completed(*opened.scanner, file, camera, projector)
-                                   : without_geometry(camera, projector),
-                    opened.sequence, flags.settings};
-
-  // Points need a scanner: refuse flags that ask for points if it is unknown.
-  if (opened.scanner) {
-    require_ambient_known(setup, file);
-  } else {
-    const std::string& wants_points = !flags.output.empty() ? flags.output : flags.model;
-    throw_if(
-        !wants_points.empty() || flags.live.track,
-        "{}: no scanner is known for {}, so no points can be made; name its file with --scanner",
-        wants_points.empty() ? "--track" : wants_points, flags.source.source);
-    output.say(
-        "no scanner is known for {}: showing pictures without points; name its file with --scanner",
-        flags.source.source);
-  }
-
-  require_valid(setup.settings.clean);
-  const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
-  setup.scanner.photometry.response = gamma.response;
-  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
-
-  return setup;
-}
-
-void tell_news(Publisher& publisher, Output& output) {
-  publisher.tell([&](const std::string& line) { output.say("{}", line); },
-                 [&](const std::string& line) { output.warn(line); });
-}
 
 /// Diagnostics of the clouds printed so far.
 struct ToldNews {
@@ -120,19 +78,6 @@ void tell_pictures(const LiveSession& session, Output& output) {
       measured, too_dark, saturated, report.modulation);
 }
 
-/// The session's statistics so far, also for its sinks.
-nlohmann::json document_of(const LiveSession& session) {
-  nlohmann::json document = as_json(session.pipeline->statistics());
-  document["findings"] = session.pipeline->findings();
-  document["sinks"] = as_json(session.publisher.statistics(), [](const SinkStatistics& sink) {
-    return described("name", sink.name, "published", sink.published, "dropped", sink.dropped,
-                     "error", sink.error);
-  });
-
-  document["source"] = session.flags.source.source;
-  return document_with_flags(std::move(document));
-}
-
 /// Prints the session's statistics and writes its last cloud as requested.
 void write_results(LiveSession& session, Output& output) {
   const LiveFlags& flags = session.flags;
@@ -167,78 +112,6 @@ void write_results(LiveSession& session, Output& output) {
   }
 #ifdef SLIPSTREAM_VIEW
   write_pictures(view_source_of(session), flags.view, flags.headless, output);
-#endif
-}
-
-/// Puts the camera in step with the patterns on a monitor. Exposures become whole refreshes: a
-/// projector's light changes within each.
-const SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
-                               NamedSource& opened, Output& output) {
-  // 1. Round the exposure to whole refreshes of the monitor.
-  CameraControls* const controls = opened.frames->controls();
-  const auto exposure = controls ? controls->control(CameraControl::exposure) : std::nullopt;
-  if (exposure) {
-    const double refresh = 1e3 / projector.refresh_hz;
-    const double refreshes = std::max(1.0, std::round(exposure->value / refresh));
-    if (std::abs(exposure->value - refreshes * refresh) > 0.01 * refresh) {
-      controls->set_control(CameraControl::exposure, refreshes * refresh);
-      output.say("exposure {:.4g} ms: {} of the monitor's refreshes", refreshes * refresh,
-                 refreshes);
-    }
-  }
-
-  // 2. Wrap the camera: from here on it delivers one frame per pattern shown.
-  auto stepped = std::make_unique<SteppedSource>(*projector.sink, std::move(opened.frames),
-                                                 pictures_to_show(opened.sequence), triggered);
-
-  const SteppedSource& source = *stepped;
-  opened.frames = std::move(stepped);
-  return source;
-}
-
-void tell_steps(const SteppedSource& source, Output& output) {
-  const auto ms = [](std::chrono::duration<double, std::milli> time) { return time.count(); };
-  const double begins = ms(source.delay().begins), ends = ms(source.delay().ends),
-               hold = ms(source.hold());
-
-  output.say("patterns reach a frame {:.0f} to {:.0f} ms after they are shown; {:.0f} ms each",
-             begins, ends, hold);
-  output.object("monitor") = described("begins_ms", begins, "ends_ms", ends, "hold_ms", hold);
-}
-
-void require_good(const LiveFlags& flags) {
-  require_duration(flags.duration);
-
-  // Flags that exclude each other.
-  const SourceRequest& source = flags.source;
-  if (flags.monitor) require_sees_monitor(source, *flags.monitor);
-  throw_if(flags.monitor && source.sequence.exposures,
-           "--exposures: live with --monitor uses a single exposure; use --exposure");
-  throw_if(!flags.second_camera.empty() && (flags.monitor || !flags.record.empty()),
-           "--second-camera excludes --monitor, as the projector must trigger both cameras, and "
-           "--record: record each camera with slipstream record");
-  throw_if(flags.second_scanner && flags.second_camera.empty(),
-           "--second-scanner needs --second-camera");
-
-  // A v4l2 camera has no trigger input, so only a marker frame can tell it where a cycle begins.
-  throw_if(scheme_of(source.source) == "v4l2" && !flags.monitor &&
-               flags.live.indexing != PatternIndexing::marker,
-           "{} runs freely, so nothing keeps it in step with the projector; add --monitor N, or "
-           "--indexing marker for patterns slower than half its rate",
-           source.source);
-
-  if (flags.live.most_frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
-  for (const std::string& file : {flags.output, flags.model}) {
-    if (!file.empty()) require_cloud_ending(file);
-  }
-
-  std::set<std::string> sinks;
-  for (const std::string& sink : flags.publish) {
-    require_sink(sink);
-    throw_if(!sinks.insert(sink).second, "--publish {} is given twice", sink);
-  }
-#ifdef SLIPSTREAM_VIEW
-  require_good(flags.view);
 #endif
 }
 
@@ -312,6 +185,42 @@ void serve(const LiveFlags& given, Output& output) {
 
 }  // namespace
 
+void require_good(const LiveFlags& flags) {
+  require_duration(flags.duration);
+
+  // Flags that exclude each other.
+  const SourceRequest& source = flags.source;
+  if (flags.monitor) require_sees_monitor(source, *flags.monitor);
+  throw_if(flags.monitor && source.sequence.exposures,
+           "--exposures: live with --monitor uses a single exposure; use --exposure");
+  throw_if(!flags.second_camera.empty() && (flags.monitor || !flags.record.empty()),
+           "--second-camera excludes --monitor, as the projector must trigger both cameras, and "
+           "--record: record each camera with slipstream record");
+  throw_if(flags.second_scanner && flags.second_camera.empty(),
+           "--second-scanner needs --second-camera");
+
+  // A v4l2 camera has no trigger input, so only a marker frame can tell it where a cycle begins.
+  throw_if(scheme_of(source.source) == "v4l2" && !flags.monitor &&
+               flags.live.indexing != PatternIndexing::marker,
+           "{} runs freely, so nothing keeps it in step with the projector; add --monitor N, or "
+           "--indexing marker for patterns slower than half its rate",
+           source.source);
+
+  if (flags.live.most_frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
+  for (const std::string& file : {flags.output, flags.model}) {
+    if (!file.empty()) require_cloud_ending(file);
+  }
+
+  std::set<std::string> sinks;
+  for (const std::string& sink : flags.publish) {
+    require_sink(sink);
+    throw_if(!sinks.insert(sink).second, "--publish {} is given twice", sink);
+  }
+#ifdef SLIPSTREAM_VIEW
+  require_good(flags.view);
+#endif
+}
+
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   SourceFlags& source = flags.source;
   source.virtual_scanner.idle_step = {0.5, 0, 0};
@@ -367,140 +276,6 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_pattern_flags(command.app, source.sequence);
   add_virtual_flags(command.app, source.virtual_scanner);
   add_camera_flags(command.app, source.camera);
-}
-
-namespace {
-
-/// Adds the second camera's pictures to the frames of the first; returns its scanner.
-Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSource& opened,
-                          Output& output) {
-  const std::string& name = flags.second_camera;
-  request.source = name;
-  request.scanner = flags.second_scanner;
-  if (scheme_of(name) == "virtual") {
-    request.world =
-        seen_from_second(request.world ? *request.world : world_from(flags.source.virtual_scanner));
-  }
-
-  NamedSource second = open(request, output);
-
-  // The frames of both cameras are matched one by one, so all must agree.
-  throw_if(second.sequence.strategy != opened.sequence.strategy ||
-               axes_of(second.sequence) != axes_of(opened.sequence),
-           "{}: its sequence differs from the first camera's; both must see one projector", name);
-  throw_if(opened.in_colour || second.in_colour, "--second-camera: both cameras must be grey");
-  throw_if(opened.sequence.exposures.size() > 1,
-           "--second-camera: live matches frames of one exposure; use --exposure");
-  throw_if(!opened.scanner, "{}: its scanner is unknown; name its file with --scanner",
-           flags.source.source);
-  throw_if(!second.scanner, "{}: its scanner is unknown; name its file with --second-scanner",
-           name);
-
-  Scanner scanner = completed(*second.scanner, second.scanner_name, second.frames->format().size,
-                              second.sequence.projector);
-  opened.frames =
-      std::make_unique<PairedSource>(std::move(opened.frames), std::move(second.frames));
-  return scanner;
-}
-
-/// The request to the source, from the flags.
-SourceRequest live_request(const LiveFlags& flags) {
-  SourceRequest request = request_from(flags.source);
-  request.marker = flags.live.indexing == PatternIndexing::marker;
-  request.as_taken = true;  // stored with the recording
-  if (!flags.headless) request.before_rendering = require_desktop;
-
-  // Repeat the first cycle until all is rendered, for a first cloud at once. Not with two cameras,
-  // which move in step, nor for a number of frames as fast as possible: each run gives the same.
-  const bool repeats =
-      flags.second_camera.empty() && (request.rate.value_or(0) > 0 || !flags.live.most_frames);
-  request.first_rest = repeats ? FirstRest::until_rendered : FirstRest::once;
-
-  return request;
-}
-
-/// Whether extra frames can compensate motion. Exceptions: a replay may end after its first cycle;
-/// the channels of a colour picture move together; the published tables are of one cycle.
-bool takes_extra_frames(const SourceRequest& request, const NamedSource& opened,
-                        const EngineSetup& setup) {
-  const bool is_published = setup.settings.engine == EngineKind::reference &&
-                            setup.settings.phase_method == PhaseMethod::tables;
-
-  return scheme_of(request.source) != "replay" && !opened.in_colour && !request.sequence.motion &&
-         setup.sequence.motion == 0 && takes_motion(setup.sequence) && !is_published;
-}
-
-/// The frames of the opened source, which can be recorded.
-std::unique_ptr<RecordedSource> recorded_source(NamedSource& opened, const SourceRequest& request,
-                                                const EngineSetup& setup, const FileLimit& limit) {
-  const RecordingHeader header{
-      .format = opened.frames->format(),
-      .frame_rate = request.rate.value_or(0),
-      .sequence = opened.sequence,
-      .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt,
-      .in_colour = opened.in_colour,
-      .white = opened.white};
-  return std::make_unique<RecordedSource>(std::move(opened.frames), header, limit);
-}
-
-}  // namespace
-
-LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
-  require_good(flags);
-  LiveSettings settings = flags.live;
-  SourceRequest request = live_request(flags);
-
-  // 1. Open the projector first: the patterns have its size.
-  projector = open_projector(flags.monitor);
-  if (projector.sink != nullptr && !request.sequence.projector) {
-    request.sequence.projector = projector.sink->size();
-  }
-
-  // 2. Open the source, or both cameras, and set up reconstruction for its scanner.
-  NamedSource opened = open(request, output);
-  if (!flags.second_camera.empty())
-    settings.second_camera = add_second_camera(flags, request, opened, output);
-
-  if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
-  setup = setup_from(opened, flags, output);
-
-  // 3. Take extra frames to compensate motion where possible.
-  settings.motion_when_seen = !settings.second_camera && takes_extra_frames(request, opened, setup);
-  if (settings.motion_when_seen) setup.sequence.motion = 2;
-
-  // 4. In step with the monitor; from here on the source shows the patterns.
-  if (flags.monitor) {
-    stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);
-  }
-
-  // 5. Recording: the pipeline reads frames through it, whether or not they are written.
-  auto source = recorded_source(opened, request, setup, flags.limit);
-  recorder = source.get();
-
-  // 6. The pipeline. Sinks hold clouds until they have published them, so it needs that many more.
-  settings.model = !flags.model.empty();
-  if (!flags.publish.empty()) {
-    settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
-    settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
-  }
-
-  patterns_can_change = is_camera(request) && !flags.monitor;
-  motion_when_seen = settings.motion_when_seen;
-  strategy = setup.sequence.strategy;
-
-  pipeline =
-      std::make_unique<LivePipeline>(colours_apart(std::move(source), opened), setup, settings);
-}
-
-void LiveSession::start() {
-  open_sinks(*this, [this] { return document_of(*this); });
-  tell_news(publisher, output);
-  if (!flags.record.empty()) recorder->record_to(flags.record);
-  {
-    const std::lock_guard lock(mutex);  // sinks may already change it
-    pipeline->start();
-  }
-  if (stepped != nullptr) tell_steps(*stepped, output);
 }
 
 namespace {

@@ -1,3 +1,5 @@
+#include "app/patterns.h"
+
 #include <cmath>
 #include <optional>
 #include <string>

@@ -1,3 +1,5 @@
+#include "app/phase_maps.h"
+
 #include <cmath>
 #include <optional>
 #include <string>

@@ -1,3 +1,5 @@
+#include "app/project.h"
+
 #include <chrono>
 #include <optional>
 #include <string>

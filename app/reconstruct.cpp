@@ -1,3 +1,5 @@
+#include "app/reconstruct.h"
+
 #include <algorithm>
 #include <cmath>
 #include <deque>

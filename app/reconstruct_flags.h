@@ -57,7 +57,4 @@ std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments want
 /// Throws Error for impossible values.
 void require_valid(const ReconstructFlags& flags);
 
-/// Reconstructs `scans` and prints each result. Throws Error for contradictory flags.
-void reconstruct_scans(ReconstructFlags flags, Output& output);
-
 }  // namespace slipstream::app

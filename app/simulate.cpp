@@ -1,3 +1,5 @@
+#include "app/simulate.h"
+
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,4 +1,5 @@
-// One window from camera and projector to a cloud.
+#include "app/studio.h"
+
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -9,7 +10,9 @@
 #include <vector>
 
 #include "app/capture.h"
+#include "app/live_session.h"
 #include "app/process.h"
+#include "app/session_settings.h"
 #include "base/numbers.h"
 #include "io/file.h"
 #include "io/result_files.h"

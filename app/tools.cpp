@@ -1,3 +1,5 @@
+#include "app/tools.h"
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -6,7 +8,6 @@
 
 #include <tbb/global_control.h>
 
-#include "app/commands.h"
 #include "bench/bench_report.h"
 #include "bench/bench_rows.h"
 #include "io/file.h"

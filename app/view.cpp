@@ -1,19 +1,20 @@
-// Commands and displays that need windows, for builds with SLIPSTREAM_VIEW.
+#include "app/view.h"
+
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
 
-#include "app/live.h"
-#include "devices/monitor.h"
+#include "app/live_session.h"
+#include "app/session_outputs.h"
+#include "app/session_settings.h"
+#include "app/studio.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "response/exposure_advice.h"
 #include "slipstream/recording.h"
-#include "view/opengl.h"
 
 namespace slipstream::app {
 
@@ -105,26 +106,6 @@ void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool
   };
   draw("snapshot", flags.snapshot, view::Surround::nothing);
   if (screenshot_too) draw("screenshot", flags.screenshot, view::Surround::panel);
-}
-
-void require_desktop() {
-  const opengl::WindowSystem desktop;
-}
-
-MonitorProjector open_projector(std::optional<int> monitor) {
-  if (!monitor) return {};
-
-  // The window must outlive the sink that draws into it, so `closed` holds both.
-  struct Window {
-    opengl::WindowSystem system;
-    std::optional<monitor::MonitorSink> sink;
-  };
-
-  const auto window = std::make_shared<Window>();
-  monitor::MonitorSink& sink = window->sink.emplace(window->system, *monitor);
-  return {.sink = &sink, .refresh_hz = sink.refresh_hz(), .closed = [window] {
-            return window->sink->closed();
-          }};
 }
 
 namespace {

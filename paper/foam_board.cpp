@@ -1,3 +1,5 @@
+#include "paper/foam_board.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include "codes/predicted_variance.h"
 #include "decode/phase_decoder.h"
 #include "paper/multiplexing_tables.h"
-#include "paper/reproduction.h"
 #include "response/ambient_calibration.h"
 #include "response/noise_calibration.h"
 #include "slipstream/named_scenes.h"

@@ -1,3 +1,5 @@
+#include "paper/gamma_experiment.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +17,6 @@
 #include "paper/cloud_views.h"
 #include "paper/curve_fit.h"
 #include "paper/formulas.h"
-#include "paper/reproduction.h"
 #include "reconstruct/phase_matcher.h"
 #include "reconstruct/pipeline.h"
 #include "response/correction.h"

@@ -1,3 +1,5 @@
+#include "paper/gamma_model.h"
+
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -9,7 +11,6 @@
 
 #include "decode/phase_decoder.h"
 #include "paper/formulas.h"
-#include "paper/reproduction.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
 #include "slipstream/gamma.h"

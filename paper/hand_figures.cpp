@@ -1,3 +1,5 @@
+#include "paper/hand_figures.h"
+
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -6,7 +8,6 @@
 
 #include "decode/equations.h"
 #include "paper/cloud_views.h"
-#include "paper/reproduction.h"
 #include "simulate/hand.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"

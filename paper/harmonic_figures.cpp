@@ -1,3 +1,5 @@
+#include "paper/harmonic_figures.h"
+
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -8,7 +10,6 @@
 
 #include "base/statistics.h"
 #include "paper/formulas.h"
-#include "paper/reproduction.h"
 #include "response/correction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"

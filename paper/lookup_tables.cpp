@@ -1,3 +1,5 @@
+#include "paper/lookup_tables.h"
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -12,7 +14,6 @@
 #include "base/statistics.h"
 #include "decode/phase_decoder.h"
 #include "paper/published_loops.h"
-#include "paper/reproduction.h"
 #include "reconstruct/fused/fused_engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"

@@ -1,3 +1,5 @@
+#include "paper/model_table.h"
+
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -6,7 +8,6 @@
 #include <vector>
 
 #include "cloud/object_model.h"
-#include "paper/reproduction.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"

@@ -1,3 +1,5 @@
+#include "paper/motion_table.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "paper/reproduction.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"

@@ -9,7 +9,6 @@
 
 #include "decode/cue_evidence.h"
 #include "decode/decoder.h"
-#include "paper/reproduction.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "paper/reproduction.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/image.h"
 #include "slipstream/pattern_set.h"
@@ -88,5 +89,9 @@ struct VarianceRatioTrial {
 /// Throws Error for other steps.
 std::vector<VarianceRatioCell> variance_ratio_table(int steps,
                                                     const VarianceRatioTrial& trial = {});
+
+/// Liu 2010, Tables 3.1 to 3.3 by the published and by the default rule, Tables 3.5 and 3.7 on the
+/// virtual scanner.
+std::vector<Reproducible> multiplexing_table_reproducibles();
 
 }  // namespace slipstream

@@ -1,3 +1,5 @@
+#include "paper/noise_figures.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +13,6 @@
 #include "decode/phase_decoder.h"
 #include "paper/formulas.h"
 #include "paper/multiplexing_tables.h"
-#include "paper/reproduction.h"
 #include "response/noise_calibration.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"

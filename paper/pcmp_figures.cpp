@@ -1,4 +1,5 @@
-// Figures 3.16 to 3.24: a board and an angel under PMP and PCMP.
+#include "paper/pcmp_figures.h"
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -15,7 +16,6 @@
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
 #include "paper/cloud_views.h"
-#include "paper/reproduction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/phase_shifting.h"

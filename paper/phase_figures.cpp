@@ -1,4 +1,5 @@
-// Figures 1.27 and 1.28: noise of the phase, and temporal unwrapping.
+#include "paper/phase_figures.h"
+
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -10,7 +11,6 @@
 #include "decode/decoder.h"
 #include "decode/phase_decoder.h"
 #include "paper/multiplexing_tables.h"
-#include "paper/reproduction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/strategy.h"

@@ -4,6 +4,18 @@
 
 #include <fmt/ranges.h>
 
+#include "paper/foam_board.h"
+#include "paper/gamma_experiment.h"
+#include "paper/gamma_model.h"
+#include "paper/hand_figures.h"
+#include "paper/harmonic_figures.h"
+#include "paper/lookup_tables.h"
+#include "paper/model_table.h"
+#include "paper/motion_table.h"
+#include "paper/multiplexing_tables.h"
+#include "paper/noise_figures.h"
+#include "paper/pcmp_figures.h"
+#include "paper/phase_figures.h"
 #include "slipstream/error.h"
 
 namespace slipstream {

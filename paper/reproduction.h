@@ -102,43 +102,4 @@ std::string text_of(const Reproduced& reproduced);
 /// Adds a section to a page in `folder`, an absolute path.
 void add_to(Page& page, const Reproduced& reproduced, const std::filesystem::path& folder);
 
-/// Figures 1.27 and 1.28: noise of the phase, and temporal unwrapping.
-std::vector<Reproducible> phase_reproducibles();
-
-/// Figures 1.43 to 1.45: harmonics of a distorted sinusoid.
-std::vector<Reproducible> harmonic_reproducibles();
-
-/// Figure 2.1, Tables 2.1 and 2.2: look-up tables. Times are of this machine.
-std::vector<Reproducible> lookup_table_reproducibles();
-
-/// Figures 2.3 and 2.4: a moving hand.
-std::vector<Reproducible> hand_reproducibles();
-
-/// Liu 2010, Tables 3.1 to 3.3 by the published and by the default rule, Tables 3.5 and 3.7 on the
-/// virtual scanner.
-std::vector<Reproducible> multiplexing_table_reproducibles();
-
-/// Figures 3.1 to 3.3, 3.5, 3.7, 3.8, 3.10 and 3.11: noise, predicted and measured.
-std::vector<Reproducible> noise_figure_reproducibles();
-
-/// Section 3.3 on a virtual foam board: Figures 3.12 to 3.15, the noise by each equation, 3-pattern
-/// PCMP, and Tables 3.4 and 3.6.
-std::vector<Reproducible> foam_board_reproducibles();
-
-/// Figures 3.16 to 3.24: a board and an angel under PMP and PCMP.
-std::vector<Reproducible> pcmp_figure_reproducibles();
-
-/// Table 4.1 and Figures 4.1 to 4.10: the gamma model without noise.
-std::vector<Reproducible> gamma_model_reproducibles();
-
-/// Sections 4.4 and 4.5: two cameras, and the experiments, on the virtual scanner; Figures 4.11 to
-/// 4.26 from them.
-std::vector<Reproducible> gamma_experiment_reproducibles();
-
-/// Depth errors of a moving sphere and a moving statue, by speed, frames and weights.
-std::vector<Reproducible> motion_reproducibles();
-
-/// Error of a model of an object that turns once.
-std::vector<Reproducible> model_reproducibles();
-
 }  // namespace slipstream

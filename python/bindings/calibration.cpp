@@ -1,3 +1,5 @@
+#include "python/bindings/calibration.h"
+
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,7 +11,8 @@
 #include "codes/predicted_variance.h"
 #include "decode/phase_decoder.h"
 #include "io/image_file.h"
-#include "python/bindings/bindings.h"
+#include "python/bindings/arguments.h"
+#include "python/bindings/scans.h"
 #include "response/ambient_calibration.h"
 #include "response/gamma_calibration.h"
 #include "response/noise_calibration.h"

@@ -1,3 +1,5 @@
+#include "python/bindings/clouds.h"
+
 #include <array>
 #include <cmath>
 #include <memory>
@@ -11,7 +13,7 @@
 #include "base/throw_if-inl.h"
 #include "io/image_file.h"
 #include "io/plot.h"
-#include "python/bindings/bindings.h"
+#include "python/bindings/arguments.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/spatial_unwrapping.h"
 #include "slipstream/surface.h"

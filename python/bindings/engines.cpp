@@ -1,3 +1,5 @@
+#include "python/bindings/engines.h"
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -7,7 +9,9 @@
 #include <string>
 #include <type_traits>
 
-#include "python/bindings/bindings.h"
+#include "python/bindings/arguments.h"
+#include "python/bindings/clouds.h"
+#include "python/bindings/scans.h"
 #include "slipstream/gamma.h"
 #include "slipstream/live_pipeline.h"
 #include "slipstream/named_source.h"

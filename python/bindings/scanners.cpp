@@ -1,3 +1,5 @@
+#include "python/bindings/scanners.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -11,7 +13,7 @@
 #include "codes/design.h"
 #include "decode/phase_decoder.h"
 #include "io/pattern_pictures.h"
-#include "python/bindings/bindings.h"
+#include "python/bindings/arguments.h"
 #include "response/correction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scanner_file.h"

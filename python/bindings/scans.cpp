@@ -1,3 +1,5 @@
+#include "python/bindings/scans.h"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -11,7 +13,7 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
-#include "python/bindings/bindings.h"
+#include "python/bindings/arguments.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"

@@ -69,9 +69,9 @@ TEST(ScanFindings, JsonHasAllOfAFinding) {
       {"quantities", {{{"name", "agreement"}, {"value", 0.25}}}},
       {"likely", "frames 0 to 2 are rotated by one"},
       {"causes", {{{"kind", "frame-order"}, {"text", "frames 0 to 2 are rotated by one"}}}},
-      {"try", "try --order 2,0,1,3,4,5"},
+      {"try", "try `order 2,0,1,3,4,5`"},
       {"remedies",
-       {{{"text", "try --order 2,0,1,3,4,5"}, {"settings", {{"order", "2,0,1,3,4,5"}}}}}},
+       {{{"text", "try `order 2,0,1,3,4,5`"}, {"settings", {{"order", "2,0,1,3,4,5"}}}}}},
       {"refused", true}};
   EXPECT_EQ(nlohmann::json(rotated), expected);
 

@@ -233,7 +233,7 @@ TEST_F(CalibrationOfCorners, PosesOfAnotherCameraAreTold) {
   const auto views_of_other = virtual_views(other, board, printed_places(board), 6, 0.05).views;
   std::vector<BoardView> one = boards(6).views;
   one[4] = views_of_other[4];
-  expect_error([&] { (void)calibrated(one, plain); }, {"pose4", "do not fit", "`excluded`"});
+  expect_error([&] { (void)calibrated(one, plain); }, {"pose4", "do not fit", "`excluded pose4`"});
   std::vector<BoardView> half = boards(6).views;
   for (const std::size_t v : {1U, 3U, 5U}) half[v] = views_of_other[v];
   expect_error([&] { (void)calibrated(half, plain); }, {"fit"});

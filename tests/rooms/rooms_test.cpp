@@ -275,13 +275,16 @@ TEST(Rooms, KeepTheirBorders) {
   }
 }
 
-/// Sources that implement a part of a public header with another name, and why.
-const std::map<std::string, std::string> sources_of_another_header{
-    {"calibrate/verification",
+/// Sources without a header of their name, and why.
+const std::map<std::string, std::string> sources_without_own_header{
+    {"src/calibrate/verification",
      "verify_scanner is in geometry_calibration.h, whose own source is long"},
-    {"cloud/spheres", "find_spheres is in measure.h, whose own source is long"}};
+    {"src/cloud/spheres", "find_spheres is in measure.h, whose own source is long"},
+    {"app/main", "nothing else calls it"},
+    {"python/bindings/module", "defines the Python module, which only Python loads"}};
 
-/// Whether the source, such as src/decode/maps.cpp, has a header of its name: public, or beside it.
+/// Whether the source has a header of its name beside it or, for one of a room such as
+/// src/decode/maps.cpp, a public one.
 bool has_own_header(const fs::path& source) {
   fs::path beside = source;
   if (fs::exists(beside.replace_extension(".h"))) return true;
@@ -290,22 +293,36 @@ bool has_own_header(const fs::path& source) {
   return fs::exists(public_header) && room_of(public_header) == room_of(source);
 }
 
-/// The name of a source leads to its declarations.
-TEST(Rooms, SourcesHaveAHeaderOfTheirName) {
+/// Sources of the rooms that are built, of the program, of the Python module and of `reproduce`.
+std::vector<fs::path> sources_with_headers() {
   const Uses uses = read_rooms();
-  int sources = 0;
+  std::vector<fs::path> files;
   for (const fs::path& file : files_of_rooms()) {
-    if (file.extension() != ".cpp" || !uses.contains(room_of(file))) continue;
-    ++sources;
-
-    fs::path name = file.lexically_relative(rooms_folder());
-    const bool is_exception = sources_of_another_header.contains(name.replace_extension().string());
-    EXPECT_NE(has_own_header(file), is_exception) << file;
+    if (uses.contains(room_of(file))) files.push_back(file);
   }
 
-  EXPECT_GT(sources, 100);
-  for (const auto& [name, reason] : sources_of_another_header) {
-    EXPECT_TRUE(fs::exists(rooms_folder() / (name + ".cpp"))) << name << " is gone";
+  for (const char* const folder : {"app", "paper", "python/bindings"}) {
+    for (const auto& entry : fs::directory_iterator(fs::path(SLIPSTREAM_SOURCE_FOLDER) / folder)) {
+      files.push_back(entry.path());
+    }
+  }
+
+  std::erase_if(files, [](const fs::path& file) { return file.extension() != ".cpp"; });
+  return files;
+}
+
+/// The name of a source leads to its declarations.
+TEST(Rooms, SourcesHaveAHeaderOfTheirName) {
+  const std::vector<fs::path> sources = sources_with_headers();
+  for (const fs::path& file : sources) {
+    fs::path name = file.lexically_relative(SLIPSTREAM_SOURCE_FOLDER);
+    name.replace_extension();
+    EXPECT_NE(has_own_header(file), sources_without_own_header.contains(name.string())) << file;
+  }
+
+  EXPECT_GT(sources.size(), 150U);
+  for (const auto& [name, reason] : sources_without_own_header) {
+    EXPECT_TRUE(fs::exists(fs::path(SLIPSTREAM_SOURCE_FOLDER) / (name + ".cpp"))) << name;
   }
 }
 

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/board_flags.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/scan_files.h"
+
+namespace slipstream::app {
+
+/// Folders of board scans and how to read them.
+struct BoardCaptureFlags {
+  std::string folder;
+  BoardFlags board;
+  ScanChanges scan;
+  std::string first_axis = "x";
+  std::vector<std::string> excluded;
+  BoardCaptureSettings capture;
+};
+
+/// The flags of `calibrate geometry`.
+struct CalibrateGeometryFlags {
+  BoardCaptureFlags boards;
+  std::string camera_distortion = "auto", projector_distortion = "auto", print = "estimated";
+  double print_deviation = 0.01;
+  std::string scanner;
+  std::optional<std::string> report, compare, measured;
+};
+
+/// Calibrates from board scans in several poses; writes and reports the scanner file and the
+/// report. The document's `verdict` is the report's.
+void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output);
+
+/// Adds `calibrate` with all its commands, also those of calibrate_photometry.h and phase_maps.h.
+void add_calibrate(const Commands& program);
+
+/// Adds `calibrate board`, which draws a board to print.
+void add_calibrate_board(const Commands& calibrate);
+
+/// Adds `calibrate geometry`, which calibrates camera and projector.
+void add_calibrate_geometry(const Commands& calibrate);
+
+/// Adds `calibrate verify`, which checks a scanner file against scans of a board.
+void add_calibrate_verify(const Commands& calibrate);
+
+}  // namespace slipstream::app

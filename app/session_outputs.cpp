@@ -1,0 +1,191 @@
+#include "app/session_outputs.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/session_settings.h"
+#include "frames/pattern_windows.h"
+#include "io/file.h"
+#include "io/result_files.h"
+#include "reconstruct/engine_setup.h"
+#include "slipstream/scan_files.h"
+
+namespace slipstream::app {
+namespace {
+
+/// The maps of a session's clouds for PublishedRun; callable from any sink.
+class CloudMaps {
+ public:
+  explicit CloudMaps(LiveSession& session) : session_(session) {}
+
+  Image<std::uint8_t> phase(const LiveCloud& cloud) {
+    const std::lock_guard lock(mutex_);
+    const auto frames = measure(cloud);
+    if (!frames) return {};
+
+    const double least = least_modulation(engine_->setup().settings, frames->full_scale());
+    Image<std::uint8_t> phase(frames->size());
+
+    // The wrapped phase, 0 to 2 pi, as grey levels 1 to 255; 0 stands for a pixel without a phase.
+    std::transform(maps_.wrapped_phase.begin(), maps_.wrapped_phase.end(), maps_.modulation.begin(),
+                   phase.begin(), [&](float angle, float modulation) {
+                     const float step = angle * (255 / (2 * std::numbers::pi_v<float>));
+                     if (!(modulation >= least) || !(step >= 0)) return std::uint8_t{0};
+                     return static_cast<std::uint8_t>(1 + std::min(step, 254.0F));
+                   });
+
+    return phase;
+  }
+
+  std::optional<Uncertainty> uncertainty(const LiveCloud& cloud) {
+    const std::lock_guard lock(mutex_);
+    const auto frames = measure(cloud);
+    if (!frames) return std::nullopt;
+    return engine_->uncertainty(cloud.cloud, maps_, *frames);
+  }
+
+ private:
+  /// The frames to make maps from; empty if they belong to another sequence than the current one.
+  std::optional<FrameViews> measure(const LiveCloud& cloud) {
+    // The engine is built again when the setup has changed since the last cloud.
+    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
+      EngineSetup setup = setup_of(session_);
+      motion_ = std::exchange(setup.sequence.motion, 0);
+      if (!session_.flags.second_camera.empty()) {  // the points are not of one camera's phases
+        setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,
+                                         setup.scanner.photometry);
+      }
+
+      engine_.emplace(setup);
+      changes_ = changes;
+    }
+
+    // A window with extra motion frames holds the cycle in its middle.
+    const FrameViews window = views_of(cloud.frames);
+    if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
+    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
+    const FrameViews& frames = engine_->merged(cycle);
+    engine_->maps(frames, maps_);
+    return frames;
+  }
+
+  LiveSession& session_;
+  std::mutex mutex_;
+  std::optional<Engine> engine_;
+  std::uint64_t changes_ = 0;
+  int motion_ = 0;
+  Maps maps_;
+};
+
+std::string trouble_of(const LiveSession& session) {
+  const LivePipeline& pipeline = *session.pipeline;
+  if (const auto failure = pipeline.failure()) return "the pipeline has failed";
+  const std::string state = pipeline.statistics().source_state;
+  if (!state.empty()) return state;
+
+  for (const SinkStatistics& sink : session.publisher.statistics()) {
+    if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
+  }
+  return pipeline.running() ? "" : "the source has ended";
+}
+
+std::string save_newest(LiveSession& session) {
+  require_saveable(session);
+
+  // One save per second is enough: a page's button may be pressed by several people.
+  const std::lock_guard lock(session.saving);
+  throw_if(std::chrono::steady_clock::now() - session.saved < std::chrono::seconds(1),
+           "saved a moment ago");
+
+  const Pooled<LiveCloud> newest = session.pipeline->newest();
+  throw_if(!newest, "no cloud to save yet");
+
+  std::string folder =
+      save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
+                         remarks_about(session.pipeline->statistics().findings));
+
+  session.saved = std::chrono::steady_clock::now();
+  return folder;
+}
+
+}  // namespace
+
+void require_saveable(const LiveSession& session) {
+  throw_if(!session.flags.second_camera.empty(),
+           "with --second-camera nothing is saved while it runs; the last cloud is written by -o");
+}
+
+void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document) {
+  const Scanner& scanner = session.setup.scanner;
+  for (const std::string& name : session.flags.publish) {
+    const auto maps = std::make_shared<CloudMaps>(session);
+    PublishedRun run{
+        .camera = scanner.camera,
+        .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
+        .has_points = has_geometry(scanner),
+        .statistics =
+            [document] {  // paths need not be UTF-8
+              return document().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+            },
+        .trouble = [&session] { return with_flags(trouble_of(session)); },
+        .save = [&session] { return save_newest(session); },
+        .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
+        .sequence = [&session] { return setup_of(session).sequence; },
+        .settings = [&session] { return settings_of(session); },
+        .change = [&session](const std::string& setting,
+                             const std::string& value) { change_setting(session, setting, value); },
+        .limit = session.flags.limit,
+    };
+
+    // Sigma needs the noise variance and the phases of one camera.
+    if (scanner.photometry.noise_variance && session.flags.second_camera.empty()) {
+      run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
+    }
+
+    session.publisher.add(name, open_sink(name, std::move(run)));
+  }
+}
+
+std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
+                               const std::string& parent, const std::vector<std::string>& remarks) {
+  Sequence sequence = setup.sequence;
+  throw_if(frames.count() != frame_count(sequence),
+           "the displayed frames do not match the selected strategy");
+
+  sequence.projector = setup.scanner.projector.size;
+  sequence.marker = false;
+  const fs::path folder = path_named_by_time(parent, "scan", "");
+
+  // Without a scanner only the frames are worth saving.
+  if (!has_geometry(setup.scanner)) {
+    save_scan(folder, frames, sequence, std::nullopt);
+    return folder.string();
+  }
+
+  Cloud cloud;
+  Maps maps;
+  Engine(setup).cloud_and_maps(frames, cloud, maps);
+  make_folder(folder);
+
+  // Merged exposures are not frames as taken, so they are left out.
+  if (!frames.merged()) save_scan(folder, frames, sequence, setup.scanner);
+  write_results({.cloud = folder / "cloud.ply",
+                 .depth = folder / "depth.tiff",
+                 .coordinate = folder / "coordinate.tiff",
+                 .phase = folder / "phase.tiff",
+                 .modulation = folder / "modulation.tiff",
+                 .mean = folder / "mean.tiff",
+                 .preview = folder / "preview.png"},
+                cloud, maps, {.remarks = remarks});
+  return folder.string();
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,171 @@
+#include "app/session_settings.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "base/numbers.h"
+#include "io/file.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/strategy.h"
+
+namespace slipstream::app {
+namespace {
+
+const std::vector<std::string> off_and_on{"off", "on"};
+
+RunSetting number(const char* name, const char* help, const char* unit, const ControlValue& value) {
+  return {.name = name,
+          .help = help,
+          .unit = unit,
+          .value = fmt::format("{:.6g}", value.value),
+          .least = value.least,
+          .most = value.most};
+}
+
+RunSetting off_or_on(const char* name, const char* help, bool on) {
+  return {.name = name, .help = help, .value = off_and_on[on ? 1 : 0], .choices = off_and_on};
+}
+
+/// Calls visit(setting, member) for each number and switch of `settings` that can change live.
+template <class Settings, class Visit>
+void for_each_live_setting(Settings& settings, const Visit& visit) {
+  const auto visit_live = [&](const Setting& setting, auto& member) {
+    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(member)>>) {
+      if (*setting.live.help != '\0') visit(setting, member);
+    }
+  };
+
+  ReconstructSettings::for_each_setting(settings, visit_live);
+  CleanSettings::for_each_setting(settings.clean, visit_live);
+}
+
+/// Numbers first.
+std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
+  std::vector<RunSetting> all;
+  for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
+    const char* const name = setting.option;
+    const auto& [help, unit, least, most] = setting.live;
+    if constexpr (std::is_same_v<decltype(value), const bool&>) {
+      all.push_back(off_or_on(name, help, value != setting.option_clears));
+    } else {
+      all.push_back(number(name, help, unit, {static_cast<double>(value), least, most}));
+    }
+  });
+
+  std::ranges::stable_partition(all, std::ranges::empty, &RunSetting::choices);
+  return all;
+}
+
+void change_described(ReconstructSettings& settings, const std::string& name,
+                      const std::string& value) {
+  for_each_live_setting(settings, [&](const Setting& setting, auto& member) {
+    if (name != setting.option) return;
+    using Member = std::remove_reference_t<decltype(member)>;
+
+    if constexpr (std::is_same_v<Member, bool>) {
+      member = (value == "on") != setting.option_clears;
+    } else {
+      member = static_cast<Member>(number_in<double>(value).value_or(0));
+    }
+  });
+}
+
+/// The caller holds the mutex, here and below.
+void change_locked(LiveSession& session, EngineSetup setup) {
+  if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
+  session.pipeline->change(setup);
+  session.setup = setup;
+  session.recorder->set_strategy(setup.sequence.strategy);
+  ++session.changes;
+}
+
+void set_recording(LiveSession& session, bool on) {
+  if (!on) return session.recorder->finish_recording();
+  if (session.recorder->recording()) return;
+  make_folder(session.flags.view.save_to);
+  session.recorder->record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
+}
+
+}  // namespace
+
+std::vector<std::string> strategy_labels(const Strategy& given) {
+  std::vector<std::string> labels;
+  for (const Strategy& choice : strategies_beside(given)) labels.push_back(label_of(choice));
+  return labels;
+}
+
+bool takes_motion(const Sequence& sequence) {
+  const Layout& layout = sequence.strategy.layout();
+  const auto run = step_run(measuring_band(layout));
+  const bool is_alone = layout.bands.size() == 1 && !layout.cue;
+
+  // Two sinusoids that share the modulation of the same frames.
+  const bool is_multiplexed =
+      layout.unwrapping == Unwrapping::vote && measuring_band(layout).share < 1;
+
+  return (is_alone || is_multiplexed) && run && run->steps == layout.frames &&
+         sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
+}
+
+EngineSetup setup_of(LiveSession& session) {
+  const std::lock_guard lock(session.mutex);
+  return session.setup;
+}
+
+void change_setup(LiveSession& session, const EngineSetup& setup) {
+  const std::lock_guard lock(session.mutex);
+  change_locked(session, setup);
+}
+
+std::vector<RunSetting> settings_of(LiveSession& session) {
+  std::vector<RunSetting> all;
+  const CameraControls* const camera = session.recorder->controls();
+  for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
+    const auto control = camera ? camera->control(which) : std::nullopt;
+    if (control) all.push_back(number(name, help, unit, *control));
+  }
+
+  const EngineSetup setup = setup_of(session);
+  all.push_back({.name = "strategy",
+                 .help = "patterns shown by the projector",
+                 .value = label_of(setup.sequence.strategy),
+                 .choices = session.patterns_can_change ? strategy_labels(session.strategy)
+                                                        : std::vector{label_of(session.strategy)}});
+  for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
+
+  const auto recording = session.recorder->recording();
+  all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));
+  if (recording) all.back().state = text_of(*recording);
+  return all;
+}
+
+void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
+  require_settable(settings_of(session), name, value);
+  const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
+
+  // 1. A control of the camera.
+  if (control != camera_controls.end()) {
+    session.recorder->controls()->set_control(control->which, number_in<double>(value).value_or(0));
+    ++session.changes;
+    return;
+  }
+
+  // 2. Recording on or off.
+  const std::lock_guard lock(session.mutex);
+  if (name == "record") return set_recording(session, value == "on");
+
+  // 3. A setting of the reconstruction, or the strategy.
+  EngineSetup setup = session.setup;
+  if (name == "strategy") {
+    const bool given = value == label_of(session.strategy);
+    setup.sequence.strategy = given ? session.strategy : strategy_labelled(value);
+  }
+  change_described(setup.settings, name, value);
+  change_locked(session, std::move(setup));
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "app/live.h"
+
+namespace slipstream::app {
+
+/// One window from camera and projector to a cloud; the flags are its first choices. In builds with
+/// SLIPSTREAM_VIEW.
+void studio(const LiveFlags& flags, Output& output);
+
+/// Adds `studio`, in the same builds.
+void add_studio(const Commands& program);
+
+}  // namespace slipstream::app

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "python/bindings/bindings.h"
+
+namespace slipstream::python {
+
+/// Adds engines, whose results have the types of bind_clouds.
+void bind_engine(py::module_& module);
+
+/// Adds live reconstruction, with the same results.
+void bind_live(py::module_& module);
+
+}  // namespace slipstream::python

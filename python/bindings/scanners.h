@@ -1,0 +1,10 @@
+#pragma once
+
+#include "python/bindings/bindings.h"
+
+namespace slipstream::python {
+
+/// Adds strategies, sequences, response curves and scanners.
+void bind_scanners(py::module_& module);
+
+}  // namespace slipstream::python

@@ -12,6 +12,7 @@
 #include "paper/reproduction.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
+#include "response/harmonics.h"
 #include "slipstream/gamma.h"
 
 namespace slipstream {

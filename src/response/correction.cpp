@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <Eigen/Dense>
 

@@ -21,6 +21,7 @@
 #include "reconstruct/pipeline.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
+#include "response/harmonics.h"
 #include "response/response_fit.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"

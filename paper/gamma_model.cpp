@@ -13,6 +13,7 @@
 #include "paper/formulas.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
+#include "response/harmonics.h"
 #include "slipstream/gamma.h"
 
 namespace slipstream {

@@ -10,7 +10,7 @@
 
 #include "base/statistics.h"
 #include "paper/formulas.h"
-#include "response/correction.h"
+#include "response/harmonics.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/strategy.h"

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
-#include "base/statistics.h"
+#include "check/changing_light.h"
 #include "check/code_evidence.h"
+#include "check/dark_frames.h"
 #include "check/frame_faults.h"
 #include "check/method_limits.h"
 #include "check/mistake_search.h"
@@ -188,201 +188,6 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   }
 }
 
-/// Relative gain of each frame, estimated from the unexplained components; the mean is 0.
-struct FrameGains {
-  /// The part of `all` that `others`, gains from other pixels, explain.
-  [[nodiscard]] double explained_by(const Eigen::VectorXd& others) const {
-    return others.dot(2 * right - normal * others);
-  }
-
-  Eigen::VectorXd gains;
-  Eigen::MatrixXd normal;  ///< normal * gains = right, with residual `all`
-  Eigen::VectorXd right;
-  double all = 0;
-};
-
-/// A frame and its gain, relative to the mean of all.
-struct FrameGain {
-  int frame = 0;
-  double gain = 0;
-};
-
-/// The frame whose gain alone explains nearly all, and more than any other's.
-std::optional<FrameGain> odd_frame(const FrameGains& gains) {
-  constexpr double least_share = 0.7, least_lead = 0.1;
-  const auto& [unused, normal, right, all] = gains;
-  std::optional<FrameGain> best;
-
-  double most = 0, second = 0;
-  for (Eigen::Index n = 0; n < right.size(); ++n) {
-    // Part of the residual that the gain of frame n alone explains by least squares.
-    const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
-    second = std::max(second, std::min(share, most));
-    if (share <= most) continue;
-    most = share;
-    best = FrameGain{static_cast<int>(n), right[n] / normal(n, n)};
-  }
-
-  // The clearest frame must stand out from the second.
-  return most >= least_share && most >= second + least_lead ? best : std::nullopt;
-}
-
-/// The gains from every other group, from `first` (0 or 1) on.
-FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
-  const int count = model.layout().frames;
-
-  // P I is 0 for true frames, so gains leave P diag(I) gain. Both factors of each product come from
-  // different neighbours, which share no noise.
-  const FrameOrder order = model.identity();
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  double all = 0;
-
-  SampleReading reading;
-  const auto rows = static_cast<Eigen::Index>(model.unexplained_count());
-  const auto by_gains = [&](const float* levels, Eigen::MatrixXd& changes, Eigen::VectorXd& left) {
-    model.read(levels, order, reading);
-    left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
-    for (int n = 0; n < count; ++n) changes.col(n) = model.unexplained_by(n, levels[n]);
-  };
-
-  Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
-  Eigen::VectorXd left_a(rows), left_b(rows);
-
-  // Normal equations, each pair of neighbours used both ways round.
-  for (std::size_t g = first; g < samples.groups(); g += 2) {
-    if (!samples.lit(g, ScanSamples::right)) continue;
-
-    by_gains(samples.levels(g, ScanSamples::middle), changes_a, left_a);
-    by_gains(samples.levels(g, ScanSamples::right), changes_b, left_b);
-    normal += changes_a.transpose() * changes_b + changes_b.transpose() * changes_a;
-    right += changes_a.transpose() * left_b + changes_b.transpose() * left_a;
-    all += 2 * left_a.dot(left_b);
-  }
-
-  // A common gain is unobservable: fix the mean at 0.
-  const double held = normal.trace() / count;
-  const Eigen::VectorXd gains =
-      (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
-
-  return {gains, normal, right, all};
-}
-
-/// Detects light that changed between frames.
-std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
-  // Correct scans sometimes leave more (a real skull: 0.0085), but gains explain at most 0.62 of
-  // it, at half a percent. Lamps and exposures do not change by more than most_gain.
-  constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
-  constexpr double most_gain = 0.3;
-  if (fit.frames.residual < least_residual) return std::nullopt;
-
-  // Noise may look like gains: those of one half of the pixels must explain the other half.
-  const FrameGains gains = frame_gains(scan.model, scan.samples, 0);
-  const FrameGains others = frame_gains(scan.model, scan.samples, 1);
-
-  // The largest gain, its standard error from the two halves, and the share they explain.
-  const double size = (gains.gains + others.gains).cwiseAbs().maxCoeff() / 2;
-  const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
-  const double explained = (gains.explained_by(others.gains) + others.explained_by(gains.gains)) /
-                           (gains.all + others.all);
-  if (!(explained >= least_explained && size >= least_gain && size <= most_gain &&
-        size >= 4 * error)) {
-    return std::nullopt;
-  }
-
-  const auto odd = odd_frame(gains);
-  // Motion may resemble flicker, but rarely of a single frame.
-  if (scan.settings.moving && !odd) return std::nullopt;
-
-  Finding finding{
-      .kind = FindingKind::changing_light,
-      .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
-                          100 * least_gain),
-      .evidence = {{"the most", 100 * size, "percent", 100 * least_gain}},
-      .causes = {{CauseKind::flicker,
-                  "light that flickers, or an exposure or gain that changed between frames"}},
-      .remedies = {
-          {"fix exposure and gain; expose for whole periods of the mains and the projector"}}};
-
-  if (odd) {
-    finding.frames = {odd->frame};
-    finding.evidence = {
-        {fmt::format("frame {}", odd->frame), 100 * odd->gain, "percent", 100 * least_gain}};
-  }
-
-  return finding;
-}
-
-/// Frames that vary over a scene only if frame n does: those of its bands; of a code the next
-/// coarser bit, or the bit that an inverse inverts. nullopt for a uniform pattern.
-std::optional<std::vector<int>> frames_beside(const Layout& layout, int n) {
-  std::vector<int> beside;
-  bool varies = false;
-
-  // The other frames of the bands that frame n belongs to.
-  for (const Band& band : layout.bands) {
-    const auto is_in = [&](int m) {
-      return !layout.unwrapping->whole_stripes && (band.cosine[m] != 0 || band.sine[m] != 0);
-    };
-
-    if (!is_in(n)) continue;
-    varies = true;
-    for (int m = 0; m < layout.frames; ++m) {
-      if (m != n && is_in(m)) beside.push_back(m);
-    }
-  }
-
-  // In a code: the bit that an inverse inverts, or the next coarser bit.
-  if (!layout.code) return beside;
-  const std::vector<int>&bits = layout.code->frames, &inverses = layout.code->inverses;
-  const auto bit = std::ranges::find(bits, n), inverse = std::ranges::find(inverses, n);
-
-  // Frames with a common base all share its edges, so that their coarser bits prove little.
-  if (inverse != inverses.end()) {
-    beside.push_back(bits[inverse - inverses.begin()]);
-  } else if (bit != bits.end() && bit != bits.begin() && !layout.code->base) {
-    beside.push_back(*std::prev(bit));
-  }
-
-  varies |= bit != bits.end() || inverse != inverses.end();
-  return varies ? std::optional(beside) : std::nullopt;
-}
-
-/// How much of a pixel's range a frame covers over the lit pixels, 0 to 1.
-double shown_range(const ScanSamples& samples, int n) {
-  std::vector<double> shares;
-
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const float* const levels = samples.levels(g, ScanSamples::middle);
-    const auto [least, greatest] = std::minmax_element(levels, levels + samples.frames());
-    shares.push_back((levels[n] - *least) / std::max(1.0F, *greatest - *least));
-  }
-
-  // Without the outliers at either end.
-  const double most = quantile(shares, 0.95);
-  return most - quantile(shares, 0.05);
-}
-
-/// Finds frames without any pattern, unless the scene lies in a dark part of it: if no frame is
-/// lost, another frame must show that the scene reaches a bright part.
-std::vector<Finding> dark_frames(const JudgedScan& scan, bool lost = false) {
-  constexpr double least_shown = 0.7;
-  const auto is_shown = [&](int n) { return shown_range(scan.samples, n) >= least_shown; };
-
-  std::vector<Finding> findings;
-  for (int n = 0; n < scan.samples.frames(); ++n) {
-    auto finding = without_pattern(scan.samples, n);
-    if (!finding) continue;
-
-    // If no other frame is bright, the scene may lie in the dark part of the pattern.
-    const auto beside = frames_beside(scan.model.layout(), n);
-    const bool reached = beside && (lost || std::ranges::any_of(*beside, is_shown));
-    if (reached) findings.push_back(std::move(*finding));
-  }
-
-  return findings;
-}
-
 /// Of a scan that fits: another mistake that explains it far better.
 std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   constexpr double clearly = 0.5;
@@ -423,10 +228,6 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
   return method_limits(scan, fit);
 }
-
-}  // namespace
-
-namespace {
 
 /// Two explanations whose misfits differ by less explain a scan about as well.
 constexpr double nearly = 0.3;

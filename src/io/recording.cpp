@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <exception>
 #include <map>
@@ -10,14 +9,13 @@
 #include <regex>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
-#include <variant>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "frames/colour_channels.h"
 #include "frames/scan_camera.h"
 #include "io/file.h"
+#include "io/recording_format.h"
 #include "io/scan_folder.h"
 #include "slipstream/scanner_file.h"
 
@@ -25,103 +23,11 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "recordings are little-endian; this machine is not");
-
-constexpr std::array<char, 8> recording_magic{'S', 'L', 'I', 'P', 'F', 'R', 'M', 'S'};
-constexpr std::array<char, 4> end_mark{'E', 'N', 'D', '.'};
-
-/// Versions for grey and colour: readers that only know grey must reject colour.
-constexpr std::uint32_t grey_version = 1, colour_version = 2;
-constexpr std::uint32_t channels = 3;
-
-/// Alignment of headers and records, bytes.
-constexpr std::uint64_t alignment = 64;
+using namespace recording_format;
 
 /// Bytes at the end of an interrupted recording that are searched frame by frame: more than are
 /// ever unsynced.
 constexpr std::uint64_t searched_bytes = 4 * OutputFile::most_unsynced;
-
-struct FileHeader {
-  std::array<char, 8> recording_magic{};
-  std::uint32_t version = 0;
-  std::uint32_t header_size = 0;  ///< offset of the first record
-  std::uint32_t width = 0, height = 0, bits = 0, scan_length = 0, scanner_length = 0;
-  std::uint32_t channels = 0;  ///< 3 in colour, otherwise 0
-  double frame_rate = 0;
-  std::uint64_t record_size = 0;
-  std::uint32_t white_length = 0;  ///< of the third text: the pixels of the white picture
-  std::uint32_t checksum = 0;      ///< of the fields before it, then of the bytes up to header_size
-};
-static_assert(sizeof(FileHeader) == alignment);
-
-struct RecordHeader {
-  std::uint32_t checksum = 0;  ///< of the rest of the record
-  std::int32_t pattern_index = -1;
-  std::uint64_t index = 0;  ///< of the record in the file
-  std::uint64_t sequence = 0;
-  std::int64_t device_time = 0;  ///< ns
-  std::int64_t host_time = 0;    ///< ns since the first record
-  std::array<std::uint8_t, 24> reserved{};
-};
-static_assert(sizeof(RecordHeader) == alignment);
-
-struct End {
-  std::uint32_t checksum = 0;  ///< of the fields after it
-  std::array<char, 4> mark = end_mark;
-  std::uint64_t count = 0;
-};
-static_assert(sizeof(End) < sizeof(RecordHeader));
-
-constexpr std::array<std::uint8_t, alignment> zeros{};
-
-using Bytes = std::span<const std::uint8_t>;
-
-template <class Value>
-Bytes bytes_of(const Value& value) {
-  return {reinterpret_cast<const std::uint8_t*>(&value), sizeof(value)};
-}
-
-template <class Value>
-std::span<std::uint8_t> writable_bytes_of(Value& value) {
-  return {reinterpret_cast<std::uint8_t*>(&value), sizeof(value)};
-}
-
-constexpr std::uint64_t aligned(std::uint64_t size) {
-  return (size + alignment - 1) / alignment * alignment;
-}
-
-std::uint64_t record_size(const FrameFormat& format) {
-  return sizeof(RecordHeader) + aligned(byte_count(format));
-}
-
-/// The memory of the frame's pixels.
-template <class AnyFrame>
-auto pixel_bytes(AnyFrame& frame) {
-  using Byte = std::conditional_t<std::is_const_v<AnyFrame>, const std::uint8_t, std::uint8_t>;
-  return std::visit(
-      [size = byte_count(frame.format())](auto& image) {
-        return std::span(reinterpret_cast<Byte*>(image.begin()), size);
-      },
-      frame.pixels);
-}
-
-/// CRC-32 of the concatenated parts.
-std::uint32_t checksum(std::initializer_list<Bytes> parts) {
-  std::uint32_t sum = 0;
-  for (const Bytes part : parts) sum = slipstream::checksum(part, sum);
-  return sum;
-}
-
-/// Checksum of parts that begin with their own checksum, which is skipped.
-template <class Begin, class... Rest>
-std::uint32_t checksum_behind(const Begin& begin, Rest... rest) {
-  return checksum({bytes_of(begin).subspan(sizeof(begin.checksum)), rest...});
-}
-
-std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
-  return checksum({bytes_of(header).first(sizeof(header) - sizeof(header.checksum)), texts});
-}
 
 /// The texts after the header; nullopt if damaged.
 std::optional<std::string> read_texts(const InputFile& file, const FileHeader& header) {
@@ -140,12 +46,6 @@ std::optional<std::string> read_texts(const InputFile& file, const FileHeader& h
       file.read(sizeof(header), {bytes}) && header.checksum == checksum_of(header, bytes);
 
   return whole ? std::optional(std::move(texts)) : std::nullopt;
-}
-
-/// Whether sums and differences of such times, ns, cannot overflow: up to 73 years.
-bool is_possible(std::int64_t time) {
-  constexpr std::int64_t limit = std::int64_t{1} << 61;
-  return -limit < time && time < limit;
 }
 
 std::string text_of(const FrameFormat& format) {

@@ -1,23 +1,21 @@
 #include "slipstream/scanner_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <variant>
 #include <vector>
 
 #include <Eigen/LU>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
-#include "frames/colour_channels.h"
 #include "io/file.h"
 #include "io/opencv_storage.h"
+#include "io/photometry_entries.h"
+#include "io/scanner_layouts.h"
 #include "io/unique_keys.h"
 #include "response/response_fit.h"
 
@@ -25,200 +23,8 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* gamma_entry = "gamma";
-constexpr const char* error_entry = "gamma_standard_error";
-constexpr const char* values_entry = "response_values";
-constexpr const char* light_entry = "response_light";
-constexpr const char* mixture_entry = "colour_mixture";
-
-std::optional<double> number(const StoredEntries& entries, const char* name) {
-  const auto found = entries.find(name);
-  if (found == entries.end()) return std::nullopt;
-
-  throw_if(found->second.numbers.size() != 1, "{} is not a number", name);
-  return found->second.numbers[0];
-}
-
-std::optional<MeasuredResponse> response_of(const StoredEntries& entries) {
-  const std::optional<double> gamma = number(entries, gamma_entry);
-  MeasuredResponse measured{.gamma = gamma.value_or(1),
-                            .standard_error = number(entries, error_entry).value_or(0)};
-
-  // A measured curve has priority over its gamma.
-  const bool has_values = entries.contains(values_entry), has_light = entries.contains(light_entry);
-  throw_if(has_values != has_light, "{} and {} must both be present", values_entry, light_entry);
-
-  if (has_values) {
-    measured.response =
-        response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
-    return measured;
-  }
-
-  if (!gamma) return std::nullopt;
-  measured.response = PowerLaw{*gamma};
-  return measured;
-}
-
-std::optional<ColourMixture> mixture_of(const StoredEntries& entries) {
-  const auto found = entries.find(mixture_entry);
-  if (found == entries.end()) return std::nullopt;
-
-  const auto& [rows, columns, numbers, text] = found->second;
-  throw_if(rows != 3 || columns != 4, "{} is not a 3x4 matrix", mixture_entry);
-
-  ColourMixture mixture{};
-  for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
-  require_valid(mixture);
-  return mixture;
-}
-
-StoredMatrix row_of(std::vector<double> numbers) {
-  return {1, static_cast<int>(numbers.size()), std::move(numbers)};
-}
-
-PhotometricCalibration photometric_calibration_of(const StoredEntries& entries) {
-  PhotometricCalibration read{.response = response_of(entries),
-                              .colour_mixture = mixture_of(entries)};
-
-  PhotometricCalibration::for_each_setting(read, [&](const Setting& setting, auto& value) {
-    if (const auto stored = number(entries, setting.name)) value = *stored;
-  });
-
-  require_valid(read);
-  return read;
-}
-
-StoredEntries entries_of(const PhotometricCalibration& calibration) {
-  StoredEntries entries;
-
-  PhotometricCalibration::for_each_setting(
-      calibration, [&](const Setting& setting, const std::optional<double>& value) {
-        if (value) entries[setting.name] = row_of({*value});
-      });
-
-  // The gain describes the noise variance and means nothing without it.
-  if (!calibration.noise_variance) entries.erase("noise_gain");
-
-  if (const auto& mixture = calibration.colour_mixture) {
-    StoredMatrix& stored = entries[mixture_entry] = {3, 4};
-    for (const auto& row : *mixture) {
-      stored.numbers.insert(stored.numbers.end(), row.begin(), row.end());
-    }
-  }
-
-  if (!calibration.response) return entries;
-  const auto& [response, gamma, standard_error] = *calibration.response;
-  entries[gamma_entry] = row_of({gamma});
-  entries[error_entry] = row_of({standard_error});
-  // Empty entries are removed.
-  entries[values_entry] = entries[light_entry] = {};
-
-  if (const auto* curve = std::get_if<ResponseCurve>(&response)) {
-    entries[values_entry] = row_of(curve->values);
-    entries[light_entry] = row_of(curve->light);
-  }
-
-  return entries;
-}
-
-/// The names of a lens's entries; "" if a layout lacks one. Without a height, the width's entry has
-/// both; without a width, the height's has both, height first.
-struct LensNames {
-  std::string_view matrix, distortion, width, height;
-};
-
-struct Layout {
-  LensNames camera, projector;
-  std::string_view rotation, translation;  ///< "": see set_rectified_pose
-};
-
-/// Begins the names of the second of two files that use the same names.
-constexpr std::string_view of_projector = "the projector's ";
-
-constexpr std::array<Layout, 11> layouts{{
-    // slipstream's own, which is also written.
-    {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
-     {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
-     "rotation",
-     "translation"},
-    // SLStudio.
-    {{"Kc", "kc", "frameWidth", "frameHeight"},
-     {"Kp", "kp", "screenResX", "screenResY"},
-     "Rp",
-     "Tp"},
-    // ProCamCalib.
-    {{"cam_K", "cam_kc", "", ""}, {"proj_K", "proj_kc", "", ""}, "R", "T"},
-    // SLMaster.
-    {{"M1", "D1", "S", ""}, {"M4", "D4", "", ""}, "Rlp", "Tlp"},
-    // OpenCV and MATLAB.
-    {{"cameraMatrix1", "distCoeffs1", "", ""}, {"cameraMatrix2", "distCoeffs2", "", ""}, "R", "T"},
-    // OpenCV's stereo_calib.
-    {{"M1", "D1", "", ""}, {"M2", "D2", "", ""}, "R", "T"},
-    // kamino410/procam-calibration.
-    {{"cam_int", "cam_dist", "", "img_shape"},
-     {"proj_int", "proj_dist", "", ""},
-     "roration",  // so spelt by the tool
-     "translation"},
-    // BingyaoHuang/single-shot-pro-cam-calib.
-    {{"camK", "camKc", "camW", "camH"}, {"prjK", "prjKc", "prjW", "prjH"}, "R", "T"},
-    // sl_sensor, two files.
-    {{"intrinsic_mat", "lens_distortion", "resolution_x", "resolution_y"},
-     {"the projector's intrinsic_mat", "the projector's lens_distortion",
-      "the projector's resolution_x", "the projector's resolution_y"},
-     "extrinsic_rot",
-     "extrinsic_trans"},
-    // camera_info of ROS, two files.
-    {{"camera_matrix", "distortion_coefficients", "image_width", "image_height"},
-     {"the projector's camera_matrix", "the projector's distortion_coefficients",
-      "the projector's image_width", "the projector's image_height"},
-     "",
-     ""},
-    // slipstream's for two cameras; is_camera_pair expects it last.
-    {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
-     {"second_camera_matrix", "second_camera_distortion", "second_camera_width",
-      "second_camera_height"},
-     "rotation",
-     "translation"},
-}};
-
-/// Whether a layout's second device is a camera or, with `if_either`, only numbered as the second.
-bool is_camera_pair(const Layout& layout, bool if_either) {
-  const std::string_view second = layout.projector.matrix;
-  const bool is_numbered = second.ends_with('2') || second.starts_with(of_projector);
-  return second == layouts.back().projector.matrix || (if_either && is_numbered);
-}
-
-std::array<std::string_view, 10> names_of(const Layout& layout) {
-  const auto& [camera, projector, rotation, translation] = layout;
-  return {camera.matrix,    camera.distortion,    camera.width,    camera.height,
-          projector.matrix, projector.distortion, projector.width, projector.height,
-          rotation,         translation};
-}
-
-// The layout with projection matrices; its sizes have slipstream's names.
-constexpr std::array<std::string_view, 2> projections{"camera_projection", "projector_projection"};
-
 constexpr const char* measured_entry = "measured";
 constexpr const char* depths_entry = "calibrated_depths";
-
-bool has(const StoredEntries& entries, std::string_view name) {
-  return !name.empty() && entries.contains(std::string(name));
-}
-
-/// The layout that has most of its names in the file.
-const Layout& layout_of(const StoredEntries& entries) {
-  const auto count = [&](const Layout& layout) -> std::ptrdiff_t {
-    if (!has(entries, layout.camera.matrix) && !has(entries, layout.projector.matrix)) return 0;
-    return std::ranges::count_if(names_of(layout), [&](auto name) { return has(entries, name); });
-  };
-
-  const Layout& best = *std::ranges::max_element(layouts, {}, count);
-  if (count(best) > 0) return best;
-
-  std::set<std::string_view> matrices{projections[0]};
-  for (const Layout& layout : layouts) matrices.insert(layout.camera.matrix);
-  throw Error(fmt::format("no camera matrix; expected one of {}", fmt::join(matrices, ", ")));
-}
 
 /// Throws Error with the likely cause if the entry is missing.
 void require_present(const StoredEntries& entries, std::string_view name) {
@@ -318,7 +124,7 @@ StoredEntries entries_of(const Scanner& scanner) {
   };
 
   // The lenses and the pose, mm.
-  const Layout& names = layouts.front();
+  const ScannerLayout& names = scanner_layouts.front();
   put_lens(names.camera, scanner.camera);
   put_lens(names.projector, scanner.projector);
   put(names.rotation, scanner.rotation);
@@ -339,13 +145,6 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
   // Validates the text by reading it.
   static_cast<void>(scanner_from(text, path.string()));
   return text;
-}
-
-bool names_geometry(std::string_view entry) {
-  const auto is_in = [&](const auto& names) { return std::ranges::count(names, entry) > 0; };
-  return is_in(projections) || std::ranges::any_of(layouts, [&](const Layout& layout) {
-           return is_in(names_of(layout));
-         });
 }
 
 /// A file's entries other than geometry; {} without such a file.
@@ -404,16 +203,16 @@ void set_rectified_pose(const StoredEntries& entries, Scanner& scanner) {
 /// The lenses and pose of a camera and a projector or, as a `pair`, a second camera.
 Scanner geometry_of(const StoredEntries& entries, bool pair) {
   // 1. Projection matrices: the lenses and the pose are factors of them.
-  if (has(entries, projections[0]) || has(entries, projections[1])) {
-    const Size projector_size = size_of(entries, layouts.front().projector);
-    const auto projector = matrix_of<3, 4>(entries, projections[1]);
-    const Size camera_size = size_of(entries, layouts.front().camera);
-    const auto camera = matrix_of<3, 4>(entries, projections[0]);
+  if (has(entries, projection_entries[0]) || has(entries, projection_entries[1])) {
+    const Size projector_size = size_of(entries, scanner_layouts.front().projector);
+    const auto projector = matrix_of<3, 4>(entries, projection_entries[1]);
+    const Size camera_size = size_of(entries, scanner_layouts.front().camera);
+    const auto camera = matrix_of<3, 4>(entries, projection_entries[0]);
     return scanner_of(camera, camera_size, projector, projector_size);
   }
 
   // 2. Lenses and pose as entries.
-  const Layout& names = layout_of(entries);
+  const ScannerLayout& names = layout_of(entries);
   throw_if(pair != is_camera_pair(names, pair), "{}",
            pair ? "calibrates a projector, not a second camera"
                 : "calibrates two cameras and no projector; only `reconstruct()` reads it, "
@@ -454,8 +253,9 @@ StoredEntries joined(StoredEntries first, const StoredEntries& second) {
   const bool are_alike = std::ranges::any_of(second, [&](const auto& entry) {
     return names_geometry(entry.first) && has(first, entry.first);
   });
-  const bool is_complete = std::ranges::any_of(
-      layouts, [&](const Layout& layout) { return has(first, layout.projector.matrix); });
+  const bool is_complete = std::ranges::any_of(scanner_layouts, [&](const ScannerLayout& layout) {
+    return has(first, layout.projector.matrix);
+  });
 
   throw_if(are_alike && is_complete, "the first is a complete scanner file; name it alone");
 
@@ -503,7 +303,7 @@ Scanner read_camera_pair(const fs::path& path) {
 
 bool is_camera_pair(const fs::path& path, bool if_either) {
   const StoredEntries entries = entries_in(path);
-  return !has(entries, projections[0]) &&
+  return !has(entries, projection_entries[0]) &&
          naming(path.string(), [&] { return is_camera_pair(layout_of(entries), if_either); });
 }
 

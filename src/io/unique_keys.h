@@ -9,7 +9,7 @@
 
 namespace slipstream {
 
-/// A file contains two values for one key, one of which would be ignored.
+/// A file contains two values for one key and would ignore one.
 struct RepeatedKey : Error {
   using Error::Error;
 };

@@ -9,7 +9,7 @@
 
 namespace slipstream {
 
-/// page.html, embedded at build time.
+/// page.html with its style and scripts inside, embedded at build time.
 std::string_view web_page();
 
 /// Step in rows and columns between transmitted pixels, so that at most 2^20 are sent.

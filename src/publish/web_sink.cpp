@@ -8,9 +8,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <optional>
-#include <random>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -27,6 +25,7 @@
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "publish/sink_kind.h"
+#include "publish/web_access.h"
 #include "publish/web_content.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/image.h"
@@ -57,27 +56,8 @@ constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-std::string random_token() {
-  std::random_device device;  // from the system's random source
-  std::string token;
-  for (int word = 0; word < 4; ++word) token += fmt::format("{:08x}", device());
-  return token;
-}
-
-/// Constant-time comparison.
-bool is_same(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && std::transform_reduce(a.begin(), a.end(), b.begin(), 0,
-                                                       std::bit_or<>(), std::bit_xor<>()) == 0;
-}
-
 std::string_view text_of(beast::string_view text) {
   return {text.data(), text.size()};
-}
-
-/// "localhost" from "localhost:8080".
-std::string_view without_port(std::string_view host) {
-  const std::size_t colon = host.rfind(':');
-  return host.ends_with(']') || colon == host.npos ? host : host.substr(0, colon);
 }
 
 class Connection;
@@ -108,29 +88,12 @@ class WebSink final : public CloudSink {
 
   /// Why the request is refused; empty for the page itself and authorised clients.
   [[nodiscard]] std::string refusal(const Request& request) const {
-    const std::string_view host = text_of(request[http::field::host]),
-                           origin = text_of(request[http::field::origin]),
-                           target = text_of(request.target()), name = without_port(host);
-    if (token_.empty() && name != "localhost" && name != host_ && name != "[::1]") {
-      return "this page is for localhost";  // a foreign host name may resolve to this machine
-    }
-
-    if (!token_.empty()) {
-      const std::size_t question = target.find("?token=");
-      if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
-        return "wrong token; use the full address that slipstream printed at the start";
-      }
-    }
-
-    // A browser sends the origin of a script: only the page's own may change anything or open the
-    // WebSocket.
-    const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
-    const std::size_t scheme = origin.find("://");
-    if (changes && (scheme == origin.npos || origin.substr(scheme + 3) != host)) {
-      return "another page's script asks";
-    }
-
-    return "";
+    return refusal_of(
+        {.host = text_of(request[http::field::host]),
+         .origin = text_of(request[http::field::origin]),
+         .target = text_of(request.target()),
+         .changes = request.method() != http::verb::get || websocket::is_upgrade(request)},
+        host_, token_);
   }
 
   /// `full`: only /health is answered.

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string_view>
 #include <vector>
 
 #include "base/numbers.h"
@@ -13,6 +12,7 @@
 #include "base/throw_if-inl.h"
 #include "reconstruct/camera_agreement.h"
 #include "reconstruct/camera_orders.h"
+#include "reconstruct/camera_pair.h"
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/epipolar_search.h"
 #include "reconstruct/fused/fused_engine.h"
@@ -21,29 +21,6 @@
 
 namespace slipstream {
 namespace {
-
-void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchSettings& match) {
-  require_valid(first);
-  require_valid(second);
-  throw_if(first.projector.size != second.projector.size ||
-               !first.projector.intrinsic.isApprox(second.projector.intrinsic),
-           "the two cameras' scanners have different projectors; both must have the same");
-
-  // The difference is the second camera's position in the first one's frame, mm.
-  throw_if((projector_centre(first) -
-            first.rotation.transpose() * second.rotation * projector_centre(second))
-                   .norm() < 1e-9,
-           "the two cameras are in the same place and measure no depth; check their translations");
-
-  throw_if(match.window < 0 || match.window > 100,
-           "match window {} is out of range; 0 to 100 pixels", match.window);
-}
-
-void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
-  throw_if(frames.size() != scanner.camera.size,
-           "frames of the {} camera are {}, its scanner says {}; both must agree", which,
-           text_of(frames.size()), text_of(scanner.camera.size));
-}
 
 EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence,
                      const ReconstructSettings& settings) {

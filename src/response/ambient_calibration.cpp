@@ -13,7 +13,7 @@
 #include "base/throw_if-inl.h"
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
-#include "response/correction.h"
+#include "response/harmonics.h"
 #include "response/scan_average.h"
 #include "slipstream/unwrapping.h"
 

@@ -12,7 +12,7 @@
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "response/correction.h"
+#include "response/harmonics.h"
 #include "response/response_fit.h"
 #include "response/scan_average.h"
 

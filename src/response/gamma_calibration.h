@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/statistics.h"
-#include "response/correction.h"
+#include "response/harmonics.h"
 #include "response/response_fit.h"
 #include "response/scan_average.h"
 #include "slipstream/frame_set.h"

@@ -56,8 +56,6 @@ class CloudScreen {
   void draw_over(const Area& area, const Screen& screen) const;
   /// Applies the mouse to the cloud: turn, move, measure.
   void take_mouse(const Pane& pane, const Area& area, const Screen& screen);
-  void move_camera(const Pane& pane, const Screen& screen);
-  void measure(const CloudOnPicture& shown, const Area& area, float pixel_ratio);
   /// Uncertainty of the points, computed on first request for a static cloud; null if unknown.
   const Uncertainty* uncertainty();
   void take_key(int key, PanelRequests& requests);

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +14,8 @@
 #include "view/gui.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
+#include "view/speed.h"
+#include "view/widgets.h"
 
 namespace slipstream::view {
 namespace {
@@ -27,124 +28,8 @@ constexpr auto& push_tab_stop = ImGui::PushTabStop;
 constexpr auto& pop_tab_stop = ImGui::PopTabStop;
 #endif
 
-const ImVec4 white(1, 1, 1, 1), quiet(0.62F, 0.66F, 0.72F, 1), bad(1.0F, 0.50F, 0.42F, 1),
-    doubtful(1.0F, 0.78F, 0.36F, 1), good(0.50F, 0.85F, 0.55F, 1),
-    saturated_ink(1.0F, 0.42F, 0.40F, 1), too_dark_ink(0.50F, 0.65F, 1.0F, 1);
 constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar;
-
-template <class... Values>
-void say(const ImVec4& colour, fmt::format_string<Values...> format, Values&&... values) {
-  ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextWrapped("%s", fmt::format(format, std::forward<Values>(values)...).c_str());
-  ImGui::PopStyleColor();
-}
-
-bool section(const char* name) {
-  return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen);
-}
-
-void row(const char* name, const std::string& value, const ImVec4& colour = white) {
-  ImGui::TableNextRow();
-
-  ImGui::TableNextColumn();
-
-  ImGui::TextColored(quiet, "%s", name);
-  ImGui::TableNextColumn();
-  ImGui::TextColored(colour, "%s", value.c_str());
-}
-
-/// Calls `draw_rows` within a table, unless it is scrolled out of view.
-template <class DrawRows>
-void table(const char* name, int columns, ImGuiTableFlags flags, const DrawRows& draw_rows) {
-  if (!ImGui::BeginTable(name, columns, flags)) return;
-
-  draw_rows();
-  ImGui::EndTable();
-}
-
-/// A drop-down of names; returns whether the choice changed.
-template <class Number>
-bool choose(const char* label, const std::vector<const char*>& names, Number& chosen) {
-  int number = static_cast<int>(chosen);
-  ImGui::Combo(label, &number, names.data(), static_cast<int>(names.size()));
-
-  const bool changed = number != static_cast<int>(chosen);
-  chosen = static_cast<Number>(number);
-  return changed;
-}
-
-/// A drop-down of labelled choices, if there are several.
-template <class Choices>
-bool choose_labelled(const char* label, const Choices& choices, std::size_t& chosen) {
-  if (choices.size() < 2 || chosen >= choices.size()) return false;
-
-  std::vector<const char*> names;
-  for (const auto& choice : choices) names.push_back(choice.first.c_str());
-  return choose(label, names, chosen);
-}
-
-std::string text_of(const Latency& latency) {
-  return fmt::format("{:.1f} / {:.1f} / {:.1f}", latency.p50, latency.p99, latency.max);
-}
-
-double rate_of(const LiveStatistics& statistics, std::string_view stage) {
-  const auto found = std::ranges::find(statistics.stages, stage, &StageStatistics::name);
-  return found == statistics.stages.end() ? 0 : found->rate;
-}
-
-void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
-  const LiveStatistics::Frames& frames = statistics.frames;
-
-  row("frames", fmt::format("{:.1f} per s", rate_of(statistics, "capture")));
-  row("scans", fmt::format("{:.1f} per s", rate_of(statistics, "reconstruct")));
-  row("pictures drawn", fmt::format("{:.1f} per s", state.drawn_per_second));
-  row("frames lost", fmt::format("{} of {}", frames.lost, frames.captured + frames.lost),
-      frames.lost == 0 ? good : bad);
-
-  // A row for each figure that names a trouble, unless it is 0.
-  const auto bad_news = [](const char*, const auto& value, const char* trouble = "") {
-    if constexpr (std::is_same_v<decltype(value), const std::uint64_t&>) {
-      if (*trouble != '\0' && value != 0) row(trouble, fmt::format("{}", value), bad);
-    }
-  };
-  frames.for_each_figure(bad_news);
-  statistics.for_each_figure(bad_news);
-
-  if (statistics.motion > 0) row("extra frames for motion", fmt::format("{}", statistics.motion));
-}
-
-void draw_latencies(const LiveStatistics& statistics) {
-  if (!ImGui::TreeNode("delay since capture, ms")) return;
-
-  table("latencies", 2, ImGuiTableFlags_SizingStretchProp, [&] {
-    row("", "half / 99 of 100 / most", quiet);
-    row("to points", text_of(statistics.latency));
-    row("to screen", text_of(statistics.screen_latency));
-  });
-
-  ImGui::TreePop();
-}
-
-void draw_stages(const LiveStatistics& statistics) {
-  if (statistics.stages.empty() || !ImGui::TreeNode("threads")) return;
-  table("stages", 4, ImGuiTableFlags_SizingStretchProp, [&] {
-    // A heading, and a line for each thread.
-    for (const char* const title : {"", "per s", "waiting", "ms"}) {
-      ImGui::TableNextColumn();
-      say(quiet, "{}", title);
-    }
-
-    for (const StageStatistics& stage : statistics.stages) {
-      row(stage.name.c_str(), fmt::format("{:.1f}", stage.rate));
-      ImGui::TableNextColumn();
-      say(white, "{}/{}", stage.waiting, stage.capacity);
-      ImGui::TableNextColumn();
-      say(white, "{:.1f}", stage.latency.p99);
-    }
-  });
-  ImGui::TreePop();
-}
 
 /// Problems and their causes, one short line each, without numbers.
 void draw_findings(const std::vector<Finding>& findings) {
@@ -483,11 +368,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
     draw_scan_settings(state, requests, source);
     draw_open(state, requests, source);
 
-    if (source.statistics && section("Speed")) {
-      table("rates", 2, ImGuiTableFlags_SizingStretchProp, [&] { draw_rates(state, statistics); });
-      draw_latencies(statistics);
-      draw_stages(statistics);
-    }
+    if (source.statistics) draw_speed(state, statistics);
 
     say(quiet, "{}Tab: hide this; Esc: close",
         pictures_alone(source) || state.pixels == 0

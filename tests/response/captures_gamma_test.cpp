@@ -17,6 +17,7 @@
 #include "io/image_file.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
+#include "response/harmonics.h"
 #include "response/scan_average.h"
 #include "slipstream/gamma.h"
 #include "slipstream/gray_code.h"

@@ -15,6 +15,7 @@
 #include "paper/board_experiment.h"
 #include "response/correction.h"
 #include "response/gamma_calibration.h"
+#include "response/harmonics.h"
 #include "response/response_fit.h"
 #include "slipstream/error.h"
 

@@ -1,4 +1,6 @@
 // The figures of Liu 2010, Sections 4.1 and 4.2, as recomputed from the equations.
+#include "response/harmonics.h"
+
 #include <array>
 #include <cmath>
 #include <numbers>

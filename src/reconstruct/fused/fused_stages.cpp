@@ -1,11 +1,9 @@
 #include "reconstruct/fused/fused_stages.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <string>
 
 #include <fmt/format.h>
@@ -18,29 +16,18 @@
 #include "geometry/ray_table.h"
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/fused/band_stage.h"
-#include "reconstruct/fused/cue_rows.h"
+#include "reconstruct/fused/coordinate_stage.h"
+#include "reconstruct/fused/cue_stage.h"
+#include "reconstruct/fused/narrow.h"
 #include "reconstruct/fused/order_rows.h"
 #include "reconstruct/fused/point_rows.h"
+#include "reconstruct/fused/point_stage.h"
 #include "reconstruct/fused/sinusoid_rows.h"
 #include "reconstruct/fused/vote_rows.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
-
-float narrow(double value) {
-  return static_cast<float>(value);
-}
-
-/// Stage of a band of `frequency` periods whose coordinate is known up to 1 / `widest`.
-CoordinateStage coordinate_stage(double frequency, double widest, int projector_length) {
-  const double period = 1 / widest;
-
-  // The field begins half a pixel before the first pixel's centre. A longer period reaches as
-  // far past one end of the field as past the other.
-  return placing(narrow(1 / frequency), narrow(period),
-                 narrow(-0.5 / projector_length - (period - 1) / 2));
-}
 
 /// Stage that does not move coordinates into the field.
 CoordinateStage unplaced(double periods) {
@@ -248,63 +235,6 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
   if (unwraps_by_depth(setup)) stages.consensus.fewest_neighbours = 0;
 }
 
-/// How the kernels find a cue in the frames.
-struct CueKind {
-  CueForm form = CueForm::circle;
-  CueStage::Sums sums = CueStage::Sums::any;
-};
-
-/// Whether the kernels have sums of their own for these weights of a cue in N frames.
-bool is_closed(int steps, CueForm form, const std::vector<double>& weights) {
-  const auto are = [&](const std::vector<double>& others) {
-    constexpr double rounding = 1e-9;
-    return std::ranges::equal(weights, others,
-                              [](double a, double b) { return std::abs(a - b) < rounding; });
-  };
-
-  if (steps == 3) return form == CueForm::linear && are(mean_weights(3));
-  if (steps == 4) return are(half_phase_weights());
-  return steps == 6 && form == CueForm::linear && are(phase_shifted_band(6, 0, 6, 1, 2).cosine);
-}
-
-/// nullopt if they cannot.
-std::optional<CueKind> cue_kind(const Layout& layout) {
-  using enum CueStage::Sums;
-  const Band& high = layout.bands.front();
-
-  CueKind kind;
-
-  // A real cue: its reference must be one that the kernels can invert.
-  if (layout.cue) {
-    const CueReference::Form form = layout.cue->reference.form();
-    if (form == CueReference::Form::other) return std::nullopt;
-    kind.form = form == CueReference::Form::cosine ? CueForm::cosine : CueForm::linear;
-  }
-
-  if (high.cycle) return kind;  // a window has weights
-
-  // Otherwise all frames must be one run of steps, with integer sums where they exist.
-  const std::optional<StepRun> run = step_run(high);
-  if (!run || run->first != 0 || run->steps != layout.frames) return std::nullopt;
-
-  const int N = run->steps;
-  if (layout.cue && is_closed(N, kind.form, layout.cue->weights)) kind.sums = closed;
-  if (!layout.cue) {
-    if (run->shifts != Shifts{}) return std::nullopt;  // they would also turn the second channel
-    if (N >= 5 && is_channel(layout.bands[1], *run, 2)) kind.sums = N > 6 ? mirrored : closed;
-  }
-
-  return N > 6 || kind.sums == closed ? std::optional(kind) : std::nullopt;
-}
-
-bool has_fused_cue(const EngineSetup& setup) {
-  constexpr double most_periods = 16384;  // shifts in periods are stored in 16 bits
-  const Layout& layout = setup.sequence.strategy.layout();
-
-  return setup.settings.cue_rule == CueRule::consensus &&
-         layout.bands.front().periods <= most_periods && cue_kind(layout);
-}
-
 /// Why the row kernels cannot be used; an empty string if they can.
 std::string why_not_in_rows(const EngineSetup& setup) {
   constexpr double widest_margin = 0.25;
@@ -335,126 +265,6 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   }
   if (setup.scanner.camera.size.width >= least_row_width) return {};
   return fmt::format("the image is narrower than {} pixels", least_row_width);
-}
-
-CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
-  const CueKind kind = *cue_kind(layout);
-  const CueSettings settings = cue_settings(setup);
-  const auto& [alpha_p, beta_p] = settings.light;
-  const double f_h = layout.bands[0].periods, c1 = layout.bands[0].share;
-  const double c2 = layout.cue ? layout.cue->share : layout.bands[1].share;
-
-  // A cue in the mean also contains the projector's offset and the ambient light.
-  const bool is_in_mean = needs_ambient_light(layout);
-  const double dc = is_in_mean ? 1 + 2 * (beta_p + settings.ambient) / alpha_p : 0;
-
-  CueStage stage{CueNumbers{.gain = narrow(c1 / c2),
-                            .offset = narrow(dc / c2),
-                            .shade = is_in_mean ? narrow(c2 / c1) : 0,
-                            .periods = narrow(f_h),
-                            .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)},
-                 kind.form, kind.sums};
-  stage.coordinate = coordinate_stage(f_h, 1, projector_length(setup));
-
-  // Weights of the cue's channel, or the scale of its integer sums. These hold C and S up to a
-  // factor: S / C is 2 sin(2 pi / 5) V / U for N = 5 and sqrt(3) V / U for N = 6.
-  if (kind.sums != CueStage::Sums::closed) {
-    stage.cosines = layout.cue ? layout.cue->weights : layout.bands[1].cosine;
-    stage.sines = layout.cue ? std::vector<double>(stage.cosines.size()) : layout.bands[1].sine;
-  } else if (kind.form != CueForm::circle) {
-    stage.channel_scale = 1.0F / static_cast<float>(layout.frames);
-  } else {
-    stage.sine_weight = narrow(layout.frames == 5 ? 2 * std::sin(two_pi / 5) : std::sqrt(3));
-  }
-
-  return stage;
-}
-
-OrderCostStage order_cost_stage(const Layout& layout, const CueEvidence& exact, double margin) {
-  const CueCost& cost = exact.cost();
-  const bool is_cosine = cost.reference.form() == CueReference::Form::cosine;
-  const Band& high = layout.bands[0];
-
-  return {OrderCostNumbers{.form = cost.circle ? CueForm::circle
-                                   : is_cosine ? CueForm::cosine
-                                               : CueForm::linear,
-                           .share = narrow(cost.c1),
-                           .cue_share = narrow(cost.c2),
-                           .constant_light = narrow(cost.constant_light),
-                           .steady = narrow(cost.steady),
-                           .component_variance = narrow(cost.component_variance),
-                           .cue_variance = narrow(cost.cue_variance),
-                           .periods = narrow(high.periods),
-                           .margin = narrow(margin)},
-          high.cosine, high.sine,  //
-          layout.cue ? layout.cue->weights : layout.bands[1].cosine,
-          layout.cue ? std::vector<double>(high.sine.size()) : layout.bands[1].sine};
-}
-
-FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
-  const CueEvidence exact(layout, cue_settings(setup));
-
-  return {.stage = cue_stage(layout, setup),
-          .exact = exact,
-          .f_h = layout.bands[0].periods,
-          .projector_length = projector_length(setup),
-          .costs = order_cost_stage(layout, exact, exact.margin(projector_length(setup)))};
-}
-
-std::vector<float> kernel_order(const PlanePolynomial& polynomial, int degree) {
-  std::vector<float> coefficients;
-
-  // The kernel's degree may be higher than the polynomial's: its other terms are 0.
-  auto c = polynomial.coefficients.begin();
-  for (int i = 0; i <= degree; ++i) {
-    for (int j = 0; i + j <= degree; ++j) {
-      coefficients.push_back(i + j <= polynomial.degree ? narrow(*c++) : 0);
-    }
-  }
-
-  std::reverse(coefficients.begin(), coefficients.end());
-  return coefficients;
-}
-
-template <class Row>
-RayTerms linear(const Row& row) {
-  return {narrow(row(0)), narrow(row(1)), narrow(row(2))};
-}
-
-EdgeTerms edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
-  EdgeTerms all{};
-  std::transform(terms.begin(), terms.end(), all.begin(), narrow);
-  return all;
-}
-
-PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths) {
-  // The kernels exist for odd degrees from 3 on, for no lens (0) and for Newton's method (-1).
-  const int needed = geometry.solved ? -1 : geometry.lens.degree;
-  const int degree = needed < 1 ? needed : std::max(3, needed | 1);  // odd ones are compiled
-
-  const auto [inner_low, inner_high] = geometry.inner_places();
-  constexpr double largest = std::numeric_limits<float>::max();
-
-  return {PointNumbers{.coordinate = linear(geometry.coordinate),
-                       .depth = linear(geometry.depth),
-                       .facing = linear(geometry.facing),
-                       .place_constant = linear(geometry.place_constant),
-                       .place_slope = linear(geometry.place_slope),
-                       .coordinate_offset = narrow(geometry.coordinate(3)),
-                       .depth_offset = narrow(geometry.depth(3)),
-                       .unit_scale = narrow(geometry.unit_coordinate.scale),
-                       .unit_offset = narrow(geometry.unit_coordinate.offset),
-                       .least_coordinate = narrow(geometry.least_coordinate),
-                       .largest_coordinate = narrow(geometry.largest_coordinate),
-                       .lens_degree = degree,
-                       .low_edge = edge(geometry.low_edge),
-                       .high_edge = edge(geometry.high_edge),
-                       .inner_low = narrow(inner_low),
-                       .inner_high = narrow(inner_high),
-                       .nearest = narrow(std::min(depths.nearest, largest)),
-                       .farthest = narrow(std::min(depths.farthest, largest))},
-          kernel_order(geometry.lens, geometry.solved ? SolvedLens::start_degree : degree),
-          geometry.solved, depths.nearest > 0 || depths.farthest < largest};
 }
 
 /// Limits blocks to turns before the cut, where the row kernel needs no cut.

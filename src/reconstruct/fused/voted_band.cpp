@@ -12,7 +12,7 @@
 #include "decode/cue_evidence.h"
 #include "reconstruct/fused/ballots.h"
 #include "reconstruct/fused/cue_rows.h"
-#include "reconstruct/fused/fused_engine.h"
+#include "reconstruct/fused/fused_band.h"
 #include "reconstruct/fused/kept_rows.h"
 #include "reconstruct/fused/vote_rows.h"
 

@@ -126,7 +126,7 @@ std::function<void()> news_of(const FrameSource& source, Output& output) {
 
 std::string headline_of(const PoseProgress& progress, int wanted) {
   const std::string of = wanted > 0 ? fmt::format(" of {}", wanted) : "";
-  return fmt::format("{}{}: {}", progress.taken.size(), of, progress.verdict.words);
+  return fmt::format("{}{}: {}", progress.taken.size(), of, with_flags(progress.verdict.words));
 }
 
 view::Guide guide_of(const PoseProgress& progress, int wanted) {

@@ -1,5 +1,6 @@
 #include "app/output.h"
 
+#include <array>
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -80,13 +81,21 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
+/// Whether an entry has names of files or devices, or settings as data: they stay as they are.
+bool is_of_user(std::string_view name) {
+  constexpr std::array<std::string_view, 14> names{
+      "files", "file",   "folder",  "path",    "scan",     "source", "recording",
+      "name",  "output", "scanner", "subject", "settings", "map",    "report"};
+  return std::ranges::count(names, name) > 0;
+}
+
 nlohmann::json document_with_flags(nlohmann::json document) {
   if (document.is_string()) return with_flags(document.get_ref<const std::string&>());
   if (document.is_array()) {
     for (nlohmann::json& element : document) element = document_with_flags(std::move(element));
   } else if (document.is_object()) {
     for (const auto& [name, value] : document.items()) {
-      if (name != "files") value = document_with_flags(std::move(value));
+      if (!is_of_user(name)) value = document_with_flags(std::move(value));
     }
   }
   return document;

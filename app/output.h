@@ -34,7 +34,7 @@ void to_json(nlohmann::json& json, const LiveFinding& finding);
 
 namespace slipstream::app {
 
-/// The document with all its texts with_flags, except its `files`.
+/// The document with its texts with_flags, except names of files and settings as data.
 nlohmann::json document_with_flags(nlohmann::json document);
 
 /// Converts numbers and texts; an empty optional to null; lists; pairs of a name and a value to an

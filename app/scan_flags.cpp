@@ -16,7 +16,6 @@
 namespace slipstream::app {
 namespace {
 
-/// Converts low_steps to --low-steps.
 std::vector<double> settings_in(const std::string& text) {
   std::vector<double> numbers;
   SettingValue(text).read(numbers);

@@ -58,7 +58,8 @@ enum class FindingKind {
   depths_beyond_boards,
   short_baseline,
   oblique_baseline,
-  off_centre_axis,
+  off_centre_camera,
+  off_centre_projector,
   stripes_along_baseline,
   small_scale,
   axes_disagree,
@@ -142,8 +143,9 @@ std::span<const CauseKind> cause_kinds();
 struct Evidence {
   std::string name;  ///< in words: "median depth"
   double value = 0;
-  std::string unit{};             ///< "mm"; empty: a number, or a share of 1
-  std::optional<double> limit{};  ///< that it exceeds or falls short of, if one decides
+  std::string unit{};  ///< "mm"; empty: a number, or a share of 1
+  /// Its limit, if there is one: compared by magnitude. Of several, at least one is beyond its own.
+  std::optional<double> limit{};
 
   friend bool operator==(const Evidence&, const Evidence&) = default;
 };
@@ -158,8 +160,9 @@ struct Cause {
   friend bool operator==(const Cause&, const Cause&) = default;
 };
 
-/// A setting by name, with the value that it should have. Names are those of Python's keywords and,
-/// with dashes, of the program's flags.
+/// A setting by name, with the value that it should have. Names are mostly those of Python's
+/// keywords and, with dashes, of the program's flags: docs/reference/findings.md has the
+/// exceptions.
 struct SettingChange {
   std::string name;   ///< "order"
   std::string value;  ///< "2,0,1,3,4,5", "true"; empty: leave the setting out
@@ -190,7 +193,7 @@ struct Finding {
   std::string what{};  ///< the symptom: "the bands disagree about the phase"
   std::vector<Evidence> evidence{};
   std::vector<Cause> causes{};     ///< likeliest first
-  std::vector<Remedy> remedies{};  ///< one for each cause, or more
+  std::vector<Remedy> remedies{};  ///< most promising first; not one for each cause
   std::string remark{};            ///< about the remedies: "all of these fit, so verify the result"
   /// The camera or pose that it is about, if not the whole scan: "camera 2", "board02 along x".
   std::string subject{};
@@ -211,7 +214,8 @@ std::string remedies_of(const Finding& finding);
 /// One line of text: symptom, evidence, likely causes, remedies.
 std::string text_of(const Finding& finding);
 
-/// Whether both report the same symptom of the same thing, perhaps with other numbers.
+/// Whether both report the same symptom of the same thing, perhaps with other numbers. Changing
+/// light is the same whichever frames it shows in.
 bool is_same(const Finding& one, const Finding& other);
 
 /// Whether the likeliest cause is of this kind.

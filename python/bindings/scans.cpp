@@ -133,6 +133,58 @@ std::vector<std::string_view> cause_names(const Finding& finding) {
   return names;
 }
 
+/// All members, for pickling: a refused scan's error must survive a process pool.
+py::tuple state_of(const Finding& finding) {
+  py::list evidence, causes, remedies;
+
+  for (const auto& [name, value, unit, limit] : finding.evidence) {
+    evidence.append(py::make_tuple(name, value, unit, limit));
+  }
+  for (const auto& [kind, text] : finding.causes) {
+    causes.append(py::make_tuple(static_cast<int>(kind), text));
+  }
+  for (const auto& [text, settings] : finding.remedies) {
+    py::list changes;
+    for (const auto& [name, value] : settings) changes.append(py::make_tuple(name, value));
+    remedies.append(py::make_tuple(text, changes));
+  }
+
+  return py::make_tuple(static_cast<int>(finding.kind), static_cast<int>(finding.severity),
+                        finding.what, evidence, causes, remedies, finding.remark, finding.subject,
+                        finding.frames);
+}
+
+Finding finding_of(const py::tuple& state) {
+  Finding finding{.kind = static_cast<FindingKind>(state[0].cast<int>()),
+                  .severity = static_cast<Severity>(state[1].cast<int>()),
+                  .what = state[2].cast<std::string>()};
+  finding.remark = state[6].cast<std::string>();
+  finding.subject = state[7].cast<std::string>();
+  finding.frames = state[8].cast<std::vector<int>>();
+
+  for (const py::handle item : state[3]) {
+    const auto of = item.cast<py::tuple>();
+    finding.evidence.push_back({of[0].cast<std::string>(), of[1].cast<double>(),
+                                of[2].cast<std::string>(), of[3].cast<std::optional<double>>()});
+  }
+  for (const py::handle item : state[4]) {
+    const auto of = item.cast<py::tuple>();
+    finding.causes.push_back(
+        {static_cast<CauseKind>(of[0].cast<int>()), of[1].cast<std::string>()});
+  }
+  for (const py::handle item : state[5]) {
+    const auto of = item.cast<py::tuple>();
+    Remedy remedy{of[0].cast<std::string>()};
+    for (const auto& [name, value] :
+         of[1].cast<std::vector<std::pair<std::string, std::string>>>()) {
+      remedy.settings.push_back({name, value});
+    }
+    finding.remedies.push_back(std::move(remedy));
+  }
+
+  return finding;
+}
+
 void bind_findings(py::module_& module) {
   py::class_<Finding> finding(module, "Finding");
   add(
@@ -143,6 +195,7 @@ void bind_findings(py::module_& module) {
       "frames", &Finding::frames);
 
   finding.def("__str__", [](const Finding& of) { return text_of(of); });
+  finding.def(py::pickle(&state_of, &finding_of));
 
   module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
              "moving"_a = false, "gamma"_a = "scanner", Unlocked());

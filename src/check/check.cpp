@@ -19,7 +19,7 @@ namespace slipstream {
 namespace {
 
 /// `up`: how far the axis may lie from the centre of the picture, share of its height.
-void look_at_lens(const Lens& lens, std::string_view device, double up,
+void look_at_lens(const Lens& lens, FindingKind kind, std::string_view device, double up,
                   std::vector<Finding>& findings) {
   constexpr double across = 0.25;  // of the width
   const double x = lens.intrinsic(0, 2) / lens.size.width;
@@ -28,7 +28,7 @@ void look_at_lens(const Lens& lens, std::string_view device, double up,
   if (std::abs(x - 0.5) <= across && std::abs(y - 0.5) <= up) return;
 
   findings.push_back(
-      {.kind = FindingKind::off_centre_axis,
+      {.kind = kind,
        .what = fmt::format("the {}'s optical axis is farther from the centre of its {} picture "
                            "than {:g} % of the width or {:g} % of the height",
                            device, text_of(lens.size), 100 * across, 100 * up),
@@ -69,9 +69,10 @@ std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures =
          .remedies = {{"write the rotation from the camera's frame to the projector's"}}});
   }
 
-  if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
+  if (whole_pictures)
+    look_at_lens(scanner.camera, FindingKind::off_centre_camera, "camera", 0.25, findings);
   // Projectors throw upwards: the axis may lie at the picture's lower edge or below it.
-  look_at_lens(scanner.projector, "projector", 1.2, findings);
+  look_at_lens(scanner.projector, FindingKind::off_centre_projector, "projector", 1.2, findings);
 
   return findings;
 }

@@ -55,7 +55,8 @@ constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
     {FindingKind::depths_beyond_boards, "depths-beyond-boards"},
     {FindingKind::short_baseline, "short-baseline"},
     {FindingKind::oblique_baseline, "oblique-baseline"},
-    {FindingKind::off_centre_axis, "off-centre-axis"},
+    {FindingKind::off_centre_camera, "off-centre-camera"},
+    {FindingKind::off_centre_projector, "off-centre-projector"},
     {FindingKind::stripes_along_baseline, "stripes-along-baseline"},
     {FindingKind::small_scale, "small-scale"},
     {FindingKind::axes_disagree, "axes-disagree"},
@@ -223,7 +224,8 @@ std::string text_of(const Finding& finding) {
 }
 
 bool is_same(const Finding& one, const Finding& other) {
-  return one.kind == other.kind && one.subject == other.subject && one.frames == other.frames;
+  if (one.kind != other.kind || one.subject != other.subject) return false;
+  return one.kind == FindingKind::changing_light || one.frames == other.frames;
 }
 
 bool blames(const Finding& finding, CauseKind cause) {

@@ -64,6 +64,10 @@ TEST(Finding, IsTheSameWithOtherNumbersButNotOfAnotherFrame) {
   other.frames = {4};
   EXPECT_FALSE(is_same(black, other));
 
+  // The frame that changes most is another one at each look.
+  const Finding flickering{.kind = FindingKind::changing_light, .frames = {1}};
+  EXPECT_TRUE(is_same(flickering, {.kind = FindingKind::changing_light}));
+
   other = black;
   other.subject = "camera 2";
   EXPECT_FALSE(is_same(black, other));

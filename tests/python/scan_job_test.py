@@ -2,6 +2,7 @@
 from the program. Not a case of clouds_test.py, which has one camera and one axis."""
 
 import json
+import pickle
 
 import pytest
 from conftest import as_printed, program, run_program
@@ -42,6 +43,11 @@ def test_a_broken_scan_is_refused_by_both(tmp_path):
         [cause["kind"] for cause in one["causes"]] for one in told]
     assert findings[0].remedies == [one["settings"] for one in told[0]["remedies"]]
     assert findings[0].remedies[0] == {"order": "0,2,1,3,4,5"}
+
+    # Also out of a process pool.
+    copied = pickle.loads(pickle.dumps(error.value))
+    assert [str(one) for one in copied.findings] == [str(one) for one in findings]
+    assert copied.findings[0].remedies == findings[0].remedies
 
 
 def test_only_refused_scans_have_findings(tmp_path):

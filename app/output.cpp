@@ -1,7 +1,7 @@
 #include "app/output.h"
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cmath>

@@ -65,8 +65,8 @@ def typed(text, given):
             (r"\blist\[", "List["), (r"Annotated\[(\S+), FixedSize\(\d+\)\]", r"\1"),
             (r"List\[(\w+)\[\d+\]\]", r"List[\1]"), (r"\bList\[", "list[" if given else "_List["),
             (r"os\.PathLike", "PathLike[str]" if given else "_Path"), (r"Tuple\[", "tuple["),
-            (r"tuple\[int, int\]", "_Size"), (r"^dict$", "dict[str, Any]"), (r"^tuple$", "tuple[Any, ...]"),
-            (r"^object$", "Any"),
+            (r"tuple\[int, int\]", "_Size"), (r"^dict$", "dict[str, Any]"),
+            (r"^tuple$", "tuple[Any, ...]"), (r"^object$", "Any"),
             (r"Optional\[(.*)\]", r"Union[\1, None]")):
         text = re.sub(pattern, name, text)
     return text

@@ -1,9 +1,9 @@
 // The only source that includes Ceres.
 #include "calibrate/bundle_adjustment.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <algorithm>
 #include <iterator>
 #include <map>
 #include <memory>

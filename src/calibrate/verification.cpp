@@ -1,5 +1,5 @@
-#include <string>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>

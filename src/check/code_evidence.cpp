@@ -1,12 +1,12 @@
 #include "check/code_evidence.h"
 
 // What the frames of a code reveal without geometry.
-#include <optional>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <optional>
 #include <ranges>
 #include <span>
 #include <utility>

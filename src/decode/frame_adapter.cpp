@@ -1,7 +1,7 @@
 #include "decode/frame_adapter.h"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>

@@ -1,7 +1,7 @@
 #include "devices/dlp.h"
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <iterator>
 #include <optional>

@@ -1,9 +1,9 @@
 #include "view/scene_renderer.h"
 
-#include <string_view>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <epoxy/gl.h>

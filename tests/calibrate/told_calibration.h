@@ -37,8 +37,9 @@ inline std::string text_of(const Told& told) {
 /// Whether a diagnostic's likely cause, or the error, contains `cause`.
 inline bool names(const Told& told, const std::string& cause) {
   const auto has = [&](const std::string& text) { return text.find(cause) != std::string::npos; };
-  return has(told.error) || std::any_of(told.findings.begin(), told.findings.end(),
-                                        [&](const Finding& found) { return has(causes_of(found)); });
+  return has(told.error) ||
+         std::any_of(told.findings.begin(), told.findings.end(),
+                     [&](const Finding& found) { return has(causes_of(found)); });
 }
 
 /// A simulated board calibration, and the settings passed to it.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "slipstream/finding.h"
-#include "slipstream/strategy.h"
 #include "slipstream/scan.h"
+#include "slipstream/strategy.h"
 #include "tests/check/mistakes.h"
 
 namespace slipstream {

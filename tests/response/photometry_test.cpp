@@ -64,7 +64,7 @@ TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {
       EXPECT_NEAR(calibrate_ambient(scans, 0.5, PowerLaw{gamma}).estimate.mode, 5, 0.3)
           << steps << " steps, gamma " << gamma;
       expect_error([&] { (void)calibrate_ambient(scans); },
-                   {"not linear", "second harmonic", "calibrate gamma"});
+                   {"not linear", "second harmonic", "calibrate_gamma()"});
       expect_error([&] { (void)calibrate_ambient(scans, 0.5, PowerLaw{1.7}); },
                    {"response in the scanner file", "calibrate gamma again"});
     }

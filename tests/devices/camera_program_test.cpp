@@ -139,9 +139,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Wired{{"--wired", "strobe"}, {}, false},
                     Wired{{"--wired", "strobe"}, {"--strobe", "Line0"}, false}));
 
-class Rehearsal : public CameraProgram, public testing::WithParamInterface<std::string> {};
+class WiredRehearsal : public CameraProgram, public testing::WithParamInterface<std::string> {};
 
-TEST_P(Rehearsal, OfTheLivePageIsInStep) {
+TEST_P(WiredRehearsal, OfTheLivePageIsInStep) {
   const std::vector<std::string> sequence{"--strategy", "dual-frequency", "--steps", "3", "--high",
                                           "16",         "--low",          "1"};
   const std::string scanner = folder_.path() / "scanner.yaml";
@@ -164,7 +164,7 @@ TEST_P(Rehearsal, OfTheLivePageIsInStep) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Rehearsal, testing::Values("trigger", "strobe"));
+INSTANTIATE_TEST_SUITE_P(Both, WiredRehearsal, testing::Values("trigger", "strobe"));
 
 TEST_F(CameraProgram, ANodeThatIsMissingRefusesOrReadsBackDifferentIsOneLine) {
   RunningProgram server = serve();

@@ -36,13 +36,19 @@ class Live:
         if not web:
             return
         try:
-            wait_for(lambda: re.search(r"http://\S+", self.words.read_text()))
+            wait_for(self.has_address)
             self.address = re.search(r"http://\S+", self.words.read_text())[0]
             self.port = int(re.search(r":(\d+)/", self.address)[1])
             wait_for(lambda: self.statistics()["clouds"] > 0)
         except BaseException:
             self.__exit__()
             raise
+
+    def has_address(self):
+        ended = self.process.poll() is not None
+        words = self.words.read_text()
+        assert not ended, f"it ended at once: {words}"
+        return re.search(r"http://\S+", words)
 
     def __enter__(self):
         return self

@@ -20,6 +20,8 @@ using Named = std::pair<Kind, std::string_view>;
 
 constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
     {FindingKind::other, "other"},
+
+    // Frames against the patterns.
     {FindingKind::pattern_mismatch, "pattern-mismatch"},
     {FindingKind::beyond_black_or_white, "beyond-black-or-white"},
     {FindingKind::unlisted_code_words, "unlisted-code-words"},
@@ -32,12 +34,16 @@ constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
     {FindingKind::fringe_orders_disagree, "fringe-orders-disagree"},
     {FindingKind::coordinate_jumps, "coordinate-jumps"},
     {FindingKind::better_settings, "better-settings"},
+
+    // Frames that were damaged, mixed or lit differently.
     {FindingKind::repeated_frame, "repeated-frame"},
     {FindingKind::partly_repeated_frame, "partly-repeated-frame"},
     {FindingKind::partly_black_frame, "partly-black-frame"},
     {FindingKind::frame_without_pattern, "frame-without-pattern"},
     {FindingKind::mixed_frames, "mixed-frames"},
     {FindingKind::changing_light, "changing-light"},
+
+    // Light and camera.
     {FindingKind::too_many_grey_levels, "too-many-grey-levels"},
     {FindingKind::unused_bits, "unused-bits"},
     {FindingKind::no_modulation, "no-modulation"},
@@ -51,6 +57,8 @@ constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
     {FindingKind::unproven_response, "unproven-response"},
     {FindingKind::blind_gamma_refused, "blind-gamma-refused"},
     {FindingKind::excess_noise, "excess-noise"},
+
+    // Frames against the scanner, and the scanner by itself.
     {FindingKind::geometry_mismatch, "geometry-mismatch"},
     {FindingKind::depths_beyond_boards, "depths-beyond-boards"},
     {FindingKind::short_baseline, "short-baseline"},
@@ -63,6 +71,8 @@ constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
     {FindingKind::cameras_disagree, "cameras-disagree"},
     {FindingKind::camera_orders_disagree, "camera-orders-disagree"},
     {FindingKind::few_points, "few-points"},
+
+    // Calibration.
     {FindingKind::phase_ripple, "phase-ripple"},
     {FindingKind::blurred_print, "blurred-print"},
     {FindingKind::faint_fringes, "faint-fringes"},
@@ -85,24 +95,31 @@ constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
 
 constexpr std::array named_causes = std::to_array<Named<CauseKind>>({
     {CauseKind::unclear, "unclear"},
+
+    // Settings of the scan.
     {CauseKind::frame_order, "frame-order"},
     {CauseKind::pattern_settings, "pattern-settings"},
     {CauseKind::axis, "axis"},
     {CauseKind::bit_depth, "bit-depth"},
+
+    // The scanner file, and pictures that it is not for.
     {CauseKind::scanner_file, "scanner-file"},
     {CauseKind::other_rig, "other-rig"},
     {CauseKind::picture_size, "picture-size"},
     {CauseKind::picture_orientation, "picture-orientation"},
     {CauseKind::rig_moved, "rig-moved"},
     {CauseKind::depth_range, "depth-range"},
+
+    // The response.
     {CauseKind::gamma, "gamma"},
     {CauseKind::needless_response, "needless-response"},
+
+    // Capture.
     {CauseKind::repeated_frame, "repeated-frame"},
     {CauseKind::lost_data, "lost-data"},
     {CauseKind::dark_projector, "dark-projector"},
     {CauseKind::out_of_step, "out-of-step"},
     {CauseKind::flicker, "flicker"},
-    {CauseKind::motion, "motion"},
     {CauseKind::overexposure, "overexposure"},
     {CauseKind::underexposure, "underexposure"},
     {CauseKind::ambient_light, "ambient-light"},
@@ -111,6 +128,8 @@ constexpr std::array named_causes = std::to_array<Named<CauseKind>>({
     {CauseKind::blur, "blur"},
     {CauseKind::noise, "noise"},
     {CauseKind::rejected_pixels, "rejected-pixels"},
+
+    // Calibration.
     {CauseKind::few_poses, "few-poses"},
     {CauseKind::few_tilts, "few-tilts"},
     {CauseKind::board_coverage, "board-coverage"},

@@ -14,6 +14,7 @@
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "slipstream/error.h"
+#include "slipstream/image.h"
 
 namespace slipstream {
 namespace {
@@ -82,6 +83,11 @@ void add_metrics(const nlohmann::json& value, const std::string& name, const std
 }
 
 }  // namespace
+
+std::string web_palette() {
+  const ColourMap colours = depth_colours();
+  return {reinterpret_cast<const char*>(colours.data()), sizeof(colours)};
+}
 
 int web_step(Size camera) {
   constexpr std::int64_t most = 1 << 20;

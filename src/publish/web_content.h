@@ -12,6 +12,15 @@ namespace slipstream {
 /// page.html with its style and scripts inside, embedded at build time.
 std::string_view web_page();
 
+/// The page's content security policy: only its own scripts and styles, no other sources, no
+/// framing by other pages.
+inline constexpr const char* page_rules =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// The colours of depths, red, green and blue in 8 bits.
+std::string web_palette();
+
 /// Step in rows and columns between transmitted pixels, so that at most 2^20 are sent.
 int web_step(Size camera);
 

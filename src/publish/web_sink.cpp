@@ -51,10 +51,6 @@ constexpr std::size_t largest_header = 8 << 10, largest_body = 256, largest_mess
 /// Time limit for a client's request and for reading the reply.
 constexpr auto patience = 10s, answer_patience = 30s;
 constexpr std::chrono::milliseconds between_clouds{30}, between_looks{200};
-/// Only the page's own scripts and styles; no other sources, no framing by other pages.
-constexpr const char* page_rules =
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 std::string_view text_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -185,15 +181,16 @@ class WebSink final : public CloudSink {
   void dispatch(std::string_view asked, const std::string& body, WebResponse& response) {
     using enum http::status;
 
+    // The page, and the tables that it draws with.
     if (asked == "GET /") {
       response.set("Content-Security-Policy", page_rules);
       say(response, ok, std::string(web_page()), "text/html");
     } else if (asked == "GET /rays") {
       say(response, ok, rays_, "application/octet-stream");
     } else if (asked == "GET /palette") {
-      const ColourMap colours = depth_colours();
-      const auto* const bytes = reinterpret_cast<const char*>(colours.data());
-      say(response, ok, std::string(bytes, sizeof(colours)), "application/octet-stream");
+      say(response, ok, web_palette(), "application/octet-stream");
+
+      // The state of the run, and changes of it.
     } else if (asked == "GET /statistics") {
       say(response, ok, run_.statistics(), "application/json");
     } else if (asked == "GET /metrics") {

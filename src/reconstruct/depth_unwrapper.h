@@ -7,7 +7,7 @@ namespace slipstream {
 
 /// Fringe orders of all pixels, with the buffers used to find them.
 struct DepthOrders {
-  Image<int> order{};  ///< SurfaceOrders::none where not valid
+  Image<int> order{};  ///< SurfaceOrders::none for a pixel without an order
   /// `out_of_range` if no order lies in the depth range, `doubtful_order` if it is ambiguous.
   Image<Validity> validity{};
   Image<OrderRange> possible{};

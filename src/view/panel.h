@@ -28,8 +28,8 @@ struct PanelState {
   bool paused = false;
   bool shown = true;                                   ///< whether panel and pictures are visible
   std::array<bool, 3> picture_open{true, true, true};  ///< camera, modulation, phase
-  std::size_t picture = 0;                           ///< the one shown large if there are no points
-  std::array<std::size_t, validity_count> counts{};  ///< pixel counts by Validity
+  std::size_t picture = 0;                             ///< shown large, without points
+  std::array<std::size_t, validity_count> counts{};    ///< pixel counts by Validity
   std::size_t pixels = 0;
   GreyHistogram histogram{};
   double modulation = 0;  ///< median modulation without points, grey levels of 255

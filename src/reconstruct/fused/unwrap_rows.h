@@ -36,7 +36,7 @@ struct CodeStage : CodeNumbers {
   std::vector<int> frames{};    ///< one per bit, most significant first; at least one
   std::vector<int> inverses{};  ///< their inverses; empty: compare with the row's reference
   bool alone = false;           ///< Unwrapping::code_alone; else no member below counts
-  std::vector<int> rest{};      ///< frames that are no bits
+  std::vector<int> rest{};      ///< frames other than bits
   float narrower = 0;           ///< CodeNumbers::stripe less its exact width: rounds y once
   float shift = 0;              ///< from y = 0 to the edge of the first stripe, fields
   float largest_doubt = 0.25F;

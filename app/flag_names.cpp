@@ -88,8 +88,8 @@ std::string with_flags(std::string_view text) {
     text.remove_prefix(begin);
     if (text.empty()) break;
 
-    // 2. Replace the name up to the backquote after it. If there is no name, copy the backquote
-    // alone, as the second one may begin a name.
+    // 2. Replace the text between this backquote and the next if it names something. Otherwise copy
+    // only this backquote: the next one may begin a name.
     const std::size_t end = text.find('`', 1);
     const auto named = end == text.npos ? std::nullopt : named_in(text.substr(1, end - 1));
     shown += named.value_or("`");

@@ -79,15 +79,15 @@ std::string printable(std::string_view text) {
   return shown;
 }
 
-}  // namespace
-
-/// Whether an entry has names of files or devices, or settings as data: they stay as they are.
-bool is_of_user(std::string_view name) {
+/// Whether an entry of a document holds names of files or devices, or settings as data.
+bool holds_names(std::string_view name) {
   constexpr std::array<std::string_view, 14> names{
       "files", "file",   "folder",  "path",    "scan",     "source", "recording",
       "name",  "output", "scanner", "subject", "settings", "map",    "report"};
   return std::ranges::count(names, name) > 0;
 }
+
+}  // namespace
 
 nlohmann::json document_with_flags(nlohmann::json document) {
   if (document.is_string()) return with_flags(document.get_ref<const std::string&>());
@@ -95,7 +95,7 @@ nlohmann::json document_with_flags(nlohmann::json document) {
     for (nlohmann::json& element : document) element = document_with_flags(std::move(element));
   } else if (document.is_object()) {
     for (const auto& [name, value] : document.items()) {
-      if (!is_of_user(name)) value = document_with_flags(std::move(value));
+      if (!holds_names(name)) value = document_with_flags(std::move(value));
     }
   }
   return document;

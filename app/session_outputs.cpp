@@ -116,6 +116,16 @@ std::string save_newest(LiveSession& session) {
   return folder;
 }
 
+/// Calls `act`; its Error names flags instead of settings, as everything that the program says.
+template <class Act>
+auto in_flags(const Act& act) {
+  try {
+    return act();
+  } catch (const Error& error) {
+    throw Error(with_flags(error.what()));
+  }
+}
+
 }  // namespace
 
 void require_saveable(const LiveSession& session) {
@@ -136,12 +146,14 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
               return document().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
             },
         .trouble = [&session] { return with_flags(trouble_of(session)); },
-        .save = [&session] { return save_newest(session); },
+        .save = [&session] { return in_flags([&] { return save_newest(session); }); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
         .sequence = [&session] { return setup_of(session).sequence; },
         .settings = [&session] { return settings_of(session); },
-        .change = [&session](const std::string& setting,
-                             const std::string& value) { change_setting(session, setting, value); },
+        .change =
+            [&session](const std::string& setting, const std::string& value) {
+              in_flags([&] { change_setting(session, setting, value); });
+            },
         .limit = session.flags.limit,
     };
 

@@ -111,7 +111,6 @@ enum class CauseKind {
   dark_projector,
   out_of_step,
   flicker,
-  motion,
   overexposure,
   underexposure,
   ambient_light,

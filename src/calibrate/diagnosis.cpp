@@ -138,7 +138,7 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
                              100 * (1 - least_lit)),
          .evidence = {{"corners without", static_cast<double>(pose.corners - pose.lit)},
                       {"corners", static_cast<double>(pose.corners)}},
-         .causes = {{CauseKind::underexposure,
+         .causes = {{CauseKind::unclear,
                      "parts of the board too dark, overexposed, or outside the projector's light"}},
          .remedies = {{"light the whole board, change the exposure or lower `minimum_modulation`"}},
          .subject = pose.name});

@@ -108,9 +108,8 @@ Finding finding_of(const Verification& verification, const Scanner& scanner,
     finding.remedies = {{fmt::format("measure the print; a `spacing` of {} mm fits", spacing),
                          {{"spacing", spacing}}}};
   } else {
-    finding.causes = {{CauseKind::rig_moved,
-                       "more than movement: focus, zoom or a lens changed, or wrong board "
-                       "settings"}};
+    finding.causes = {{CauseKind::rig_moved, "more than movement: focus, zoom or a lens changed"},
+                      {CauseKind::unclear, "wrong board settings"}};
     finding.remedies = {{"check the board's settings, then run `calibrate_geometry()` again"}};
   }
 

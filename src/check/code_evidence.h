@@ -32,6 +32,12 @@ struct CodeEvidence {
 CodeEvidence code_evidence(const FrameModel& model, const ScanSamples& samples,
                            const FrameOrder& order, bool phases = true);
 
+/// A likely cause, and its words.
+struct SymptomCause {
+  CauseKind kind = CauseKind::unclear;
+  std::string_view text{};
+};
+
 /// One kind of contradiction, its limit, and the cause and advice to give if no tried remedy fits.
 struct CodeSymptom {
   FindingKind kind;
@@ -39,9 +45,8 @@ struct CodeSymptom {
   std::string_view quantity;  ///< name of the value
   double CodeEvidence::*value;
   double limit;
-  CauseKind cause;
-  std::string_view likely;   ///< the cause in words
-  std::string_view compare;  ///< "SOMETHING with": the patterns follow
+  std::array<SymptomCause, 2> causes;  ///< the second without text: there is only one
+  std::string_view compare;            ///< "SOMETHING with": the patterns follow
 };
 
 extern const std::array<CodeSymptom, 7> code_symptoms;

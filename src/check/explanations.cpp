@@ -151,7 +151,9 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     const CodeSymptom& worst = worst_symptom(fit.code);
     if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.severity = Severity::wrong;
 
-    blame(worst.cause, worst.likely);
+    for (const auto& [kind, text] : worst.causes) {
+      if (!text.empty()) blame(kind, text);
+    }
     if (worst.value == &CodeEvidence::doubt) blame_gamma();
     finding.remedies = {{fmt::format("{} the output of `patterns()`", worst.compare)}};
   } else if (fit.frames.damping > 0) {
@@ -177,7 +179,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   } else if (!fit.geometry_fits()) {
     if (geometry->outside + geometry->without_point > hopeless_outside)
       finding.severity = Severity::wrong;
-    blame(CauseKind::other_rig,
+    blame(CauseKind::unclear,
           "a scanner file of another rig, pictures cropped or of another size, or a camera or "
           "projector that moved since calibration");
     finding.remedies = {{"check the scanner file; if the rig moved, run `calibrate_geometry()`"}};

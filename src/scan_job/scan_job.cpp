@@ -58,9 +58,8 @@ Finding contradiction(const EpipolarCheck& check) {
       .evidence = {{"median distance from the epipolar lines", check.median_length,
                     "projector pixels"},
                    {"expected sigma", check.median_sigma}},
-      .causes = {{CauseKind::rig_moved,
-                  "the camera or projector moved since calibration, or frames are in the wrong "
-                  "order"}},
+      .causes = {{CauseKind::rig_moved, "the camera or projector moved since calibration"},
+                 {CauseKind::frame_order, "frames are in the wrong order"}},
       .remedies = {{"calibrate again with `calibrate_geometry()`; scans along x alone do not show "
                     "this"}}};
 }

@@ -138,7 +138,12 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
   // 1. The results, and what there is to say of them.
   ScanJob& job =
       reused.jobs.try_emplace(scan.output, job_settings(flags, scan.output)).first->second;
-  scan.result = job(checked, name);
+  try {
+    scan.result = job(checked, name);
+  } catch (const RefusedScan& refused) {
+    output.document["findings"] = refused.findings();
+    throw;
+  }
   const ScanResult& result = scan.result;
   const double minimum = flags.cloud.settings.minimum_modulation;
   if (result.least_modulation > minimum) {

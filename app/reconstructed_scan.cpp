@@ -149,7 +149,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   std::optional<nlohmann::json> epipolar;
   if (const auto& check = result.epipolar) {
     epipolar = described("median_px", check->median, "median_length_px", check->median_length,
-                         "median_sigma_px", check->median_sigma, "doubted", check->doubted);
+                         "median_sigma_px", check->median_sigma, "common_px", check->common,
+                         "doubted", check->doubted);
   }
 
   const std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
@@ -204,10 +205,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
   }
   if (result.epipolar) {
     output.say(
-        "  distance from epipolar lines: median {:+.3f}, absolute {:.3f} projector pixels, "
-        "expected sigma {:.3f}; {} points rejected as too far",
-        result.epipolar->median, result.epipolar->median_length, result.epipolar->median_sigma,
-        result.epipolar->doubted);
+        "  distance from epipolar lines: median {:+.3f}, absolute {:.3f}, common to all {:.3f} "
+        "projector pixels, expected sigma {:.3f}; {} points rejected as too far from the rest",
+        result.epipolar->median, result.epipolar->median_length, result.epipolar->common,
+        result.epipolar->median_sigma, result.epipolar->doubted);
   }
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);

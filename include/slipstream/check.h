@@ -69,8 +69,9 @@ class RefusedScan : public Error {
   std::vector<Finding> findings_;
 };
 
-/// Throws RefusedScan with the scan's name and all diagnostics if any is `wrong`.
-void require_right(const CheckedScan& checked, const std::string& scan);
+/// Throws RefusedScan with all diagnostics if any is `wrong`. Its message has the scan's name and
+/// the diagnostics. With `from`, looks only at those from this one on, as earlier ones are known.
+void require_right(const CheckedScan& checked, const std::string& scan, std::size_t from = 0);
 
 /// Header lines for a cloud file that was made although its scan was refused.
 std::vector<std::string> doubts(const std::vector<Finding>& findings);

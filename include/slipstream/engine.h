@@ -237,14 +237,32 @@ EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {}
 
 /// Result of comparing a scan with patterns along the other axis. It reveals only errors across the
 /// epipolar line: where the line runs along x, errors of x alone stay hidden.
+///
+/// The distance of a pixel from its epipolar line has two parts. A `common` part, a linear function
+/// of the place in the picture, is an error of the calibration: it moves all points a little and
+/// contradicts none. What is left is the pixel's own, and is held against its noise.
 struct EpipolarCheck {
   double median = 0;         ///< of the points' distances, projector pixels
   double median_length = 0;  ///< of their absolute values
   double median_sigma = 0;   ///< of their standard deviations due to noise
-  std::size_t doubted = 0;   ///< points farther off than noise explains
+  double common = 0;         ///< of the absolute values of the common part, the 90 % quantile
+  std::size_t points = 0;    ///< compared
+  std::size_t doubted = 0;   ///< points farther off than the common part and noise explain
 
-  /// Whether the distances far exceed noise, so that calibration and scan do not match.
-  [[nodiscard]] bool contradicts() const;
+  /// The largest doubted share of the points of a scan whose axes agree.
+  static constexpr double most_doubted = 1.0 / 3;
+  [[nodiscard]] double doubted_share() const;
+
+  /// The largest common part, pixels, that noise and a good calibration explain: half a pixel, or
+  /// if more, three standard deviations or twice `calibration_rms`, 0 if unknown: see Scanner.
+  [[nodiscard]] double most_common(double calibration_rms) const;
+
+  /// Whether the common part exceeds that.
+  [[nodiscard]] bool is_off(double calibration_rms) const;
+
+  /// Whether the axes contradict each other, so that no point is sure: too many points are doubted,
+  /// or the common part exceeds 3 pixels and five times `calibration_rms`.
+  [[nodiscard]] bool contradicts(double calibration_rms) const;
 };
 
 /// Light in the frames of a scan, with or without a scanner.

@@ -34,7 +34,8 @@ struct ScanJobSettings {
   bool uncertainty = false;       ///< also ScanResult::uncertainty
   bool sure_coordinates = false;  ///< the maps' coordinate only where neighbours confirm it
 
-  /// Reconstructs a scan although its check says that no point can be right.
+  /// Reconstructs a scan although its check says that no point can be right, and keeps a result
+  /// without points, or whose axes contradict each other.
   bool keep_refused = false;
   /// With two cameras, half the width, pixels, of the window whose matches are smoothed by a plane;
   /// 0: each match as found. See PhaseMatcher.

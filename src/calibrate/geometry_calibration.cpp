@@ -229,6 +229,7 @@ void add_reprojections(const BoardViews& views, GeometryCalibration& result) {
   }
 
   result.rms = all.rms();
+  result.state.scanner.calibration_rms = result.rms.stereo;
 }
 
 /// The places of the board's corners. The shape of a print that is taken for exact shows only if

@@ -222,14 +222,16 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
   return checked;
 }
 
-void require_right(const CheckedScan& checked, const std::string& scan) {
-  if (!any_wrong(checked.findings)) return;
+void require_right(const CheckedScan& checked, const std::string& scan, std::size_t from) {
+  const auto first = checked.findings.begin() + static_cast<std::ptrdiff_t>(from);
+  const std::vector<Finding> later(first, checked.findings.end());
+  if (!any_wrong(later)) return;
 
-  std::vector<Finding> findings = gravest_first(checked.findings);
   std::vector<std::string> texts;
-  for (const Finding& finding : findings) texts.push_back(text_of(finding));
+  for (const Finding& finding : gravest_first(later)) texts.push_back(text_of(finding));
 
-  throw RefusedScan(fmt::format("{}: {}", scan, fmt::join(texts, " | ")), std::move(findings));
+  throw RefusedScan(fmt::format("{}: {}", scan, fmt::join(texts, " | ")),
+                    gravest_first(checked.findings));
 }
 
 std::vector<std::string> doubts(const std::vector<Finding>& findings) {

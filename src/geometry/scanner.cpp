@@ -265,6 +265,9 @@ void require_valid(const Scanner& scanner) {
 
   // Light and depths.
   require_valid(scanner.photometry);
+  throw_if(!(scanner.calibration_rms >= 0 && std::isfinite(scanner.calibration_rms)),
+           "calibration_rms {} is out of range; 0 or more pixels", scanner.calibration_rms);
+
   const auto& depths = scanner.calibrated_depths;
   if (depths && !(depths->nearest >= 0 && depths->nearest < depths->farthest)) {
     throw Error(fmt::format("calibrated_depths {} to {} are out of range; 0 or more, nearest first",

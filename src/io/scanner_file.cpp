@@ -1,6 +1,7 @@
 #include "slipstream/scanner_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -25,6 +26,9 @@ namespace {
 
 constexpr const char* measured_entry = "measured";
 constexpr const char* depths_entry = "calibrated_depths";
+
+/// The RMS reprojection error of both devices: slipstream's name, then those of other tools.
+constexpr std::array rms_entries{"calibration_rms", "stereo_rms", "stereo_error"};
 
 /// Throws Error with the likely cause if the entry is missing.
 void require_present(const StoredEntries& entries, std::string_view name) {
@@ -134,6 +138,9 @@ StoredEntries entries_of(const Scanner& scanner) {
     put(depths_entry, Eigen::RowVector2d(depths->nearest, depths->farthest));
   }
 
+  if (scanner.calibration_rms > 0) {
+    put(rms_entries.front(), Eigen::Matrix<double, 1, 1>(scanner.calibration_rms));
+  }
   if (!scanner.measured.empty()) entries[measured_entry] = {.text = scanner.measured};
   return entries;
 }
@@ -162,7 +169,8 @@ StoredEntries other_entries(const fs::path& path) {
 
   std::erase_if(entries, [](const auto& entry) {
     return names_geometry(entry.first) || entry.first == measured_entry ||
-           entry.first == depths_entry || entry.second.empty();
+           entry.first == depths_entry || std::ranges::count(rms_entries, entry.first) > 0 ||
+           entry.second.empty();
   });
 
   return entries;
@@ -242,6 +250,10 @@ Scanner scanner_of(const StoredEntries& entries, const std::string& name, bool p
       const auto depths = matrix_of<1, 2>(entries, depths_entry);
       scanner.calibrated_depths = {depths[0], depths[1]};
     }
+
+    const auto rms =
+        std::ranges::find_if(rms_entries, [&](const char* entry) { return has(entries, entry); });
+    if (rms != rms_entries.end()) scanner.calibration_rms = matrix_of<1, 1>(entries, *rms)[0];
 
     if (has(entries, measured_entry)) scanner.measured = entries.at(measured_entry).text;
     return scanner;

@@ -21,7 +21,7 @@ std::array<std::string_view, 10> names_of(const ScannerLayout& layout) {
 
 }  // namespace
 
-constinit const std::array<ScannerLayout, 11> scanner_layouts{{
+constinit const std::array<ScannerLayout, 12> scanner_layouts{{
     // slipstream's own, which is also written.
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
@@ -33,7 +33,9 @@ constinit const std::array<ScannerLayout, 11> scanner_layouts{{
      "Rp",
      "Tp"},
     // ProCamCalib.
-    {{"cam_K", "cam_kc", "", ""}, {"proj_K", "proj_kc", "", ""}, "R", "T"},
+    {{"cam_K", "cam_kc", "cam_size", ""}, {"proj_K", "proj_kc", "pro_size", ""}, "R", "T"},
+    // jhdewitt/sltk.
+    {{"cam_K", "cam_kc", "cam_size", ""}, {"pro_K", "pro_kc", "pro_size", ""}, "R", "T"},
     // SLMaster.
     {{"M1", "D1", "S", ""}, {"M4", "D4", "", ""}, "Rlp", "Tlp"},
     // OpenCV and MATLAB.
@@ -88,7 +90,15 @@ const ScannerLayout& layout_of(const StoredEntries& entries) {
 
   std::set<std::string_view> matrices{projection_entries[0]};
   for (const ScannerLayout& layout : scanner_layouts) matrices.insert(layout.camera.matrix);
-  throw Error(fmt::format("no camera matrix; expected one of {}", fmt::join(matrices, ", ")));
+
+  // Name what could be one.
+  std::string found;
+  for (const auto& [name, entry] : entries) {
+    if (entry.rows == 3 && entry.columns == 3) found += (found.empty() ? "" : ", ") + name;
+  }
+  throw Error(fmt::format("no camera matrix{}; expected one of {}",
+                          found.empty() ? "" : " among its 3x3 matrices " + found,
+                          fmt::join(matrices, ", ")));
 }
 
 bool names_geometry(std::string_view entry) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "base/numbers.h"
@@ -35,45 +36,106 @@ BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
                 least_neighbour_modulation(setup.settings, other.frames.full_scale()));
 }
 
-/// Marks points off their epipolar lines as doubtful; returns how many.
-std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& sigma) {
-  std::size_t points = 0, doubted = 0;
+/// A linear function of the place in the picture: the part of the distances that errors of the
+/// calibration explain, as of a principal point or of a small turn.
+struct CommonDistance {
+  Eigen::Vector3d factors = Eigen::Vector3d::Zero();
+  Size size;
 
-  // The distance is NaN where the lens model does not reach a wrong coordinate: too far, too.
-  const auto too_far = [&](int column, int row) {
-    const double limit = std::max(least_limit, 5.0 * sigma(column, row));
-    return sigma(column, row) > 0 && !(std::abs(off(column, row)) <= limit);
-  };
+  /// (1, u, v) with u and v from -1 to 1 across the picture.
+  [[nodiscard]] Eigen::Vector3d terms(int column, int row) const {
+    return {1, 2.0 * column / size.width - 1, 2.0 * row / size.height - 1};
+  }
+  [[nodiscard]] double at(int column, int row) const { return factors.dot(terms(column, row)); }
+};
 
+/// A point that is compared.
+struct ComparedPoint {
+  Eigen::Vector3d terms;
+  double distance = 0, sigma = 0;
+};
+
+/// The valid points with a distance; at most about `most_compared`, evenly spread.
+std::vector<ComparedPoint> compared_points(const Image<float>& off, const Image<float>& sigma,
+                                           const Cloud& cloud) {
+  constexpr double most_compared = 1e5;
+  const double pixels = static_cast<double>(cloud.size().width) * cloud.size().height;
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / most_compared))));
+
+  const CommonDistance place{.size = cloud.size()};
+  std::vector<ComparedPoint> points;
+  for (int row = 0; row < cloud.size().height; row += step) {
+    for (int column = 0; column < cloud.size().width; column += step) {
+      const double distance = off(column, row);
+      if (cloud.validity(column, row) != Validity::valid || std::isnan(distance)) continue;
+      points.push_back({place.terms(column, row), distance, sigma(column, row)});
+    }
+  }
+  return points;
+}
+
+/// The common part of the distances, by least squares. Points far from it have no weight, so that
+/// a minority of wrong coordinates does not bend it.
+CommonDistance common_distance(const std::vector<ComparedPoint>& points, Size size) {
+  constexpr std::size_t fewest = 100;
+  CommonDistance common{.size = size};
+  if (points.size() < fewest) return common;
+
+  // 1. Start with the median.
+  std::vector<double> distances(points.size());
+  std::ranges::transform(points, distances.begin(), &ComparedPoint::distance);
+  common.factors.x() = median(distances);
+
+  constexpr int rounds = 5;
+  for (int round = 0; round < rounds; ++round) {
+    // 2. Points within three standard deviations, which follow from the median deviation.
+    std::ranges::transform(points, distances.begin(), [&](const ComparedPoint& point) {
+      return std::abs(point.distance - common.factors.dot(point.terms));
+    });
+    const double largest = 3 * 1.4826 * median(distances);
+
+    Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const auto& [terms, distance, sigma] : points) {
+      if (std::abs(distance - common.factors.dot(terms)) > largest) continue;
+      normal += terms * terms.transpose();
+      right += distance * terms;
+    }
+
+    // 3. The linear function that fits them.
+    common.factors = normal.ldlt().solve(right);
+  }
+  return common;
+}
+
+/// Marks points off their epipolar lines as doubtful.
+void reject_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& sigma,
+                     const CommonDistance& common, double calibration_rms, EpipolarCheck& check) {
+  const double least = std::max(least_limit, 2 * calibration_rms);
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     if (cloud.validity(column, row) != Validity::valid) return;
-    ++points;
-    doubted += too_far(column, row) ? 1 : 0;
-  });
+    ++check.points;
 
-  // If more than a third are off, the rest are close only by chance.
-  const bool all = 3 * doubted > points;
-  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
-    if (cloud.validity(column, row) == Validity::valid && (all || too_far(column, row)))
-      cloud.leave_out(column, row, Validity::doubtful_order);
-  });
+    // The distance is NaN where the lens model does not reach a wrong coordinate: too far, too.
+    const double limit = std::max(least, 5.0 * sigma(column, row));
+    const double own = off(column, row) - common.at(column, row);
+    if (sigma(column, row) == 0 || std::abs(own) <= limit) return;
 
-  return all ? points : doubted;
+    ++check.doubted;
+    cloud.leave_out(column, row, Validity::doubtful_order);
+  });
 }
 
 /// Medians over the points, before any is rejected.
-EpipolarCheck summary_of(const Image<float>& distance, const Image<float>& sigma,
-                         const Cloud& cloud) {
-  std::vector<double> distances, lengths, sigmas;
-  for (std::size_t i = 0; i < sigma.pixel_count(); ++i) {
-    const float off = distance.begin()[i];
-    if (cloud.validity.begin()[i] != Validity::valid || std::isnan(off)) continue;
-    distances.push_back(off);
-    lengths.push_back(std::abs(off));
-    sigmas.push_back(sigma.begin()[i]);
-  }
+EpipolarCheck summary_of(const std::vector<ComparedPoint>& points) {
+  if (points.empty()) return {};
 
-  if (distances.empty()) return {};
+  std::vector<double> distances, lengths, sigmas;
+  for (const ComparedPoint& point : points) {
+    distances.push_back(point.distance);
+    lengths.push_back(std::abs(point.distance));
+    sigmas.push_back(point.sigma);
+  }
   return {.median = median(std::move(distances)),
           .median_length = median(std::move(lengths)),
           .median_sigma = median(std::move(sigmas))};
@@ -98,8 +160,21 @@ EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d
   return {q.dot(plane) / length, line / length};
 }
 
-bool EpipolarCheck::contradicts() const {
-  return median_length > least_limit && median_length > 3 * median_sigma;
+double EpipolarCheck::doubted_share() const {
+  return points == 0 ? 0 : static_cast<double>(doubted) / static_cast<double>(points);
+}
+
+double EpipolarCheck::most_common(double calibration_rms) const {
+  return std::max({least_limit, 3 * median_sigma, 2 * calibration_rms});
+}
+
+bool EpipolarCheck::is_off(double calibration_rms) const {
+  return common > most_common(calibration_rms);
+}
+
+bool EpipolarCheck::contradicts(double calibration_rms) const {
+  constexpr double of_a_moved_rig = 3;  // projector pixels
+  return doubted_share() > most_doubted || common > std::max(of_a_moved_rig, 5 * calibration_rms);
 }
 
 EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps,
@@ -136,9 +211,21 @@ EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& 
         std::hypot(normal.x() * width * sigma_of(B), normal.y() * height * sigma_of(other_B)));
   });
 
-  // 4. Judge the points by their distances.
-  EpipolarCheck check = summary_of(off, sigma, cloud);
-  check.doubted = leave_out_doubtful(cloud, off, sigma);
+  // 4. The part of the distances that the calibration explains.
+  const std::vector<ComparedPoint> points = compared_points(off, sigma, cloud);
+  const CommonDistance common = common_distance(points, size);
+  EpipolarCheck check = summary_of(points);
+  if (!points.empty()) {
+    constexpr double most_share = 0.9;
+    std::vector<double> lengths(points.size());
+    std::ranges::transform(points, lengths.begin(), [&](const ComparedPoint& point) {
+      return std::abs(common.factors.dot(point.terms));
+    });
+    check.common = quantile(lengths, most_share);
+  }
+
+  // 5. Judge each point by what is left of its distance.
+  reject_doubtful(cloud, off, sigma, common, setup.scanner.calibration_rms, check);
   maps.epipolar_distance = std::move(off);
   return check;
 }

@@ -19,10 +19,10 @@ EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d
                                    double y);
 
 /// Compares a cloud and its maps, along x, with `other`, a scan of the same scene along y. Sets the
-/// maps' epipolar distance. Marks points as `doubtful_order` if they are off their epipolar lines
-/// by more than 5 standard deviations, or half a pixel if that is more. If more than a third are,
-/// marks all points, since the rest are close only by chance. Throws Error if the frames of `other`
-/// do not fit the setup or do not give coordinates by themselves.
+/// maps' epipolar distance. Marks points as `doubtful_order` if they are off their epipolar lines,
+/// less the common part of all distances, by more than 5 standard deviations, half a pixel and twice
+/// the calibration's own error. Throws Error if the frames of `other` do not fit the setup or do not give
+/// coordinates by themselves.
 EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps, Cloud& cloud);
 
 }  // namespace slipstream

@@ -50,18 +50,43 @@ EngineSetup setup_for_maps(const Scan& scan, const ScanJobSettings& settings,
   return setup;
 }
 
-/// Two coordinates of one pixel that do not meet in one projector pixel.
-Finding contradiction(const EpipolarCheck& check) {
-  return {
-      .kind = FindingKind::axes_disagree,
-      .what = "the coordinates along x and y do not meet in one projector pixel",
-      .evidence = {{"median distance from the epipolar lines", check.median_length,
-                    "projector pixels"},
-                   {"expected sigma", check.median_sigma}},
-      .causes = {{CauseKind::rig_moved, "the camera or projector moved since calibration"},
-                 {CauseKind::frame_order, "frames are in the wrong order"}},
-      .remedies = {{"calibrate again with `calibrate_geometry()`; scans along x alone do not show "
-                    "this"}}};
+/// Two coordinates of one pixel that do not meet in one projector pixel: of so many pixels that no
+/// point is sure, or by a common distance, an error of the calibration.
+std::optional<Finding> axes_that_disagree(const EpipolarCheck& check, double calibration_rms) {
+  const bool contradicts = check.contradicts(calibration_rms);
+  if (!contradicts && !check.is_off(calibration_rms)) return std::nullopt;
+
+  Finding finding{.kind = FindingKind::axes_disagree,
+                  .severity = contradicts ? Severity::wrong : Severity::doubtful,
+                  .what = "the coordinates along x and y do not meet in one projector pixel"};
+  finding.evidence = {
+      {"median distance from the epipolar lines", check.median_length, "projector pixels"},
+      {"common to all points", check.common, "projector pixels",
+       check.most_common(calibration_rms)},
+      {"expected sigma", check.median_sigma, "projector pixels"},
+      {"share of points too far from the rest", check.doubted_share(), "",
+       EpipolarCheck::most_doubted}};
+
+  if (check.doubted_share() > EpipolarCheck::most_doubted) {
+    finding.causes = {{CauseKind::frame_order, "frames are in the wrong order"},
+                      {CauseKind::pattern_settings, "other patterns along one of the axes"},
+                      {CauseKind::rig_moved, "the camera or projector moved since calibration"}};
+    finding.remedies = {{"compare the frames along y with the output of `patterns()`"}};
+  } else if (contradicts) {
+    finding.causes = {{CauseKind::rig_moved, "the camera or projector moved since calibration"},
+                      {CauseKind::other_rig, "a scanner file of another rig"}};
+    finding.remedies = {
+        {"calibrate again with `calibrate_geometry()`; scans along x alone do not "
+         "show this"}};
+  } else {
+    finding.causes = {
+        {CauseKind::scanner_file, "the calibration's own error, as of a principal point"},
+        {CauseKind::rig_moved, "a camera or projector that moved a little since"}};
+    finding.remedies = {
+        {"keep the points if an error of this size does not matter; else calibrate "
+         "again with `calibrate_geometry()`, with more poses"}};
+  }
+  return finding;
 }
 
 /// The cameras do not agree on the fringe order where one band of many periods leaves it open.
@@ -93,6 +118,7 @@ std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSe
   const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
   return Finding{
       .kind = FindingKind::few_points,
+      .severity = points == 0 ? Severity::wrong : Severity::doubtful,
       .what = points == 0 ? "not one pixel became a point"
                           : "under 50 % of the lit pixels became points",
       .evidence = {{"share", static_cast<double>(points) / static_cast<double>(lit)}},
@@ -222,8 +248,11 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
 
   result.backend = engine.backend_for(scan.frames);
   result.fallback_reason = engine.fallback_reason();
-  if (result.epipolar && result.epipolar->contradicts()) {
-    result.checked.findings.push_back(contradiction(*result.epipolar));
+  if (!result.epipolar) return;
+
+  const double calibration_rms = engine.setup().scanner.calibration_rms;
+  if (auto finding = axes_that_disagree(*result.epipolar, calibration_rms)) {
+    result.checked.findings.push_back(*std::move(finding));
   }
 }
 
@@ -264,6 +293,9 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
   two_cameras ? match_cameras(job, result) : compute(job, result);
   count(result, setup.settings, settings_.output);
   result.computing = watch.lap();
+  if (!settings_.keep_refused) {
+    require_right(result.checked, name, job.checked.findings.size());
+  }
 
   // 3. Uncertainty and confirmed coordinates, if wanted.
   if (settings_.uncertainty && !result.uncertainty) {

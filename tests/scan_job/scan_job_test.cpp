@@ -90,6 +90,56 @@ TEST(ScanJob, ComparesBothAxes) {
   EXPECT_EQ(result.epipolar->median, check.median);
 }
 
+/// A scan with patterns along both axes, whose scanner file has the projector's image displaced.
+Scan scan_with_projector_off(double pixels) {
+  Sequence both = dual;
+  both.both_axes = true;
+  Scan scan = scan_of(both);
+  scan.scanner->projector.intrinsic(1, 2) += pixels;
+  return scan;
+}
+
+TEST(ScanJob, WarnsOfACalibrationThatIsAPixelOff) {
+  const ScanResult right = reconstruct(scan_with_projector_off(0));
+  const ScanResult result = reconstruct(scan_with_projector_off(1));
+  EXPECT_GE(result.counts[0] + 20, right.counts[0]);
+  ASSERT_EQ(result.checked.findings.size(), 1U);
+  EXPECT_EQ(result.checked.findings.front().kind, FindingKind::axes_disagree);
+  EXPECT_EQ(result.checked.findings.front().severity, Severity::doubtful);
+
+  Scan known = scan_with_projector_off(1);
+  known.scanner->calibration_rms = 0.8;
+  EXPECT_TRUE(reconstruct(known).checked.findings.empty());
+}
+
+/// The diagnostics that refuse a scan; {} if it is accepted.
+std::vector<Finding> refusal_of(const Scan& scan, const ScanJobSettings& settings = {}) {
+  try {
+    (void)reconstruct(scan, settings);
+  } catch (const RefusedScan& refused) {
+    return refused.findings();
+  }
+  return {};
+}
+
+TEST(ScanJob, RefusesAxesThatContradictEachOther) {
+  const Scan scan = scan_with_projector_off(20);
+  const std::vector<Finding> findings = refusal_of(scan);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings.front().kind, FindingKind::axes_disagree);
+  EXPECT_EQ(findings.front().causes.front().kind, CauseKind::rig_moved);
+  EXPECT_GT(reconstruct(scan, {.keep_refused = true}).counts[0], 1000U);
+}
+
+TEST(ScanJob, RefusesACloudWithoutPoints) {
+  ScanJobSettings settings;
+  settings.reconstruct.nearest = 10;
+  settings.reconstruct.farthest = 20;
+  const std::vector<Finding> findings = refusal_of(scan_of(dual), settings);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings.front().kind, FindingKind::few_points);
+}
+
 TEST(ScanJob, RefusesAScanThatContradictsItsPatterns) {
   Scan scan = scan_of(dual);
   scan.frames = reordered(std::move(scan.frames), {0, 2, 1, 3, 5, 4});

@@ -209,7 +209,10 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
           std::move(coordinate),
           truth.reflectivity,
           first,
-          projector};
+          projector,
+          false,
+          {},
+          middle};
 }
 
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,

@@ -134,9 +134,10 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
 
   boards->group("Board");
 
-  // The board takes the scene's place, and each pose is scanned along both axes.
-  FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
-                                           "--move", "--turn", "--vibrate", "--breathe", "--axis"});
+  // The board takes the scene's place, and each pose is scanned along both axes, in grey.
+  FlagGroup{simulate}.exclude(
+      "--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move", "--turn",
+                   "--vibrate", "--breathe", "--axis", "--colour", "--primaries", "--paint"});
 
   add_board_flags(simulate, flags.board);
 
@@ -160,6 +161,7 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   group.add("--primaries", flags.primaries,
             "take colour pictures of the scene under black, red, green and blue instead");
   group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries"});
+  group.exclude("--primaries", {"--second-camera"});
 
   group.add("--paint", flags.paint,
             "with --colour: coloured surfaces that absorb up to this share of a channel's light");

@@ -90,6 +90,7 @@ struct VirtualScan {
   Size projector{};
   bool in_colour = false;  ///< three frames are the channels of one picture
   FrameSet white{};        ///< in colour: the channels of a picture under uniform grey
+  double truth_time = 0;   ///< of depth, coordinate and reflectivity, in frames: see Motion
 };
 
 /// Simulates the frames of `patterns`, the first at `time`, each one frame after the last: I =

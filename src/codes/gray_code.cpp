@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -77,6 +78,11 @@ int bits_for(double periods) {
   return std::max(1, static_cast<int>(std::ceil(std::log2(periods) - 1e-9)));
 }
 
+/// Bits that GrayPhase::complementary adds to the code.
+int complementary_bits(std::optional<bool> complementary) {
+  return complementary.value_or(true) ? 1 : 0;
+}
+
 }  // namespace
 
 void GrayCode::require_valid() const {
@@ -115,8 +121,7 @@ Layout ExclusiveOrGray::layout() const {
 void GrayPhase::require_valid() const {
   slipstream::require_valid(runs().front(), "gray-phase");
   const int shown = bits.value_or(bits_for(periods));
-  // Leaves room for the complementary bit.
-  require_known(name, shown + 1, reference);
+  require_known(name, shown + complementary_bits(complementary), reference);
 
   throw_if(shown < bits_for(periods),
            "gray-phase: {} bits are too few for {:g} periods, which require {}", shown, periods,
@@ -124,7 +129,7 @@ void GrayPhase::require_valid() const {
 }
 
 Layout GrayPhase::layout() const {
-  const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
+  const int shown = bits.value_or(bits_for(periods)) + complementary_bits(complementary);
   const int first = runs().front().frames(), frames = first + frame_count(shown, reference);
 
   Layout layout{

@@ -54,19 +54,28 @@ void set(Value& target, const std::string& name, const SettingValue& value) try 
 }
 
 template <class Coding>
+bool has_setting(const Coding& coding, std::string_view wanted) {
+  bool found = false;
+  Coding::for_each_setting(coding, [&](const char* name, const char*, const auto&) {
+    if (wanted == name) found = true;
+  });
+
+  return found;
+}
+
+template <class Coding>
 Strategy configured(Coding coding, const StrategySettings& settings) {
   for (const auto& [wanted, value] : settings) {
-    bool found = false;
     Coding::for_each_setting(coding, [&](const char* name, const char*, auto& target) {
-      if (wanted != name) return;
-      set(target, wanted, value);
-      found = true;
+      if (wanted == name) set(target, wanted, value);
     });
+  }
 
-    // Some settings exist only without shifts: see visit_steps.
-    throw_if(!found, "strategy {}{} has no setting '{}'; it has {}", Coding::name,
-             settings.contains("shifts") && wanted != "shifts" ? " with shifts" : "", wanted,
-             setting_names(coding));
+  // Some settings exist only without shifts: see visit_steps. So all are set before.
+  for (const auto& [wanted, value] : settings) {
+    throw_if(!has_setting(coding, wanted), "strategy {}{} has no setting '{}'; it has {}",
+             Coding::name, settings.contains("shifts") && wanted != "shifts" ? " with shifts" : "",
+             wanted, setting_names(coding));
   }
 
   return coding;

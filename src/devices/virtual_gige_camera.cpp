@@ -168,18 +168,19 @@ bool VirtualGigeCamera::has_picture() const {
   }
 }
 
-/// The picture of frame k since the client's start; nullptr if it is not rendered yet.
-const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t k, std::size_t shown) {
-  // A new client gets the next reel, once one has seen enough of this.
-  if (k == 0) {
-    if (seen_whole_ && reel_ + 1 < reels_.size()) {
-      ++reel_;
-      seen_whole_ = false;
-    }
-    player_ = ReelPlayer(reels_[reel_]);
-    player_shows_ = 0;
+/// For a new client: the next reel, once one has seen enough of this, from its first frame on.
+void VirtualGigeCamera::begin_reel() {
+  if (seen_whole_ && reel_ + 1 < reels_.size()) {
+    ++reel_;
+    seen_whole_ = false;
   }
 
+  player_ = ReelPlayer(reels_[reel_]);
+  player_shows_ = 0;
+}
+
+/// The picture of a pattern counted since the client's start; nullptr if it is not rendered yet.
+const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t shown) {
   if (shown < player_shows_) {  // the client or the wiring has changed what triggers what
     player_.restart();
     player_shows_ = 0;
@@ -200,7 +201,7 @@ void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k, std::size_
   const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
 
   const Image<std::uint8_t> seen = view_ ? view_() : Image<std::uint8_t>();
-  const Image<std::uint8_t>* const shown_picture = view_ ? &seen : picture(k, shown);
+  const Image<std::uint8_t>* const shown_picture = view_ ? &seen : picture(shown);
   if (shown_picture == nullptr) return;  // lost, as if the projector were dark
 
   const GigeBlock block = block_of(*shown_picture, stream, number);
@@ -234,6 +235,7 @@ void VirtualGigeCamera::run() {
     if (!stream) {  // a new client sees the first frame
       k = pulses_ = 0;
       started_ = steady_clock::now();
+      begin_reel();
     }
 
     // 2. The pattern seen in it. Its exposure sends a pulse if Line1 is an output with a source.

@@ -62,7 +62,8 @@ class VirtualGigeCamera {
  private:
   [[nodiscard]] std::size_t shown_in(std::size_t k) const;
   [[nodiscard]] bool has_picture() const;
-  const Image<std::uint8_t>* picture(std::size_t k, std::size_t shown);
+  void begin_reel();
+  const Image<std::uint8_t>* picture(std::size_t shown);
   void send(const GigeStream& stream, std::size_t k, std::size_t shown);
   void run();
 

@@ -24,7 +24,7 @@ using CycleSamples = std::vector<std::vector<float>>;
 
 /// Detects patterns that have slipped relative to their indices: frames of one pattern, a cycle
 /// apart, differ little; different patterns differ much. Compares each frame with the last one of
-/// every index, by the mean difference of samples where the patterns show.
+/// every index, by the differences of samples where the patterns show.
 class SlipWatch {
  public:
   enum class Verdict {
@@ -55,7 +55,8 @@ class SlipWatch {
     std::vector<float> samples;
   };
 
-  /// Mean difference from the last frame of each index; infinite if inconclusive.
+  /// Sums of the differences from the last frame of each index, over the same samples; infinite if
+  /// inconclusive.
   void measure_distances(const std::vector<float>& samples);
   void keep(int index, const std::vector<float>& samples);
   /// Accepts the suspected frames with their indices shifted by `places`.

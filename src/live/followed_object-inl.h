@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -13,6 +14,24 @@
 #include "slipstream/live_pipeline.h"
 
 namespace slipstream {
+
+/// Mean time of the cloud's frames, s, by the device's clock if it has one.
+inline double seconds_of(const LiveCloud& cloud) {
+  using Seconds = std::chrono::duration<double>;
+
+  // A device's clock may begin at 0, with one of these frames.
+  const bool has_clock = std::ranges::any_of(cloud.frames, [](const Pooled<Frame>& frame) {
+    return frame->stamp.device_time.count() != 0;
+  });
+
+  double sum = 0;
+  for (const Pooled<Frame>& frame : cloud.frames) {
+    const FrameStamp& stamp = frame->stamp;
+    sum += Seconds(has_clock ? stamp.device_time : stamp.host_time.time_since_epoch()).count();
+  }
+
+  return sum / static_cast<double>(cloud.frames.size());
+}
 
 /// Tracks the object and builds the model that the settings ask for, each in its own thread.
 class FollowedObject {
@@ -60,20 +79,6 @@ class FollowedObject {
   }
 
  private:
-  /// Mean time of the cloud's frames, s, by the device's clock if it has one.
-  static double seconds_of(const LiveCloud& cloud) {
-    using Seconds = std::chrono::duration<double>;
-
-    double sum = 0;
-    for (const Pooled<Frame>& frame : cloud.frames) {
-      const FrameStamp& stamp = frame->stamp;
-      const bool has_clock = stamp.device_time.count() != 0;
-      sum += Seconds(has_clock ? stamp.device_time : stamp.host_time.time_since_epoch()).count();
-    }
-
-    return sum / static_cast<double>(cloud.frames.size());
-  }
-
   void track(const LiveCloud& cloud) {
     ObjectTracker next = *tracker_;  // only this thread changes it
 

@@ -261,7 +261,7 @@ class LiveRun {
     if (wanted == state.engine) return;
 
     const auto patterns_of = [](const Sequence& shown) {
-      return std::tie(shown.strategy, shown.axis, shown.exposures);
+      return std::tie(shown.strategy, shown.axis, shown.both_axes, shown.exposures, shown.motion);
     };
     const Sequence& sequence = wanted->setup().sequence;
     if (!state.windows || patterns_of(sequence) != patterns_of(state.engine->setup().sequence)) {

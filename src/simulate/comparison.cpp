@@ -8,16 +8,22 @@
 #include <vector>
 
 #include "base/statistics.h"
+#include "simulate/seen_scene.h"
 #include "slipstream/engine.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream {
 namespace {
 
-/// Distance of a point to the surfaces within one and a half pixels, mm.
-double distance_to_surfaces(const Cloud& cloud, int column, int row, const VirtualWorld& world) {
+/// Distance of a point to the surfaces within one and a half pixels, mm. `truth_time`: as in
+/// VirtualScan.
+double distance_to_surfaces(const Cloud& cloud, int column, int row, const VirtualWorld& world,
+                            double truth_time) {
   const Eigen::Vector3d point = position_at(cloud, column, row);
-  const std::vector<PlacedBody> bodies = placed_at(world.scene, 0);
+
+  // The surfaces where the truth of this row has them.
+  const double later = rolled(world.photometry.physics, row, cloud.size().height);
+  const std::vector<PlacedBody> bodies = placed_at(world.scene, truth_time + later);
   double nearest = std::numeric_limits<double>::infinity();
 
   // Rays at quarter pixels.
@@ -45,7 +51,9 @@ double repeatability(const Cloud& first, const Cloud& second) {
   return deviation_from_median(median(std::move(differences))) / std::sqrt(2.0);
 }
 
-/// The world with a share of the light per frame, and correspondingly more gain.
+/// The world with a share of the light per frame, and correspondingly more gain. A given noise
+/// variance counts as shot noise. Offsets in grey levels, of rows and of pixels, stay: they arise
+/// behind the amplifier.
 VirtualWorld with_exposure(VirtualWorld world, double share) {
   world.photometry.noise_variance /= share;
   world.photometry.physics.full_well *= share;
@@ -176,8 +184,9 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
 
     // Far from the depth seen here, it may still lie on a surface nearby: at a steep edge, say.
     const double limit = std::max(5 * sigma, 1.0);
-    const double off = std::abs(error) <= limit ? std::abs(error)
-                                                : distance_to_surfaces(cloud, column, row, world);
+    const double off = std::abs(error) <= limit
+                           ? std::abs(error)
+                           : distance_to_surfaces(cloud, column, row, world, truth.truth_time);
 
     if (off > limit) {
       ++sums.flying;

@@ -19,8 +19,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double shutter_rolls = 0.9;  // from the first row to the last, frames
-
 /// Squared distance from the centre of a picture, 1 in its corners.
 double off_centre(const Eigen::Vector2d& pixel, Size size) {
   const Eigen::Vector2d middle(0.5 * size.width, 0.5 * size.height);
@@ -122,8 +120,8 @@ struct Onlooker {
   std::invoke_result_t<Use, const std::vector<PlacedBody>&> at_row_of(const Eigen::Vector2d& pixel,
                                                                       const Use& use) const {
     if (!physics.rolling_shutter) return use(bodies);
-    const double rolled = shutter_rolls * pixel.y() / scanner.camera.size.height;
-    return use(placed_at(scene, time + rolled));
+    const double later = rolled(physics, pixel.y(), scanner.camera.size.height);
+    return use(placed_at(scene, time + later));
   }
 
   /// A smooth error that no lens polynomial fits.
@@ -255,6 +253,11 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
 }
 
 }  // namespace
+
+double rolled(const Physics& physics, double row, int rows) {
+  constexpr double from_first_to_last = 0.9;  // frames
+  return physics.rolling_shutter ? from_first_to_last * row / rows : 0;
+}
 
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time, const std::stop_token& stop) {

@@ -56,6 +56,9 @@ struct SeenScene {
   Image<int> sample_count{size};  ///< for each pixel
 };
 
+/// How much later than the first row a row is exposed, frames; 0 without a rolling shutter.
+double rolled(const Physics& physics, double row, int rows);
+
 /// `time`: in frames, 0 at the first; of the first row for a rolling shutter. On even surfaces a
 /// pixel uses the ray through its centre, at edges the mean of `photometry.rays` rays.
 /// Once `stop` is requested, returns soon, with pixels left dark.

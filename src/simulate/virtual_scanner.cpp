@@ -37,6 +37,18 @@ std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures,
   return frames;
 }
 
+/// The same light on a sensor that neither rounds nor adds noise, with equal pixels.
+Photometry before_sensor(Photometry photometry) {
+  photometry.bits.reset();
+  photometry.noise_variance = 0;
+
+  Physics& physics = photometry.physics;
+  physics.full_well = physics.read_noise = physics.row_noise = 0;
+  physics.dark_spread = physics.sensitivity_spread = 0;
+
+  return photometry;
+}
+
 constexpr std::size_t channels = 3;
 
 /// Share of channel c's light that the paint reflects at a point of the surface.
@@ -197,7 +209,10 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
           std::move(coordinate),
           truth.reflectivity,
           first,
-          projector};
+          projector,
+          false,
+          {},
+          middle};
 }
 
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
@@ -222,10 +237,8 @@ VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const P
   if (is_moving(scene)) throw Error("a scene in colour must be static; remove its motion");
   require_in_range(devices.paint >= 0 && devices.paint <= 1, "paint", devices.paint, "0 to 1");
 
-  // 1. The light of each projector colour alone, neither rounded nor with constant noise.
-  Photometry light = photometry;
-  light.bits.reset();
-  light.noise_variance = 0;
+  // 1. The light of each projector colour alone. The sensor comes after the mixture.
+  const Photometry light = before_sensor(photometry);
   VirtualScan scan = take_scan(scanner, scene, patterns, light);
 
   // 2. The camera's channels of each picture: three patterns mixed, with the sensor's noise.

@@ -367,8 +367,12 @@ TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
 TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
   const TemporaryFolder out;
   const std::string folder = out.path() / "boards";
-  for (const std::vector<std::string>& flag : std::vector<std::vector<std::string>>{
-           {"--scene", "sphere"}, {"--axis", "y"}, {"--move", "1", "0", "0"}}) {
+  for (const std::vector<std::string>& flag :
+       std::vector<std::vector<std::string>>{{"--scene", "sphere"},
+                                             {"--axis", "y"},
+                                             {"--move", "1", "0", "0"},
+                                             {"--colour"},
+                                             {"--primaries"}}) {
     std::vector<std::string> arguments{"simulate", folder, "--boards", "2", "--spacing", "10"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
     expect_bad_input(run_program(arguments), {"--boards", flag[0]});

@@ -89,6 +89,7 @@ TEST(Shifts, AreRefusedUnlessThreeDiffer) {
   }
   EXPECT_THROW(Strategy(PhaseMeasuring{.angles = {0, 90, 180, std::nan("")}}), Error);
   EXPECT_THROW(make_strategy("pmp", {{"shifts", "0,90,180"}, {"steps", 3}}), Error);
+  EXPECT_THROW(make_strategy("dual-frequency", {{"low_steps", 3}, {"shifts", "0,90,180"}}), Error);
   EXPECT_THROW(make_strategy("micro", {{"shifts", "0,90,180"}}), Error);
 }
 
@@ -102,6 +103,13 @@ TEST(Shifts, AndStepsReplaceEachOtherInASequence) {
   EXPECT_EQ(shifted.strategy, Strategy(DualFrequency{.angles = {0, 90, 180}}));
   EXPECT_EQ(with(shifted, Settings{{"steps", "4"}}).strategy, Strategy(DualFrequency{.steps = 4}));
   EXPECT_THROW(with(known, Settings{{"shifts", "0,90,180"}, {"steps", "3"}}), Error);
+}
+
+TEST(GrayPhase, HasAllBitsOfACodeWithOrWithoutTheComplementaryOne) {
+  EXPECT_NO_THROW(Strategy(GrayPhase{.bits = most_code_bits - 1}));
+  EXPECT_NO_THROW(Strategy(GrayPhase{.bits = most_code_bits, .complementary = false}));
+  EXPECT_THROW(Strategy(GrayPhase{.bits = most_code_bits}), Error);
+  EXPECT_THROW(Strategy(GrayPhase{.bits = most_code_bits + 1, .complementary = false}), Error);
 }
 
 TEST(MicroPhaseShifting, InvertsEverySecondSingleFrame) {

@@ -151,6 +151,28 @@ TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
   EXPECT_TRUE(same_pixels(see(2), rendered[2]));
 }
 
+TEST(VirtualGigeCamera, AnInvertedStrobeBeginsWithTheLastPatternOfTheReelThatIsShown) {
+  const std::vector<Frame> rendered = some_frames(5, {320, 240});
+  const auto camera = serve(VirtualGigeCamera::Reels{
+      std::make_shared<RenderedReel>(reel_of({rendered[0], rendered[1]})),
+      std::make_shared<RenderedReel>(reel_of({rendered[2], rendered[3], rendered[4]}))});
+  REQUIRE_CAMERA(camera);
+  camera->set_wiring(Wiring::strobe);
+  CameraSettings settings = settings_at(100, 3);
+  settings.strobe = "Line1";
+  settings.strobe_inverted = true;
+  const auto first_seen = [&] {
+    const auto opened = open_genicam_camera(served_address, settings);
+    opened->start();
+    Frame frame(opened->format());
+    EXPECT_TRUE(wait_for_frame(*opened, frame));
+    return frame;
+  };
+  const Frame of_first_reel = first_seen(), of_second = first_seen();
+  EXPECT_TRUE(same_pixels(of_first_reel, rendered[(1 + of_first_reel.stamp.sequence) % 2]));
+  EXPECT_TRUE(same_pixels(of_second, rendered[2 + (2 + of_second.stamp.sequence) % 3]));
+}
+
 TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   const std::vector<Frame> rendered = some_frames(5, {320, 240});
   const auto camera = serve(rendered);

@@ -367,6 +367,27 @@ TEST(LivePipeline, scan_is_changed_while_it_runs) {
   EXPECT_EQ(pipeline.failure(), nullptr);
 }
 
+TEST(LivePipeline, frames_for_motion_are_added_and_left_out_while_it_runs) {
+  std::atomic<std::size_t> window = 0;
+  LivePipeline pipeline(
+      std::make_unique<VirtualCamera>(frames_of(four_steps)), scan_of(four_steps),
+      {.on_cloud = [&](const Pooled<LiveCloud>& cloud) { window = cloud->frames.size(); }});
+  const auto wait_for_window = [&](std::size_t frames) {
+    while (window != frames && pipeline.running()) std::this_thread::sleep_for(1ms);
+    EXPECT_EQ(window, frames);
+  };
+  pipeline.start();
+  wait_for_window(4);
+  EngineSetup moving = scan_of(four_steps);
+  moving.sequence.motion = 2;
+  pipeline.change(moving);
+  wait_for_window(6);
+  pipeline.change(scan_of(four_steps));
+  wait_for_window(4);
+  pipeline.stop();
+  EXPECT_EQ(pipeline.failure(), nullptr);
+}
+
 TEST(LivePipeline, refuses_what_does_not_fit_the_frames) {
   const auto pictures = frames_of(four_steps);
   const auto make = [&](const EngineSetup& scan) {

@@ -1,10 +1,12 @@
 // Tracks a sphere and a plane from cloud to cloud, and merges clouds into a model.
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "live/followed_object-inl.h"
 #include "live/object_tracker.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
@@ -96,6 +98,20 @@ TEST(TrackedShape, IsASphereOrAPlane) {
                           "sphere:nan", "sphere:inf", "plane:3", "cube:1"}) {
     EXPECT_THROW((void)tracked_shape_named(bad), Error) << bad;
   }
+}
+
+TEST(FollowedObject, TimesACloudByOneClockThoughThatBeginsAtZero) {
+  using namespace std::chrono_literals;
+  Pool<Frame> pool(2, [] { return Frame(); });
+  LiveCloud cloud;
+  for (const std::chrono::nanoseconds time : {0ms, 100ms}) {
+    Pooled<Frame> frame = pool.take();
+    FrameStamp& stamp = frame.fill().stamp;
+    stamp.device_time = time;
+    stamp.host_time = std::chrono::steady_clock::now();
+    cloud.frames.push_back(frame);
+  }
+  EXPECT_DOUBLE_EQ(seconds_of(cloud), 0.05);
 }
 
 TEST(LivePipeline, follows_an_object_and_makes_a_model) {

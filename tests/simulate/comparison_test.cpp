@@ -63,20 +63,20 @@ TEST(Comparison, GivesTwiceTheFramesHalfTheLight) {
   EXPECT_NEAR(all[1].repeatability / all[0].repeatability, 1, 0.15);
 }
 
-TEST(Comparison, CountsWhatIsOffEverySurface) {
-  const Scanner scanner = example_scanner({160, 120});
-  const Scene scene = scene_named("board", scanner);
-  const Sequence sequence{.projector = scanner.projector.size};
-  const PatternSet patterns = pattern_set(sequence);
-  const VirtualScan truth = take_scan(scanner, scene, patterns);
+const Sequence sequence{.projector = example_scanner().projector.size};
+
+/// The errors of a cloud of 8000 points near the truth. Every fourth has `depth_of_every_fourth`.
+CloudErrors errors_of(const Image<double>& depth_of_every_fourth, const VirtualScan& truth,
+                      const VirtualWorld& world) {
+  const Scanner& scanner = world.scanner;
   Cloud cloud(scanner.camera.size);
   Uncertainty sigma(scanner.camera.size);
   Image<float> coordinate(scanner.camera.size);
   int points = 0;
   for (int row = 20; row < 100; ++row) {
     for (int column = 20; column < 120; ++column) {
-      // Every fourth point lies 20 mm before the board.
-      const double z = truth.depth(column, row) + (++points % 4 == 0 ? -20 : 0.1);
+      const double z =
+          ++points % 4 == 0 ? depth_of_every_fourth(column, row) : truth.depth(column, row) + 0.1;
       const Eigen::Vector3d point = z * ray_through(scanner.camera, {column, row});
       cloud.x(column, row) = static_cast<float>(point.x());
       cloud.y(column, row) = static_cast<float>(point.y());
@@ -86,14 +86,35 @@ TEST(Comparison, CountsWhatIsOffEverySurface) {
       coordinate(column, row) = static_cast<float>(truth.coordinate(column, row));
     }
   }
-  const CloudErrors errors =
-      cloud_errors(cloud, sigma, coordinate, sequence.strategy.layout(), truth, {scanner, scene});
+  return cloud_errors(cloud, sigma, coordinate, sequence.strategy.layout(), truth, world);
+}
+
+TEST(Comparison, CountsWhatIsOffEverySurface) {
+  const Scanner scanner = example_scanner({160, 120});
+  const Scene scene = scene_named("board", scanner);
+  const VirtualScan truth = take_scan(scanner, scene, pattern_set(sequence));
+  Image<double> before_the_board = truth.depth;
+  for (double& depth : before_the_board) depth -= 20;
+  const CloudErrors errors = errors_of(before_the_board, truth, {scanner, scene});
   EXPECT_EQ(errors.points, 8000U);
   EXPECT_DOUBLE_EQ(errors.flying, 0.25);
   EXPECT_DOUBLE_EQ(errors.beyond_5, 0.25);
   EXPECT_EQ(errors.wrong_order, 0);
   EXPECT_NEAR(errors.rms, 0.1, 1e-4);
   EXPECT_NEAR(errors.normalised_rms, 1, 1e-3);
+}
+
+TEST(Comparison, FindsSurfacesOfAMovingSceneWhereTheirTruthIs) {
+  const Scanner scanner = example_scanner({160, 120});
+  Scene scene = scene_named("board", scanner);
+  const VirtualScan first = take_scan(scanner, scene, pattern_set(sequence));
+  for (Body& body : scene) body.motion.step = {0, 0, 8};
+  const VirtualScan truth = take_scan(scanner, scene, pattern_set(sequence));
+  EXPECT_EQ(truth.truth_time, 1) << "of three frames";
+  // The board has left the place that it has in the first frame.
+  const CloudErrors errors = errors_of(first.depth, truth, {scanner, scene});
+  EXPECT_EQ(errors.points, 8000U);
+  EXPECT_DOUBLE_EQ(errors.flying, 0.25);
 }
 
 }  // namespace slipstream::comparison_test

@@ -198,6 +198,23 @@ TEST(Physics, FixedPatternsAreTheSameInAllFrames) {
   EXPECT_NE(first(10, 10), first(11, 10));
 }
 
+TEST(Physics, ASensorForColoursAddsItsNoiseOnce) {
+  const Photometry noisy{.noise_variance = 1,
+                         .bits = std::nullopt,
+                         .physics = {.full_well = 5000,
+                                     .read_noise = 10,
+                                     .row_noise = 0.3,
+                                     .dark_spread = 0.5,
+                                     .sensitivity_spread = 0.01}};
+  // Without mixture and paint, each channel is a grey frame.
+  const VirtualScan grey = take_scan(scanner(), board(), flat(0.5, 3), noisy);
+  const VirtualScan coloured = take_colour_scan(scanner(), board(), flat(0.5, 3), noisy, {});
+  for (int n = 0; n < 3; ++n) {
+    const Image<double> expected = frame_of(grey, n), seen = frame_of(coloured, n);
+    EXPECT_TRUE(std::equal(seen.begin(), seen.end(), expected.begin())) << n;
+  }
+}
+
 TEST(Physics, FlickerIsOfWholeFrames) {
   const Image<double> steady = frame(board(), flat(1, 3), {}, 2);
   const Image<double> flickered = frame(board(), flat(1, 3), {.flicker = 0.05}, 2);

@@ -223,8 +223,11 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
 }
 
 void verify_accuracy(const VerifyFlags& flags, Output& output) {
-  throw_if(flags.rehearse == flags.artefacts.has_value(),
+  throw_if(!flags.rehearse && !flags.artefacts,
            "nothing to verify: give an artefacts file (.yaml) or --rehearse");
+  throw_if(flags.rehearse && flags.artefacts.has_value(),
+           "--rehearse uses virtual artefacts; drop it, or the artefacts file {}",
+           flags.artefacts.value_or(""));
 
   // The artefacts come from a file and their scans, or from a rehearsal in the virtual world.
   const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);

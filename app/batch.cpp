@@ -66,6 +66,8 @@ void plan_batch(const BatchFlags& given, Output& output) {
   throw_if(flags.tasks < 1, "--tasks 0 is out of range; 1 or more");
   const std::string plan = flags.folder + "/batch.json";
   throw_if(fs::exists(plan), "{}: already holds a batch; name another folder", flags.folder);
+  throw_if(flags.reconstruct.files.cloud == standard_output,
+           "-o -: a batch writes files, not to standard output; name one, e.g. {{name}}.ply");
 
   // 1. List the scans and their cost, in pixels of all frames.
   require_valid(flags.reconstruct);

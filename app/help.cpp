@@ -49,7 +49,10 @@ std::string wrapped(const std::string& text, std::size_t margin, std::string_vie
       lines += fmt::format("{}\n{:{}}", ending, "", margin);
       column = margin;
     }
-    if (column++ > margin) lines += ' ';
+    if (column > margin) {
+      lines += ' ';
+      ++column;
+    }
     lines += word;
     column += word.size();
   }

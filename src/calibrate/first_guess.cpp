@@ -177,6 +177,12 @@ void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
 }
 
 void require_same_handedness(const BoardView& view) {
+  constexpr int fewest = 4;
+  throw_if(lit_corners(view) < fewest,
+           "{}: fewer than {} corners are lit and fit one flat board; light the whole board, or "
+           "exclude the pose with `excluded`",
+           view.name, fewest);
+
   const Eigen::Matrix2d A = affine_map(view);
   if (A.determinant() > 0) return;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -44,6 +45,14 @@ double blunder(Size camera) {
   return std::max(least, share_of_width * camera.width);
 }
 
+/// The simple calibration of some of the poses; nullopt if there is none, as with too few tilts.
+std::optional<BundleState> calibration_of_some(const BoardViews& views, const BoardPlaces& printed,
+                                               const Scanner& scanner) try {
+  return simple_calibration(views, printed, scanner.camera.size, scanner.projector.size);
+} catch (const Error&) {
+  return std::nullopt;
+}
+
 /// A pose without which the others agree, and its offset under their scanner.
 struct OddPose {
   std::size_t pose = 0;
@@ -54,16 +63,17 @@ struct OddPose {
 std::optional<OddPose> odd_pose(const BoardViews& views, const BundleState& state,
                                 const BoardPlaces& printed) {
   if (views.size() <= fewest_poses) return std::nullopt;
-  const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
+  const double bound = blunder(state.scanner.camera.size);
 
   std::optional<OddPose> odd;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const BoardViews rest = some_poses(views, state, [&](std::size_t i) { return i != v; }).views;
-    const BundleState others = simple_calibration(rest, printed, camera, projector);
+    const auto others = calibration_of_some(rest, printed, state.scanner);
+    if (!others) continue;
 
-    const double rms = largest_rms(rest, others);
-    if (rms > blunder(camera) || (odd && rms > odd->rms_of_others)) continue;
-    odd = {v, rms, projector_offset(views[v], others.scanner, state.poses[v], printed)};
+    const double rms = largest_rms(rest, *others);
+    if (rms > bound || (odd && rms > odd->rms_of_others)) continue;
+    odd = {v, rms, projector_offset(views[v], others->scanner, state.poses[v], printed)};
   }
 
   return odd;
@@ -77,18 +87,20 @@ struct OtherRig {
 
 std::optional<OtherRig> other_rig(const BoardViews& views, const BundleState& state,
                                   const BoardPlaces& printed) {
-  const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
+  const double bound = blunder(state.scanner.camera.size);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   std::optional<OtherRig> other;
 
   for (std::size_t k = fewest_poses; k + fewest_poses <= views.size(); ++k) {
     double largest = 0;
     for (const auto& takes : {from_to(0, k), from_to(k, views.size())}) {
       const BoardViews half = some_poses(views, state, takes).views;
-      const BundleState own = simple_calibration(half, printed, camera, projector);
-      largest = std::max(largest, largest_rms(half, own));
+      const auto own = calibration_of_some(half, printed, state.scanner);
+      // Poses that cannot be calibrated do not show another rig.
+      largest = std::max(largest, own ? largest_rms(half, *own) : infinity);
     }
 
-    if (largest < (other ? other->rms : blunder(camera))) other = {k, largest};
+    if (largest < (other ? other->rms : bound)) other = {k, largest};
   }
 
   return other;

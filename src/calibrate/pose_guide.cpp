@@ -82,9 +82,9 @@ std::optional<PoseVerdict> unfit(const FringeFreePictures& pictures, const Calib
   if (white < least_white) {
     return verdict(
         PoseState::dark,
-        fmt::format("the board's white is {:.0f} of 255 grey levels (limit 40): lengthen "
+        fmt::format("the board's white is {:.0f} of 255 grey levels (limit {:g}): lengthen "
                     "the exposure, open the iris or move it into the projector's light",
-                    white));
+                    white, least_white));
   }
 
   // 2. Focus.

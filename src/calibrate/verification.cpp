@@ -57,7 +57,8 @@ BoardMeasure overall(const std::vector<VerifiedPose>& poses,
            rms([](const BoardMeasure& of) { return of.rms.projector; }),
            rms([](const BoardMeasure& of) { return of.rms.stereo; })},
           {rms([](const BoardMeasure& of) { return of.quality.flatness; }),
-           rms([](const BoardMeasure& of) { return of.quality.scale_error; })}};
+           rms([](const BoardMeasure& of) { return of.quality.scale_error; }),
+           rms([](const BoardMeasure& of) { return of.quality.distance_error; })}};
 }
 
 bool is_good(const BoardMeasure& measure, double size) {

@@ -197,8 +197,8 @@ Picture read_pgm(Bytes bytes, std::size_t frames) {
     if (binary) {  // most significant first
       std::reverse_copy(text.begin(), text.begin() + bytes_each, to);
       text.remove_prefix(static_cast<std::size_t>(bytes_each));
-      throw_if(bytes_each == 2 && number_at<std::uint16_t>({to, 2}, 0) > levels,
-               "has a level above its highest, {}", levels);
+      const std::uint32_t level = bytes_each == 2 ? number_at<std::uint16_t>({to, 2}, 0) : *to;
+      throw_if(level > levels, "has a level above its highest, {}", levels);
       continue;
     }
 

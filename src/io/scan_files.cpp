@@ -165,8 +165,8 @@ ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) 
 
   scan.sequence = along(scan.sequence, axis);
 
-  // Only checks the number of pictures; they are read later.
-  if (fs::is_directory(path)) {
+  // Only checks the number of pictures; they are read later. A colour picture has three frames.
+  if (fs::is_directory(path) && !is_in_colour(scan)) {
     pattern_pictures(scan, frame_count(scan.sequence), "a scan with these steps");
   }
   return scan;

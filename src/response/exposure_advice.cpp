@@ -80,14 +80,18 @@ LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shor
   return lit;
 }
 
+/// Grey levels above may be saturated, with noise of 3 standard deviations.
+double brightest_unsaturated(const ExposureNeeds& needs) {
+  return 255 - 3 * std::sqrt(needs.noise_variance);
+}
+
 /// Predicts the effect of exposures on the pixels of one scan.
 struct Prediction {
   std::vector<LitPixel> samples{};
   double unknown = 0;  ///< share of the lit pixels saturated in the shortest exposure
   const Layout& layout;
   const ExposureNeeds& needs;
-  /// Levels above may be saturated, with noise of 3 standard deviations.
-  double brightest = 255 - 3 * std::sqrt(needs.noise_variance);
+  double brightest = brightest_unsaturated(needs);
 
   [[nodiscard]] ExposureChoice of(const std::vector<double>& exposures) const {
     std::vector<double> measured;
@@ -231,8 +235,9 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
                                const ExposureNeeds& needs) {
   require_in_range(needs.least_modulation > 0 && needs.least_modulation <= 127, "least modulation",
                    needs.least_modulation, "above 0, up to 127 grey levels");
-  require_in_range(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance),
-                   "noise variance", needs.noise_variance, "0 or more");
+  // With more noise, every level may be saturated.
+  require_in_range(needs.noise_variance >= 0 && brightest_unsaturated(needs) > 0, "noise variance",
+                   needs.noise_variance, "0 or more, below 7225 grey levels^2");
 
   const std::vector<double>& exposures = sequence.exposures;
   if (!given.merged() && exposures.size() > 1) {

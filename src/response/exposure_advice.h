@@ -10,7 +10,7 @@ namespace slipstream {
 /// Requirements for a valid pixel, grey levels of 255.
 struct ExposureNeeds {
   double least_modulation = 15;  ///< above 0, up to 127
-  double noise_variance = 1.6;   ///< sigma_w^2, >= 0
+  double noise_variance = 1.6;   ///< sigma_w^2, >= 0, below 85^2
 };
 
 /// Predicted quality of the lit pixels for one exposure, or several merged.

@@ -149,9 +149,10 @@ PixelGamma gamma_of_pixels(const Image<MeasuredHarmonics>& pixels, const Image<s
 }
 
 /// The sinusoid's values as seen by the lit pixels: mean over all of them and all frames,
-/// normalised by each pixel's mean and modulation.
-ResponseCurve curve_seen(const FrameViews& frames, const Image<MeasuredHarmonics>& pixels,
-                         const Image<std::uint8_t>& lit, const StepRun& run) {
+/// normalised by each pixel's mean and modulation. nullopt if no pixel saw black or white.
+std::optional<ResponseCurve> curve_seen(const FrameViews& frames,
+                                        const Image<MeasuredHarmonics>& pixels,
+                                        const Image<std::uint8_t>& lit, const StepRun& run) {
   constexpr int pieces = 64;  // of half a period
   constexpr double pi = std::numbers::pi;
 
@@ -175,10 +176,14 @@ ResponseCurve curve_seen(const FrameViews& frames, const Image<MeasuredHarmonics
     }
   }
 
-  // Dark to bright: the cosine falls from 1 to -1 with the angle.
+  if (count.front() == 0 || count.back() == 0) return std::nullopt;
+
+  // Dark to bright: the cosine falls from 1 to -1 with the angle. Values that no pixel saw
+  // are left out.
   for (int i = pieces; i >= 0; --i) {
+    if (count[i] == 0) continue;
     values.push_back(i == pieces ? 0 : 0.5 + 0.5 * std::cos(pi * i / pieces));
-    levels.push_back(sum[i] / std::max(count[i], 1.0));
+    levels.push_back(sum[i] / count[i]);
   }
 
   return response_curve(values, levels);
@@ -208,9 +213,9 @@ void add_response(GammaCalibration& found, const Image<MeasuredHarmonics>& pixel
   }
 
   if (!found.response && found.steps >= fewest_for_seen) {
-    const Response seen = curve_seen(frames, pixels, lit, run);
-    if (misfit(curve, seen) < most_left * misfit(curve, PowerLaw{1})) {
-      found.response = NamedResponse{"measured curve", seen};
+    const auto seen = curve_seen(frames, pixels, lit, run);
+    if (seen && misfit(curve, *seen) < most_left * misfit(curve, PowerLaw{1})) {
+      found.response = NamedResponse{"measured curve", *seen};
     }
   }
 }

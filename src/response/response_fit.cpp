@@ -41,12 +41,19 @@ double lowest_between(const Function& f, double low, double high) {
   return std::midpoint(low, high);
 }
 
-/// Logarithm of the slope, and the centre.
+/// Logarithm of the slope, and the centre. The search may leave the range of logistic_curve.
 using Logistic = std::array<double, 2>;
 
+double slope_of(const Logistic& logistic) {
+  return std::clamp(std::exp(logistic[0]), 0.1, 50.0);
+}
+
+double centre_of(const Logistic& logistic) {
+  return std::clamp(logistic[1], 0.0, 1.0);
+}
+
 ResponseCurve curve_of(const Logistic& logistic) {
-  return logistic_curve(std::clamp(std::exp(logistic[0]), 0.1, 50.0),
-                        std::clamp(logistic[1], 0.0, 1.0));
+  return logistic_curve(slope_of(logistic), centre_of(logistic));
 }
 
 /// Local minimum near `place`, by coordinate descent with decreasing steps.
@@ -177,7 +184,7 @@ std::optional<NamedResponse> curve_that_serves(
   const Response s_curve = curve_of(nearest);
   if (!serves(s_curve)) return std::nullopt;
 
-  return NamedResponse{fmt::format("logistic:{:.4g}:{:.4g}", std::exp(nearest[0]), nearest[1]),
+  return NamedResponse{fmt::format("logistic:{:.4g}:{:.4g}", slope_of(nearest), centre_of(nearest)),
                        s_curve};
 }
 

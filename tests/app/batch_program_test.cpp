@@ -238,6 +238,9 @@ TEST_F(BatchProgram, WhatCannotBePlannedIsOneLine) {
                  output("many"), "--subsample", "3"}),
             2);
   expect_words("--subsample 3");
+  EXPECT_EQ(run({"batch", "plan", path("x"), "--tasks", "1", "--plan", path("plan"), "-o", "-"}),
+            2);
+  expect_words("-o -: a batch writes files");
   EXPECT_EQ(plan("0"), 2);
   expect_words("--tasks 0 is out of range");
   ASSERT_EQ(plan("2"), 0);

@@ -44,6 +44,18 @@ TEST(ProgramHelp, HelpIsShort) {
   }
 }
 
+TEST(ProgramHelp, FillsTheLinesOfADescription) {
+  const std::string margin(26, ' ');
+  std::istringstream lines(run_program({"simulate", "--help-all"}).out);
+  std::string before;
+  for (std::string line; std::getline(lines, line); before = line) {
+    // Both belong to a description.
+    if (!line.starts_with(margin) || !before.starts_with(margin)) continue;
+    const std::size_t first_word = line.find(' ', margin.size()) - margin.size();
+    EXPECT_GT(before.size() + 1 + std::min(first_word, line.size() - margin.size()), 100u) << line;
+  }
+}
+
 TEST(ProgramHelp, ListsItsCommandsInGroups) {
   const ProgramRun run = run_program({"--help"});
   EXPECT_EQ(run.exit_code, 0);

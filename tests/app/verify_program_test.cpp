@@ -69,7 +69,8 @@ TEST_F(VerifyProgram, RefusesWhatItCannotVerify) {
   write_file(path("copies.yaml"), "repeated: [one, one]\n");
   const std::string report = path("report");
   expect_refused({"verify", "-o", report}, "--rehearse");
-  expect_refused({"verify", path("ball.yaml"), "--rehearse", "-o", report}, "--rehearse");
+  expect_refused({"verify", path("ball.yaml"), "--rehearse", "-o", report},
+                 "--rehearse uses virtual artefacts");
   expect_refused({"verify", path("none.yaml"), "-o", report}, "none.yaml");
   expect_refused({"verify", path("ball.yaml"), "-o", report}, "no sphere of diameter 40 mm");
   expect_refused({"verify", path("copies.yaml"), "-o", report}, "copies");

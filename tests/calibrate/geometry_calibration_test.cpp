@@ -226,6 +226,17 @@ TEST_F(CalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
       (void)calibrated(changed([](Pixel p) { return Pixel(1279 - p.x(), 799 - p.y()); }), plain));
 }
 
+TEST_F(CalibrationOfCorners, APoseWithFewLitCornersIsNotToldAsMirrored) {
+  for (const std::size_t lit : {0U, 2U}) {
+    std::vector<BoardView> views = boards(4).views;
+    for (std::size_t i = lit; i < views[2].projector.size(); ++i) {
+      views[2].projector[i] = {std::nan(""), std::nan("")};
+    }
+    expect_error([&] { (void)calibrated(views, plain); },
+                 {"pose2", "fewer than 4 corners", "`excluded`"});
+  }
+}
+
 TEST_F(CalibrationOfCorners, PosesOfAnotherCameraAreTold) {
   Scanner other = truth;
   other.camera.intrinsic(0, 0) = other.camera.intrinsic(1, 1) = 1000;

@@ -74,6 +74,7 @@ TEST(Verification, AWrongSpacingIsNoMove) {
   said.spacing = 20.4;
   const Verification found = verify_scanner(views_of(truth, 4), said, truth);
   EXPECT_FALSE(found.holds);
+  EXPECT_GT(found.before.quality.distance_error, 0.5);  // mm
   EXPECT_FALSE(found.mended);
   ASSERT_FALSE(found.findings.empty());
   EXPECT_NE(causes_of(found.findings.back()).find("another spacing"), std::string::npos);

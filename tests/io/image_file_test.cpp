@@ -246,6 +246,10 @@ TEST(Frames, PgmMayBeText) {
   expect_pixels<std::uint16_t>((cv::Mat_<std::uint16_t>(2, 3) << 0, 1, 2, 3, 300, 5), path);
   write_file(path, "P2\n3 2\n300\n0 1 2\n3 301 5\n");
   expect_error([&] { read_frames({path}); }, {"frame.pgm", "not a complete PGM"});
+  for (const char* levels : {"P5\n3 1\n100\n\x01\x65\x03", "P5\n1 1\n300\n\x02\x03"}) {
+    write_file(path, levels);
+    expect_error([&] { read_frames({path}); }, {"frame.pgm", "a level above its highest"});
+  }
   write_file(path, "P4\n3 2\n\x01\x02");
   expect_error([&] { read_frames({path}); }, {"frame.pgm", "one bit"});
 }

@@ -122,6 +122,19 @@ TEST_F(ScanPictures, OfAPoseOfTheBoardAreToo) {
   expect_same(poses.front().along(Axis::y).frames, frames_of(gray, Axis::y));
 }
 
+TEST_F(ScanPictures, APoseOfTheBoardMayBeInColour) {
+  const Strategy strategy = DualFrequency{};
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    save_scan(folder() / name_of(axis), frames_of(strategy, axis),
+              {.strategy = strategy, .axis = axis, .projector = scanner.projector.size},
+              std::nullopt, std::nullopt, true);
+  }
+
+  const auto poses = board_scans(folder(), {}, Axis::x);
+  expect_same(poses.front().along(Axis::x).frames, frames_of(strategy, Axis::x));
+  expect_same(poses.front().along(Axis::y).frames, frames_of(strategy, Axis::y));
+}
+
 TEST_F(ScanPictures, WrongOrdersAndMissingPicturesAreRefused) {
   add(frames_of(DualFrequency{}));
   for (const char* const order : {"0,1,2,3,4", "0,1,2,3,4,4", "0,1,2,3,4,6", "-1,1,2,3,4,5"}) {

@@ -279,6 +279,38 @@ TEST(GammaCalibration, RefusesCurvesByFewSteps) {
   }
 }
 
+// A small flat surface shows each pattern at few phases.
+TEST(GammaCalibration, LeavesOutValuesThatNoPixelSaw) {
+  constexpr int steps = 12;
+  constexpr double widest = 7.5 * std::numbers::pi / 180;
+  const Response truth = tables().back().response;
+
+  FrameSet::Images16 frames(steps, Image<std::uint16_t>({80, 50}));
+  for (int n = 0; n < steps; ++n) {
+    Image<std::uint16_t>& frame = frames[static_cast<std::size_t>(n)];
+    for (std::size_t i = 0; i < frame.pixel_count(); ++i) {
+      const double phase =
+          widest * static_cast<double>(i) / static_cast<double>(frame.pixel_count() - 1);
+      const double value = 0.5 + 0.5 * std::cos(phase - 2 * std::numbers::pi * n / steps);
+      frame.begin()[i] =
+          static_cast<std::uint16_t>(std::lround(257 * (20 + 200 * light_at(truth, value))));
+    }
+  }
+
+  Scan scan;
+  scan.frames = FrameSet(std::move(frames), 16);
+  scan.sequence.strategy = PhaseMeasuring{.steps = steps};
+  ScanAverage scans;
+  scans.add(scan, "a scan");
+
+  const std::optional<NamedResponse> found = calibrate_gamma(scans).response;
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->name, "measured curve");
+  for (double value = 0; value <= 1; value += 0.01) {
+    EXPECT_NEAR(light_at(found->response, value), light_at(truth, value), 0.02) << value;
+  }
+}
+
 TEST(UniformLevels, AreFittedByTheSimplestResponseThatLeavesNoise) {
   const auto name_of = [](const Response& response) {
     return Bench::bench().from_uniform(response).name;

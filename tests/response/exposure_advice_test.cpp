@@ -61,7 +61,7 @@ TEST(ExposureAdvice, RefusesNeedsThatNoPixelCanHave) {
   const FrameSet frames(FrameSet::Images8(3, Image<std::uint8_t>({8, 8})));
   for (const ExposureNeeds& needs :
        {ExposureNeeds{.least_modulation = 0}, ExposureNeeds{.least_modulation = 500},
-        ExposureNeeds{.noise_variance = -1}}) {
+        ExposureNeeds{.noise_variance = -1}, ExposureNeeds{.noise_variance = 8000}}) {
     try {
       exposure_advice(frames, sequence, needs);
       ADD_FAILURE();

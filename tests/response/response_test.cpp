@@ -103,6 +103,27 @@ TEST(NamedResponses, ALogisticCurveHasItsSlopeAndItsCentre) {
   }
 }
 
+TEST(NamedResponses, TheNameOfACurveThatServesGivesThatCurve) {
+  // An exponential is best served by a centre beyond the last value.
+  const auto distance = [](const Response& response) {
+    double sum = 0;
+    for (const double value : evenly_spaced(21)) {
+      const double light = (std::exp(6 * value) - 1) / (std::exp(6) - 1);
+      sum += std::pow(light_at(response, value) - light, 2);
+    }
+    return sum;
+  };
+  const double of_srgb = distance(srgb_curve());
+  const auto found = curve_that_serves(
+      distance, [&](const Response& response) { return distance(response) < of_srgb; });
+
+  ASSERT_TRUE(found);
+  const Response named = curve_named(found->name).value();
+  for (const double value : evenly_spaced(21)) {
+    EXPECT_NEAR(light_at(named, value), light_at(found->response, value), 1e-3) << found->name;
+  }
+}
+
 TEST(NamedResponses, ANameThatIsNoCurveIsToldFromOneThatIsWrong) {
   EXPECT_FALSE(curve_named("2.2"));
   EXPECT_FALSE(curve_named("scanner.yaml"));

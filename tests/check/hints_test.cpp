@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "check/fit.h"
 #include "check/frame_orders.h"
 #include "slipstream/check.h"
 #include "slipstream/gray_code.h"
@@ -107,6 +108,19 @@ TEST(FrameOrders, PutInversesAfterTheBitsWhateverTheirFrames) {
   add_code_orders(as_captured(10), code, collect_in(orders));
   ASSERT_EQ(orders.size(), 3U);
   EXPECT_EQ(orders[2], (Order{3, 0, 8, 1, 4, 5, 6, 7, 9, 2}));
+}
+
+TEST(Fit, NamesNoRelationThatNoiseHides) {
+  const BandRelation hidden{.agreement = 0.1, .offset = 0.4, .noise = 0.2};
+  const BandRelation off{.agreement = 0.9, .offset = 0.2, .noise = 0.9};
+  const BandRelation right{.agreement = 0.9, .offset = 0.01, .noise = 0.9};
+
+  Fit fit;
+  fit.frames.relations = {hidden, right};
+  EXPECT_EQ(fit.worst_relation(), nullptr);
+
+  fit.frames.relations = {right, off, hidden};
+  EXPECT_EQ(fit.worst_relation(), &fit.frames.relations[1]);
 }
 
 }  // namespace slipstream::hints_test

@@ -182,11 +182,11 @@ class MixtureSearch {
 /// Median error of the coordinate, fields, and of the depth, mm (0 without a scanner).
 std::pair<double, double> errors(const JudgedScan& scan, const ScanSamples& undone, const Fit& fit,
                                  const Fit& then) {
+  const FrameOrder order = scan.model.identity();
   SampleReading wrong, right;
   std::vector<double> off;
 
   for (std::size_t g = 0; g < undone.groups(); ++g) {
-    const FrameOrder order = scan.model.identity();
     scan.model.read(scan.samples.levels(g, ScanSamples::middle), order, wrong);
     scan.model.read(undone.levels(g, ScanSamples::middle), order, right);
     off.push_back(std::abs(wrong.coordinate - right.coordinate));

@@ -81,7 +81,7 @@ Finding fringe_orders_disagree(const Fit& fit) {
   if (const BandRelation* const worst = fit.worst_relation()) {
     finding.evidence = {
         {.name = "agreement", .value = worst->agreement, .limit = FitLimits::least_agreement},
-        {.name = "offset in periods", .value = worst->offset, .limit = FitLimits::most_offset}};
+        {"offset", worst->offset, "periods", FitLimits::most_offset}};
   }
   return finding;
 }

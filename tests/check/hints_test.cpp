@@ -76,6 +76,18 @@ TEST(Hints, AreComposedWithTheOrderInForce) {
   EXPECT_EQ(advice_for(scan), "omit `order`");
 }
 
+TEST(Hints, EvidenceIsBeyondItsLimit) {
+  Scan scan = right_scan("statue", GrayPhase{});
+  copied(0, 1)(scan);
+
+  const std::vector<Finding> findings = check_scan(scan).findings;
+  const auto repeated = std::ranges::find(findings, FindingKind::repeated_frame, &Finding::kind);
+  ASSERT_NE(repeated, findings.end());
+
+  const Evidence& share = repeated->evidence.front();
+  EXPECT_GT(share.value, share.limit.value());
+}
+
 /// The frames in the order of capture.
 Order as_captured(int frames) {
   Order order(static_cast<std::size_t>(frames));

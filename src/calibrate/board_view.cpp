@@ -279,7 +279,7 @@ double modulation(const Samples& samples, const Band& band) {
 }  // namespace
 
 bool is_soft(const EdgeSoftness& edges) {
-  return edges.pixels > 1.5 && edges.spacings > 0.125;
+  return edges.pixels > soft_pixels && edges.spacings > soft_spacings;
 }
 
 EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,

@@ -20,6 +20,9 @@ FringeSigns fringe_signs(const Scan& scan, const PixelPlaces& corners, double mi
 /// Whether the ripple exceeds both its noise and a harmless amplitude.
 bool has_ripple(const FringeSigns& signs);
 
+/// Above both of these, edges are soft.
+inline constexpr double soft_pixels = 1.5, soft_spacings = 0.125;
+
 /// True above 1/8 of a spacing (less than half of a square is then flat, and neighbouring edges
 /// shift corners) and above 1.5 pixels, the blur of the pixels themselves.
 bool is_soft(const EdgeSoftness& edges);

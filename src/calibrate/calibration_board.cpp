@@ -159,8 +159,8 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
   Finding finding{
       .kind = FindingKind::wrong_print_size,
       .what = fmt::format("the print has the wrong size, off by over {:g} mm", ruler_error),
-      .evidence = {{"rows", 100 * (scale[0] - 1), "% too long"},
-                   {"columns", 100 * (scale[1] - 1), "% too long"}},
+      .evidence = {{"rows too long by", 100 * (scale[0] - 1), "%", 100 * ruler_error / said[0]},
+                   {"columns too long by", 100 * (scale[1] - 1), "%", 100 * ruler_error / said[1]}},
       .causes = {{CauseKind::board_print, "a print of the wrong scale, such as by 'fit to page'"}}};
 
   // One scale fits both lengths within the ruler's error.

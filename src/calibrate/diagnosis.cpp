@@ -61,7 +61,8 @@ void add_blur(std::vector<Finding>& findings, const BoardViews& views,
       findings.push_back(
           {.kind = FindingKind::blurred_print,
            .what = "the board's printed edges are blurred by over 1/8 square",
-           .evidence = {{"softness", wide, "px"}, {"softness", share, "squares"}},
+           .evidence = {{"softness", wide, "px", soft_pixels},
+                        {"softness", share, "squares", soft_spacings}},
            .causes = {{CauseKind::blur, "the camera is out of focus, or the board moved"}},
            .remedies = {{"focus the camera on the board, stop down, hold the board still"}}});
       return;
@@ -123,10 +124,13 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
        .remedies = {{"add poses tilted by 20 to 40 degrees, each in another direction"}}});
 }
 
+/// Of at least one board: the focal lengths are uncertain below.
+constexpr double least_tilt = 15 * degree;
+
 void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibration,
                bool nearly_parallel) {
   constexpr std::size_t few_poses = 5;
-  constexpr double least_lit = 0.9;
+  constexpr double least_lit = 0.9;  // of the corners
   // The devices share about two thirds of each picture, and boards cannot reach all that area.
   constexpr double least_covered = 0.4;
 
@@ -136,7 +140,9 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
         {.kind = FindingKind::unlit_corners,
          .what = fmt::format("over {:g} % of the corners have no projector coordinate",
                              100 * (1 - least_lit)),
-         .evidence = {{"corners without", static_cast<double>(pose.corners - pose.lit)},
+         .evidence = {{.name = "corners without",
+                       .value = static_cast<double>(pose.corners - pose.lit),
+                       .limit = (1 - least_lit) * pose.corners},
                       {"corners", static_cast<double>(pose.corners)}},
          .causes = {{CauseKind::unclear,
                      "parts of the board too dark, overexposed, or outside the projector's light"}},
@@ -149,7 +155,9 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
     findings.push_back(
         {.kind = FindingKind::few_poses,
          .what = fmt::format("only {} poses, fewer than {}", count, few_poses),
-         .evidence = {{"poses", static_cast<double>(count)}},
+         .evidence = {{.name = "poses",
+                       .value = static_cast<double>(count),
+                       .limit = static_cast<double>(few_poses)}},
          .causes = {{CauseKind::few_poses, "too few poses, or too many unusable ones"}},
          .remedies = {{"take ten or more"}}});
   }
@@ -158,7 +166,8 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
     findings.push_back(
         {.kind = FindingKind::parallel_boards,
          .what = "all boards are nearly parallel, within 15 degrees: focal lengths are uncertain",
-         .evidence = {{"largest tilt", calibration.largest_tilt / degree, "degrees"}},
+         .evidence = {{"largest tilt", calibration.largest_tilt / degree, "degrees",
+                       least_tilt / degree}},
          .causes = {{CauseKind::few_tilts, "too few tilts of the board"}},
          .remedies = {{"tilt the board by 20 to 40 degrees in each direction"}}});
   }
@@ -183,22 +192,25 @@ void add_print(std::vector<Finding>& findings, const PrintShape& print) {
   constexpr double least_bend = 0.001;     // of the board's size: allowed for a flat board
   constexpr double least_stretch = 0.004;  // four times a good printer's
 
-  if (print.bend > std::max(least_bend * print.size, deviations * print.bend_deviation)) {
+  const double most_bend = std::max(least_bend * print.size, deviations * print.bend_deviation);
+  if (print.bend > most_bend) {
     findings.push_back(
         {.kind = FindingKind::bent_board,
          .what = fmt::format("the board is bent by over {:g} % of its size", 100 * least_bend),
-         .evidence = {{"bend", print.bend, "mm"}, {"size of the board", print.size, "mm"}},
+         .evidence = {{"bend", print.bend, "mm", most_bend},
+                      {"size of the board", print.size, "mm"}},
          .causes = {{CauseKind::bent_board, "a bent board"}},
          .remedies = {{"glue the print to something flat, such as glass, or use `print estimated`",
                        {{"print", "estimated"}}}}});
   }
 
-  if (std::abs(print.stretch) > std::max(least_stretch, deviations * print.stretch_deviation)) {
+  const double most_stretch = std::max(least_stretch, deviations * print.stretch_deviation);
+  if (std::abs(print.stretch) > most_stretch) {
     findings.push_back(
         {.kind = FindingKind::stretched_board,
          .what = fmt::format("the spacings of the board's rows and columns differ by over {:g} %",
                              100 * least_stretch),
-         .evidence = {{"rows to columns", 100 * print.stretch, "%"}},
+         .evidence = {{"rows to columns", 100 * print.stretch, "%", 100 * most_stretch}},
          .causes = {{CauseKind::board_print, "a print stretched along one axis"}},
          .remedies = {{"measure the print and pass both lengths with `measured`"}}});
   }
@@ -246,11 +258,12 @@ void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& c
   findings.back().evidence.push_back({"RMS of all", calibration.rms.stereo, "px"});
 }
 
+/// Of the squared error, by a second rig: without movement it is 1.01 to 1.05.
+constexpr double least_gain = 1.3;
+
 /// Whether several poses are shifted equally badly, and two rigs explain them better than one.
 bool has_moved(const GeometryCalibration& calibration) {
   constexpr double least_misfit = 4, dominance = 3;
-  // Without movement, a second rig reduces the squared error by 1 to 5 %.
-  constexpr double least_gain = 1.3;
   if (!calibration.moved || calibration.moved->gain < least_gain) return false;
 
   std::vector<double> misfits;
@@ -373,12 +386,13 @@ std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
     const auto& [first, gain] = *calibration.moved;
     findings.push_back(
         finding_of_moved_rig(calibration.poses[first - 1].name, calibration.poses[first].name));
-    findings.back().evidence = {{"squared error with one rig, of that with two", gain}};
+    findings.back().evidence = {{.name = "squared error with one rig, of that with two",
+                                 .value = gain,
+                                 .limit = least_gain}};
   } else {
     add_worst_pose(findings, calibration);
   }
 
-  constexpr double least_tilt = 15 * degree;
   const bool nearly_parallel = calibration.largest_tilt < least_tilt;
 
   // Problems found so far also bend the estimated board and make other results uncertain.

@@ -79,8 +79,9 @@ bool only_scale(const Verification& verification, const Scanner& scanner) {
          verification.rotation < negligible_turn && across < most_across * moved.norm();
 }
 
+/// `size`: of the board, mm.
 Finding finding_of(const Verification& verification, const Scanner& scanner,
-                   const CalibrationBoard& board) {
+                   const CalibrationBoard& board, double size) {
   const BoardMeasure& before = verification.before;
 
   Finding finding{
@@ -91,7 +92,7 @@ Finding finding_of(const Verification& verification, const Scanner& scanner,
       .evidence = {
           {"epipolar distance", before.epipolar, "px", largest_epipolar},
           {"scale error", 100 * before.quality.scale_error, "%", 100 * largest_scale_error},
-          {"flatness", before.quality.flatness, "mm"}}};
+          {"flatness", before.quality.flatness, "mm", largest_flatness * size}}};
 
   if (verification.mended) {
     finding.causes = {
@@ -160,7 +161,7 @@ Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
   const double size = (printed.back() - printed.front()).norm();
   result.holds = is_good(result.before, size);
   result.mended = !result.holds && is_good(result.after, size) && !only_scale(result, scanner);
-  if (!result.holds) result.findings.push_back(finding_of(result, scanner, board));
+  if (!result.holds) result.findings.push_back(finding_of(result, scanner, board, size));
   return result;
 }
 

@@ -59,12 +59,13 @@ std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures =
   }
 
   // The devices of rectified pictures are apart along one axis only.
+  constexpr double least_along = 0.98;
   const Eigen::Vector3d apart = scanner.translation.cwiseAbs() / baseline;
-  if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < 0.98) {
+  if (scanner.rotation.isIdentity(1e-9) && apart.maxCoeff() < least_along) {
     findings.push_back(
         {.kind = FindingKind::oblique_baseline,
          .what = "the rotation is the identity, but the baseline is oblique",
-         .evidence = {{"baseline's largest component", apart.maxCoeff(), "share"}},
+         .evidence = {{"baseline's largest component", apart.maxCoeff(), "share", least_along}},
          .causes = {{CauseKind::scanner_file, "a scanner file without its rotation"}},
          .remedies = {{"write the rotation from the camera's frame to the projector's"}}});
   }

@@ -70,7 +70,7 @@ Finding unrelated_modulations(const FrameEvidence& frames) {
         .limit = limit}});
 }
 
-Finding fringe_orders_disagree(const FrameEvidence& frames) {
+Finding fringe_orders_disagree(const Fit& fit) {
   Finding finding = symptom(
       FindingKind::fringe_orders_disagree,
       fmt::format(
@@ -78,14 +78,10 @@ Finding fringe_orders_disagree(const FrameEvidence& frames) {
           FitLimits::least_agreement, FitLimits::most_offset),
       {});
 
-  const auto worst = std::ranges::min_element(frames.relations, [](const auto& a, const auto& b) {
-    return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
-  });
-
-  if (worst != frames.relations.end()) {
+  if (const BandRelation* const worst = fit.worst_relation()) {
     finding.evidence = {
         {.name = "agreement", .value = worst->agreement, .limit = FitLimits::least_agreement},
-        {.name = "offset in periods", .value = worst->offset, .limit = FitLimits::most_offset}};
+        {"offset", worst->offset, "periods", FitLimits::most_offset}};
   }
   return finding;
 }
@@ -126,7 +122,7 @@ Finding seen(const Fit& fit) {
   if (!fit.patterns_made()) return pattern_mismatch(fit);
   if (!fit.code_agrees()) return contradicting_code(fit.code);
   if (!fit.bands_alike()) return unrelated_modulations(fit.frames);
-  if (!fit.bands_agree()) return fringe_orders_disagree(fit.frames);
+  if (!fit.bands_agree()) return fringe_orders_disagree(fit);
   if (!fit.no_seam()) return coordinate_jumps(fit.frames);
   if (!fit.geometry_fits()) return geometry_mismatch(*fit.geometry);
   return depths_beyond_boards(*fit.geometry);
@@ -165,7 +161,8 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     finding.remedies = {{"focus both lenses, use larger pictures or fewer periods (`high`)"}};
   } else if (!fit.frames_fit()) {
     const auto hopeless = [](const BandRelation& relation) {
-      return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
+      return !relation.agrees() && (relation.agreement < hopeless_agreement ||
+                                    std::abs(relation.offset) > hopeless_offset);
     };
     const auto& relations = fit.frames.relations;
     if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {

@@ -55,16 +55,8 @@ double depth_of_stripe(const Scanner& scanner, Axis axis, const Eigen::Vector3d&
   return -plane.dot(scanner.translation) / plane.dot(scanner.rotation * ray);
 }
 
-// Below this coherence, noise leaves no evidence.
-constexpr double least_noise = 0.3;
-
 // Of fringes blurred in camera and projector.
 constexpr std::array dampings{0.05, 0.1, 0.15, 0.2, 0.25};
-
-bool agrees(const BandRelation& relation) {
-  return relation.noise < least_noise || (relation.agreement >= FitLimits::least_agreement &&
-                                          std::abs(relation.offset) <= FitLimits::most_offset);
-}
 
 }  // namespace
 
@@ -125,7 +117,7 @@ void FrameJudge::look_for_damping(double groups) {
   constexpr double most_tolerated = 1.3;
 
   evidence_.damping = 0;
-  if (damped_.empty() || agrees(evidence_.relations.front())) return;
+  if (damped_.empty() || evidence_.relations.front().agrees()) return;
 
   // The damping with which cue and fringes agree best, and well enough.
   BandRelation best = evidence_.relations.front();
@@ -148,7 +140,7 @@ void FrameJudge::look_for_damping(double groups) {
 }
 
 void FrameJudge::sum_up(std::size_t groups) {
-  constexpr double least_noise = 1e-3;
+  constexpr double smallest = 1e-3;  // avoids division by zero
 
   const auto n = static_cast<double>(std::max<std::size_t>(1, groups));
 
@@ -157,7 +149,7 @@ void FrameJudge::sum_up(std::size_t groups) {
   for (std::size_t i = 0; i < mean_.size(); ++i) {
     const double noise = std::sqrt(std::abs(between_[i]) / std::max(1, pairs_));
     evidence_.relations[i] = {
-        .agreement = std::abs(mean_[i]) / n / std::max(noise, least_noise),
+        .agreement = std::abs(mean_[i]) / n / std::max(noise, smallest),
         .offset = std::arg(mean_[i]) / two_pi,
         .noise = noise,
         .error = std::sqrt(n / 2) / std::max(1.0, std::abs(mean_[i])) / two_pi};
@@ -405,12 +397,25 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
 }
 
 bool Fit::has_evidence() const {
-  return std::ranges::none_of(
-      frames.relations, [](const BandRelation& relation) { return relation.noise < least_noise; });
+  return std::ranges::none_of(frames.relations, &BandRelation::is_hidden);
 }
 
 bool Fit::bands_agree() const {
-  return bands_alike() && std::ranges::all_of(frames.relations, agrees);
+  return bands_alike() && std::ranges::all_of(frames.relations, &BandRelation::agrees);
+}
+
+const BandRelation* Fit::worst_relation() const {
+  const BandRelation* worst = nullptr;
+  const auto merit = [](const BandRelation& relation) {
+    return relation.agreement - std::abs(relation.offset);
+  };
+
+  for (const BandRelation& relation : frames.relations) {
+    if (relation.agrees()) continue;
+    if (worst == nullptr || merit(relation) < merit(*worst)) worst = &relation;
+  }
+
+  return worst;
 }
 
 bool Fit::patterns_made() const {
@@ -435,8 +440,7 @@ bool Fit::poor() const {
   constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
 
   const auto is_off = [](const BandRelation& relation) {
-    return relation.noise >= least_noise &&
-           std::abs(relation.offset) > poor_offset + 3 * relation.error;
+    return !relation.is_hidden() && std::abs(relation.offset) > poor_offset + 3 * relation.error;
   };
 
   return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||

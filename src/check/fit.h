@@ -14,6 +14,23 @@
 
 namespace slipstream {
 
+/// Each limit separates correct scans (real ones, and virtual ones with noise) from mistaken ones;
+/// tests/check measures both.
+struct FitLimits {
+  // Correct scans: agreement above 0.69 (real skull 0.81), offset below 0.05. A wrong number of
+  // periods or frame order nearly always gives less than 0.6 or more than 0.1.
+  static constexpr double least_agreement = 0.6, most_offset = 0.1;
+  // Correct scans: 0.014, real ones of twelve steps 0.07; with two frames swapped 0.15 to 0.4.
+  static constexpr double most_residual = 0.1;
+  static constexpr double most_residual_moving = 0.25;  // motion between frames: up to 0.15
+  // Correct scans: 0.31, a real skull 0.43; with frames of two bands mixed up 0.7.
+  static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;
+  // Slanted surfaces change the slope: median 0.58 to 1.8 in correct scans.
+  static constexpr double least_slope = 0.35, most_slope = 2.8;
+  static constexpr double most_outside = 0.25, most_out_of_range = 0.6;
+  static constexpr double least_noise = 0.3;  // below this coherence, noise leaves no evidence
+};
+
 /// How well a band agrees with the band or cue that unwraps it, from SampleReading::relations.
 struct BandRelation {
   /// |mean of exp(2 pi i r)| divided by its value under noise alone, measured between neighbours:
@@ -22,6 +39,14 @@ struct BandRelation {
   double offset = 0;  ///< of r, periods, -0.5 to 0.5
   double noise = 1;   ///< coherence under noise alone, 0 to 1
   double error = 0;   ///< standard error of the offset, periods
+
+  /// Whether noise leaves no evidence.
+  [[nodiscard]] bool is_hidden() const { return noise < FitLimits::least_noise; }
+  /// Within the limits, or hidden.
+  [[nodiscard]] bool agrees() const {
+    return is_hidden() ||
+           (agreement >= FitLimits::least_agreement && std::abs(offset) <= FitLimits::most_offset);
+  }
 };
 
 /// Evidence about frames and sequence.
@@ -117,22 +142,6 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
                                    const Scanner& scanner, Axis axis, const FrameOrder& order,
                                    const PictureTurn& turn = {});
 
-/// Each limit separates correct scans (real ones, and virtual ones with noise) from mistaken ones;
-/// tests/check measures both.
-struct FitLimits {
-  // Correct scans: agreement above 0.69 (real skull 0.81), offset below 0.05. A wrong number of
-  // periods or frame order nearly always gives less than 0.6 or more than 0.1.
-  static constexpr double least_agreement = 0.6, most_offset = 0.1;
-  // Correct scans: 0.014, real ones of twelve steps 0.07; with two frames swapped 0.15 to 0.4.
-  static constexpr double most_residual = 0.1;
-  static constexpr double most_residual_moving = 0.25;  // motion between frames: up to 0.15
-  // Correct scans: 0.31, a real skull 0.43; with frames of two bands mixed up 0.7.
-  static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;
-  // Slanted surfaces change the slope: median 0.58 to 1.8 in correct scans.
-  static constexpr double least_slope = 0.35, most_slope = 2.8;
-  static constexpr double most_outside = 0.25, most_out_of_range = 0.6;
-};
-
 /// Evidence compared with FitLimits.
 struct Fit {
   FrameEvidence frames{};
@@ -146,7 +155,9 @@ struct Fit {
   [[nodiscard]] bool bands_alike() const {
     return frames.ratio_spread <= FitLimits::most_ratio_spread;
   }
-  [[nodiscard]] bool bands_agree() const;    ///< in phase and modulation
+  [[nodiscard]] bool bands_agree() const;  ///< in phase and modulation
+  /// Of the relations that do not agree, the worst; null without any.
+  [[nodiscard]] const BandRelation* worst_relation() const;
   [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
   [[nodiscard]] bool code_agrees() const;    ///< within the limits of code_symptoms
   [[nodiscard]] bool no_seam() const { return frames.seams <= FitLimits::most_seams; }

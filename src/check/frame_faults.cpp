@@ -44,11 +44,12 @@ double share_of(const Stretch& stretch, const Places& places) {
   return static_cast<double>(stretch.length) / static_cast<double>(places.size());
 }
 
+/// `limit`: of the share that the finding is about.
 std::vector<Evidence> evidence_of(const Stretch& stretch, const Places& places,
-                                  const ScanSamples& samples) {
+                                  const ScanSamples& samples, double limit) {
   const double first = samples.row(places[stretch.end - stretch.length]);
   const double last = samples.row(places[stretch.end - 1]);
-  return {{"share of the lit pixels", share_of(stretch, places)},
+  return {{.name = "share of the lit pixels", .value = share_of(stretch, places), .limit = limit},
           {"first row", first},
           {"last row", last}};
 }
@@ -70,7 +71,8 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
   const double share = share_of(alike, places);
   if (share < part || alike.length < fewest) return std::nullopt;
 
-  Finding finding{.evidence = evidence_of(alike, places, samples), .frames = {n, m}};
+  const double limit = share > all ? all : part;
+  Finding finding{.evidence = evidence_of(alike, places, samples, limit), .frames = {n, m}};
   if (share > all) {
     finding.kind = FindingKind::repeated_frame;
     finding.severity = Severity::wrong;
@@ -117,7 +119,7 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
   return Finding{
       .kind = FindingKind::partly_black_frame,
       .what = fmt::format("frame {} is black in over {:g} % of the lit pixels", n, 100 * part),
-      .evidence = evidence_of(lost, places, samples),
+      .evidence = evidence_of(lost, places, samples, part),
       .causes = {{CauseKind::lost_data, fmt::format("part of frame {} was lost in transfer", n)}},
       .remedies = {{"capture the scan again; check the camera's link for lost packets"}},
       .frames = {n}};
@@ -334,7 +336,8 @@ Finding bright_room(const LightEvidence& light) {
   return {
       .kind = FindingKind::strong_ambient_light,
       .what = fmt::format("the mean grey level is over {:g} times the modulation", most_ambient),
-      .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
+      .evidence = {{.name = "mean", .value = light.mean, .limit = most_ambient * light.modulation},
+                   {"modulation", light.modulation}},
       .causes = {{CauseKind::ambient_light,
                   "ambient light stronger than the projector's, or a wrong black level"}},
       .remedies = {{"darken the room or brighten the projector"}}};
@@ -407,15 +410,19 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
 
   // Share of all pixels: the area of a needle.
   constexpr double least_lit = 0.003;
+  // Grey levels of 255, with room for rounding.
+  constexpr double most_bright = 255.5;
 
   std::vector<Finding> findings;
 
   // 1. Wrong bits, or hardly any light: all else would mislead.
-  if (samples.brightest() > 255.5) {
+  if (samples.brightest() > most_bright) {
     return {{.kind = FindingKind::too_many_grey_levels,
              .severity = Severity::wrong,
              .what = "grey levels exceed the camera's maximum",
-             .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
+             .evidence = {{.name = "brightest, of the largest",
+                           .value = samples.brightest() / 255,
+                           .limit = most_bright / 255}},
              .causes = {{CauseKind::bit_depth, "a camera with more bits than declared"}},
              .remedies = {
                  try_setting("camera_bits", std::to_string(bits_used(samples.brightest(), 16)))}}};

@@ -22,12 +22,18 @@ void add_several_runs(const FrameOrder& right, const std::vector<StepRun>& runs,
 
   if (runs.size() != 2 || runs[0].steps != runs[1].steps) return;
 
+  // The frames of both runs, one run after the other.
+  std::vector<int> places;
+  for (const StepRun& run : runs) {
+    for (int n = 0; n < run.steps; ++n) places.push_back(run.first + n);
+  }
+
   // Frames of both runs in turns, either one first.
   const int steps = runs[0].steps;
   for (const int first : {0, 1}) {
-    FrameOrder in_turns;
+    FrameOrder in_turns = right;
     for (int n = 0; n < 2 * steps; ++n)
-      in_turns.push_back(2 * (n % steps) + (first + n / steps) % 2);
+      in_turns[places[n]] = places[2 * (n % steps) + (first + n / steps) % 2];
     add(in_turns, "the frames of the two bands are interleaved");
   }
 }
@@ -36,7 +42,11 @@ void add_code_orders(const FrameOrder& right, const Code& code, const AddOrder& 
   const std::vector<int>&bits = code.frames, &inverses = code.inverses;
   const std::size_t count = bits.size();
 
-  const int first = std::ranges::min(bits);
+  // The frames of the code, in the order of capture.
+  std::vector<int> places = bits;
+  places.insert(places.end(), inverses.begin(), inverses.end());
+  std::ranges::sort(places);
+
   FrameOrder reversed = right, before = right, after = right;
 
   for (std::size_t i = 0; i < count; ++i) {
@@ -48,8 +58,8 @@ void add_code_orders(const FrameOrder& right, const Code& code, const AddOrder& 
     reversed[inverse] = inverses[count - 1 - i];
 
     std::swap(before[bit], before[inverse]);
-    after[bit] = first + static_cast<int>(i);
-    after[inverse] = first + static_cast<int>(count + i);
+    after[bit] = places[i];
+    after[inverse] = places[count + i];
   }
 
   add(reversed, "the bits of the code are in reversed order");

@@ -161,8 +161,8 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
   const double most_offset = std::max(0.125, 1.5 * scan.photometry.ambient.value_or(0) / 255);
   const auto [off, error] = fitted_gamma(rows, most_offset);
 
-  const double doubt = 3 * error;
-  if (std::abs(off) + doubt <= std::max(linear, least)) return std::nullopt;
+  const double doubt = 3 * error, most = std::max(linear, least);
+  if (std::abs(off) + doubt <= most) return std::nullopt;
 
   const bool seen = std::abs(off) > doubt;
   return Finding{.kind = seen ? FindingKind::nonlinear_light : FindingKind::unproven_response,
@@ -171,7 +171,7 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
                                 "patterns' grey levels, and no response is known",
                  .evidence = {{"gamma to first order", 1 + off},
                               {"three standard errors", doubt},
-                              {"phase error", bend * (std::abs(off) + doubt), "rad"},
+                              {"phase error", bend * (std::abs(off) + doubt), "rad", bend * most},
                               {"phase noise", noise, "rad"}},
                  .causes = {{CauseKind::gamma,
                              seen ? "the projector's gamma (with the camera's) is not corrected"

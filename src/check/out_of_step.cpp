@@ -17,6 +17,8 @@ namespace {
 // Right scans have less: a residual by noise, and a share in code by blur.
 constexpr double least_residual = 0.003, most_in_code = 0.04;
 
+constexpr double least_share = 0.015;  // of the pattern before, in each frame
+
 /// Frame n contains the share s of the pattern before: I_n = (1 - s) P_n + s P_(n-1).
 struct Mixture {
   std::vector<StepRun> runs;   ///< before the first frame of each is its last
@@ -182,11 +184,11 @@ class MixtureSearch {
 /// Median error of the coordinate, fields, and of the depth, mm (0 without a scanner).
 std::pair<double, double> errors(const JudgedScan& scan, const ScanSamples& undone, const Fit& fit,
                                  const Fit& then) {
+  const FrameOrder order = scan.model.identity();
   SampleReading wrong, right;
   std::vector<double> off;
 
   for (std::size_t g = 0; g < undone.groups(); ++g) {
-    const FrameOrder order = scan.model.identity();
     scan.model.read(scan.samples.levels(g, ScanSamples::middle), order, wrong);
     scan.model.read(undone.levels(g, ScanSamples::middle), order, right);
     off.push_back(std::abs(wrong.coordinate - right.coordinate));
@@ -220,14 +222,16 @@ Finding out_of_step(const Mixture& mixture, const std::pair<double, double>& har
       .kind = FindingKind::mixed_frames,
       .severity = is_harmful ? Severity::wrong : Severity::doubtful,
       .what = "each frame contains a share of the pattern before",
-      .evidence = {{"share", 100 * mixture.mean(), "percent"},
-                   {"coordinates off by", 100 * off, "percent of the field"}},
+      .evidence = {{"share", 100 * mixture.mean(), "percent", 100 * least_share},
+                   {"coordinates off by", 100 * off, "percent of the field", 100 * most_off}},
       .causes = {{CauseKind::out_of_step,
                   "camera and projector out of step: exposures span two patterns"}},
       .remedies = {
           {"trigger the camera by the projector, or expose later and for whole patterns"}}};
 
-  if (deeper > 0) finding.evidence.push_back({"median depth off by", deeper, "mm"});
+  if (deeper > 0) {
+    finding.evidence.push_back({"median depth off by", deeper, "mm", most_deeper});
+  }
 
   // A rolling shutter exposes row after row, so that the share changes down the picture.
   if (std::abs(mixture.top - mixture.bottom) > mixture.mean()) {
@@ -242,7 +246,7 @@ Finding out_of_step(const Mixture& mixture, const std::pair<double, double>& har
 }  // namespace
 
 std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) {
-  constexpr double least_share = 0.015, most_left = 0.5, better = 0.3;
+  constexpr double most_left = 0.5, better = 0.3;
 
   const double in_code = share_in_code(scan.model, scan.samples);
   // In windows of declared motion the frame before a cycle is another one each time.

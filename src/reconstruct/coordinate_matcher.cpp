@@ -252,6 +252,12 @@ class CellIndex {
 struct SeenByBoth {
   Decoded first, second;
   std::optional<std::pair<Decoded, Decoded>> other{};
+  bool is_across = false;  ///< the axis to match is not the scan's own
+
+  /// The first camera's, along the scan's own axis.
+  [[nodiscard]] const BasicMaps<double>& own_maps() const {
+    return (is_across ? other->first : first).maps;
+  }
 };
 
 SeenByBoth seen_by_both(const Scan& scan, const Scan& further, const EngineSetup& setup) {
@@ -268,7 +274,8 @@ SeenByBoth seen_by_both(const Scan& scan, const Scan& further, const EngineSetup
     return median_step(camera.maps.coordinate, along.x() >= along.y());
   };
 
-  if (change(seen.other->second) > change(seen.second)) {
+  seen.is_across = change(seen.other->second) > change(seen.second);
+  if (seen.is_across) {
     std::swap(seen.first, seen.other->first);
     std::swap(seen.second, seen.other->second);
   }
@@ -440,7 +447,7 @@ CoordinateMatcher::Result CoordinateMatcher::operator()(const Scan& scan) const 
 
   // 3. Clean the cloud.
   Cleaner(setup_.settings.clean)(cloud);
-  convert(first.maps, maps);
+  convert(seen.own_maps(), maps);
 
   return result;
 }

@@ -24,8 +24,11 @@ class CoordinateMatcher {
   /// Result in the first camera's image and frame.
   struct Result {
     Cloud cloud{};
-    Maps maps{};                ///< of the first camera; coordinate NaN where invalid
-    Uncertainty uncertainty{};  ///< from both cameras' noise; of stripes, from their pixel size
+    /// Of the first camera, along the scan's own axis; coordinate NaN where invalid.
+    Maps maps{};
+    /// From both cameras' noise; of stripes, from their pixel size. Its coordinate is the matched
+    /// one.
+    Uncertainty uncertainty{};
   };
 
   /// A point for each pixel with one match in the depth range: `no_point` without a match,

@@ -152,7 +152,7 @@ Image<Validity> DepthUnwrapper::operator()(BasicMaps<double>& maps, double full_
 /// Orders whose coordinate lies between the bounds, with a margin for noise.
 OrderRange DepthUnwrapper::possible(float phi, float modulation, const Bounds& bounds) const {
   constexpr float sigmas = 4;
-  if (std::isnan(bounds.least)) return {};
+  if (std::isnan(bounds.least) || std::isnan(phi)) return {};
 
   // Phase noise is proportional to 1 / B. Coordinates are in periods: cycles + order.
   const float cycles = phi / (2 * std::numbers::pi_v<float>);

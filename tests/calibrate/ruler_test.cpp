@@ -1,3 +1,6 @@
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "slipstream/calibration_board.h"
@@ -29,6 +32,19 @@ TEST(Ruler, MeasuresCirclesAlongARowAndFromRowToRow) {
       .kind = BoardKind::circles, .columns = 5, .rows = 8, .spacing = 16};
   EXPECT_TRUE(findings_of_ruler(circles, {8 * 16, 7 * 16}).empty());
   EXPECT_EQ(advice(circles, {8 * 16.5, 7 * 16.5}), "use `spacing 16.5`");
+}
+
+TEST(Ruler, TellsHowMuchTooLongInPercentAndTheLimit) {
+  const std::vector<Finding> findings = findings_of_ruler(chessboard, {121.2, 80});
+  ASSERT_EQ(findings.size(), 1U);
+
+  const Evidence& rows = findings[0].evidence[0];
+  EXPECT_EQ(rows.unit, "%");
+  EXPECT_NEAR(rows.value, 1, 1e-9);
+  EXPECT_GT(rows.value, rows.limit.value());
+
+  const Evidence& columns = findings[0].evidence[1];
+  EXPECT_LT(columns.value, columns.limit.value());
 }
 
 TEST(Ruler, LengthsThatCannotBeAreAnError) {

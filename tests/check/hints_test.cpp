@@ -1,9 +1,15 @@
 // What is proposed, and how: see broken_table_test.cpp for everything that can go wrong.
+#include <algorithm>
 #include <filesystem>
+#include <numeric>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "check/fit.h"
+#include "check/frame_orders.h"
 #include "slipstream/check.h"
 #include "slipstream/gray_code.h"
 #include "slipstream/virtual_world.h"
@@ -68,6 +74,65 @@ TEST(Hints, AreComposedWithTheOrderInForce) {
   EXPECT_EQ(advice_for(scan), "try `order 0,1,2,3,5,4,6,7,8,9`");
   scan.order = wrong;
   EXPECT_EQ(advice_for(scan), "omit `order`");
+}
+
+TEST(Hints, EvidenceIsBeyondItsLimit) {
+  Scan scan = right_scan("statue", GrayPhase{});
+  copied(0, 1)(scan);
+
+  const std::vector<Finding> findings = check_scan(scan).findings;
+  const auto repeated = std::ranges::find(findings, FindingKind::repeated_frame, &Finding::kind);
+  ASSERT_NE(repeated, findings.end());
+
+  const Evidence& share = repeated->evidence.front();
+  EXPECT_GT(share.value, share.limit.value());
+}
+
+/// The frames in the order of capture.
+Order as_captured(int frames) {
+  Order order(static_cast<std::size_t>(frames));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
+/// Collects orders, all of which must contain each frame once.
+AddOrder collect_in(std::vector<Order>& orders) {
+  return [&](const FrameOrder& order, const std::string& likely) {
+    EXPECT_TRUE(std::ranges::is_permutation(order, as_captured(10))) << likely;
+    orders.push_back(order);
+  };
+}
+
+TEST(FrameOrders, InterleaveBandsThatBeginAfterAnotherFrame) {
+  std::vector<Order> orders;
+  const std::vector<StepRun> runs{{1, 4}, {6, 4}};
+
+  add_several_runs(as_captured(10), runs, collect_in(orders));
+  ASSERT_EQ(orders.size(), 3U);
+  EXPECT_EQ(orders[1], (Order{0, 1, 3, 6, 8, 5, 2, 4, 7, 9}));
+  EXPECT_EQ(orders[2], (Order{0, 2, 4, 7, 9, 5, 1, 3, 6, 8}));
+}
+
+TEST(FrameOrders, PutInversesAfterTheBitsWhateverTheirFrames) {
+  std::vector<Order> orders;
+  const Code code{.stripes = 8, .frames = {1, 3, 9}, .inverses = {0, 2, 8}};
+
+  add_code_orders(as_captured(10), code, collect_in(orders));
+  ASSERT_EQ(orders.size(), 3U);
+  EXPECT_EQ(orders[2], (Order{3, 0, 8, 1, 4, 5, 6, 7, 9, 2}));
+}
+
+TEST(Fit, NamesNoRelationThatNoiseHides) {
+  const BandRelation hidden{.agreement = 0.1, .offset = 0.4, .noise = 0.2};
+  const BandRelation off{.agreement = 0.9, .offset = 0.2, .noise = 0.9};
+  const BandRelation right{.agreement = 0.9, .offset = 0.01, .noise = 0.9};
+
+  Fit fit;
+  fit.frames.relations = {hidden, right};
+  EXPECT_EQ(fit.worst_relation(), nullptr);
+
+  fit.frames.relations = {right, off, hidden};
+  EXPECT_EQ(fit.worst_relation(), &fit.frames.relations[1]);
 }
 
 }  // namespace slipstream::hints_test

@@ -412,6 +412,25 @@ TEST_F(OnGpu, TakesOrdersOfThePicture) {
   }
 }
 
+TEST_F(OnGpu, LetsPixelsWithoutACoordinateNotConfirmEachOther) {
+  const Scanner scanner = example_scanner({67, 49});
+  const Strategy strategy = PhaseMeasuring{.frequency = 4};
+  const EngineSetup setup = setup_of(scanner, strategy, Axis::x, {.nearest = 490, .farthest = 610});
+  const FrameSet frames = statue_frames(scanner, strategy, Axis::x);
+  const Image<float> coarse(scanner.camera.size, std::nanf(""));
+  const auto fused = FusedEngine::make(setup, {}).value();
+  const auto gpu = GpuEngine::make(fused, std::nullopt).value();
+
+  Cloud expected, cloud;
+  FusedMemory memory;
+  fused(frames, {.cloud = &expected}, memory, &coarse);
+  GpuScanMemory gpu_memory;
+  gpu(frames, {.cloud = &cloud}, gpu_memory, &coarse);
+
+  EXPECT_GT(std::ranges::count(expected.validity, Validity::doubtful_order), 100);
+  EXPECT_TRUE(std::ranges::equal(cloud.validity, expected.validity));
+}
+
 /// A device that is lost costs no cloud: the processor makes the same points from then on, and a
 /// new engine has the device again.
 TEST_F(OnGpu, GoesOnWithoutADeviceThatIsLost) {

@@ -10,6 +10,8 @@
 
 #include "io/image_file.h"
 #include "io/scan_pictures.h"
+#include "reconstruct/depth_unwrapper.h"
+#include "reconstruct/engine_setup.h"
 #include "reconstruct/pipeline.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
@@ -97,6 +99,18 @@ TEST(DepthRangeUnderNoise, ShowsNoWrongOrder) {
   const Outcome outcome = outcome_of(cloud, scan, 20);
   EXPECT_EQ(outcome.wrong, 0);
   EXPECT_GT(outcome.valid, 0.95 * outcome.lit);
+}
+
+TEST(DepthRangeOfNothing, GivesNoOrder) {
+  const Scanner scanner = example_scanner({64, 48});
+  const Sequence sequence{.strategy = fringes(4)};
+  const ReconstructSettings settings{.nearest = 490, .farthest = 610};
+  const Image<float> phase(scanner.camera.size, std::nanf(""));
+  const Image<float> modulation(scanner.camera.size, 50.F);
+
+  DepthOrders found;
+  DepthUnwrapper({scanner, sequence, settings})(phase, modulation, 255, found);
+  EXPECT_EQ(std::ranges::count(found.validity, Validity::valid), 0);
 }
 
 TEST(DepthRangeTooWide, IsDoubtfulOrRefusedButNeverWrong) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -123,6 +125,38 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquationsForEveryInput) {
 
 INSTANTIATE_TEST_SUITE_P(VectorTarget, FusedMultiplexedOn, testing::ValuesIn(vector_targets()),
                          [](const auto& info) { return info.param; });
+
+/// Eight steps with a cue in their mean whose reference is a cosine.
+struct CosineInMean {
+  static constexpr std::string_view name = "cosine-in-mean";
+
+  template <class Self, class Visit>
+  static void for_each_setting(Self&, const Visit&) {}
+
+  void require_valid() const {}
+  [[nodiscard]] double shape(int n, double y) const {
+    const double fringes = std::cos(2 * std::numbers::pi * (6 * y - n / 8.0));
+    return 0.5 + 0.25 * fringes + 0.25 * std::cos(std::numbers::pi * std::clamp(y, 0.0, 1.0));
+  }
+  [[nodiscard]] Layout layout() const {
+    return {.frames = 8,
+            .bands = {phase_shifted_band(8, 0, 8, 6, 1, 0.5)},
+            .cue = Cue{.share = 0.5,
+                       .weights = mean_weights(8),
+                       .reference = CueReference(CueReference::Form::cosine)},
+            .unwrapping = Unwrapping::vote};
+  }
+};
+
+TEST(FusedMultiplexed, ShowsTheMeanWithoutItsCosine) {
+  const Scanner scanner = example_scanner({160, 90});
+  const Strategy strategy = CosineInMean{};
+  const FrameSet frames = statue_frames(scanner, strategy, Axis::x, {.ambient = ambient});
+
+  const Agreement agreement = agreement_on(setup_of_cue(scanner, strategy, Axis::x), frames);
+  EXPECT_GT(agreement.points, 1000U);
+  EXPECT_LE(agreement.other_intensity, 1U);
+}
 
 /// 640x480 at the noise of the benchmark: pixels valid in the one and not in the other are at most
 /// 1 in 10000, and no point of either is of a wrong order.

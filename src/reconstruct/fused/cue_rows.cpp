@@ -330,10 +330,9 @@ class CueVectors {
   HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
     const FloatTag d;
     if (casts_shade()) {
-      // The linear reference R = 2 y - 1, of the modulation's size.
-      const Floats one = hn::Set(d, 1.0F);
+      // The reference R, of the modulation's size.
       const float shade = static_cast<float>(stage_.steps) * cue_.shade;
-      const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
+      const Floats R = cue_reference<form == CueForm::cosine>(y);
       sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, shade)), R, sum);
     }
     return hn::Mul(sum, hn::Set(d, row_.limits.mean_scale));

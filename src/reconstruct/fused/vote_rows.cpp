@@ -114,10 +114,7 @@ class ReferenceCost {
     const FloatTag d;
     const auto of = [d](float value) SLIPSTREAM_STEP { return hn::Set(d, value); };
 
-    // The reference R at y, held at the ends of the field.
-    const Floats held = hn::Clamp(y, hn::Zero(d), of(1));
-    const Floats linear = hn::MulSub(of(2), held, of(1));
-    const Floats R = cosine ? cosine_of_half_turns(linear) : linear;
+    const Floats R = cue_reference<cosine>(y);
 
     // The cue's channel should be `slope` times B. The spread is the noise of their difference,
     // relative to the channel's own.
@@ -129,20 +126,6 @@ class ReferenceCost {
 
     return {quotient(hn::Mul(difference, difference), hn::Mul(of(stage_.cue_variance), spread)),
             spread};
-  }
-
-  /// cos(pi y) from 2 y - 1 in [-1, 1], as an odd polynomial (minimax, 3.4e-9).
-  static HWY_INLINE Floats cosine_of_half_turns(Floats u) {
-    const FloatTag d;
-    const Floats square = hn::Mul(u, u);
-    Floats sum = hn::Set(d, -0.00015082055608628409F);
-
-    for (const float next : {0.004672227907111415F, -0.07968848053050398F, 0.6459633598638469F,
-                             -1.5707962900222812F}) {
-      sum = hn::MulAdd(sum, square, hn::Set(d, next));
-    }
-
-    return hn::Mul(sum, u);
   }
 
   const OrderCostStage& stage_;

@@ -384,8 +384,8 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
   const std::size_t steps = at_a_time * parts.size();
 
   auto& slots = memory.slots;
-  const bool keeps = have_room(slots, job);
-  if (!keeps) slots.clear();
+  if (!have_room(slots, job)) slots.clear();
+  const std::size_t kept = slots.size();
 
   while (slots.size() < (memory.resident ? steps : std::min<std::size_t>(steps, 2))) {
     slots.push_back(slot_for(*this, job, memory.resident));
@@ -405,7 +405,8 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
   for (std::size_t i = 0; i < steps; ++i) {
     GpuScanMemory::Slot& slot = slots[i % slots.size()];
     slot.run.wait();  // left by a call that ended with an exception
-    if (!keeps || !memory.resident) upload(step_of(i), job, slot.frames);
+    // Resident slots hold their frames already, unless they are new.
+    if (!memory.resident || i >= kept) upload(step_of(i), job, slot.frames);
     start(*this, step_of(i), job, slot);
     if (i > 0) collect_from(i - 1);
   }

@@ -19,7 +19,8 @@ float coordinate_at(int at) { return uintBitsToFloat(between[place(0, at)]); }
 
 int agreeing(float y, int row, int column) {
   if (row < 0 || row >= height || column < 0 || column >= width) return 0;
-  return abs(coordinate_at(row * width + column) - y) < consensus.half_fringe ? 1 : 0;
+  const float apart = abs(coordinate_at(row * width + column) - y);
+  return y < no_coordinate && apart < consensus.half_fringe ? 1 : 0;
 }
 
 bool is_confirmed(int at, float y, int flags) {

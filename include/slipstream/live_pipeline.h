@@ -224,6 +224,7 @@ struct LiveSettings {
   std::function<std::vector<Finding>(const FrameViews& window)> check = {};
 };
 
+class ChangeSignal;
 class LiveRun;
 struct WindowEngine;
 
@@ -281,6 +282,7 @@ class LivePipeline {
   std::unique_ptr<FrameSource> source_;
   FrameFormat format_;
   LiveSettings settings_;
+  std::shared_ptr<ChangeSignal> changes_;  ///< announces values that return to the pools
   std::shared_ptr<Pool<Frame>> frames_;
   std::size_t frame_count_ = 0;  ///< size of the pool
   std::shared_ptr<Pool<LiveCloud>> clouds_;

@@ -43,6 +43,7 @@ view::ViewSource view_source_of(LiveSession& session) {
   // Save, record and the advice on exposure.
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
     require_saveable(session);
+    require_sequence(*cloud.sequence, setup);
     return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
                               remarks_about(session.pipeline->statistics().findings));
   };
@@ -52,8 +53,8 @@ view::ViewSource view_source_of(LiveSession& session) {
     return recording ? text_of(*recording) : std::string();
   };
 
-  source.best_exposure = [&session](const view::ShownCloud& cloud, double exposure) {
-    Sequence sequence = setup_of(session).sequence;
+  source.best_exposure = [](const view::ShownCloud& cloud, double exposure) {
+    Sequence sequence = *cloud.sequence;
     sequence.exposures = {exposure};
     return exposure_advice(cloud.frames, sequence).proposed.front().exposures.front();
   };

@@ -18,6 +18,7 @@
 #include "slipstream/engine.h"
 #include "slipstream/frame_source.h"
 #include "slipstream/measure.h"
+#include "slipstream/sequence.h"
 #include "slipstream/surface.h"
 
 namespace slipstream {
@@ -193,9 +194,10 @@ struct LiveCloud {
   ValidityCounts cleaned{};  ///< points that cleaning removed, by reason
   /// The window, in the order given by PatternWindows; frames as captured.
   std::vector<Pooled<Frame>> frames;
-  int first_pattern = 0;  ///< index of the first frame's pattern
-  int motion = 0;         ///< frames beyond one cycle used for the cloud
-  FrameStamp newest;      ///< the frame that completed the window
+  std::shared_ptr<const Sequence> sequence;  ///< of the frames
+  int first_pattern = 0;                     ///< index of the first frame's pattern
+  int motion = 0;                            ///< frames beyond one cycle used for the cloud
+  FrameStamp newest;                         ///< the frame that completed the window
 };
 
 /// Settings of a LivePipeline.

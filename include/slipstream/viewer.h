@@ -77,6 +77,7 @@ struct ShownCloud {
   std::shared_ptr<const Cloud> cloud{};              ///< also keeps the frames' memory
   std::shared_ptr<const Uncertainty> uncertainty{};  ///< if it came with the cloud
   FrameViews frames{};                               ///< in pattern order; empty for a cloud file
+  std::shared_ptr<const Sequence> sequence{};        ///< of live frames; null for others
   std::chrono::steady_clock::time_point captured{};  ///< the newest frame; 0 without frames
 
   /// False before the first cloud.

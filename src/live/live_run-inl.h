@@ -290,6 +290,7 @@ class LiveRun {
       LiveCloud& filled = cloud.fill();
       std::swap(filled.frames, state.window);
       state.window.clear();
+      filled.sequence = state.engine->sequence;
       filled.first_pattern = windows.first_pattern();
 
       // Frames may come out of order: latency counts from the highest sequence number.

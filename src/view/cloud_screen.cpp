@@ -79,6 +79,8 @@ bool CloudScreen::take_newest() {
 
 const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   if (!engine_ || frames.count() != frame_count(engine_->setup().sequence)) return nullptr;
+  // A change of strategy waits for the first cloud of the new patterns.
+  if (cloud_.sequence && *cloud_.sequence != engine_->setup().sequence) return nullptr;
 
   const FrameViews& merged = engine_->merged(frames);
   engine_->maps(merged, maps_);

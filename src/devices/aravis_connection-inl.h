@@ -58,8 +58,8 @@ class AravisConnection {
     set_up(settings);
   }
 
-  /// Starts the stream. Throws WorldError.
-  void start() {
+  /// Starts the stream. Throws WorldError; then it can be started again.
+  void start() try {
     const auto fail = [&](const GError* error) {
       throw WorldError(fmt::format("camera {} gives no frames: {}", name_, error->message));
     };
@@ -91,6 +91,9 @@ class AravisConnection {
     // 3. Start the camera.
     arv_camera_start_acquisition(camera_.get(), &error);
     if (error != nullptr) fail(error);
+  } catch (const std::exception&) {
+    stream_.reset();
+    throw;
   }
 
   void stop() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -23,6 +23,7 @@ view::ViewSource view_source_of(LiveSession& session) {
   view::ViewSource source =
       view::live_source(*session.pipeline, setup_of(session), session.patterns_can_change);
 
+  source.wording = &with_flags;
   source.title = fmt::format("slipstream live: {}", name);
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
                                  cycle_length(source.setup->sequence), name);
@@ -218,6 +219,7 @@ view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags
       is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
                     : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
 
+  source.wording = &with_flags;
   source.title = path;
   return source;
 }

@@ -156,6 +156,13 @@ struct ViewSource {
   std::shared_ptr<ViewSteps> steps{};  ///< null if there is only this source
   /// Instructions shown in place of the cloud, if they are new; see Guide.
   std::function<std::optional<Guide>()> guide{};
+
+  /// How messages and findings that name settings in backquotes are shown, see Error; empty: as
+  /// they are.
+  std::function<std::string(std::string_view text)> wording{};
+  [[nodiscard]] std::string worded(std::string_view text) const {
+    return wording ? wording(text) : std::string(text);
+  }
 };
 
 /// A static cloud, with its uncertainty if known.

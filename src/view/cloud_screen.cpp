@@ -324,7 +324,7 @@ bool CloudScreen::attempt(const Action& action) try {
   state_.message.clear();
   return true;
 } catch (const std::exception& error) {
-  state_.message = error.what();
+  state_.message = source_.worded(error.what());
   return false;
 }
 
@@ -426,7 +426,7 @@ void CloudScreen::hear_of_saving() {
     if (source_.opens_saved) return open(path);
     state_.message = fmt::format("saved: {}", path);
   } catch (const std::exception& error) {
-    state_.message = fmt::format("not saved: {}", error.what());
+    state_.message = fmt::format("not saved: {}", source_.worded(error.what()));
   }
 }
 

@@ -21,6 +21,8 @@
 namespace slipstream::app {
 namespace {
 
+constexpr const char* other_strategy = "the displayed frames do not match the selected strategy";
+
 /// The maps of a session's clouds for PublishedRun; callable from any sink.
 class CloudMaps {
  public:
@@ -58,7 +60,8 @@ class CloudMaps {
     // The engine is built again when the setup has changed since the last cloud.
     if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
       EngineSetup setup = setup_of(session_);
-      motion_ = std::exchange(setup.sequence.motion, 0);
+      sequence_ = setup.sequence;
+      setup.sequence.motion = 0;
       if (!session_.flags.second_camera.empty()) {  // the points are not of one camera's phases
         setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,
                                          setup.scanner.photometry);
@@ -69,9 +72,9 @@ class CloudMaps {
     }
 
     // A window with extra motion frames holds the cycle in its middle.
-    const FrameViews window = views_of(cloud.frames);
-    if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
-    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
+    if (*cloud.sequence != sequence_) return std::nullopt;
+    const FrameViews cycle =
+        middle_cycle(views_of(cloud.frames), cloud.first_pattern, sequence_.motion);
     const FrameViews& frames = engine_->merged(cycle);
     engine_->maps(frames, maps_);
     return frames;
@@ -81,7 +84,7 @@ class CloudMaps {
   std::mutex mutex_;
   std::optional<Engine> engine_;
   std::uint64_t changes_ = 0;
-  int motion_ = 0;
+  Sequence sequence_;  ///< of the windows, with their motion frames
   Maps maps_;
 };
 
@@ -108,8 +111,11 @@ std::string save_newest(LiveSession& session) {
   const Pooled<LiveCloud> newest = session.pipeline->newest();
   throw_if(!newest, "no cloud to save yet");
 
+  const EngineSetup setup = setup_of(session);
+  require_sequence(*newest->sequence, setup);
+
   std::string folder =
-      save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
+      save_in_new_folder(views_of(newest->frames), setup, session.flags.view.save_to,
                          remarks_about(session.pipeline->statistics().findings));
 
   session.saved = std::chrono::steady_clock::now();
@@ -133,6 +139,10 @@ void require_saveable(const LiveSession& session) {
            "with --second-camera nothing is saved while it runs; the last cloud is written by -o");
 }
 
+void require_sequence(const Sequence& of_frames, const EngineSetup& setup) {
+  throw_if(of_frames != setup.sequence, other_strategy);
+}
+
 void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document) {
   const Scanner& scanner = session.setup.scanner;
   for (const std::string& name : session.flags.publish) {
@@ -148,7 +158,6 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
         .trouble = [&session] { return with_flags(trouble_of(session)); },
         .save = [&session] { return in_flags([&] { return save_newest(session); }); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
-        .sequence = [&session] { return setup_of(session).sequence; },
         .settings = [&session] { return settings_of(session); },
         .change =
             [&session](const std::string& setting, const std::string& value) {
@@ -169,8 +178,7 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
 std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
                                const std::string& parent, const std::vector<std::string>& remarks) {
   Sequence sequence = setup.sequence;
-  throw_if(frames.count() != frame_count(sequence),
-           "the displayed frames do not match the selected strategy");
+  throw_if(frames.count() != frame_count(sequence), other_strategy);
 
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;

@@ -11,6 +11,9 @@ namespace slipstream::app {
 /// Throws Error if the session's clouds cannot be saved.
 void require_saveable(const LiveSession& session);
 
+/// Throws Error if frames of that sequence do not fit the setup: it has changed since.
+void require_sequence(const Sequence& of_frames, const EngineSetup& setup);
+
 /// Opens the --publish sinks before the session starts. `document` returns the current --json
 /// document; called from any thread.
 void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document);

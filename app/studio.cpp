@@ -77,6 +77,7 @@ void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& m
 
 view::ViewSource dressed(Studio& studio, view::ViewSource source) {
   source.steps = studio.steps;
+  source.wording = &with_flags;
 
   source.openable = [&studio] { return viewable_in(studio.flags.view.save_to); };
 

@@ -23,6 +23,7 @@ view::ViewSource view_source_of(LiveSession& session) {
   view::ViewSource source =
       view::live_source(*session.pipeline, setup_of(session), session.patterns_can_change);
 
+  source.wording = &with_flags;
   source.title = fmt::format("slipstream live: {}", name);
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
                                  cycle_length(source.setup->sequence), name);
@@ -43,6 +44,7 @@ view::ViewSource view_source_of(LiveSession& session) {
   // Save, record and the advice on exposure.
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
     require_saveable(session);
+    require_sequence(*cloud.sequence, setup);
     return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
                               remarks_about(session.pipeline->statistics().findings));
   };
@@ -52,8 +54,8 @@ view::ViewSource view_source_of(LiveSession& session) {
     return recording ? text_of(*recording) : std::string();
   };
 
-  source.best_exposure = [&session](const view::ShownCloud& cloud, double exposure) {
-    Sequence sequence = setup_of(session).sequence;
+  source.best_exposure = [](const view::ShownCloud& cloud, double exposure) {
+    Sequence sequence = *cloud.sequence;
     sequence.exposures = {exposure};
     return exposure_advice(cloud.frames, sequence).proposed.front().exposures.front();
   };
@@ -217,6 +219,7 @@ view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags
       is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
                     : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
 
+  source.wording = &with_flags;
   source.title = path;
   return source;
 }

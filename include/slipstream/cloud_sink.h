@@ -14,7 +14,6 @@
 #include "slipstream/live_pipeline.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner.h"
-#include "slipstream/sequence.h"
 
 namespace slipstream {
 
@@ -49,8 +48,6 @@ struct PublishedRun {
   /// Wrapped phase of the cloud's frames: 1 to 255 over a period per pixel, 0 if too dark. Empty
   /// for frames of another sequence than the current one. One thread at a time.
   std::function<Image<std::uint8_t>(const LiveCloud&)> phase{};
-  /// The sequence in use now.
-  std::function<Sequence()> sequence{};
   /// Null if the noise is unknown; nullopt for frames of another sequence. One thread at a time.
   std::function<std::optional<Uncertainty>(const LiveCloud&)> uncertainty{};
   /// Settings that any sink or the viewer may change now, in a stable order; without those of a

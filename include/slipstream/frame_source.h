@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,7 +38,9 @@ class Pooled {
   }
 
   ~Pooled() {
-    if (slot_) slot_->shares.fetch_sub(1, std::memory_order_release);
+    if (!slot_) return;
+    const bool is_last = slot_->shares.fetch_sub(1, std::memory_order_release) == 1;
+    if (is_last && slots_->returned) slots_->returned();
   }
 
   explicit operator bool() const { return slot_ != nullptr; }
@@ -54,7 +57,10 @@ class Pooled {
     std::atomic<int> shares = 0;
     Value value;
   };
-  using Slots = std::vector<Slot>;
+  struct Slots {
+    std::vector<Slot> all;
+    std::function<void()> returned;
+  };
 
   Pooled(std::shared_ptr<Slots> slots, Slot& slot) : slots_(std::move(slots)), slot_(&slot) {}
 
@@ -66,20 +72,24 @@ class Pooled {
 template <class Value>
 class Pool {
  public:
-  /// `count` values, each made by `make()`.
+  /// `count` values, each made by `make()`. `returned`, if not empty, is called whenever a value
+  /// has become unused, in the thread that dropped its last share; it must not throw.
   template <class Make>
-  Pool(std::size_t count, Make make)
-      : slots_(std::make_shared<typename Pooled<Value>::Slots>(count)) {
-    for (auto& slot : *slots_) slot.value = make();
+  Pool(std::size_t count, Make make, std::function<void()> returned = {})
+      : slots_(std::make_shared<typename Pooled<Value>::Slots>()) {
+    slots_->all = std::vector<typename Pooled<Value>::Slot>(count);
+    slots_->returned = std::move(returned);
+    for (auto& slot : slots_->all) slot.value = make();
   }
 
   /// An unused value, as its last owner left it; empty share if all are in use. Call it from one
   /// thread.
   [[nodiscard]] Pooled<Value> take() {
-    for (std::size_t tried = 0; tried < slots_->size(); ++tried) {
+    std::vector<typename Pooled<Value>::Slot>& all = slots_->all;
+    for (std::size_t tried = 0; tried < all.size(); ++tried) {
       // Round robin; acquire makes the last owner's writes visible.
-      next_ = (next_ + 1) % slots_->size();
-      auto& slot = (*slots_)[next_];
+      next_ = (next_ + 1) % all.size();
+      auto& slot = all[next_];
       int unused = 0;
       if (slot.shares.compare_exchange_strong(unused, 1, std::memory_order_acquire)) {
         return {slots_, slot};

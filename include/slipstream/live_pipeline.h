@@ -18,6 +18,7 @@
 #include "slipstream/engine.h"
 #include "slipstream/frame_source.h"
 #include "slipstream/measure.h"
+#include "slipstream/sequence.h"
 #include "slipstream/surface.h"
 
 namespace slipstream {
@@ -193,9 +194,10 @@ struct LiveCloud {
   ValidityCounts cleaned{};  ///< points that cleaning removed, by reason
   /// The window, in the order given by PatternWindows; frames as captured.
   std::vector<Pooled<Frame>> frames;
-  int first_pattern = 0;  ///< index of the first frame's pattern
-  int motion = 0;         ///< frames beyond one cycle used for the cloud
-  FrameStamp newest;      ///< the frame that completed the window
+  std::shared_ptr<const Sequence> sequence;  ///< of the frames
+  int first_pattern = 0;                     ///< index of the first frame's pattern
+  int motion = 0;                            ///< frames beyond one cycle used for the cloud
+  FrameStamp newest;                         ///< the frame that completed the window
 };
 
 /// Settings of a LivePipeline.
@@ -224,6 +226,7 @@ struct LiveSettings {
   std::function<std::vector<Finding>(const FrameViews& window)> check = {};
 };
 
+class ChangeSignal;
 class LiveRun;
 struct WindowEngine;
 
@@ -281,6 +284,7 @@ class LivePipeline {
   std::unique_ptr<FrameSource> source_;
   FrameFormat format_;
   LiveSettings settings_;
+  std::shared_ptr<ChangeSignal> changes_;  ///< announces values that return to the pools
   std::shared_ptr<Pool<Frame>> frames_;
   std::size_t frame_count_ = 0;  ///< size of the pool
   std::shared_ptr<Pool<LiveCloud>> clouds_;

@@ -77,6 +77,7 @@ struct ShownCloud {
   std::shared_ptr<const Cloud> cloud{};              ///< also keeps the frames' memory
   std::shared_ptr<const Uncertainty> uncertainty{};  ///< if it came with the cloud
   FrameViews frames{};                               ///< in pattern order; empty for a cloud file
+  std::shared_ptr<const Sequence> sequence{};        ///< of live frames; null for others
   std::chrono::steady_clock::time_point captured{};  ///< the newest frame; 0 without frames
 
   /// False before the first cloud.
@@ -155,6 +156,13 @@ struct ViewSource {
   std::shared_ptr<ViewSteps> steps{};  ///< null if there is only this source
   /// Instructions shown in place of the cloud, if they are new; see Guide.
   std::function<std::optional<Guide>()> guide{};
+
+  /// How messages and findings that name settings in backquotes are shown, see Error; empty: as
+  /// they are.
+  std::function<std::string(std::string_view text)> wording{};
+  [[nodiscard]] std::string worded(std::string_view text) const {
+    return wording ? wording(text) : std::string(text);
+  }
 };
 
 /// A static cloud, with its uncertainty if known.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -58,8 +59,8 @@ class AravisConnection {
     set_up(settings);
   }
 
-  /// Starts the stream. Throws WorldError.
-  void start() {
+  /// Starts the stream. Throws WorldError; then it can be started again.
+  void start() try {
     const auto fail = [&](const GError* error) {
       throw WorldError(fmt::format("camera {} gives no frames: {}", name_, error->message));
     };
@@ -91,6 +92,9 @@ class AravisConnection {
     // 3. Start the camera.
     arv_camera_start_acquisition(camera_.get(), &error);
     if (error != nullptr) fail(error);
+  } catch (const std::exception&) {
+    stream_.reset();
+    throw;
   }
 
   void stop() {

@@ -171,12 +171,14 @@ class V4l2Stream {
 
   ~V4l2Stream() { stop(); }
 
-  void start() {
+  /// After an exception it can be started again.
+  void start() try {
     // 1. Request buffers from the driver.
     auto request = cleared<v4l2_requestbuffers>();
     request.count = v4l2_buffer_count;
     request.memory = V4L2_MEMORY_MMAP;
     require(VIDIOC_REQBUFS, &request, "buffers");
+    buffers_.reserve(request.count);
 
     // 2. Map each and hand it over to be filled.
     for (std::uint32_t i = 0; i < request.count; ++i) {
@@ -191,21 +193,13 @@ class V4l2Stream {
     // 3. Start the stream.
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     require(VIDIOC_STREAMON, &type, "a stream");
+  } catch (const std::exception&) {
+    release();
+    throw;
   }
 
   void stop() {
-    if (buffers_.empty()) return;
-
-    // Buffers must be unmapped before the driver frees them, which a request for 0 buffers does.
-    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    device_->control(VIDIOC_STREAMOFF, &type);
-    for (const std::span<std::uint8_t> buffer : buffers_) {
-      device_->unmap(buffer.data(), buffer.size());
-    }
-    buffers_.clear();
-    auto request = cleared<v4l2_requestbuffers>();
-    request.memory = V4L2_MEMORY_MMAP;
-    device_->control(VIDIOC_REQBUFS, &request);
+    if (!buffers_.empty()) release();
   }
 
   /// Null if V4L2 has no such control.
@@ -257,6 +251,20 @@ class V4l2Stream {
   }
 
  private:
+  /// Ends the stream and frees its buffers.
+  void release() {
+    // Buffers must be unmapped before the driver frees them, which a request for 0 buffers does.
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    device_->control(VIDIOC_STREAMOFF, &type);
+    for (const std::span<std::uint8_t> buffer : buffers_) {
+      device_->unmap(buffer.data(), buffer.size());
+    }
+    buffers_.clear();
+    auto request = cleared<v4l2_requestbuffers>();
+    request.memory = V4L2_MEMORY_MMAP;
+    device_->control(VIDIOC_REQBUFS, &request);
+  }
+
   static v4l2_buffer empty_buffer(std::uint32_t index) {
     auto buffer = cleared<v4l2_buffer>();
     buffer.memory = V4L2_MEMORY_MMAP;
@@ -326,8 +334,10 @@ class V4l2Stream {
     parameters.parm.capture.timeperframe = {
         precision, static_cast<std::uint32_t>(std::lround(rate * precision))};
 
-    throw_if(device_->control(VIDIOC_S_PARM, &parameters) != 0,
-             "camera {} refused a rate of {} Hz: {}", name_, rate, std::strerror(errno));
+    if (device_->control(VIDIOC_S_PARM, &parameters) != 0) {
+      throw Error(
+          fmt::format("camera {} refused a rate of {} Hz: {}", name_, rate, std::strerror(errno)));
+    }
   }
 
   Arrival take(const v4l2_buffer& buffer, Frame& frame) const {

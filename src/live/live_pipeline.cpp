@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/throw_if-inl.h"
+#include "live/change_signal.h"
 #include "live/cloud_follower.h"
 #include "live/live_run-inl.h"
 
@@ -52,7 +53,10 @@ std::string text_of_cleaned(const ValidityCounts& cleaned) {
 
 LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetup& setup,
                            const LiveSettings& settings)
-    : source_(std::move(source)), format_(source_->format()), settings_(settings) {
+    : source_(std::move(source)),
+      format_(source_->format()),
+      settings_(settings),
+      changes_(std::make_shared<ChangeSignal>()) {
   require_valid(format_);
 
   plan_ = plan_for(setup);
@@ -61,13 +65,15 @@ LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetu
   const auto count = static_cast<std::size_t>(frame_count(setup.sequence));
   const std::vector<Pooled<Frame>> black(count, frames_->take());
 
-  clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
+  const auto make_cloud = [&] {
     LiveCloud cloud;
     cloud.frames = black;
     plan_->reconstruct(cloud);
     cloud.frames.clear();
     return cloud;
-  });
+  };
+  clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), make_cloud,
+                                              [changes = changes_] { changes->announce(); });
 }
 
 std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
@@ -83,7 +89,8 @@ std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
            "a run needs {} frames of {} pixels; the limit is {} bytes", needed, text_of(camera),
            largest_run);
   if (needed > frame_count_) {
-    frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
+    frames_ = std::make_shared<Pool<Frame>>(
+        needed, [this] { return Frame(format_); }, [changes = changes_] { changes->announce(); });
     frame_count_ = needed;
   }
 
@@ -99,7 +106,7 @@ std::shared_ptr<LiveRun> LivePipeline::run() const {
 void LivePipeline::start() {
   stop();
   source_->start();
-  auto begun = std::make_shared<LiveRun>(*source_, settings_, clouds_, plan_);
+  auto begun = std::make_shared<LiveRun>(*source_, settings_, changes_, clouds_, plan_);
   const std::lock_guard lock(mutex_);
   run_ = std::move(begun);
   started_ = true;

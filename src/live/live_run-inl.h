@@ -19,6 +19,7 @@
 #include "decode/frame_adapter.h"
 #include "frames/pattern_windows.h"
 #include "live/bounded_queue.h"
+#include "live/change_signal.h"
 #include "live/followed_object-inl.h"
 #include "live/live_counters.h"
 #include "live/window_engine.h"
@@ -33,13 +34,15 @@ class LiveRun {
   using Clock = std::chrono::steady_clock;
 
  public:
-  /// `source`: started. All arguments outlive this.
-  LiveRun(FrameSource& source, const LiveSettings& settings,
+  /// `source`: started. `changes` announces each value that returns to the pools of frames and
+  /// clouds. All arguments outlive this.
+  LiveRun(FrameSource& source, const LiveSettings& settings, std::shared_ptr<ChangeSignal> changes,
           std::shared_ptr<Pool<LiveCloud>> clouds, std::shared_ptr<WindowEngine> plan)
       : source_(source),
         settings_(settings),
         format_(source.format()),
         paced_(source.has_own_pace()),
+        changes_(std::move(changes)),
         clouds_(std::move(clouds)),
         plan_(std::move(plan)),
         captured_(paced_ ? std::max<std::size_t>(settings.waiting_frames, 1) : stage_places),
@@ -71,6 +74,7 @@ class LiveRun {
   void stop() {
     // The stages finish the frames captured so far, each closing the queue behind it.
     stopping_ = true;
+    changes_->announce();
     for (std::thread& thread : threads_) {
       if (thread.joinable()) thread.join();
     }
@@ -152,10 +156,9 @@ class LiveRun {
   [[nodiscard]] ModelPoints model() const { return followed_.model(); }
 
  private:
-  /// How soon a stage notices a stop while the source is silent.
+  /// How soon a stage notices a stop while the source is silent: a thread that waits for a device
+  /// cannot be woken.
   static constexpr auto notice = std::chrono::milliseconds(50);
-  /// How often a stage polls for values that consumers return.
-  static constexpr auto look_again = std::chrono::microseconds(200);
   /// How long to wait for clouds after a stop.
   static constexpr auto cloud_patience = std::chrono::milliseconds(200);
 
@@ -287,6 +290,7 @@ class LiveRun {
       LiveCloud& filled = cloud.fill();
       std::swap(filled.frames, state.window);
       state.window.clear();
+      filled.sequence = state.engine->sequence;
       filled.first_pattern = windows.first_pattern();
 
       // Frames may come out of order: latency counts from the highest sequence number.
@@ -303,6 +307,7 @@ class LiveRun {
 
   void reconstruct() {
     while (auto window = windows_.pop()) {
+      changes_->announce();  // there is room for another window
       LiveCloud& cloud = window->cloud.fill();
       WindowEngine& engine = *window->reconstruct;
 
@@ -355,6 +360,7 @@ class LiveRun {
     }
 
     stopping_ = true;
+    changes_->announce();
     end_capture();
     // Closed queues wake the stages that wait for values or room.
     captured_.close();
@@ -390,9 +396,11 @@ class LiveRun {
       return paced_ && 4 * captured_.waiting() >= most * captured_.capacity();
     };
 
-    while (paced_ && !stopping_ && windows_.waiting() == windows_.capacity()) {
+    while (paced_) {
+      const std::uint64_t seen = changes_->count();
+      if (stopping_ || windows_.waiting() < windows_.capacity()) break;
       if (is_behind()) return {};
-      std::this_thread::sleep_for(look_again);
+      changes_->wait(seen);
     }
 
     return wait_for(*clouds_, cloud_patience, is_behind);
@@ -402,6 +410,7 @@ class LiveRun {
     const Clock::time_point captured_at = frame->stamp.host_time;
     // Without the source's own pace there is room, as capture() waits for it.
     if (captured_.push_over_oldest({std::move(frame), sequence_.restarts()})) ++frames_overwritten_;
+    changes_->announce();  // captured frames may pile up now
     capture_meter_.done(captured_at);
   }
 
@@ -410,15 +419,16 @@ class LiveRun {
   Pooled<Value> wait_for(
       Pool<Value>& pool, Clock::duration patience,
       const std::function<bool()>& gives_up = [] { return false; }) const {
-    Pooled<Value> value = pool.take();
+    std::optional<Clock::time_point> end;
 
-    std::optional<Clock::time_point> given_up;
-    while (!value && !gives_up() && (!given_up || Clock::now() < *given_up)) {
-      if (stopping_ && !given_up) given_up = Clock::now() + patience;
-      std::this_thread::sleep_for(look_again);
-      value = pool.take();
+    while (true) {
+      const std::uint64_t seen = changes_->count();
+      Pooled<Value> value = pool.take();
+      if (value || gives_up() || (end && Clock::now() >= *end)) return value;
+
+      if (stopping_ && !end) end = Clock::now() + patience;
+      changes_->wait(seen, end);
     }
-    return value;
   }
 
   FrameSource& source_;
@@ -427,6 +437,7 @@ class LiveRun {
   const bool paced_;
 
   const Clock::time_point start_ = Clock::now();
+  const std::shared_ptr<ChangeSignal> changes_;  ///< of all that the waiting stages look at
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
   mutable std::condition_variable captured_all_;  ///< see wait()

@@ -121,7 +121,9 @@ EngineSetup of_one_camera(EngineSetup setup) {
 }  // namespace
 
 WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
-    : whole(setup), check(settings.check) {
+    : whole(setup),
+      sequence(std::make_shared<const Sequence>(setup.sequence)),
+      check(settings.check) {
   const bool paired = settings.second_camera.has_value();
   engines.emplace_back(paired ? of_one_camera(setup) : setup);
   if (!check) check = live_check(engines.front().setup());

@@ -67,6 +67,7 @@ struct WindowEngine {
   [[nodiscard]] const EngineSetup& setup() const { return whole; }
 
   EngineSetup whole;
+  std::shared_ptr<const Sequence> sequence;  ///< the setup's, for the clouds
   /// One for each first pattern of a window; a single one if windows are in pattern order.
   std::vector<Engine> engines;
   std::optional<Engine> still;  ///< for one cycle, if that is enough while nothing moves

@@ -173,13 +173,21 @@ class GenicamSink final : public CloudSink {
   }
 
   /// Ends a recording that a client has started, once its control has ended.
-  void end_recording() try {
-    const std::lock_guard lock(mutex_);
+  void end_recording() {
+    std::unique_lock lock(mutex_);
     if (!recorded_by_ || control_.ended_controls(steady_clock::now()) == *recorded_by_) return;
-
     recorded_by_.reset();
-    run_.change("record", "off");
-  } catch (const std::exception&) {  // the recording reports it
+    lock.unlock();
+
+    (void)try_to_change("record", "off");  // the recording reports a failure
+  }
+
+  /// Call it without the lock: a change may take long.
+  [[nodiscard]] bool try_to_change(const std::string& name, const std::string& value) const try {
+    run_.change(name, value);
+    return true;
+  } catch (const std::exception&) {
+    return false;
   }
 
   /// Settings that change a block's layout are locked while streaming.
@@ -274,28 +282,25 @@ class GenicamSink final : public CloudSink {
   } catch (const std::exception&) {  // the camera is shutting down
   }
 
+  /// Called with the lock, but releases it for the change, so that clouds are sent meanwhile.
   GigeStatus change_setting(std::uint32_t i, std::uint32_t value) {
     if (i >= settings_.size()) return invalid_address;
     const RunSetting& setting = settings_[i];
-    // A register has a choice's index or the bits of a float.
-    const double number = std::bit_cast<float>(value);
-    if (!setting.choices.empty() && value >= setting.choices.size()) return invalid_parameter;
+    const std::optional<std::string> wanted = value_in_register(setting, value);
+    if (!wanted) return invalid_parameter;
 
-    try {
-      run_.change(setting.name, setting.choices.empty()
-                                    ? fmt::format("{:.6g}", number / feature_scale(setting))
-                                    : setting.choices[value]);
+    mutex_.unlock();
+    const bool is_changed = try_to_change(setting.name, *wanted);
+    mutex_.lock();
+    if (!is_changed) return invalid_parameter;
 
-      // Remember who switched recording on, to end it when that client leaves.
-      if (setting.name == "record") {
-        const bool starts = value == 1 && control_.read(at(scan3d::setting, i)) == 0;
-        if (starts) recorded_by_ = control_.ended_controls(steady_clock::now());
-        if (value == 0) recorded_by_.reset();
-      }
-      return success;
-    } catch (const std::exception&) {
-      return invalid_parameter;
+    // Remember who switched recording on, to end it when that client leaves.
+    if (setting.name == "record") {
+      const bool starts = value == 1 && control_.read(at(scan3d::setting, i)) == 0;
+      if (starts) recorded_by_ = control_.ended_controls(steady_clock::now());
+      if (value == 0) recorded_by_.reset();
     }
+    return success;
   }
 
   /// Scale of 16-bit depths; floats are millimetres.

@@ -185,7 +185,7 @@ class McapClouds {
   void put(const Pooled<LiveCloud>& cloud, bool alone) {
     // With frames, unless the sink is too slow for them.
     const PublishedCloud published{*cloud, run_, alone};
-    if (run_.sequence && !alone) put_frames(*cloud);
+    if (cloud->sequence && !alone) put_frames(*cloud);
 
     for (const auto& [channel, topic] : topics_) {
       topic.write(published, message_);
@@ -214,11 +214,9 @@ class McapClouds {
 
   void add(const CloudTopic& topic) { topics_.emplace_back(add(topic.type, topic.name), topic); }
 
-  /// Frames as received, each on its pattern's topic; none right after a change of strategy.
+  /// Frames as received, each on its pattern's topic.
   void put_frames(const LiveCloud& cloud) {
-    const Sequence window = run_.sequence(), cycle = cycle_of(window);
-    if (cloud.frames.size() != static_cast<std::size_t>(frame_count(window))) return;
-
+    const Sequence cycle = cycle_of(*cloud.sequence);
     const auto patterns = static_cast<std::size_t>(frame_count(cycle));
     attach_scan(cycle, *cloud.frames.front());
 

@@ -1,6 +1,7 @@
 #include "publish/ros_parameters.h"
 
 #include <algorithm>
+#include <exception>
 #include <string_view>
 
 #include <fmt/ranges.h>
@@ -23,6 +24,14 @@ Kind kind_of(const RunSetting& setting) {
   if (setting.name.empty()) return Kind::none;
   if (setting.choices.empty()) return Kind::real;
   return setting.choices == std::vector<std::string>{"off", "on"} ? Kind::boolean : Kind::text;
+}
+
+/// None while the run cannot tell them, for example while its camera shuts down: a service of ROS 2
+/// has no other answer for that, and without one its client would wait.
+Settings known_settings(const PublishedRun& run) try {
+  return run.settings();
+} catch (const std::exception&) {
+  return {};
 }
 
 RunSetting find(const Settings& settings, std::string_view name) {
@@ -114,7 +123,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
   /// A reply per requested name.
   const auto of_each = [&run](auto add) {
     return [&run, add](CdrReader& request, Cdr& answer) {
-      const Settings settings = run.settings();
+      const Settings settings = known_settings(run);
       const std::vector<std::string> names = read_list(request, read_name);
       answer.add_count(names.size());
       for (const std::string& name : names) add(name, find(settings, name), answer);
@@ -134,7 +143,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
       service("list_parameters", "ListParameters",
               [&run](CdrReader& request, Cdr& answer) {
                 const std::vector<std::string> wanted = read_list(request, read_name);
-                Settings listed = run.settings();
+                Settings listed = known_settings(run);
                 std::erase_if(listed, [&](const RunSetting& setting) {
                   return !wanted.empty() && std::ranges::count(wanted, setting.name) == 0;
                 });

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -356,6 +358,16 @@ void write_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, Val
 
 double feature_scale(const RunSetting& setting) {
   return setting.name == "exposure" ? 1000 : 1;
+}
+
+std::optional<std::string> value_in_register(const RunSetting& setting, std::uint32_t bits) {
+  if (setting.choices.empty()) {
+    const double number = std::bit_cast<float>(bits);
+    return fmt::format("{:.6g}", number / feature_scale(setting));
+  }
+
+  if (bits >= setting.choices.size()) return std::nullopt;
+  return setting.choices[bits];
 }
 
 std::vector<std::uint8_t> scan3d_memory(const std::string& address, const PublishedRun& run,

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ inline constexpr std::uint32_t gige_multipart = 0x40;  ///< bit in stream_config
 
 /// Factor from a setting's unit to its feature's: 1000 us are 1 ms.
 double feature_scale(const RunSetting& setting);
+
+/// The value that a setting's register stands for: the bits of a float, or the index of a choice.
+/// nullopt if there is no such choice.
+std::optional<std::string> value_in_register(const RunSetting& setting, std::uint32_t bits);
 
 /// The registers of the camera at that address, followed by its GenApi description: the SFNC's
 /// Scan3d features and the run's settings. `port`: source port of the stream.

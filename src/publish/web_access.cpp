@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <numeric>
 #include <random>
 #include <string>
 #include <string_view>
 
+#include <boost/asio/ip/address.hpp>
 #include <fmt/format.h>
+
+#include "base/numbers.h"
+#include "base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -26,6 +31,22 @@ std::string_view without_port(std::string_view host) {
 }
 
 }  // namespace
+
+boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where) {
+  const std::size_t colon = where.rfind(':');
+  std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+
+  const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // all without a colon
+  boost::system::error_code failure;
+  const auto address = boost::asio::ip::make_address(host, failure);
+  throw_if(!port || failure,
+           "`publish web:{}`: expected a port, or an IP address of this machine and a port, e.g. "
+           "web:8080 or web:0.0.0.0:8080",
+           where);
+
+  return {address, *port};
+}
 
 std::string random_token() {
   std::random_device device;  // from the system's random source

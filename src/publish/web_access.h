@@ -3,8 +3,14 @@
 #include <string>
 #include <string_view>
 
+#include <boost/asio/ip/tcp.hpp>
+
 // Who may use the page.
 namespace slipstream {
+
+/// Parses "PORT" or "ADDRESS:PORT", e.g. "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: any free
+/// port. Throws Error for any other text.
+boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where);
 
 /// A random text that other machines must know to use the page.
 std::string random_token();

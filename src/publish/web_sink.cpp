@@ -21,7 +21,6 @@
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/numbers.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "publish/sink_kind.h"
@@ -134,7 +133,10 @@ class WebSink final : public CloudSink {
     Sent& sent = sent_[with_phase ? 1 : 0];
 
     std::unique_lock lock(mutex_);
-    if (newest_ && count_ != sent.count && now >= sent.next) {
+    const bool is_new = newest_ && count_ != sent.count;
+    // A cloud that comes too soon is replaced by the one after it, if the run goes on.
+    if (is_new && now < sent.next) serve_waiting_at(sent.next + between_clouds);
+    if (is_new && now >= sent.next) {
       const Pooled<LiveCloud> cloud = newest_;
       sent.count = count_;
       // Tolerates jitter of clouds.
@@ -158,6 +160,13 @@ class WebSink final : public CloudSink {
   void accept();
   void make_room(const asio::ip::address& address);
   void serve_waiting();
+  void serve_waiting_at(std::chrono::steady_clock::time_point time) {
+    next_cloud_.expires_at(time);
+    next_cloud_.async_wait([this](Failure failure) {
+      if (!failure) serve_waiting();
+    });
+  }
+
   void serve() {
     let_others_go_first();
     while (true) {
@@ -254,7 +263,7 @@ class WebSink final : public CloudSink {
 
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
-  asio::steady_timer pause_{io_};
+  asio::steady_timer pause_{io_}, next_cloud_{io_};
   std::thread thread_;
 };
 
@@ -444,24 +453,6 @@ void WebSink::make_room(const asio::ip::address& address) {
 
 void WebSink::serve_waiting() {
   for (Connection* const connection : connections) connection->send_cloud();
-}
-
-/// Parses "PORT" or "ADDRESS:PORT", e.g. "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: any free
-/// port.
-tcp::endpoint web_endpoint_from(const std::string& where) {
-  const std::size_t colon = where.rfind(':');
-  std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-
-  const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // all without a colon
-  Failure failure;
-  const auto address = asio::ip::make_address(host, failure);
-  throw_if(!port || failure,
-           "`publish web:{}`: expected a port, or an IP address of this machine and a port, e.g. "
-           "web:8080 or web:0.0.0.0:8080",
-           where);
-
-  return {address, *port};
 }
 
 }  // namespace

@@ -79,6 +79,8 @@ bool CloudScreen::take_newest() {
 
 const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   if (!engine_ || frames.count() != frame_count(engine_->setup().sequence)) return nullptr;
+  // A change of strategy waits for the first cloud of the new patterns.
+  if (cloud_.sequence && *cloud_.sequence != engine_->setup().sequence) return nullptr;
 
   const FrameViews& merged = engine_->merged(frames);
   engine_->maps(merged, maps_);
@@ -322,7 +324,7 @@ bool CloudScreen::attempt(const Action& action) try {
   state_.message.clear();
   return true;
 } catch (const std::exception& error) {
-  state_.message = error.what();
+  state_.message = source_.worded(error.what());
   return false;
 }
 
@@ -424,7 +426,7 @@ void CloudScreen::hear_of_saving() {
     if (source_.opens_saved) return open(path);
     state_.message = fmt::format("saved: {}", path);
   } catch (const std::exception& error) {
-    state_.message = fmt::format("not saved: {}", error.what());
+    state_.message = fmt::format("not saved: {}", source_.worded(error.what()));
   }
 }
 

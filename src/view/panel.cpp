@@ -32,11 +32,12 @@ constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowF
                                           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar;
 
 /// Problems and their causes, one short line each, without numbers.
-void draw_findings(const std::vector<Finding>& findings) {
+void draw_findings(const std::vector<Finding>& findings, const ViewSource& source) {
   for (const Finding& finding : findings) {
     const ImVec4& colour = finding.severity == Severity::wrong ? bad : doubtful;
-    const std::string causes = causes_of(finding);
-    say(colour, "{}{}{}", symptom_of(finding), causes.empty() ? "" : ": ", causes);
+    const std::string symptom = source.worded(symptom_of(finding));
+    const std::string causes = source.worded(causes_of(finding));
+    say(colour, "{}{}{}", symptom, causes.empty() ? "" : ": ", causes);
   }
 }
 
@@ -70,10 +71,10 @@ void draw_counts(const PanelState& state, const ViewSource& source) {
 
 void draw_status(const PanelState& state, const ViewSource& source,
                  const LiveStatistics& statistics) {
-  if (!statistics.source_state.empty()) say(bad, "{}", statistics.source_state);
+  if (!statistics.source_state.empty()) say(bad, "{}", source.worded(statistics.source_state));
 
-  draw_findings(source.findings);
-  draw_findings(statistics.findings);
+  draw_findings(source.findings, source);
+  draw_findings(statistics.findings, source);
 
   if (statistics.track) say(white, "{}", text_of(*statistics.track));
   if (statistics.model) say(white, "{}", text_of(*statistics.model));

@@ -44,6 +44,7 @@ ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
   const auto share = std::make_shared<const Pooled<LiveCloud>>(cloud);
   return {.cloud = {share, &cloud->cloud},
           .frames = views_of(cloud->frames),
+          .sequence = cloud->sequence,
           .captured = cloud->newest.host_time};
 }
 

@@ -37,6 +37,7 @@ struct MadeUpCamera {
   std::deque<std::uint32_t> queued;
   bool streaming = false;
   int mapped = 0;
+  std::optional<unsigned long> refused{};  ///< the request that fails
 
   /// Byte `at` of frame `sequence`.
   static std::uint8_t byte(std::uint32_t sequence, std::size_t at) {
@@ -50,6 +51,7 @@ class MadeUpDevice : public VideoDevice {
 
   int control(unsigned long request, void* argument) override {
     if (!camera_->plugged_in) return fail(ENODEV);
+    if (request == camera_->refused) return fail(EIO);
     switch (request) {
       case VIDIOC_QUERYCAP:
         static_cast<v4l2_capability*>(argument)->capabilities =
@@ -354,6 +356,34 @@ TEST(V4l2Source, StartsAgainThoughItWasGoneAtTheStop) {
   EXPECT_EQ(source->counters().reconnects, 1U);
   camera->frames_ready = 1;
   EXPECT_EQ(source->next(frame, 1ms), Arrival::frame);
+}
+
+TEST(V4l2Source, StartsAgainAfterAStartThatFailedHalfWay) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  const auto source = open_v4l2_camera("made up", opener(camera), small_frames());
+  for (const unsigned long request :
+       {VIDIOC_REQBUFS, VIDIOC_QUERYBUF, VIDIOC_QBUF, VIDIOC_STREAMON}) {
+    camera->refused = request;
+    EXPECT_THROW(source->start(), WorldError);
+    EXPECT_EQ(camera->mapped, 0);
+    EXPECT_TRUE(camera->queued.empty());
+  }
+  camera->refused.reset();
+  source->start();
+  EXPECT_EQ(camera->mapped, 3);
+  Frame frame(source->format());
+  camera->frames_ready = 1;
+  EXPECT_EQ(source->next(frame, 1ms), Arrival::frame);
+}
+
+TEST(V4l2Source, SaysWhyTheDriverRefusesARate) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  camera->refused = VIDIOC_S_PARM;
+  CameraSettings settings = small_frames();
+  settings.frame_rate = 120;
+  errno = 0;
+  expect_error([&] { (void)open_v4l2_camera("made up", opener(camera), settings); },
+               {"a rate of 120 Hz", std::strerror(EIO)});
 }
 
 TEST(V4l2Source, SetsRateAndLight) {

@@ -1,5 +1,6 @@
 
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -32,6 +33,21 @@ TEST(Pool, shares_outlive_the_pool) {
     share = pool.take();
   }
   EXPECT_EQ(*share, 7);
+}
+
+TEST(Pool, tells_of_a_value_only_when_its_last_share_is_dropped) {
+  int returned = 0;
+  Pool<int> pool(
+      1, [] { return 7; }, [&] { ++returned; });
+  Pooled<int> share = pool.take();
+  Pooled<int> copy = share;
+  Pooled<int> moved = std::move(share);
+  moved = {};
+  EXPECT_EQ(returned, 0);
+  copy = {};
+  EXPECT_EQ(returned, 1);
+  EXPECT_TRUE(pool.take());
+  EXPECT_EQ(returned, 2);
 }
 
 TEST(Pool, values_pass_between_threads) {

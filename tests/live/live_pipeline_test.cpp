@@ -388,6 +388,28 @@ TEST(LivePipeline, frames_for_motion_are_added_and_left_out_while_it_runs) {
   EXPECT_EQ(pipeline.failure(), nullptr);
 }
 
+TEST(LivePipeline, each_cloud_knows_the_sequence_of_its_frames) {
+  const EngineSetup before = scan_of(PhaseMeasuring{.steps = 6, .frequency = 1});
+  const EngineSetup after = scan_of(DualFrequency{.steps = 3});  // the same number of frames
+  std::atomic<bool> changed = false;
+  std::atomic<int> clouds = 0, unknown = 0;
+  LivePipeline pipeline(
+      std::make_unique<VirtualCamera>(frames_of(before.sequence.strategy)), before,
+      {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+         const Sequence& sequence = *cloud->sequence;
+         if (sequence == after.sequence) changed = true;
+         if (sequence != (changed ? after : before).sequence) ++unknown;
+         ++clouds;
+       }});
+  pipeline.start();
+  while (clouds == 0) std::this_thread::sleep_for(1ms);
+  EXPECT_FALSE(changed);
+  pipeline.change(after);
+  while (!changed) std::this_thread::sleep_for(1ms);
+  pipeline.stop();
+  EXPECT_EQ(unknown, 0);
+}
+
 TEST(LivePipeline, refuses_what_does_not_fit_the_frames) {
   const auto pictures = frames_of(four_steps);
   const auto make = [&](const EngineSetup& scan) {

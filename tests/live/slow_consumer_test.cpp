@@ -1,10 +1,15 @@
 // Consumers that are slower than the frames.
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <future>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "live/change_signal.h"
 #include "slipstream/live_pipeline.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
@@ -13,6 +18,45 @@ namespace slipstream::slow_consumer_test {
 using namespace std::chrono_literals;
 
 const Strategy four_steps = PhaseMeasuring{.steps = 4, .frequency = 1};
+
+TEST(ChangeSignal, a_change_between_look_and_wait_is_not_missed) {
+  ChangeSignal signal;
+  const std::uint64_t seen = signal.count();
+  signal.announce();
+  signal.wait(seen);
+  EXPECT_EQ(signal.count(), seen + 1);
+}
+
+TEST(ChangeSignal, wakes_a_waiting_thread_and_gives_up_in_time) {
+  ChangeSignal signal;
+  auto woken = std::async(std::launch::async, [&] { signal.wait(0); });
+  std::this_thread::sleep_for(5ms);
+  signal.announce();
+  EXPECT_EQ(woken.wait_for(10s), std::future_status::ready);
+
+  const auto end = std::chrono::steady_clock::now() + 5ms;
+  signal.wait(signal.count(), end);
+  EXPECT_GE(std::chrono::steady_clock::now(), end);
+}
+
+TEST(SlowConsumers, a_source_without_pace_goes_on_once_a_held_cloud_is_released) {
+  std::mutex mutex;
+  std::vector<Pooled<LiveCloud>> held;
+  LivePipeline pipeline(
+      std::make_unique<ScriptedSource>(frames_of(four_steps), in_a_row(200)), scan_of(four_steps),
+      {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+         const std::lock_guard lock(mutex);
+         held.push_back(cloud);
+       }});
+  pipeline.start();
+  while (pipeline.running()) {
+    std::this_thread::sleep_for(100us);
+    const std::lock_guard lock(mutex);
+    held.clear();
+  }
+  pipeline.stop();
+  EXPECT_GT(pipeline.statistics().clouds, 100U);
+}
 
 TEST(SlowConsumers, capture_goes_on_while_a_consumer_holds_every_cloud) {
   const auto pictures = frames_of(four_steps);

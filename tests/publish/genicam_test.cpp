@@ -1,7 +1,9 @@
 // The 3-D camera sink, read by a client written here from the protocol specification.
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <mutex>
 #include <thread>
 
@@ -345,6 +347,28 @@ TEST_F(GenicamSink, lets_a_silent_client_go_and_says_so_once) {
     EXPECT_EQ(sink_->news().size(), i == 0 ? 1U : 0U);
     EXPECT_EQ(client.read(component_enable), 1U) << "the next finds it as it was";
   }
+}
+
+TEST_F(GenicamSink, sends_clouds_while_the_run_takes_long_for_a_change) {
+  std::promise<void> may_end;
+  std::atomic<bool> changing = false;
+  run_.change = [&](const std::string&, const std::string&) {
+    changing = true;
+    may_end.get_future().wait_for(10s);
+    changing = false;
+  };
+  sink_.reset();
+  SetUp();
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  client.control.send(command(write_register, {static_cast<std::uint32_t>(setting), bits(2000)}));
+  while (!changing) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(put_and_take(client, 1).pixels, points_of(any_cloud(1)->cloud));
+  EXPECT_TRUE(changing);
+  may_end.set_value();
+  EXPECT_FALSE(client.control.receive().empty());
+  sink_.reset();  // before what its run uses
 }
 
 /// A camera whose clients can record.

@@ -12,8 +12,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "publish/cdr.h"
+#include "publish/ros_parameters.h"
 #include "ros2_messages.h"
 #include "slipstream/cloud_sink.h"
+#include "slipstream/error.h"
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 
@@ -102,6 +105,22 @@ void publish_settings() {
                                              }
                                            }});
   while (true) std::this_thread::sleep_for(100ms);
+}
+
+TEST(Ros2, parameters_are_not_set_while_the_run_cannot_tell_them) {
+  const PublishedRun run{
+      .settings = []() -> std::vector<RunSetting> { throw WorldError("the camera shuts down"); }};
+  RosMessage request, reply;
+  Cdr(request).add_count(1).add_text("record");
+  for (const RosService& service : parameter_services("scanner", run)) {
+    if (service.name != "scanner/get_parameters") continue;
+    CdrReader asked(request);
+    Cdr answer(reply);
+    service.answer(asked, answer);
+  }
+  CdrReader answered(reply);
+  EXPECT_EQ(answered.count(), 1U);
+  EXPECT_EQ(answered.get<std::uint8_t>(), 0) << "the type of a parameter that is not set";
 }
 
 TEST(Ros2, settings_are_a_nodes_parameters) {

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
@@ -203,6 +205,16 @@ TEST_F(CloudScreenTest, OpensAnotherFileOrSaysWhyNot) {
   EXPECT_EQ(opened.title, "other");
   EXPECT_TRUE(opened.open) << "and another from there";
   EXPECT_FALSE(clouds.take_next());
+}
+
+TEST_F(CloudScreenTest, WordsItsMessagesAsTheSourceWishes) {
+  source_.open = [](const std::string&) -> std::optional<ViewSource> {
+    throw Error("lower `minimum_modulation`");
+  };
+  source_.wording = [](std::string_view text) { return "so: " + std::string(text); };
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.open("missing");
+  EXPECT_EQ(clouds.state().message, "so: lower `minimum_modulation`");
 }
 
 class ExposedCamera : public CameraControls {

@@ -43,7 +43,10 @@ class Live {
 
   /// Rethrows an exception of a stage, the source or `on_cloud`, once.
   void stop() {
-    unlocked([this] { pipeline_->stop(); });
+    unlocked([this] {
+      const std::lock_guard lock(stopping_);
+      pipeline_->stop();
+    });
 
     const auto failure = pipeline_->failure();
     if (failure && !std::exchange(told_, true)) std::rethrow_exception(failure);
@@ -51,21 +54,17 @@ class Live {
 
   /// Waits for the newest cloud not returned yet.
   std::shared_ptr<HeldCloud> next() {
-    // Looks for Ctrl+C between short waits.
-    while (!has_new()) {
+    while (true) {
+      // Looks for Ctrl+C between short waits.
+      if (auto cloud = newest_soon()) return cloud;
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (pipeline_->running()) continue;
-      stop();
-      if (!has_new()) throw py::stop_iteration();
-    }
 
-    return unlocked([this] {
-      std::unique_lock lock(mutex_);
-      const Pooled<LiveCloud> newest = std::exchange(newest_, {});
-      // Copies without the mutex, which the show stage needs.
-      lock.unlock();
-      return copy_of(*newest);
-    });
+      // Its last cloud may have come while it stopped.
+      stop();
+      if (auto cloud = newest_soon()) return cloud;
+      throw py::stop_iteration();
+    }
   }
 
   [[nodiscard]] bool running() const { return pipeline_->running(); }
@@ -85,11 +84,17 @@ class Live {
     came_.notify_all();
   }
 
-  bool has_new() {
+  /// Takes the newest cloud, for one of the threads that wait; null if none comes soon.
+  std::shared_ptr<HeldCloud> newest_soon() {
     const py::gil_scoped_release release;
 
     std::unique_lock lock(mutex_);
-    return came_.wait_for(lock, std::chrono::milliseconds(20), [this] { return bool(newest_); });
+    came_.wait_for(lock, std::chrono::milliseconds(20), [this] { return bool(newest_); });
+    const Pooled<LiveCloud> newest = std::exchange(newest_, {});
+
+    // Copies without the mutex, which the show stage needs.
+    lock.unlock();
+    return newest ? copy_of(*newest) : nullptr;
   }
 
   std::shared_ptr<HeldCloud> copy_of(const LiveCloud& cloud) {
@@ -103,7 +108,8 @@ class Live {
 
   Reused<HeldCloud> clouds_;
 
-  std::mutex mutex_;  // guards the next two
+  std::mutex stopping_;  // one thread at a time
+  std::mutex mutex_;     // guards the next two
   std::condition_variable came_;
   Pooled<LiveCloud> newest_;
 

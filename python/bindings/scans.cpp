@@ -38,6 +38,12 @@ FrameSet copied(const FrameViews& frames) {
   });
 }
 
+/// The scanner must fit the frames and the sequence; its projector is the sequence's.
+void set_scanner(Scan& scan, const Scanner& scanner) {
+  scan.scanner = completed(scanner, "scanner", scan.frames.size(), scan.sequence.projector);
+  scan.sequence.projector = scan.scanner->projector.size;
+}
+
 Scan scan_from(const py::object& frames, const Sequence& sequence,
                const std::optional<Scanner>& scanner, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
@@ -46,8 +52,7 @@ Scan scan_from(const py::object& frames, const Sequence& sequence,
            frame_count(sequence), given.views.count());
 
   Scan scan{.frames = copied(given.views), .sequence = sequence};
-  if (scanner)
-    scan.scanner = completed(*scanner, "scanner", scan.frames.size(), sequence.projector);
+  if (scanner) set_scanner(scan, *scanner);
 
   scan.exposures = sequence.exposures;
   return merged(std::move(scan));
@@ -68,11 +73,7 @@ Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
   const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
 
-  if (scanner && scanner->index() == 0) {
-    scan.scanner = completed(std::get<Scanner>(*scanner), "scanner", scan.frames.size(),
-                             scan.sequence.projector);
-    scan.sequence.projector = scan.scanner->projector.size;
-  }
+  if (scanner && scanner->index() == 0) set_scanner(scan, std::get<Scanner>(*scanner));
 
   // 3. Warns, which needs the lock again.
   const py::gil_scoped_acquire acquire;
@@ -153,8 +154,7 @@ void bind_scan(py::module_& module) {
            "bits"_a = py::none());
 
   scan.def_property(  // never removed: Python may hold it
-      "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; },
-      [](Scan& of, const Scanner& scanner) { of.scanner = scanner; },
+      "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; }, &set_scanner,
       "Scanner | None: calibration; None if unknown.");
   scan.def_readonly("frames", &Scan::frames, "Frames: of the scan.");
   scan.def_readonly("sequence", &Scan::sequence, "Sequence: pattern sequence.");

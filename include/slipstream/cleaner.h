@@ -67,8 +67,9 @@ struct CleanSettings {
            .above_least = true},
           self.largest_sigma);
 
-    visit({.name = "drop_mixed"}, self.drop_mixed);
-    visit({.name = "drop_outliers"}, self.drop_outliers);
+    visit({.name = "drop_mixed", .help = "reject pixels that see two surfaces"}, self.drop_mixed);
+    visit({.name = "drop_outliers", .help = "reject points off the surface of their neighbours"},
+          self.drop_outliers);
 
     visit({.name = "smallest_component",
            .option = "min-component",

@@ -98,10 +98,15 @@ struct ReconstructSettings {
 
     // Fringe orders.
     FringeOrderConsensus::for_each_setting(self.fringe_order, visit);
-    visit({.name = "least_voting_share"}, self.least_voting_share);
+    visit({.name = "least_voting_share",
+           .help = "share of the minimum modulation from which a pixel votes"},
+          self.least_voting_share);
 
     // Where a point may lie.
-    visit({.name = "field_margin", .least = 0}, self.field_margin);
+    visit({.name = "field_margin",
+           .help = "how far points may lie outside the projector's field, as a share of it",
+           .least = 0},
+          self.field_margin);
     visit({"nearest", "nearest", "least depth, mm; default: half the nearest calibrated depth"},
           self.nearest);
     visit(

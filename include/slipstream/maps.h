@@ -17,9 +17,15 @@ struct FringeOrderConsensus {
   int fewest_if_doubtful = 3;  ///< of the 8 that must agree with a pixel above it
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit({.name = "largest_doubt"}, self.largest_doubt);
-    visit({.name = "fewest_neighbours"}, self.fewest_neighbours);
-    visit({.name = "fewest_if_doubtful"}, self.fewest_if_doubtful);
+    visit({.name = "largest_doubt",
+           .help = "disagreement of the frequencies, periods, up to which `fewest_neighbours` is "
+                   "enough"},
+          self.largest_doubt);
+    visit({.name = "fewest_neighbours",
+           .help = "of the 8 that must agree on the fringe order up to `largest_doubt`"},
+          self.fewest_neighbours);
+    visit({.name = "fewest_if_doubtful", .help = "of the 8 that must agree above it"},
+          self.fewest_if_doubtful);
   }
 
   friend bool operator==(const FringeOrderConsensus&, const FringeOrderConsensus&) = default;

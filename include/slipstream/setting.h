@@ -22,7 +22,7 @@ struct Setting {
   /// Short name by which a command line or page offers it, without dashes, e.g. "fill"; empty: not
   /// offered.
   const char* option = "";
-  const char* help = "";  ///< of the option; names other settings as messages do, see Error
+  const char* help = "";  ///< of option and keyword; names other settings as messages do, see Error
   const char* unit = "";  ///< e.g. "mm"
 
   double least = -std::numeric_limits<double>::infinity();

@@ -83,14 +83,9 @@ BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
   return {std::move(arrays), std::move(views)};
 }
 
-Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {
-  if (left_.contains("_describe")) described_ = left_.attr("pop")("_describe");
-}
+Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {}
 
 void Keywords::require_none_left() const {
-  // The keywords are described now; there is nothing to compute.
-  if (described_) throw py::type_error("they are described");
-
   for (const auto& [name, value] : left_) {
     const auto word = name.cast<std::string>();
     throw py::type_error(

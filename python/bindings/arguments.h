@@ -27,8 +27,7 @@ struct BorrowedFrames {
 /// not contiguous or the arrays are not frames.
 BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits);
 
-/// Keyword arguments, taken one by one. With a list as `_describe`, describes the accepted keywords
-/// instead, for python/stub.py.
+/// Keyword arguments, taken one by one.
 class Keywords {
  public:
   explicit Keywords(const py::kwargs& given);
@@ -38,7 +37,6 @@ class Keywords {
   template <class Value, class... More>
   void take(const char* name, Value& value, More&... more) {
     known_.emplace_back(name);
-    if (described_) describe<Value>(name, py::cast(value));
 
     if (left_.contains(name)) {
       const py::object given = left_.attr("pop")(name);
@@ -52,34 +50,21 @@ class Keywords {
     if constexpr (sizeof...(more) > 0) take(more...);
   }
 
-  /// Describes the keyword taken next by its setting.
-  void explain(const Setting& setting) { help_ = setting.option_clears ? "" : setting.help; }
-
   /// Takes a required keyword.
   template <class Value>
   void need(const char* name, Value& value) {
-    if (described_) return describe<Value>(name, py::ellipsis());
     if (!left_.contains(name)) throw py::type_error(std::string(name) + " is missing");
     take(name, value);
   }
 
-  /// Throws TypeError with a suggestion if any keyword is left, or after describing them.
+  /// Throws TypeError with a suggestion if any keyword is left.
   void require_none_left() const;
 
  private:
   [[noreturn]] static void refuse(const char* name, const py::object& given);
 
-  /// Name, a signature with its type, default, and help of its setting.
-  template <class Value>
-  void describe(const char* name, const py::object& usual) {
-    described_->append(py::make_tuple(name, py::cpp_function([](const Value&) {}).doc(), usual,
-                                      std::exchange(help_, {})));
-  }
-
   py::dict left_;
-  std::optional<py::list> described_;
   std::vector<std::string> known_;
-  std::string help_;
 };
 
 // Takes the members of CleanSettings, ReconstructSettings and FringeOrderConsensus by name; also
@@ -92,7 +77,6 @@ template <class Settings>
 void take_described(Keywords& keywords, Settings& settings) {
   Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
-    keywords.explain(setting);
 
     if constexpr (std::is_same_v<Value, std::optional<PointBox>>) {
       using Corner = std::array<double, 3>;

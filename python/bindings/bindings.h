@@ -46,20 +46,7 @@ using Unlocked = py::call_guard<py::gil_scoped_release>;
 template <class Number>
 using ArrayOf = py::array_t<Number, py::array::forcecast>;
 
-/// Adds read-only members or functions of the object: add(bound, "gamma", &T::gamma, "size",
-/// size_of).
-template <class Bound, class Member, class... More>
-void add(Bound& bound, const char* name, Member member, const More&... more) {
-  if constexpr (std::is_member_object_pointer_v<Member>) {
-    bound.def_readonly(name, member);
-  } else {
-    bound.def_property_readonly(name, member);
-  }
-
-  if constexpr (sizeof...(more) > 0) add(bound, more...);
-}
-
-/// A member of a member, for `add`.
+/// A getter of a member's member.
 template <class Owner, class Outer, class Inner>
 auto within(Outer Owner::*outer, Inner Outer::*inner) {
   return [=](const Owner& of) -> Inner { return (of.*outer).*inner; };

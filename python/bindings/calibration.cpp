@@ -179,21 +179,273 @@ std::vector<std::string> names_of(const std::vector<CalibratedPose>& poses) {
   return names;
 }
 
+/// Reprojection errors, pixels.
+py::dict rms_of(const HeldCalibration& of) {
+  const auto [camera, projector, stereo] = of.found.rms;
+  return py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo);
+}
+
 void bind_report(py::module_& module) {
-  py::class_<HeldCalibration> report(module, "CalibrationReport");
+  py::class_<HeldCalibration> report(module, "CalibrationReport", R"(
+      A calibrated scanner and how well it fits the boards.
 
-  add(
-      report, "scanner", [](HeldCalibration& of) -> Scanner& { return of.found.state.scanner; },
-      "poses", [](const HeldCalibration& of) { return names_of(of.found.poses); }, "unused",
-      [](const HeldCalibration& of) { return dict_of(of.unused); }, "rms",
-      [](const HeldCalibration& of) {
-        const auto [camera, projector, stereo] = of.found.rms;
-        return py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo);
-      },
-      "findings", &HeldCalibration::findings, "text",
-      [](const HeldCalibration& of) { return text_of(of.report()); });
+      Example:
+          >>> report = slipstream.calibrate_geometry("poses", columns=9, rows=6)  # doctest: +SKIP
+  )");
 
-  report.def("write", &HeldCalibration::write, "path"_a, Unlocked());
+  report.def_property_readonly(
+      "scanner", [](HeldCalibration& of) -> Scanner& { return of.found.state.scanner; },
+      "Scanner: calibrated.");
+  report.def_property_readonly(
+      "poses", [](const HeldCalibration& of) { return names_of(of.found.poses); },
+      "list[str]: names of the poses used.");
+  report.def_property_readonly(
+      "unused", [](const HeldCalibration& of) { return dict_of(of.unused); },
+      "dict[str, str]: reason for each pose not used.");
+  report.def_property_readonly("rms", &rms_of,
+                               "dict[str, float]: reprojection error of camera, projector and "
+                               "stereo, pixels.");
+  report.def_readonly("findings", &HeldCalibration::findings, "list[Finding]: diagnostics.");
+  report.def_property_readonly(
+      "text", [](const HeldCalibration& of) { return text_of(of.report()); },
+      "str: summary of a few lines.");
+
+  report.def("write", &HeldCalibration::write, "path"_a, Unlocked(), R"(
+      Writes the report as one page with its pictures inside.
+
+      Args:
+          path (str | PathLike): .html.
+
+      Raises:
+          WorldError: if the file cannot be written.
+
+      Example:
+          >>> report.write("report.html")  # doctest: +SKIP
+  )");
+}
+
+void bind_gamma_calibrations(py::module_& module) {
+  module.def("find_gamma", &found_gamma, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
+             "bits"_a = py::none(), R"(
+      Gamma estimated from the frames of one sinusoid alone.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          steps (int): phase steps of the sinusoid, 3 or more.
+          first (int): index of the sinusoid's first frame.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Returns:
+          SimpleNamespace: estimate.
+              gamma (float): estimate.
+              standard_error (float): of gamma.
+              pixels (int): used.
+              refusal (str): why unreliable, else empty.
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> slipstream.find_gamma(scan.frames, 3).pixels >= 0
+          True
+  )");
+
+  module.def("calibrate_gamma", &calibrated_gamma, "scans"_a, py::kw_only(),
+             "minimum_modulation"_a = 0., R"(
+      A scanner's response, best from scans with 8 steps or more.
+
+      Args:
+          scans (Iterable[Scan | str | PathLike]): scans of one static scene, or their paths.
+          minimum_modulation (float): least modulation of a pixel, grey levels of 255.
+
+      Returns:
+          SimpleNamespace: response.
+              response (Response): for `scanner.response`.
+              gamma (float): exponent.
+              steps (int): used.
+              standard_error (float): of gamma.
+              misfit (float): phase error left by a power law, rad.
+
+      Raises:
+          Error: if a scan is refused.
+
+      Example:
+          >>> round(slipstream.calibrate_gamma(flats).gamma)
+          1
+  )");
+}
+
+void bind_light_calibrations(py::module_& module) {
+  module.def("calibrate_noise", &calibrated_noise, "scans"_a, R"(
+      A scanner's noise variance and gain.
+
+      Args:
+          scans (Iterable[Scan | str | PathLike]): scans of one static scene, or their paths.
+
+      Returns:
+          SimpleNamespace: noise.
+              variance (float): for `scanner.noise_variance`.
+              gain (float): for `scanner.noise_gain`.
+              measurements (list[SimpleNamespace]): most reliable first.
+                  equation (str): number.
+                  method (str): in words.
+                  variance (float): squared grey levels of 255.
+                  standard_error (float): of the variance.
+                  reason (str): why unreliable, else empty.
+
+      Raises:
+          Error: if a scan is refused.
+
+      Example:
+          >>> slipstream.calibrate_noise(flats).variance > 0
+          True
+  )");
+
+  module.def("calibrate_ambient", &calibrated_ambient, "scans"_a, py::kw_only(),
+             "least_alpha"_a = 0.5, "response"_a = py::none(), R"(
+      Ambient light, from scans of a bright surface.
+
+      Args:
+          scans (Iterable[Scan | str | PathLike]): scans of one static scene, or their paths.
+          least_alpha (float): least reflectivity of a pixel.
+          response (Response | None): from pattern values to light; None if unknown.
+
+      Returns:
+          SimpleNamespace: ambient light, grey levels of 255.
+              mode (float): most frequent, for `scanner.ambient`.
+              pixels (int): used.
+              median (float): grey levels of 255.
+              mean (float): grey levels of 255.
+              variance (float): squared grey levels of 255.
+
+      Raises:
+          Error: if a scan is refused.
+
+      Example:
+          >>> slipstream.calibrate_ambient(flats, least_alpha=0.3).pixels > 0
+          True
+  )");
+}
+
+void bind_phases(py::module_& module) {
+  module.def("phases", &phases_of, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
+             "bits"_a = py::none(), R"(
+      Mean, modulation and wrapped phase of N-step frames.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          steps (int): phase steps of the sinusoid, 3 or more.
+          first (int): index of the sinusoid's first frame.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Returns:
+          tuple[NDArray[float64], NDArray[float64], NDArray[float64]]: rows x columns each; the
+              phase in rad, 0 to 2 pi.
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> mean, modulation, phase = slipstream.phases(scan.frames, 3)
+  )");
+
+  module.def("unwrap", py::vectorize(&unwrapped), "wrapped_phase"_a, "frequency"_a,
+             "coarse_coordinate"_a, R"(
+      Projector coordinate by the fringe order nearest to a coarse one, Eq. (1.17).
+
+      Args:
+          wrapped_phase (ArrayLike): rad, any shape.
+          frequency (ArrayLike): periods across the field.
+          coarse_coordinate (ArrayLike): to within half a period.
+
+      Returns:
+          Any: 0 to 1.
+
+      Example:
+          >>> round(float(slipstream.unwrap(numpy.pi, 16, 0.53)), 5)
+          0.53125
+  )");
+}
+
+void bind_predicted_variances(py::module_& module) {
+  module.def("phase_variance",
+             py::vectorize(py::overload_cast<int, double, double, double>(&phase_variance)),
+             "steps"_a, "alpha"_a, "alpha_p"_a, "noise_variance"_a, R"(
+      Predicted variance of a phase, Eq. (3.38).
+
+      Args:
+          steps (ArrayLike): phase steps of the sinusoid, 3 or more.
+          alpha (ArrayLike): reflectivity, above 0 to 1.
+          alpha_p (ArrayLike): amplitude of the patterns, grey levels of 255.
+          noise_variance (ArrayLike): sigma_w^2, squared grey levels of 255.
+
+      Returns:
+          Any: rad^2.
+
+      Example:
+          >>> round(float(slipstream.phase_variance(4, 0.5, 255, 1.6)), 7)
+          0.0001968
+  )");
+
+  module.def("coordinate_variance",
+             py::vectorize(py::overload_cast<double, double>(&coordinate_variance)),
+             "phase_variance"_a, "frequency"_a, R"(
+      Predicted variance of the projector coordinate, Eq. (3.40).
+
+      Args:
+          phase_variance (ArrayLike): rad^2.
+          frequency (ArrayLike): periods across the field.
+
+      Returns:
+          Any: squared fields.
+
+      Example:
+          >>> round(float(slipstream.coordinate_variance(1, 1)), 5)
+          0.02533
+  )");
+}
+
+void bind_geometry_calibration(py::module_& module) {
+  module.def("calibrate_geometry", &calibrated, "folder"_a, "report"_a = py::none(), R"(
+      Calibrates a scanner from scans of a board, one folder for each pose.
+
+      Args:
+          folder (str | PathLike): with one folder for each pose.
+          report (str | PathLike | None): folder for report.html.
+          board (Literal["chessboard", "circles", "charuco"], default 'chessboard'): kind.
+          columns (int, default 13): of corners or circles.
+          rows (int, default 9): of corners or circles.
+          spacing (float, default 10.0): side of a square, mm; for circles half the distance in a
+              row.
+          row_spacing (float | None, default None): between rows of a stretched print, mm; None: as
+              `spacing`.
+          circle_diameter (float, default 0.8): spacings.
+          marker_side (float, default 0.75): squares.
+          marker_bits (int, default 4): of ArUco: 4 to 7 squared.
+          sequence (Sequence | None, default None): pattern sequence.
+          first_axis (Literal["x", "y"], default 'x'): axis of the first frames if folders do not
+              tell.
+          excluded (typing.Sequence[str], default []): poses to ignore.
+          minimum_modulation (float, default 5.0): least modulation of a pixel, grey levels of 255.
+          neighbourhood (float, default 0.7): size of the region that locates a corner in the
+              projector, spacings.
+          response (Response | None, default None): from pattern values to light; None if unknown.
+          camera_coefficients (int | None, default None): of distortion; None: as the data support.
+          projector_coefficients (int | None, default None): of distortion; None: as the data
+              support.
+          print_deviation (float | None, default 0.01): standard deviation of a printed corner,
+              spacings; None: the print is exact.
+
+      Returns:
+          CalibrationReport
+
+      Raises:
+          Error: if a pose is refused, or a value is out of range.
+          TypeError: for an unknown keyword or a value of the wrong type.
+
+      Example:
+          >>> report = slipstream.calibrate_geometry("poses", columns=9, rows=6)  # doctest: +SKIP
+  )");
 }
 
 }  // namespace
@@ -202,29 +454,15 @@ void bind_calibration(py::module_& module) {
   bind_report(module);
 
   // The photometry, from scans.
-  module.def("find_gamma", &found_gamma, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
-             "bits"_a = py::none());
-  module.def("calibrate_gamma", &calibrated_gamma, "scans"_a, py::kw_only(),
-             "minimum_modulation"_a = 0.);
-  module.def("calibrate_noise", &calibrated_noise, "scans"_a);
-  module.def("calibrate_ambient", &calibrated_ambient, "scans"_a, py::kw_only(),
-             "least_alpha"_a = 0.5, "response"_a = py::none());
+  bind_gamma_calibrations(module);
+  bind_light_calibrations(module);
 
   // Phases, coordinates and their variances, on arrays.
-  module.def("phases", &phases_of, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
-             "bits"_a = py::none());
-  module.def("unwrap", py::vectorize(&unwrapped), "wrapped_phase"_a, "frequency"_a,
-             "coarse_coordinate"_a);
-
-  module.def("phase_variance",
-             py::vectorize(py::overload_cast<int, double, double, double>(&phase_variance)),
-             "steps"_a, "alpha"_a, "alpha_p"_a, "noise_variance"_a);
-  module.def("coordinate_variance",
-             py::vectorize(py::overload_cast<double, double>(&coordinate_variance)),
-             "phase_variance"_a, "frequency"_a);
+  bind_phases(module);
+  bind_predicted_variances(module);
 
   // The geometry, from a folder of poses.
-  module.def("calibrate_geometry", &calibrated, "folder"_a, "report"_a = py::none());
+  bind_geometry_calibration(module);
 }
 
 }  // namespace slipstream::python

@@ -14,6 +14,7 @@
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/settings_help.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/spatial_unwrapping.h"
 #include "slipstream/surface.h"
@@ -99,72 +100,325 @@ py::dict counts_of(const HeldCloud& of) {
   return counts;
 }
 
-/// Images of `Held`, or of its cloud, as arrays.
-template <class Held, class Member, class... More>
-void add_images(py::class_<Held, std::shared_ptr<Held>>& held, const char* name, Member member,
-                const More&... more) {
-  add(held, name, [member](const py::object& self) {
-    const auto& of = self.cast<const Held&>();
-    if constexpr (std::is_same_v<Held, HeldCloud>) {
-      return array_of(of.cloud.*member, self);
-    } else {
-      return array_of(of.*member, self);
-    }
-  });
+/// A getter of an image as an array.
+template <class Held>
+auto image(Image<float> Held::*member) {
+  return
+      [member](const py::object& self) { return array_of(self.cast<const Held&>().*member, self); };
+}
 
-  if constexpr (sizeof...(more) > 0) add_images(held, more...);
+/// The same of a cloud's image.
+template <class Pixel>
+auto cloud_image(Image<Pixel> Cloud::*member) {
+  return [member](const py::object& self) {
+    return array_of(self.cast<const HeldCloud&>().cloud.*member, self);
+  };
+}
+
+py::object points_of(const py::object& self) {
+  auto& of = self.cast<HeldCloud&>();
+  const HeldCloud::Points* points = unlocked([&] { return &of.points(); });
+  return array_of(*points, self);
+}
+
+py::array normals_of(const HeldCloud& of) {
+  return array_from(unlocked([&] {
+    const Normals normals = smoothed_normals(of.cloud);
+    HeldCloud::Points joined;
+    join(normals.x, normals.y, normals.z, joined);
+    return joined;
+  }));
+}
+
+py::bytes preview_of(const HeldCloud& of) {
+  const auto png = unlocked([&] { return depth_preview(of.cloud); });
+  return {reinterpret_cast<const char*>(png.data()), png.size()};
+}
+
+std::shared_ptr<HeldCloud> loaded_cloud(const fs::path& path) {
+  auto held = std::make_shared<HeldCloud>();
+  held->cloud = read_cloud(path).cloud;
+  return held;
+}
+
+py::object unwrapped_in_space(const ArrayOf<float>& phase,
+                              const std::optional<ArrayOf<float>>& quality,
+                              const std::string& method) {
+  const Image<float> wrapped = image_from(phase);
+  const Image<float> sure = quality ? image_from(*quality) : Image<float>();
+
+  auto unwrapped = unlocked([&] { return unwrap_in_space(wrapped, sure, method); });
+  return results("phase"_a = array_from(std::move(unwrapped.phase)),
+                 "region"_a = array_from(std::move(unwrapped.region)));
+}
+
+using CloudClass = py::class_<HeldCloud, std::shared_ptr<HeldCloud>>;
+
+void bind_cloud_properties(CloudClass& cloud) {
+  // The images view the cloud's memory.
+  cloud.def_property_readonly("x", cloud_image(&Cloud::x),
+                              "NDArray[float32]: to the right, mm; NaN if invalid.");
+  cloud.def_property_readonly("y", cloud_image(&Cloud::y),
+                              "NDArray[float32]: down, mm; NaN if invalid.");
+  cloud.def_property_readonly("z", cloud_image(&Cloud::z),
+                              "NDArray[float32]: depth, mm; NaN if invalid.");
+  cloud.def_property_readonly("intensity", cloud_image(&Cloud::intensity),
+                              "NDArray[float32]: texture, grey levels of 255.");
+  cloud.def_property_readonly("validity", cloud_image(&Cloud::validity),
+                              "NDArray[uint8]: Validity numbers.");
+  cloud.def_property_readonly("points", &points_of,
+                              "NDArray[float32]: x, y, z side by side, mm, rows x columns x 3; NaN "
+                              "if invalid; copied on first use.");
+
+  cloud.def_property_readonly("counts", &counts_of, "dict[str, int]: pixels by validity.");
+  cloud.def_readonly("remarks", &HeldCloud::remarks, "list[str]: diagnostics, for its file.");
+  cloud.def_property_readonly(
+      "size", [](const HeldCloud& of) { return of.cloud.size(); },
+      "tuple[int, int]: width and height, pixels.");
+}
+
+void bind_cloud_changes(CloudClass& cloud) {
+  cloud.def("normals", &normals_of, R"(
+      Smoothed unit normals towards the camera.
+
+      Returns:
+          NDArray[float32]: rows x columns x 3; NaN if invalid.
+
+      Example:
+          >>> cloud.normals().shape
+          (120, 160, 3)
+  )");
+
+  cloud.def("cleaned", &cleaned,
+            with_settings(described_help(CleanSettings()), R"(
+      A copy without points that contradict their neighbours.
+
+      Args:
+          {settings}
+
+      Returns:
+          Cloud
+
+      Raises:
+          Error: if a value is out of range.
+          TypeError: for an unknown keyword or a value of the wrong type.
+
+      Example:
+          >>> len(cloud.cleaned(smallest_component=10**6))
+          0
+  )")
+                .c_str());
+}
+
+void bind_cloud_files(CloudClass& cloud) {
+  cloud.def("write", &write, "path"_a, "uncertainty"_a = py::none(), py::kw_only(),
+            "normals"_a = false, Unlocked(), R"(
+      Writes the points.
+
+      Args:
+          path (str | PathLike): .ply, .pcd or .xyz.
+          uncertainty (Uncertainty | None): adds standard deviations of the points.
+          normals (bool): adds normals.
+
+      Raises:
+          Error: if the ending is not supported.
+          WorldError: if the file cannot be written.
+
+      Example:
+          >>> cloud.write("cloud.ply", normals=True)
+  )");
+
+  cloud.def("write_mesh", &write_mesh, "path"_a, py::kw_only(), "largest_step"_a = 8., Unlocked(),
+            R"(
+      Joins neighbouring points by triangles and writes them.
+
+      Args:
+          path (str | PathLike): .ply, .stl, .obj or .glb.
+          largest_step (float): in depth along a triangle, in distances between its rays.
+
+      Raises:
+          Error: if the ending is not supported.
+          WorldError: if the file cannot be written.
+
+      Example:
+          >>> cloud.write_mesh("mesh.stl")
+  )");
+}
+
+void bind_cloud_previews(CloudClass& cloud) {
+  const auto write_preview = [](const HeldCloud& of, const fs::path& path) {
+    write_depth_preview(path, of.cloud);
+  };
+
+  cloud.def("write_preview", write_preview, "path"_a, Unlocked(), R"(
+      Writes a coloured depth picture.
+
+      Args:
+          path (str | PathLike): .png.
+
+      Raises:
+          Error: if the ending is not supported.
+          WorldError: if the file cannot be written.
+
+      Example:
+          >>> cloud.write_preview("preview.png")
+  )");
+
+  cloud.def("preview", &preview_of, R"(
+      The coloured depth picture.
+
+      Returns:
+          bytes: a PNG file.
+
+      Example:
+          >>> cloud.preview()[1:4]
+          b'PNG'
+  )");
 }
 
 void bind_cloud(py::module_& module) {
-  py::class_<HeldCloud, std::shared_ptr<HeldCloud>> cloud(module, "Cloud");
+  CloudClass cloud(module, "Cloud", R"(
+      A point, or the reason why it is invalid, for each camera pixel.
+
+      In the camera's frame: read-only arrays, rows x columns.
+
+      Args:
+          points (ArrayLike): x, y, z side by side, mm, rows x columns x 3; NaN if invalid.
+          intensity (ArrayLike | None): texture, grey levels of 255.
+
+      Example:
+          >>> slipstream.Cloud(cloud.points * [1, 1, 0.5]).size
+          (160, 120)
+  )");
+
   cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none());
-
-  // The images view the cloud's memory.
-  add_images(cloud, "x", &Cloud::x, "y", &Cloud::y, "z", &Cloud::z, "intensity", &Cloud::intensity,
-             "validity", &Cloud::validity);
-  add(cloud, "points", [](const py::object& self) {
-    auto& of = self.cast<HeldCloud&>();
-    const HeldCloud::Points* points = unlocked([&] { return &of.points(); });
-    return array_of(*points, self);
-  });
-
-  add(cloud, "counts", &counts_of, "remarks", &HeldCloud::remarks, "size",
-      [](const HeldCloud& of) { return of.cloud.size(); });
   cloud.def("__len__", [](const HeldCloud& of) { return point_count(of.cloud); });
 
-  cloud.def("normals", [](const HeldCloud& of) {
-    return array_from(unlocked([&] {
-      const Normals normals = smoothed_normals(of.cloud);
-      HeldCloud::Points joined;
-      join(normals.x, normals.y, normals.z, joined);
-      return joined;
-    }));
-  });
+  bind_cloud_properties(cloud);
+  bind_cloud_changes(cloud);
+  bind_cloud_files(cloud);
+  bind_cloud_previews(cloud);
 
-  cloud.def("cleaned", &cleaned);
+  module.def("load_cloud", &loaded_cloud, "path"_a, Unlocked(), R"(
+      Reads the points of a cloud or mesh file.
 
-  cloud.def("write", &write, "path"_a, "uncertainty"_a = py::none(), py::kw_only(),
-            "normals"_a = false, Unlocked());
+      Args:
+          path (str | PathLike): file, by its ending.
 
-  cloud.def("write_mesh", &write_mesh, "path"_a, py::kw_only(), "largest_step"_a = 8., Unlocked());
-  cloud.def(
-      "write_preview",
-      [](const HeldCloud& of, const fs::path& path) { write_depth_preview(path, of.cloud); },
-      "path"_a, Unlocked());
+      Returns:
+          Cloud: one row if unorganised.
 
-  cloud.def("preview", [](const HeldCloud& of) {
-    const auto png = unlocked([&] { return depth_preview(of.cloud); });
-    return py::bytes(reinterpret_cast<const char*>(png.data()), png.size());
-  });
+      Raises:
+          Error: if the file is missing or malformed, or its ending not supported.
+          WorldError: if it cannot be read.
 
-  module.def(
-      "load_cloud",
-      [](const fs::path& path) {
-        auto held = std::make_shared<HeldCloud>();
-        held->cloud = read_cloud(path).cloud;
-        return held;
-      },
-      "path"_a, Unlocked());
+      Example:
+          >>> cloud.write("cloud.pcd")
+          >>> len(slipstream.load_cloud("cloud.pcd")) == len(cloud)
+          True
+  )");
+}
+
+void bind_uncertainty(py::module_& module) {
+  py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(module, "Uncertainty", R"(
+      Standard deviation of each point from noise, rows x columns.
+
+      Example:
+          >>> engine.uncertainty(cloud, maps, scan.frames).z.shape
+          (120, 160)
+  )");
+
+  uncertainty.def_property_readonly("coordinate", image(&Uncertainty::coordinate),
+                                    "NDArray[float32]: of the projector coordinate, fields.");
+  uncertainty.def_property_readonly("x", image(&Uncertainty::x), "NDArray[float32]: mm.");
+  uncertainty.def_property_readonly("y", image(&Uncertainty::y), "NDArray[float32]: mm.");
+  uncertainty.def_property_readonly("z", image(&Uncertainty::z), "NDArray[float32]: mm.");
+}
+
+void bind_maps(py::module_& module) {
+  py::class_<Maps, std::shared_ptr<Maps>> maps(module, "Maps", R"(
+      Maps of each camera pixel, rows x columns; None if not available.
+
+      Example:
+          >>> maps.coordinate.shape
+          (120, 160)
+  )");
+
+  maps.def_property_readonly("mean", image(&Maps::mean),
+                             "NDArray[float32]: grey levels of the frames.");
+  maps.def_property_readonly("modulation", image(&Maps::modulation),
+                             "NDArray[float32]: grey levels of the frames.");
+  maps.def_property_readonly("wrapped_phase", image(&Maps::wrapped_phase),
+                             "NDArray[float32]: of the highest frequency, rad, 0 to 2 pi.");
+  maps.def_property_readonly("fringe_order_doubt", image(&Maps::fringe_order_doubt),
+                             "NDArray[float32] | None: disagreement of the frequencies, periods.");
+  maps.def_property_readonly("coordinate", image(&Maps::coordinate),
+                             "NDArray[float32] | None: 0 to 1 across the field.");
+  maps.def_property_readonly("motion", image(&Maps::motion),
+                             "NDArray[float32] | None: rad from frame to frame.");
+}
+
+void bind_map_files(py::module_& module) {
+  const auto write_array = [](const fs::path& path, const ArrayOf<float>& map) {
+    write_map(path, image_from(map));
+  };
+
+  module.def("write_map", write_array, "path"_a, "map"_a, R"(
+      Writes 32-bit floats, keeping NaN.
+
+      Args:
+          path (str | PathLike): .tiff or .npy.
+          map (ArrayLike): rows x columns.
+
+      Raises:
+          Error: if the ending is not supported.
+          WorldError: if the file cannot be written.
+
+      Example:
+          >>> slipstream.write_map("depth.tiff", cloud.z)
+  )");
+
+  const auto load_array = [](const fs::path& path) { return array_from(read_map(path)); };
+
+  module.def("load_map", load_array, "path"_a, R"(
+      Reads a file of `write_map`.
+
+      Args:
+          path (str | PathLike): file, by its ending.
+
+      Returns:
+          NDArray[float64]: rows x columns.
+
+      Raises:
+          Error: if the file is missing or malformed, or its ending not supported.
+          WorldError: if it cannot be read.
+
+      Example:
+          >>> slipstream.write_map("depth.tiff", cloud.z)
+          >>> slipstream.load_map("depth.tiff").shape
+          (120, 160)
+  )");
+}
+
+void bind_spatial_unwrapping(py::module_& module) {
+  module.def("unwrap_in_space", &unwrapped_in_space, "phase"_a, "quality"_a = py::none(),
+             "method"_a = "flow", R"(
+      Unwraps a wrapped phase map by neighbouring pixels, without a code.
+
+      Args:
+          phase (ArrayLike): rad, rows x columns, NaN if invalid.
+          quality (ArrayLike | None): higher where the phase is more reliable.
+          method (str): as in `slipstream unwrap`.
+
+      Returns:
+          SimpleNamespace: the unwrapped phase.
+              phase (NDArray[float32]): rad, rows x columns, NaN if invalid.
+              region (NDArray): number of each pixel's connected region, 0 if invalid.
+
+      Example:
+          >>> slipstream.unwrap_in_space(maps.wrapped_phase, maps.modulation).phase.shape
+          (120, 160)
+  )");
 }
 
 }  // namespace
@@ -178,38 +432,12 @@ const HeldCloud::Points& HeldCloud::points() {
 }
 
 void bind_clouds(py::module_& module) {
+  bind_uncertainty(module);
   bind_cloud(module);
 
-  py::class_<Maps, std::shared_ptr<Maps>> maps(module, "Maps");
-  add_images(maps, "mean", &Maps::mean, "modulation", &Maps::modulation, "wrapped_phase",
-             &Maps::wrapped_phase, "fringe_order_doubt", &Maps::fringe_order_doubt, "coordinate",
-             &Maps::coordinate, "motion", &Maps::motion);
-
-  py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(module, "Uncertainty");
-  add_images(uncertainty, "coordinate", &Uncertainty::coordinate, "x", &Uncertainty::x, "y",
-             &Uncertainty::y, "z", &Uncertainty::z);
-
-  module.def(
-      "write_map",
-      [](const fs::path& path, const ArrayOf<float>& map) { write_map(path, image_from(map)); },
-      "path"_a, "map"_a);
-
-  module.def(
-      "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a);
-
-  // Unwraps a single wrapped phase from pixel to pixel, without a code.
-  module.def(
-      "unwrap_in_space",
-      [](const ArrayOf<float>& phase, const std::optional<ArrayOf<float>>& quality,
-         const std::string& method) {
-        const Image<float> wrapped = image_from(phase);
-        const Image<float> sure = quality ? image_from(*quality) : Image<float>();
-
-        auto unwrapped = unlocked([&] { return unwrap_in_space(wrapped, sure, method); });
-        return results("phase"_a = array_from(std::move(unwrapped.phase)),
-                       "region"_a = array_from(std::move(unwrapped.region)));
-      },
-      "phase"_a, "quality"_a = py::none(), "method"_a = "flow");
+  bind_maps(module);
+  bind_map_files(module);
+  bind_spatial_unwrapping(module);
 }
 
 }  // namespace slipstream::python

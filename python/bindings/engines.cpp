@@ -1,20 +1,14 @@
 #include "python/bindings/engines.h"
 
-#include <chrono>
-#include <condition_variable>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <type_traits>
+#include <utility>
 
 #include "python/bindings/arguments.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/scans.h"
-#include "slipstream/gamma.h"
-#include "slipstream/live_pipeline.h"
-#include "slipstream/named_source.h"
+#include "python/bindings/settings_help.h"
 #include "slipstream/scan_job.h"
 
 namespace slipstream::python {
@@ -109,194 +103,206 @@ std::shared_ptr<Maps> decoded(const py::object& frames, const Sequence& sequence
   });
 }
 
-/// A LivePipeline for Python.
-class Live {
- public:
-  Live(NamedSource source, const EngineSetup& setup, LiveSettings settings, py::object on_cloud)
-      : on_cloud_(std::move(on_cloud)) {
-    settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { take(cloud); };
-    pipeline_ = std::make_unique<LivePipeline>(std::move(source.frames), setup, settings);
-  }
+using EngineClass = py::class_<SharedEngine>;
 
-  ~Live() {
-    const py::gil_scoped_release release;  // the threads ending here may wait for the GIL
-    pipeline_.reset();
-  }
-
-  void start() {
-    pipeline_->start();
-    told_ = false;
-  }
-
-  /// Rethrows an exception of a stage, the source or `on_cloud`, once.
-  void stop() {
-    unlocked([this] { pipeline_->stop(); });
-
-    const auto failure = pipeline_->failure();
-    if (failure && !std::exchange(told_, true)) std::rethrow_exception(failure);
-  }
-
-  /// Waits for the newest cloud not returned yet.
-  std::shared_ptr<HeldCloud> next() {
-    // Looks for Ctrl+C between short waits.
-    while (!has_new()) {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (pipeline_->running()) continue;
-      stop();
-      if (!has_new()) throw py::stop_iteration();
-    }
-
-    return unlocked([this] {
-      std::unique_lock lock(mutex_);
-      const Pooled<LiveCloud> newest = std::exchange(newest_, {});
-      // Copies without the mutex, which the show stage needs.
-      lock.unlock();
-      return copy_of(*newest);
-    });
-  }
-
-  [[nodiscard]] bool running() const { return pipeline_->running(); }
-  [[nodiscard]] LiveStatistics statistics() const { return pipeline_->statistics(); }
-
- private:
-  /// Called in the thread of the show stage.
-  void take(const Pooled<LiveCloud>& cloud) {
-    if (!on_cloud_.is_none()) {
-      std::shared_ptr<HeldCloud> copy = copy_of(*cloud);
-      const py::gil_scoped_acquire acquire;
-      on_cloud_(std::move(copy));
-    }
-
-    const std::lock_guard lock(mutex_);
-    newest_ = cloud;
-    came_.notify_all();
-  }
-
-  bool has_new() {
-    const py::gil_scoped_release release;
-
-    std::unique_lock lock(mutex_);
-    return came_.wait_for(lock, std::chrono::milliseconds(20), [this] { return bool(newest_); });
-  }
-
-  std::shared_ptr<HeldCloud> copy_of(const LiveCloud& cloud) {
-    std::shared_ptr<HeldCloud> copy = clouds_.take();
-    copy->fresh() = cloud.cloud;
-    return copy;
-  }
-
-  py::object on_cloud_;
-  bool told_ = false;
-
-  Reused<HeldCloud> clouds_;
-
-  std::mutex mutex_;  // guards the next two
-  std::condition_variable came_;
-  Pooled<LiveCloud> newest_;
-
-  std::unique_ptr<LivePipeline> pipeline_;
-};
-
-std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence>& sequence,
-                           const std::optional<Scanner>& scanner, const py::object& on_cloud,
-                           const py::kwargs& given) {
-  // 1. The keywords; a virtual source also takes a virtual world's.
-  Keywords keywords(given);
-  SourceRequest request{.source = name};
-  std::string indexing = "told", gamma = "scanner";
-  LiveSettings settings;
-  ReconstructSettings points;
-
-  take_described(keywords, request);
-  keywords.take("indexing", indexing, "gamma", gamma, "most_frames", settings.most_frames);
-
-  if (sequence) request.sequence = changes_to(*sequence);
-  if (scheme_of(name) == "virtual") request.world = world_from(keywords);
-  take(keywords, points);
-
-  keywords.require_none_left();
-
-  // 2. Opens the source. A marker, if the patterns have one, shows where each cycle begins.
-  NamedSource source = unlocked([&] { return open_source(request); });
-  settings.indexing = pattern_indexing_named(source.sequence.marker ? "marker" : indexing);
-
-  if (scanner) source.scanner = *scanner;
-  if (!source.scanner) throw Error("no scanner is known for " + name + "; give it as scanner");
-
-  // 3. The setup, with the chosen response.
-  EngineSetup setup{completed(*source.scanner, "scanner", source.frames->format().size,
-                              source.sequence.projector),
-                    source.sequence, points};
-  require_ambient_known(setup, "scanner");
-
-  auto& response = setup.scanner.photometry.response;
-  response = choose_gamma(gamma, response).response;
-
-  return std::make_unique<Live>(std::move(source), setup, settings, on_cloud);
+std::unique_ptr<SharedEngine> engine_from(const Scanner& scanner, const Sequence& sequence,
+                                          const py::kwargs& given) {
+  const EngineSetup setup{scanner, sequence, settings_from<ReconstructSettings>(given)};
+  return unlocked([&] { return std::make_unique<SharedEngine>(setup); });
 }
 
-py::dict statistics_of(const Live& live) {
-  const LiveStatistics of = live.statistics();
-  py::dict told;
+void bind_clouds_and_maps(EngineClass& engine) {
+  const py::arg_v bits = "bits"_a = py::none();
 
-  // Only figures that are a number or a text fit into this dict.
-  const auto tell = [&](const std::string& name, const auto& figure, const auto&...) {
-    using Figure = std::remove_cvref_t<decltype(figure)>;
-    if constexpr (std::is_arithmetic_v<Figure> || std::is_same_v<Figure, std::string>) {
-      told[py::str(name)] = figure;
-    }
-  };
+  engine.def("cloud", &computed<&SharedEngine::cloud>, "frames"_a, py::kw_only(), bits, R"(
+      The cloud of a scan's frames.
 
-  of.for_each_figure(tell);
-  of.frames.for_each_figure(tell);
-  of.latency.for_each_figure(
-      [&](const char* name, double ms) { tell("latency_" + std::string(name), ms); });
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
 
-  return told;
+      Returns:
+          Cloud
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> engine.cloud(numpy.stack(list(scan.frames))).z.shape
+          (120, 160)
+  )");
+
+  engine.def("maps", &computed<&SharedEngine::maps>, "frames"_a, py::kw_only(), bits, R"(
+      The maps of a scan's frames.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Returns:
+          Maps
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> engine.maps(scan.frames).modulation.shape
+          (120, 160)
+  )");
+
+  engine.def("cloud_and_maps", &computed<&SharedEngine::cloud_and_maps>, "frames"_a, py::kw_only(),
+             bits, R"(
+      Cloud and maps in one pass.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Returns:
+          tuple[Cloud, Maps]
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> cloud, maps = engine.cloud_and_maps(scan.frames)
+  )");
+}
+
+void bind_judgements(EngineClass& engine) {
+  const py::arg_v bits = "bits"_a = py::none();
+
+  engine.def("uncertainty", &uncertainty, "cloud"_a, "maps"_a, "frames"_a, py::kw_only(), bits, R"(
+      Uncertainty of each point.
+
+      Args:
+          cloud (Cloud): of the same frames.
+          maps (Maps): of the same frames.
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Returns:
+          Uncertainty
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong, or if the scanner's noise
+              variance is unknown.
+
+      Example:
+          >>> engine.uncertainty(cloud, maps, scan.frames).x.shape
+          (120, 160)
+  )");
+
+  engine.def("backend_for", &computed<&SharedEngine::backend_for>, "frames"_a, py::kw_only(), bits,
+             R"(
+      The engine that processes such frames.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Returns:
+          str: 'fused', or methods of the reference.
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> engine.backend_for(scan.frames)
+          'fused'
+  )");
+}
+
+void bind_reconstruct(py::module_& module) {
+  module.def("reconstruct", &reconstructed, "scan"_a, py::kw_only(), "gamma"_a = "scanner",
+             "anyway"_a = false,
+             with_settings(reconstruct_help(), R"(
+      Reconstructs a scan like `slipstream reconstruct`.
+
+      Checks and refuses wrong frames, and warns of doubts about the points.
+
+      Args:
+          scan (Scan): frames with their sequence and scanner.
+          gamma (str): response correction: scanner (if present), blind (from the frames), none, or
+              a gamma.
+          anyway (bool): turns a refusal into remarks of the cloud.
+          {settings}
+
+      Returns:
+          Cloud
+
+      Raises:
+          Error: if a value is out of range, or if the scan is refused.
+          TypeError: for an unknown keyword or a value of the wrong type.
+
+      Example:
+          >>> len(slipstream.reconstruct(scan)) == len(cloud)
+          True
+  )")
+                 .c_str());
+}
+
+void bind_decode(py::module_& module) {
+  module.def("decode", &decoded, "frames"_a, "sequence"_a, py::kw_only(), "bits"_a = py::none(),
+             with_settings(reconstruct_help(), R"(
+      The maps of frames, without a scanner.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
+          sequence (Sequence): pattern sequence.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+          {settings}
+
+      Returns:
+          Maps
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong, or a value is out of range.
+          TypeError: for an unknown keyword or a value of the wrong type.
+
+      Example:
+          >>> slipstream.decode(scan.frames, sequence).coordinate.shape
+          (120, 160)
+  )")
+                 .c_str());
 }
 
 }  // namespace
 
 void bind_engine(py::module_& module) {
-  const py::arg_v bits = "bits"_a = py::none();
+  EngineClass engine(module, "Engine",
+                     with_settings(reconstruct_help(), R"(
+      Reconstructs scans of one scanner and sequence; builds tables once. Thread-safe.
 
-  py::class_<SharedEngine> engine(module, "Engine");
-  engine.def(
-      py::init([](const Scanner& scanner, const Sequence& sequence, const py::kwargs& given) {
-        const EngineSetup setup{scanner, sequence, settings_from<ReconstructSettings>(given)};
-        return unlocked([&] { return std::make_unique<SharedEngine>(setup); });
-      }),
-      "scanner"_a, "sequence"_a);
+      Args:
+          scanner (Scanner): calibration.
+          sequence (Sequence): pattern sequence.
+          {settings}
 
-  engine.def("cloud", &computed<&SharedEngine::cloud>, "frames"_a, py::kw_only(), bits);
-  engine.def("maps", &computed<&SharedEngine::maps>, "frames"_a, py::kw_only(), bits);
-  engine.def("cloud_and_maps", &computed<&SharedEngine::cloud_and_maps>, "frames"_a, py::kw_only(),
-             bits);
-  engine.def("uncertainty", &uncertainty, "cloud"_a, "maps"_a, "frames"_a, py::kw_only(), bits);
-  engine.def("backend_for", &computed<&SharedEngine::backend_for>, "frames"_a, py::kw_only(), bits);
+      Raises:
+          Error: if a value is out of range.
+          TypeError: for an unknown keyword or a value of the wrong type.
 
-  const auto in_setup = [](auto member) {
-    return [member](const SharedEngine& of) { return of.setup().*member; };
-  };
-  add(engine, "scanner", in_setup(&EngineSetup::scanner), "sequence",
-      in_setup(&EngineSetup::sequence));
+      Example:
+          >>> slipstream.Engine(scan.scanner, sequence, raw=True).cloud(scan.frames).size
+          (160, 120)
+  )")
+                         .c_str());
 
-  module.def("reconstruct", &reconstructed, "scan"_a, py::kw_only(), "gamma"_a = "scanner",
-             "anyway"_a = false);
-  module.def("decode", &decoded, "frames"_a, "sequence"_a, py::kw_only(), bits);
-}
+  engine.def(py::init(&engine_from), "scanner"_a, "sequence"_a);
 
-void bind_live(py::module_& module) {
-  py::class_<Live> bound(module, "Live");
-  bound.def(py::init(&live), "source"_a, "sequence"_a = py::none(), "scanner"_a = py::none(),
-            "on_cloud"_a = py::none());
+  engine.def_property_readonly(
+      "scanner", [](const SharedEngine& of) { return of.setup().scanner; },
+      "Scanner: calibration.");
+  engine.def_property_readonly(
+      "sequence", [](const SharedEngine& of) { return of.setup().sequence; },
+      "Sequence: pattern sequence.");
 
-  bound.def("start", &Live::start, Unlocked());
-  bound.def("stop", &Live::stop);
-  bound.def("__next__", &Live::next);
+  bind_clouds_and_maps(engine);
+  bind_judgements(engine);
 
-  add(bound, "running", &Live::running, "statistics", &statistics_of, "findings",
-      [](const Live& of) { return of.statistics().findings; });
+  bind_reconstruct(module);
+  bind_decode(module);
 }
 
 }  // namespace slipstream::python

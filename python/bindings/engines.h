@@ -7,7 +7,4 @@ namespace slipstream::python {
 /// Adds engines, whose results have the types of bind_clouds.
 void bind_engine(py::module_& module);
 
-/// Adds live reconstruction, with the same results.
-void bind_live(py::module_& module);
-
 }  // namespace slipstream::python

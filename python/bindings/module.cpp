@@ -1,5 +1,3 @@
-#include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -9,20 +7,17 @@
 #include "python/bindings/calibration.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/engines.h"
+#include "python/bindings/findings.h"
+#include "python/bindings/live.h"
 #include "python/bindings/scanners.h"
 #include "python/bindings/scans.h"
+#include "python/bindings/sequences.h"
+#include "python/bindings/virtual_world.h"
 #include "slipstream/check.h"
 #include "slipstream/error.h"
 
 namespace slipstream::python {
 namespace {
-
-/// Replaces the docstring of a function, which Python cannot.
-void document(const py::handle& function, const std::string& text) {
-  PyMethodDef* const method = reinterpret_cast<PyCFunctionObject*>(function.ptr())->m_ml;
-  std::free(const_cast<char*>(method->ml_doc));  // allocated so by pybind11
-  method->ml_doc = ::strdup(text.c_str());
-}
 
 /// File names too long or circular links become bad input, reported by the next translator; a
 /// refused scan an Error with its findings.
@@ -37,28 +32,42 @@ void translate(std::exception_ptr failure) try {
   PyErr_SetObject(type.ptr(), error.ptr());
 }
 
+void bind_errors(py::module_& module) {
+  auto& error = py::register_exception<Error>(module, "Error", PyExc_ValueError);
+  error.attr("__doc__") =
+      "Bad input; one line with the problem and its remedy. If a scan is refused, `findings` has "
+      "its findings, else it is empty.";
+  error.attr("findings") = py::list();
+
+  auto& world_error = py::register_exception<WorldError>(module, "WorldError", PyExc_OSError);
+  world_error.attr("__doc__") =
+      "A system failure: disk full, folder not writable, camera disconnected.";
+
+  py::register_exception_translator(translate);
+}
+
 }  // namespace
 }  // namespace slipstream::python
 
 PYBIND11_MODULE(_slipstream, module) {
   using namespace slipstream::python;
 
-  // A refused scan has its findings, any other error none.
-  py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError).attr("findings") =
-      py::list();
-  py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError);
-  py::register_exception_translator(translate);
+  // Types belong to the package that users import, and signatures show that name.
+  const py::object own_name = module.attr("__name__");
+  module.attr("__name__") = "slipstream";
+
+  bind_errors(module);
 
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
     if (most == 0) throw slipstream::Error("threads: 1 or more");
     return new tbb::global_control(tbb::global_control::max_allowed_parallelism, most);
   }));
 
-  module.def("_document", &document);
-
   // In this order: later parts use the types of earlier ones.
+  bind_sequences(module);
   bind_scanners(module);
   bind_scans(module);
+  bind_findings(module);
   bind_clouds(module);
   bind_engine(module);
   bind_virtual_world(module);
@@ -66,4 +75,5 @@ PYBIND11_MODULE(_slipstream, module) {
   bind_live(module);
 
   module.attr("__version__") = SLIPSTREAM_VERSION;
+  module.attr("__name__") = own_name;
 }

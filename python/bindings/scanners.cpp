@@ -22,87 +22,6 @@
 namespace slipstream::python {
 namespace {
 
-SettingValue setting_from(const py::handle& value) {
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::hasattr(value, "__len__")) return value.cast<std::vector<double>>();
-  return value.cast<double>();
-}
-
-Strategy strategy_from(const std::string& name, const py::kwargs& settings) {
-  // A name alone may be a label, which contains settings.
-  if (settings.empty()) return strategy_labelled(name);
-
-  StrategySettings values;
-  for (const auto& [setting, value] : settings) {
-    if (!value.is_none()) values[setting.cast<std::string>()] = setting_from(value);
-  }
-
-  return make_strategy(name, values);
-}
-
-py::dict settings_of(const Strategy& strategy) {
-  py::dict settings;
-  for (const auto& [name, value] : strategy.settings()) settings[py::str(name)] = value.text();
-  return settings;
-}
-
-std::vector<std::array<std::string, 3>> described_settings() {
-  std::vector<std::array<std::string, 3>> described;
-  for (const auto& of : strategy_settings()) described.push_back({of.name, of.help, of.strategies});
-  return described;
-}
-
-Sequence sequence_from(const Strategy& strategy, const std::string& axis, const py::kwargs& given) {
-  Sequence sequence{.strategy = strategy};
-  Keywords keywords(given);
-  keywords.take("projector", sequence.projector, "alpha_p", sequence.light.alpha_p, "beta_p",
-                sequence.light.beta_p, "marker", sequence.marker, "exposures", sequence.exposures,
-                "binary", sequence.binary, "motion", sequence.motion);
-  keywords.require_none_left();
-
-  set_axes(sequence, axis);
-  require_valid(sequence.light);
-  require_mergeable(sequence);
-  require_shown(sequence);
-
-  return sequence;
-}
-
-py::array patterns_of(const Sequence& sequence, int bits) {
-  const PatternSet patterns = pattern_set(cycle_of(sequence));
-  const auto [width, height] = sequence.projector;
-
-  py::array_t<std::uint16_t> pictures({patterns.count, height, width});
-  std::uint16_t* at = pictures.mutable_data();
-
-  unlocked([&] {
-    for (int n = 0; n < patterns.count; ++n) {
-      const Image<std::uint16_t> picture = render_pattern(patterns, n, sequence.projector, bits);
-      at = std::ranges::copy(picture, at).out;
-    }
-  });
-
-  return bits > 8 ? pictures : pictures.attr("astype")("uint8");
-}
-
-py::list designs(const py::kwargs& given) {
-  StrategyGoal goal;
-  Keywords keywords(given);
-  keywords.take("frames", goal.frames, "coordinate_sigma", goal.coordinate_sigma, "alpha",
-                goal.alpha, "noise_variance", goal.noise_variance, "success", goal.success,
-                "most_periods", goal.most_periods);
-  keywords.require_none_left();
-
-  py::list found;
-  for (const auto& [strategy, success, sigma] : unlocked([&] { return strategy_designs(goal); })) {
-    found.append(
-        results("strategy"_a = strategy, "success"_a = success, "coordinate_sigma"_a = sigma));
-  }
-
-  return found;
-}
-
 void take(Keywords& keywords, Lens& lens, const std::string& device) {
   std::vector<double> distortion;
   keywords.need((device + "_matrix").c_str(), lens.intrinsic);
@@ -127,15 +46,19 @@ Scanner scanner_from(const py::kwargs& given) {
 }
 
 template <auto Device>
-void add_lens(py::class_<Scanner>& scanner, const std::string& device) {
+void bind_lens(py::class_<Scanner>& scanner, const std::string& device) {
   const auto distortion = [](const Scanner& of) { return (of.*Device).distortion.coefficients; };
-  add(scanner, (device + "_matrix").c_str(), within(Device, &Lens::intrinsic),
-      (device + "_distortion").c_str(), distortion, (device + "_size").c_str(),
-      within(Device, &Lens::size));
+
+  scanner.def_property_readonly((device + "_matrix").c_str(), within(Device, &Lens::intrinsic),
+                                "NDArray[float64]: 3 x 3, pixels.");
+  scanner.def_property_readonly((device + "_distortion").c_str(), distortion,
+                                "list[float]: OpenCV's coefficients.");
+  scanner.def_property_readonly((device + "_size").c_str(), within(Device, &Lens::size),
+                                "tuple[int, int]: width and height, pixels.");
 }
 
 template <auto Member>
-void add_photometry(py::class_<Scanner>& scanner, const char* name) {
+void bind_photometry(py::class_<Scanner>& scanner, const char* name, const char* docstring) {
   scanner.def_property(
       name, [](const Scanner& of) { return of.photometry.*Member; },
       [](Scanner& of, std::decay_t<decltype(PhotometricCalibration().*Member)> value) {
@@ -144,93 +67,159 @@ void add_photometry(py::class_<Scanner>& scanner, const char* name) {
         changed.*Member = std::move(value);
         require_valid(changed);
         of.photometry = changed;
-      });
-}
-
-void bind_strategies(py::module_& module) {
-  py::class_<Strategy> strategy(module, "Strategy");
-  strategy.def(py::init(&strategy_from), "name"_a).def(py::self == py::self);
-
-  add(strategy, "name", &Strategy::name, "settings", &settings_of, "label", &label_of, "frames",
-      py::overload_cast<const Strategy&>(&frame_count), "has_coordinate",
-      py::overload_cast<const Strategy&>(&has_coordinate));
-
-  py::implicitly_convertible<py::str, Strategy>();
-
-  module.def("strategy_names", &strategy_names);
-  module.def("strategy_settings", &described_settings);
-  module.def("design", &designs);
-
-  py::class_<Sequence> sequence(module, "Sequence");
-  sequence.def(py::init(&sequence_from), "strategy"_a, "axis"_a = "x").def(py::self == py::self);
-
-  add(sequence, "strategy", &Sequence::strategy, "axis", &axes_of, "projector",
-      &Sequence::projector, "marker", &Sequence::marker, "exposures", &Sequence::exposures,
-      "binary", &Sequence::binary, "motion", &Sequence::motion, "frames",
-      py::overload_cast<const Sequence&>(&frame_count), "alpha_p",
-      within(&Sequence::light, &PatternLight::alpha_p), "beta_p",
-      within(&Sequence::light, &PatternLight::beta_p));
-
-  sequence.def("patterns", &patterns_of, "bits"_a = 8);
-
-  sequence.def(
-      "write_patterns",
-      [](const Sequence& of, const fs::path& folder, int bits) {
-        return write_patterns(folder, pattern_set(cycle_of(of)), of, bits, [] {});
       },
-      "folder"_a, "bits"_a = 8, Unlocked());
+      docstring);
 }
 
-void bind_responses(py::module_& module) {
-  py::class_<MeasuredResponse> response(module, "Response");
+/// The phases of any shape, corrected.
+py::object corrected_phases(const MeasuredResponse& of, const py::array_t<double>& phases,
+                            int steps) {
+  const PhaseCorrection correction = phase_correction(of.response, steps);
+  return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(phases);
+}
+
+void bind_response(py::module_& module) {
+  py::class_<MeasuredResponse> response(module, "Response", R"(
+      Response of light to pattern values: a power law, or a curve near one.
+
+      Args:
+          gamma (float): exponent.
+
+      Example:
+          >>> slipstream.Response(2.2).gamma
+          2.2
+  )");
+
   response.def(py::init([](double gamma) {
                  require_gamma(gamma, "gamma");
                  return MeasuredResponse{PowerLaw{gamma}, gamma};
                }),
                "gamma"_a);
-
-  add(response, "gamma", &MeasuredResponse::gamma, "standard_error",
-      &MeasuredResponse::standard_error);
-
   response.def(py::self == py::self);
 
-  // A phase array of any shape.
-  response.def(
-      "corrected",
-      [](const MeasuredResponse& of, const py::array_t<double>& phases, int steps) {
-        const PhaseCorrection correction = phase_correction(of.response, steps);
-        return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(
-            phases);
-      },
-      "phases"_a, "steps"_a);
+  response.def_readonly("gamma", &MeasuredResponse::gamma, "float: exponent.");
+  response.def_readonly("standard_error", &MeasuredResponse::standard_error,
+                        "float: of the estimate.");
+
+  response.def("corrected", &corrected_phases, "phases"_a, "steps"_a, R"(
+      Wrapped phases of N-step patterns, corrected for this response.
+
+      Args:
+          phases (ArrayLike): rad, any shape.
+          steps (int): phase steps of the sinusoid, 3 or more.
+
+      Returns:
+          Any: rad, same shape.
+
+      Example:
+          >>> slipstream.Response(2.2).corrected([0.0, 1.0], 3).shape
+          (2,)
+  )");
+}
+
+void bind_scanner_properties(py::class_<Scanner>& scanner) {
+  bind_lens<&Scanner::camera>(scanner, "camera");
+  bind_lens<&Scanner::projector>(scanner, "projector");
+
+  bind_photometry<&PhotometricCalibration::ambient>(
+      scanner, "ambient", "float | None: grey levels of 255; None if unknown.");
+  bind_photometry<&PhotometricCalibration::noise_variance>(
+      scanner, "noise_variance",
+      "float | None: sigma_w^2, squared grey levels of 255; None if unknown.");
+  bind_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain",
+                                                       "float: noise variance per grey level.");
+  bind_photometry<&PhotometricCalibration::response>(
+      scanner, "response", "Response | None: from pattern values to light; None if unknown.");
+
+  scanner.def_readonly("rotation", &Scanner::rotation,
+                       "NDArray[float64]: to the projector's frame, 3 x 3.");
+  scanner.def_readonly("translation", &Scanner::translation,
+                       "NDArray[float64]: to the projector's frame, mm.");
+  scanner.def_readwrite("measured", &Scanner::measured,
+                        "str: how and when it was calibrated, as text.");
+}
+
+void bind_scanner(py::module_& module) {
+  py::class_<Scanner> scanner(module, "Scanner", R"(
+      Calibration of a camera and a projector; the world frame is the camera's, in mm.
+
+      Args:
+          camera_matrix (ArrayLike): 3 x 3, pixels.
+          camera_size (tuple[int, int]): width and height, pixels.
+          projector_matrix (ArrayLike): 3 x 3, pixels.
+          projector_size (tuple[int, int]): width and height, pixels.
+          rotation (ArrayLike): to the projector's frame, 3 x 3.
+          translation (ArrayLike): to the projector's frame, mm.
+          camera_distortion (typing.Sequence[float], default []): OpenCV's coefficients: 0, 1, 2,
+              4, 5, 8 or 12.
+          projector_distortion (typing.Sequence[float], default []): as `camera_distortion`.
+
+      Example:
+          >>> slipstream.example_scanner((320, 240)).camera_size
+          (320, 240)
+  )");
+
+  scanner.def(py::init(&scanner_from));
+  scanner.def(py::self == py::self);
+  bind_scanner_properties(scanner);
+
+  const auto write = [](const Scanner& of, const fs::path& path) { write_scanner(path, of); };
+
+  scanner.def("write", write, "path"_a, Unlocked(), R"(
+      Writes a scanner file.
+
+      Args:
+          path (str | PathLike): .yaml or .xml.
+
+      Raises:
+          Error: if the ending is not supported.
+          WorldError: if the file cannot be written.
+
+      Example:
+          >>> scan.scanner.write("scanner.yaml")
+  )");
+}
+
+void bind_scanner_sources(py::module_& module) {
+  module.def("load_scanner", &read_scanner, "path"_a, Unlocked(), R"(
+      Reads a scanner from an OpenCV file (YAML or XML) or a recording.
+
+      Args:
+          path (str | PathLike): file, by its ending.
+
+      Returns:
+          Scanner
+
+      Raises:
+          Error: if the file is missing or malformed, or its ending not supported.
+          WorldError: if it cannot be read.
+
+      Example:
+          >>> scan.scanner.write("scanner.xml")
+          >>> scanner = slipstream.load_scanner("scanner.xml")
+  )");
+
+  module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480}, R"(
+      A camera beside a 1280x800 projector, for the virtual world.
+
+      Args:
+          camera (tuple[int, int]): width and height, pixels.
+
+      Returns:
+          Scanner
+
+      Example:
+          >>> slipstream.example_scanner().camera_size
+          (640, 480)
+  )");
 }
 
 }  // namespace
 
 void bind_scanners(py::module_& module) {
-  bind_strategies(module);
-  bind_responses(module);
-
-  py::class_<Scanner> scanner(module, "Scanner");
-  scanner.def(py::init(&scanner_from)).def(py::self == py::self);
-
-  add_lens<&Scanner::camera>(scanner, "camera");
-  add_lens<&Scanner::projector>(scanner, "projector");
-
-  add_photometry<&PhotometricCalibration::ambient>(scanner, "ambient");
-  add_photometry<&PhotometricCalibration::noise_variance>(scanner, "noise_variance");
-  add_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain");
-  add_photometry<&PhotometricCalibration::response>(scanner, "response");
-
-  add(scanner, "rotation", &Scanner::rotation, "translation", &Scanner::translation);
-  scanner.def_readwrite("measured", &Scanner::measured);
-
-  scanner.def(
-      "write", [](const Scanner& of, const fs::path& path) { write_scanner(path, of); }, "path"_a,
-      Unlocked());
-
-  module.def("load_scanner", &read_scanner, "path"_a, Unlocked());
-  module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480});
+  bind_response(module);
+  bind_scanner(module);
+  bind_scanner_sources(module);
 }
 
 }  // namespace slipstream::python

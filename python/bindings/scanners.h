@@ -4,7 +4,7 @@
 
 namespace slipstream::python {
 
-/// Adds strategies, sequences, response curves and scanners.
+/// Adds response curves and scanners.
 void bind_scanners(py::module_& module);
 
 }  // namespace slipstream::python

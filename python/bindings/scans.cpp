@@ -38,6 +38,12 @@ FrameSet copied(const FrameViews& frames) {
   });
 }
 
+/// The scanner must fit the frames and the sequence; its projector is the sequence's.
+void set_scanner(Scan& scan, const Scanner& scanner) {
+  scan.scanner = completed(scanner, "scanner", scan.frames.size(), scan.sequence.projector);
+  scan.sequence.projector = scan.scanner->projector.size;
+}
+
 Scan scan_from(const py::object& frames, const Sequence& sequence,
                const std::optional<Scanner>& scanner, std::optional<int> bits) {
   const BorrowedFrames given = borrowed(frames, bits);
@@ -46,8 +52,7 @@ Scan scan_from(const py::object& frames, const Sequence& sequence,
            frame_count(sequence), given.views.count());
 
   Scan scan{.frames = copied(given.views), .sequence = sequence};
-  if (scanner)
-    scan.scanner = completed(*scanner, "scanner", scan.frames.size(), sequence.projector);
+  if (scanner) set_scanner(scan, *scanner);
 
   scan.exposures = sequence.exposures;
   return merged(std::move(scan));
@@ -68,11 +73,7 @@ Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
   const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
 
-  if (scanner && scanner->index() == 0) {
-    scan.scanner = completed(std::get<Scanner>(*scanner), "scanner", scan.frames.size(),
-                             scan.sequence.projector);
-    scan.sequence.projector = scan.scanner->projector.size;
-  }
+  if (scanner && scanner->index() == 0) set_scanner(scan, std::get<Scanner>(*scanner));
 
   // 3. Warns, which needs the lock again.
   const py::gil_scoped_acquire acquire;
@@ -80,18 +81,6 @@ Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
   for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
 
   return scan;
-}
-
-std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool moving,
-                                 const std::string& gamma) {
-  CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
-
-  // With the response, and with its estimate if gamma is measured in this scan itself.
-  const GammaChoice choice = choose_response(scan, gamma);
-  settings.photometry.response = choice.response;
-  settings.blind = choice.blind;
-
-  return check_and_repair(scan, settings).findings;
 }
 
 py::object frame_at(const py::object& self, int n) {
@@ -103,102 +92,6 @@ py::object frame_at(const py::object& self, int n) {
 
   return frames.visit(
       [&](const auto& views) { return array_of(views[static_cast<std::size_t>(place)], self); });
-}
-
-/// The measured numbers by name and unit.
-py::dict evidence_of(const Finding& finding) {
-  py::dict numbers;
-  for (const Evidence& evidence : finding.evidence) {
-    numbers[py::str(name_with_unit(evidence))] = evidence.value;
-  }
-  return numbers;
-}
-
-/// The settings of each remedy by name; an empty dict for one that only a person can do.
-py::list remedies_as_settings(const Finding& finding) {
-  py::list remedies;
-
-  for (const Remedy& remedy : finding.remedies) {
-    py::dict settings;
-    for (const auto& [name, value] : remedy.settings) settings[py::str(name)] = value;
-    remedies.append(settings);
-  }
-
-  return remedies;
-}
-
-std::vector<std::string_view> cause_names(const Finding& finding) {
-  std::vector<std::string_view> names;
-  for (const Cause& cause : finding.causes) names.push_back(name_of(cause.kind));
-  return names;
-}
-
-/// All members, for pickling: a refused scan's error must survive a process pool.
-py::tuple state_of(const Finding& finding) {
-  py::list evidence, causes, remedies;
-
-  for (const auto& [name, value, unit, limit] : finding.evidence) {
-    evidence.append(py::make_tuple(name, value, unit, limit));
-  }
-  for (const auto& [kind, text] : finding.causes) {
-    causes.append(py::make_tuple(static_cast<int>(kind), text));
-  }
-  for (const auto& [text, settings] : finding.remedies) {
-    py::list changes;
-    for (const auto& [name, value] : settings) changes.append(py::make_tuple(name, value));
-    remedies.append(py::make_tuple(text, changes));
-  }
-
-  return py::make_tuple(static_cast<int>(finding.kind), static_cast<int>(finding.severity),
-                        finding.what, evidence, causes, remedies, finding.remark, finding.subject,
-                        finding.frames);
-}
-
-Finding finding_of(const py::tuple& state) {
-  Finding finding{.kind = static_cast<FindingKind>(state[0].cast<int>()),
-                  .severity = static_cast<Severity>(state[1].cast<int>()),
-                  .what = state[2].cast<std::string>()};
-  finding.remark = state[6].cast<std::string>();
-  finding.subject = state[7].cast<std::string>();
-  finding.frames = state[8].cast<std::vector<int>>();
-
-  for (const py::handle item : state[3]) {
-    const auto of = item.cast<py::tuple>();
-    finding.evidence.push_back({of[0].cast<std::string>(), of[1].cast<double>(),
-                                of[2].cast<std::string>(), of[3].cast<std::optional<double>>()});
-  }
-  for (const py::handle item : state[4]) {
-    const auto of = item.cast<py::tuple>();
-    finding.causes.push_back(
-        {static_cast<CauseKind>(of[0].cast<int>()), of[1].cast<std::string>()});
-  }
-  for (const py::handle item : state[5]) {
-    const auto of = item.cast<py::tuple>();
-    Remedy remedy{of[0].cast<std::string>()};
-    for (const auto& [name, value] :
-         of[1].cast<std::vector<std::pair<std::string, std::string>>>()) {
-      remedy.settings.push_back({name, value});
-    }
-    finding.remedies.push_back(std::move(remedy));
-  }
-
-  return finding;
-}
-
-void bind_findings(py::module_& module) {
-  py::class_<Finding> finding(module, "Finding");
-  add(
-      finding, "kind", [](const Finding& of) { return name_of(of.kind); }, "what", &symptom_of,
-      "likely", &causes_of, "causes", &cause_names, "advice", &remedies_of, "remedies",
-      &remedies_as_settings, "wrong",
-      [](const Finding& of) { return of.severity == Severity::wrong; }, "evidence", &evidence_of,
-      "frames", &Finding::frames);
-
-  finding.def("__str__", [](const Finding& of) { return text_of(of); });
-  finding.def(py::pickle(&state_of, &finding_of));
-
-  module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
-             "moving"_a = false, "gamma"_a = "scanner", Unlocked());
 }
 
 /// None if the frame is damaged.
@@ -218,35 +111,144 @@ py::object recorded_frame(const RecordingReader& of, std::uint64_t n) {
                  "device_time"_a = std::chrono::duration<double>(stamp.device_time).count());
 }
 
-py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
-                     const py::kwargs& given) {
-  // 1. The virtual world, whose projector must be the sequence's.
-  Keywords keywords(given);
-  const VirtualWorld world = world_from(keywords);
-  keywords.require_none_left();
+void bind_frames(py::module_& module) {
+  py::class_<FrameSet> frames(module, "Frames", R"(
+      The frames of a scan: read-only views, rows x columns.
 
-  const Size projector = world.scanner.projector.size;
-  if (sequence.projector == Size{}) sequence.projector = projector;
-  if (sequence.projector != projector) throw Error("the sequence belongs to another projector");
+      Functions that take frames also take one array, frames x rows x columns, or a list of arrays,
+      rows x columns: uint8, uint16, or float64 in grey levels of 255. Pixels of a row are adjacent.
+      They are not copied.
 
-  // 2. Renders the frames.
-  VirtualScan taken = unlocked([&] {
-    require_shown(sequence);
-    VirtualScan made =
-        take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
-    if (path) save_virtual_scan(*path, sequence, world, made);
-    return made;
-  });
+      Example:
+          >>> len(scan.frames), scan.frames[0].shape
+          (6, (120, 160))
+  )");
 
-  // 3. The scan and its ground truth.
-  Scan scan = merged({.frames = std::move(taken.frames),
-                      .sequence = sequence,
-                      .scanner = as_calibrated(world),
-                      .exposures = sequence.exposures});
+  frames.def("__len__", &FrameSet::count);
+  frames.def("__getitem__", &frame_at, "n"_a);
 
-  return results("scan"_a = std::move(scan), "depth"_a = array_from(std::move(taken.depth)),
-                 "coordinate"_a = array_from(std::move(taken.coordinate)),
-                 "reflectivity"_a = array_from(std::move(taken.reflectivity)));
+  frames.def_property_readonly("bits", &FrameSet::bits, "int: bits per pixel.");
+  frames.def_property_readonly("size", &FrameSet::size,
+                               "tuple[int, int]: width and height, pixels.");
+}
+
+void bind_scan(py::module_& module) {
+  py::class_<Scan, std::shared_ptr<Scan>> scan(module, "Scan", R"(
+      A copy of frames, their sequence, and their scanner if known; several exposures are merged.
+
+      Args:
+          frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`; copied.
+          sequence (Sequence): pattern sequence.
+          scanner (Scanner | None): calibration; None if unknown.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+
+      Raises:
+          Error: if the number, size or type of the frames is wrong.
+
+      Example:
+          >>> slipstream.Scan(list(scan.frames), sequence, scan.scanner).frames.size
+          (160, 120)
+  )");
+
+  scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
+           "bits"_a = py::none());
+
+  scan.def_property(  // never removed: Python may hold it
+      "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; }, &set_scanner,
+      "Scanner | None: calibration; None if unknown.");
+  scan.def_readonly("frames", &Scan::frames, "Frames: of the scan.");
+  scan.def_readonly("sequence", &Scan::sequence, "Sequence: pattern sequence.");
+  scan.def_readonly("exposures", &Scan::exposures, "list[float]: relative, any unit.");
+  scan.def_readonly("other_axis", &Scan::other_axis,
+                    "list[Scan]: the scan along y of one along both axes.");
+  scan.def_readonly("further_cameras", &Scan::further_cameras,
+                    "list[Scan]: scans by other cameras.");
+  scan.def_readonly("warnings", &Scan::warnings, "list[str]: of the files.");
+
+  const auto save = [](const Scan& of, const fs::path& path) {
+    save_scan(path, of.frames, of.sequence, of.scanner);
+  };
+
+  scan.def("save", save, "path"_a, Unlocked(), R"(
+      Writes a folder with scan.yaml, or a recording.
+
+      Args:
+          path (str | PathLike): folder, or recording if it ends in .slip.
+
+      Raises:
+          WorldError: if it cannot be written.
+
+      Example:
+          >>> scan.save("scan")
+  )");
+}
+
+void bind_scan_files(py::module_& module) {
+  module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
+             "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
+             "window"_a = py::none(), R"(
+      Loads a scan from a folder or a recording; arguments override its contents.
+
+      Args:
+          path (str | PathLike): folder or recording.
+          sequence (Sequence | None): pattern sequence.
+          scanner (Scanner | str | PathLike | None): calibration, or its file.
+          bits (int | None): bits per pixel; of uint16 frames by default 16.
+          order (str): of the frames in the files.
+          window (int | None): index of a recording's scan.
+
+      Returns:
+          Scan
+
+      Raises:
+          Error: if a file is missing or malformed, or its ending not supported.
+          WorldError: if it cannot be read.
+
+      Example:
+          >>> scan.save("scan")
+          >>> len(slipstream.load_scan("scan").frames)
+          6
+  )");
+}
+
+void bind_recording(py::module_& module) {
+  py::class_<RecordingReader> recording(module, "Recording", R"(
+      Raw frames in one file; recording[n] is None if damaged, and iteration skips it.
+
+      A frame has `pixels` (rows x columns, read-only), `bits` per pixel, `sequence` (the device's
+      count), `device_time` (s) and `pattern_index` (in the cycle; None if unknown).
+
+      Args:
+          path (str | PathLike): .slip.
+
+      Raises:
+          Error: if the file is missing or malformed.
+          WorldError: if it cannot be read.
+
+      Example:
+          >>> scan.save("scan.slip")
+          >>> slipstream.Recording("scan.slip")[2].pixels.shape
+          (120, 160)
+  )");
+
+  recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
+  recording.def("__len__", &RecordingReader::count);
+  recording.def("__getitem__", &recorded_frame, "n"_a);
+
+  const auto in_header = [](auto member) {
+    return [member](const RecordingReader& of) { return of.header().*member; };
+  };
+
+  recording.def_property_readonly("finished", &RecordingReader::finished,
+                                  "bool: whether its end was written.");
+  recording.def_property_readonly("sequence", in_header(&RecordingHeader::sequence),
+                                  "Sequence | None: pattern sequence.");
+  recording.def_property_readonly("scanner", in_header(&RecordingHeader::scanner),
+                                  "Scanner | None: calibration; None if unknown.");
+  recording.def_property_readonly("frame_rate", in_header(&RecordingHeader::frame_rate),
+                                  "float: frames per second.");
+  recording.def_property_readonly("in_colour", in_header(&RecordingHeader::in_colour),
+                                  "bool: three frames are the raw channels of one picture.");
 }
 
 }  // namespace
@@ -285,72 +287,10 @@ std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma
 }
 
 void bind_scans(py::module_& module) {
-  py::class_<FrameSet> frames(module, "Frames");
-  frames.def("__len__", &FrameSet::count).def("__getitem__", &frame_at);
-  add(frames, "bits", &FrameSet::bits, "size", &FrameSet::size);
-
-  py::class_<Scan, std::shared_ptr<Scan>> scan(module, "Scan");
-  scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
-           "bits"_a = py::none());
-
-  scan.def_property(  // never removed: Python may hold it
-      "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; },
-      [](Scan& of, const Scanner& scanner) { of.scanner = scanner; });
-
-  add(scan, "frames", &Scan::frames, "sequence", &Scan::sequence, "exposures", &Scan::exposures,
-      "other_axis", &Scan::other_axis, "further_cameras", &Scan::further_cameras, "warnings",
-      &Scan::warnings);
-
-  scan.def(
-      "save",
-      [](const Scan& of, const fs::path& path) {
-        save_scan(path, of.frames, of.sequence, of.scanner);
-      },
-      "path"_a, Unlocked());
-
-  module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
-             "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
-             "window"_a = py::none());
-
-  bind_findings(module);
-
-  py::class_<RecordingReader> recording(module, "Recording");
-  recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
-  recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
-
-  const auto in_header = [](auto member) {
-    return [member](const RecordingReader& of) { return of.header().*member; };
-  };
-
-  add(recording, "finished", &RecordingReader::finished, "sequence",
-      in_header(&RecordingHeader::sequence), "scanner", in_header(&RecordingHeader::scanner),
-      "frame_rate", in_header(&RecordingHeader::frame_rate), "in_colour",
-      in_header(&RecordingHeader::in_colour));
-}
-
-VirtualWorld world_from(Keywords& keywords) {
-  WorldSettings of;
-  std::optional<MeasuredResponse> response;
-  std::array<double, 3> step{};
-  double turn = 0;
-
-  keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", of.scanner, "camera", of.camera,
-                "step", step, "turn", turn, "world", of.world, "response", response);
-  take_described(keywords, of);
-
-  if (response) of.response = response->response;
-
-  // The motion between frames: a step in mm and a turn about the y axis, given in degrees.
-  of.motion.step = Eigen::Vector3d(step.data());
-  of.motion.turn.y() = turn * std::numbers::pi / 180;
-
-  return virtual_world(of);
-}
-
-void bind_virtual_world(py::module_& module) {
-  module.def("simulate", &simulated, "sequence"_a, "path"_a = py::none());
-  module.def("scene_names", &scene_names);
-  module.def("world_names", &world_names);
+  bind_frames(module);
+  bind_scan(module);
+  bind_scan_files(module);
+  bind_recording(module);
 }
 
 }  // namespace slipstream::python

@@ -7,15 +7,11 @@
 #include "python/bindings/arguments.h"
 #include "python/bindings/bindings.h"
 #include "slipstream/check.h"
-#include "slipstream/virtual_world.h"
 
 namespace slipstream::python {
 
-/// Adds frames, scans, findings and recordings; uses the types of bind_scanners.
+/// Adds frames, scans and recordings; uses the types of bind_scanners.
 void bind_scans(py::module_& module);
-
-/// Adds the virtual world, whose scans are those of bind_scans.
-void bind_virtual_world(py::module_& module);
 
 /// Calls warnings.warn for each line, as "NAME: LINE" or the line alone without a name.
 void warn_of(const std::string& name, const std::vector<std::string>& lines);
@@ -27,8 +23,4 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool an
 /// messages. `of_gamma`: ignores diagnostics that blame the response. Throws Error if it is
 /// refused.
 std::pair<Scan, std::string> checked_scan(const py::handle& scan, bool of_gamma);
-
-/// Takes the keywords of `simulate`.
-VirtualWorld world_from(Keywords& keywords);
-
 }  // namespace slipstream::python

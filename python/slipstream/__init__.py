@@ -1,4 +1,15 @@
-"""slipstream: 3-D point clouds from pictures of an object under projected stripes."""
+"""3-D point clouds from pictures of an object under projected stripes.
+
+Example:
+    >>> import numpy, slipstream
+    >>> sequence = slipstream.Sequence("dual-frequency, steps 3, high 16")
+    >>> scan = slipstream.simulate(sequence, camera=(160, 120)).scan
+    >>> engine = slipstream.Engine(scan.scanner, sequence)
+    >>> cloud, maps = engine.cloud_and_maps(scan.frames)
+    >>> bright = {"scene": "board", "camera": (64, 48)}
+    >>> eight = slipstream.Sequence("pmp, steps 8")
+    >>> flats = [slipstream.simulate(eight, seed=seed, **bright).scan for seed in (1, 2)]
+"""
 
 import atexit as _atexit
 import base64 as _base64
@@ -12,44 +23,131 @@ import weakref as _weakref
 import numpy as _numpy
 
 from . import _slipstream
-from ._docstrings import DOCSTRINGS as _DOCSTRINGS
 from ._slipstream import *  # noqa: F403
 from ._slipstream import __version__  # noqa: F401
 
-Validity = _enum.IntEnum(
-    "Validity",
-    "VALID TOO_DARK SATURATED DOUBTFUL_ORDER NO_POINT OUTSIDE_FIELD OUT_OF_RANGE LOW_TRUST MIXED "
-    "OUTLIER SMALL_COMPONENT OUTSIDE_REGION MOVED", start=0, module=__name__)
+
+class Validity(_enum.IntEnum):
+    """Why a camera pixel has a point or is invalid: the numbers in Cloud.validity.
+
+    Example:
+        >>> int((cloud.validity == slipstream.Validity.VALID).sum()) == len(cloud)
+        True
+    """
+
+    VALID = 0
+    TOO_DARK = 1
+    SATURATED = 2
+    DOUBTFUL_ORDER = 3
+    NO_POINT = 4
+    OUTSIDE_FIELD = 5
+    OUT_OF_RANGE = 6
+    LOW_TRUST = 7
+    MIXED = 8
+    OUTLIER = 9
+    SMALL_COMPONENT = 10
+    OUTSIDE_REGION = 11
+    MOVED = 12
 
 
-_SAYS = {
-    "Strategy": lambda of: of.label,
-    "Sequence": lambda of: f"{of.strategy.label} along {of.axis}, {of.frames} frames",
+@_contextlib.contextmanager
+def threads(most):
+    """Context manager that limits the threads of each call.
+
+    Args:
+        most (int): 1 or more.
+
+    Returns:
+        AbstractContextManager[None]
+
+    Example:
+        >>> with slipstream.threads(1): alone = engine.cloud(scan.frames)
+    """
+    limit = _slipstream._ThreadLimit(most)
+    try:
+        yield
+    finally:
+        del limit
+
+
+# Short texts: each class's figures in one line.
+
+
+def _size_text(size):
+    width, height = size
+    return f"{width}x{height}"
+
+
+def _sequence_text(sequence):
+    return f"{sequence.strategy.label} along {sequence.axis}, {sequence.frames} frames"
+
+
+def _scanner_text(scanner):
+    baseline = _numpy.linalg.norm(scanner.translation)
+    return (f"camera {_size_text(scanner.camera_size)}, "
+            f"projector {_size_text(scanner.projector_size)}, {baseline:.4g} mm apart")
+
+
+def _frames_text(frames):
+    return f"{len(frames)} of {_size_text(frames.size)}, {frames.bits} bits"
+
+
+def _cloud_text(cloud):
+    text = f"{_size_text(cloud.size)}: {len(cloud)} points of {cloud.z.size} pixels"
+    if not cloud:
+        return text
+    return f"{text}, {_numpy.nanmin(cloud.z):.1f} to {_numpy.nanmax(cloud.z):.1f} mm"
+
+
+def _maps_text(maps):
+    median = _numpy.nanquantile(maps.modulation, 0.5)
+    return f"{_size_text(maps.mean.shape[::-1])}: median modulation {median:.3g}"
+
+
+def _uncertainty_text(uncertainty):
+    known = uncertainty.z[uncertainty.z > 0]
+    median = _numpy.median(known) if known.size else 0
+    return f"{_size_text(uncertainty.z.shape[::-1])}: median {median:.3g} mm of depth"
+
+
+def _report_text(report):
+    errors = ", ".join(
+        f"{device} {report.rms[device]:.3g}" for device in ("camera", "projector", "stereo"))
+    return f"{len(report.poses)} poses, RMS {errors} pixels"
+
+
+def _live_text(live):
+    return f"{live.statistics['clouds']} clouds, {'running' if live.running else 'stopped'}"
+
+
+_TEXTS = {
+    "Strategy": lambda strategy: strategy.label,
+    "Sequence": _sequence_text,
     "Response": lambda of: f"gamma {of.gamma:.4g} +- {of.standard_error:.2g}",
-    "Scanner": lambda of: "camera {0[0]}x{0[1]}, projector {1[0]}x{1[1]}, {2:.4g} mm apart".format(
-        of.camera_size, of.projector_size, _numpy.linalg.norm(of.translation)),
-    "Frames": lambda of: "{1} of {0[0]}x{0[1]}, {2} bits".format(of.size, len(of), of.bits),
-    "Scan": lambda of: f"{of.frames!r}, {of.sequence!r}",
+    "Scanner": _scanner_text,
+    "Frames": _frames_text,
+    "Scan": lambda scan: f"{scan.frames!r}, {scan.sequence!r}",
     "Finding": str,
-    "Cloud": lambda of: "{0[0]}x{0[1]}: {1} points of {2} pixels".format(
-        of.size, len(of), of.z.size) + (
-        f", {_numpy.nanmin(of.z):.1f} to {_numpy.nanmax(of.z):.1f} mm" if of else ""),
-    "Maps": lambda of: "{0[1]}x{0[0]}: median modulation {1:.3g}".format(
-        of.mean.shape, _numpy.nanquantile(of.modulation, 0.5)),
-    "Uncertainty": lambda of: "{0[1]}x{0[0]}: median {1:.3g} mm of depth".format(
-        of.z.shape, _numpy.median(of.z[of.z > 0]) if (of.z > 0).any() else 0),
-    "Engine": lambda of: f"{of.scanner!r}, {of.sequence!r}",
-    "Recording": lambda of: f"{len(of)} frames, {of.sequence!r}",
-    "CalibrationReport": lambda of: "{1} poses, RMS camera {0[camera]:.3g}, projector "
-    "{0[projector]:.3g}, stereo {0[stereo]:.3g} pixels".format(of.rms, len(of.poses)),
-    "Live": lambda of: "{0[clouds]} clouds, {1}".format(
-        of.statistics, "running" if of.running else "stopped"),
+    "Cloud": _cloud_text,
+    "Maps": _maps_text,
+    "Uncertainty": _uncertainty_text,
+    "Engine": lambda engine: f"{engine.scanner!r}, {engine.sequence!r}",
+    "Recording": lambda recording: f"{len(recording)} frames, {recording.sequence!r}",
+    "CalibrationReport": _report_text,
+    "Live": _live_text,
 }
 
 
-def _say(self):
+def _text_of(self):
     name = type(self).__name__
-    return f"<slipstream.{name} {_SAYS[name](self)}>"
+    return f"<slipstream.{name} {_TEXTS[name](self)}>"
+
+
+for _name in _TEXTS:
+    globals()[_name].__repr__ = _text_of
+
+
+# Notebooks and other modules.
 
 
 def _by_file(name, write, read):
@@ -61,7 +159,7 @@ def _by_file(name, write, read):
 def _show_cloud(self):
     png = _base64.b64encode(self.preview()).decode()
     return (f'<figure><img alt="depth" src="data:image/png;base64,{png}">'
-            f"<figcaption>{_SAYS['Cloud'](self)}</figcaption></figure>")
+            f"<figcaption>{_cloud_text(self)}</figcaption></figure>")
 
 
 def _show_report(self):
@@ -71,31 +169,69 @@ def _show_report(self):
 
 
 def _to_open3d(self):
+    """The points as an open3d.geometry.PointCloud: mm, grey colours, normals.
+
+    Returns:
+        Any: open3d.geometry.PointCloud.
+
+    Raises:
+        ImportError: if Open3D is not installed.
+
+    Example:
+        >>> cloud.to_open3d()  # doctest: +SKIP
+    """
     import open3d
     return _by_file("cloud.ply", lambda path: self.write(path, normals=True),
                     open3d.io.read_point_cloud)
 
 
 def _to_trimesh(self, *, largest_step=8.0):
+    """The surface as a trimesh.Trimesh: mm, grey vertex colours.
+
+    Args:
+        largest_step (float): in depth along a triangle, in distances between its rays.
+
+    Returns:
+        Any: trimesh.Trimesh.
+
+    Raises:
+        ImportError: if trimesh is not installed.
+
+    Example:
+        >>> cloud.to_trimesh()  # doctest: +SKIP
+    """
     import trimesh
     return _by_file("mesh.ply", lambda path: self.write_mesh(path, largest_step=largest_step),
                     lambda path: trimesh.load(path, process=False))
 
 
-@_contextlib.contextmanager
-def threads(most):
-    limit = _slipstream._ThreadLimit(most)
-    try:
-        yield
-    finally:
-        del limit
+Cloud._repr_html_, CalibrationReport._repr_html_ = _show_cloud, _show_report  # noqa: F405
+Cloud.to_open3d, Cloud.to_trimesh = _to_open3d, _to_trimesh  # noqa: F405
+
+
+# Iteration, and live reconstruction as a context.
+
+
+def _undamaged_frames(self):
+    for n in range(len(self)):
+        frame = self[n]
+        if frame is not None:
+            yield frame
 
 
 _running = _weakref.WeakSet()
 
 
 def _start_live(self):
-    _start(self)
+    """Starts it.
+
+    Returns:
+        Live: itself.
+
+    Example:
+        >>> live = slipstream.Live("virtual", sequence, camera=(64, 48)).start()
+    """
+    self._start()
     _running.add(self)
     return self
 
@@ -114,24 +250,6 @@ def _end_all():  # their threads must not call a closed interpreter
         _end_live(live, "exit")
 
 
-for _name, _bound in list(vars(_slipstream).items()):
-    if isinstance(_bound, type):
-        _bound.__module__ = __name__
-    if _name in _SAYS:
-        _bound.__repr__ = _say
-_start, Live.start, Live.__enter__ = Live.start, _start_live, _start_live  # noqa: F405
-Live.__exit__ = _end_live  # noqa: F405
+Recording.__iter__ = _undamaged_frames  # noqa: F405
+Live.start, Live.__enter__, Live.__exit__ = _start_live, _start_live, _end_live  # noqa: F405
 Live.__iter__ = lambda self: self  # noqa: F405
-Recording.__iter__ = lambda self: filter(  # noqa: F405
-    lambda frame: frame is not None, map(self.__getitem__, range(len(self))))
-Cloud._repr_html_, CalibrationReport._repr_html_ = _show_cloud, _show_report  # noqa: F405
-Cloud.to_open3d, Cloud.to_trimesh = _to_open3d, _to_trimesh  # noqa: F405
-
-__doc__ = _DOCSTRINGS.pop("", (None, __doc__))[1]
-for _name, (_signature, _text) in _DOCSTRINGS.items():
-    _owner, _, _name = _name.rpartition(".")
-    _bound = vars(globals()[_owner])[_name] if _owner else globals()[_name]
-    if hasattr(_bound, "fget") or not _signature or hasattr(_bound, "__code__"):
-        _bound.__doc__ = _text
-    else:
-        _slipstream._document(getattr(_bound, "__func__", _bound), f"{_signature}\n--\n\n{_text}")

@@ -1,12 +1,14 @@
-"""Docstrings are numpydoc, complete, and their examples run; the stub has every type."""
+"""Docstrings are complete, and their examples run; the stub has every type."""
 
 import ast
 import doctest
 import inspect
 import pathlib
+import re
 
 import numpy
 import pytest
+from conftest import SOURCES
 
 import slipstream
 
@@ -46,6 +48,24 @@ def stubs():
                     yield f"{node.name}.{member.name}", member
 
 
+def described(name):
+    """The docstring without the signature that pybind11 writes before it."""
+    doc = inspect.getdoc(PUBLIC[name])
+    begins_with_signature = re.match(rf"{name.split('.')[-1]}\(.*\) -> .*\n+", doc)
+    return doc[begins_with_signature.end():] if begins_with_signature else doc
+
+
+def entries_of(doc, title):
+    """The lines below a title, without their indentation."""
+    found = re.search(rf"^{title}:\n((?:    .*\n|\n)+)", doc + "\n", re.MULTILINE)
+    return inspect.cleandoc("\n" + found[1]) if found else ""
+
+
+def arguments_of(function):
+    every = [*function.args.args, *function.args.kwonlyargs]
+    return [one.arg for one in every if one.arg != "self"]
+
+
 def test_all_names_are_seen():
     assert {"Cloud", "Cloud.z", "Cloud.to_open3d", "decode", "threads"} <= set(PUBLIC)
     assert len(CALLS) > 40
@@ -53,28 +73,25 @@ def test_all_names_are_seen():
 
 @pytest.mark.parametrize("name", PUBLIC)
 def test_it_has_a_docstring(name):
-    doc = PUBLIC[name].__doc__
-    assert doc and len(doc) > 4, name
-    assert not doc.startswith(name.split(".")[-1] + "("), "pybind11's signature"
+    doc = described(name)
+    assert len(doc) > 4, name
+    assert not doc.startswith(name.split(".")[-1] + "(")
     if isinstance(PUBLIC[name], property):
-        assert ": " in doc and not doc.endswith(": ")
+        assert re.match(r"[^:]+: .", doc)
     elif name not in ("Error", "WorldError"):
-        assert "\nExamples\n--------\n>>> " in doc
+        assert entries_of(doc, "Example").startswith(">>> ")
 
 
 @pytest.mark.parametrize("name", CALLS)
 def test_arguments_results_and_sections(name):
-    doc = inspect.getdoc(CALLS[name])
-    arguments = [one for one in inspect.signature(CALLS[name]).parameters if one != "self"]
-    assert ("\nParameters\n----------\n" in doc) == bool(arguments)
-    lines = doc.split("\n")
+    doc, stub = described(name), dict(stubs())[name]
+    arguments = arguments_of(stub)
+    entries = entries_of(doc, "Args")
     for one in arguments:
-        at = [n for n, line in enumerate(lines) if line.startswith(f"{one} : ")]
-        assert len(at) == 1 and lines[at[0] + 1].startswith("    "), one
-    returns = ast.unparse(dict(stubs())[name].returns)
-    assert ("\nReturns\n-------\n" in doc) == (returns != "None")
-    order = [doc.find(f"\n{title}\n---") for title in
-             ("Parameters", "Returns", "Raises", "Examples")]
+        assert len(re.findall(rf"^{one} \(.+\):\s+\S", entries, re.MULTILINE)) == 1, one
+    assert len(re.findall(r"^\w+ \(", entries, re.MULTILINE)) == len(arguments)
+    assert bool(entries_of(doc, "Returns")) == (ast.unparse(stub.returns) != "None")
+    order = [doc.find(f"\n{title}:\n") for title in ("Args", "Returns", "Raises", "Example")]
     found = [place for place in order if place >= 0]
     assert found == sorted(found)
 
@@ -83,9 +100,34 @@ def test_arguments_results_and_sections(name):
                                   if isinstance(bound, type) and name not in EXCEPTIONS
                                   and any(f"{name}.__init__" == one for one, _ in stubs())])
 def test_arguments_of_constructors_are_described(name):
-    arguments = dict(stubs())[f"{name}.__init__"].args
-    for one in arguments.args[1:] + arguments.kwonlyargs:
-        assert f"\n{one.arg} : " in PUBLIC[name].__doc__, one.arg
+    entries = entries_of(described(name), "Args")
+    for one in arguments_of(dict(stubs())[f"{name}.__init__"]):
+        assert len(re.findall(rf"^{one} \(.+\):\s+\S", entries, re.MULTILINE)) == 1, one
+
+
+def stated_defaults(name):
+    """The keywords with a default that the docstring states."""
+    arguments = dict(stubs())[name].args
+    return {one.arg: ast.literal_eval(default)
+            for one, default in zip(arguments.kwonlyargs, arguments.kw_defaults)}
+
+
+def test_stated_defaults_are_those_of_the_module(tmp_path):
+    stated = slipstream.Sequence("pmp", **stated_defaults("Sequence.__init__"))
+    assert stated == slipstream.Sequence("pmp")
+    designs = slipstream.design(**stated_defaults("design"))
+    assert [one.strategy for one in designs] == [one.strategy for one in slipstream.design()]
+    with pytest.raises(slipstream.Error):  # not a TypeError: only the poses are missing
+        slipstream.calibrate_geometry(tmp_path, **stated_defaults("calibrate_geometry"))
+
+
+def test_every_keyword_is_described():
+    taken = {name for source in (SOURCES / "python" / "bindings").glob("*.cpp")
+             for call in re.findall(r"\bkeywords\.(?:take|need)\((.*?)\);",
+                                    source.read_text(), re.DOTALL)
+             for name in re.findall(r'"([a-z]\w*)"', call)}
+    stated = {one.arg for function in dict(stubs()).values() for one in function.args.kwonlyargs}
+    assert len(taken) > 40 and taken <= stated
 
 
 @pytest.mark.parametrize("name", dict(stubs()))
@@ -99,7 +141,8 @@ def test_everything_has_type_hints(name):
 
 def test_settings_are_described_as_on_the_command_line():
     for function in (slipstream.decode, slipstream.reconstruct, slipstream.Cloud.cleaned):
-        assert "\n    fill gaps in a surface up to this width, pixels\n" in function.__doc__
+        assert re.search(r"widest_gap \(int, default 0\):\n +fill gaps in a surface up to this "
+                         r"width, pixels\n", function.__doc__)
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +157,7 @@ def names():
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("name", [name for name, bound in PUBLIC.items()
-                                  if "\n>>> " in bound.__doc__])
+                                  if ">>> " in bound.__doc__])
 def test_examples_run(name, names, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     if name == "Live.stop":

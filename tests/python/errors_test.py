@@ -107,6 +107,19 @@ def test_values_compare_and_are_told_apart():
             projector_matrix=scanner.projector_matrix, projector_size=scanner.projector_size)
 
 
+def test_the_projector_of_a_scan_is_its_scanners(dual):
+    given = slipstream.Sequence(dual.scan.sequence.strategy)
+    assert given.projector == (0, 0)
+    scan = slipstream.Scan(list(dual.scan.frames), given, dual.scan.scanner)
+    assert scan.sequence.projector == dual.scan.scanner.projector_size
+    later = slipstream.Scan(list(dual.scan.frames), given)
+    later.scanner = dual.scan.scanner
+    assert later.sequence.projector == dual.scan.scanner.projector_size
+    other = slipstream.Sequence(given.strategy, projector=(64, 48))
+    with pytest.raises(slipstream.Error, match="the patterns are for 64x48"):
+        slipstream.Scan(list(dual.scan.frames), other).scanner = dual.scan.scanner
+
+
 def test_a_scan_keeps_its_scanner(dual):
     scan = slipstream.Scan(list(dual.scan.frames), dual.scan.sequence)
     assert scan.scanner is None

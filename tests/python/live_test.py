@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from conftest import taken
@@ -36,6 +37,16 @@ def test_a_recording_is_a_source(tmp_path):
     taken("pmp", camera=(160, 120), steps=4, path=tmp_path / "scan.slip")
     with slipstream.Live(f"replay:{tmp_path / 'scan.slip'}", rate=0) as live:
         assert len(list(live)[-1]) > 1000
+
+
+def test_threads_share_the_clouds_of_one_stream():
+    with slipstream.Live("virtual", SEQUENCE, rate=200, most_frames=100, **SMALL) as live:
+        with ThreadPoolExecutor(4) as pool:
+            shares = [pool.submit(lambda: [len(cloud) for cloud in live]) for _ in range(4)]
+            while not all(share.done() for share in shares):
+                pass  # busy, so that several threads see a cloud before one takes it
+    counts = [count for share in shares for count in share.result()]
+    assert 1 <= len(counts) <= 97 and min(counts) > 1000
 
 
 def test_what_a_function_throws_comes_out():

@@ -1,0 +1,162 @@
+#include "python/bindings/findings.h"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "slipstream/check.h"
+#include "slipstream/gamma.h"
+
+namespace slipstream::python {
+namespace {
+
+/// The measured numbers by name and unit.
+py::dict evidence_of(const Finding& finding) {
+  py::dict numbers;
+  for (const Evidence& evidence : finding.evidence) {
+    numbers[py::str(name_with_unit(evidence))] = evidence.value;
+  }
+  return numbers;
+}
+
+/// The settings of each remedy by name; an empty dict for one that only a person can do.
+py::list remedies_as_settings(const Finding& finding) {
+  py::list remedies;
+
+  for (const Remedy& remedy : finding.remedies) {
+    py::dict settings;
+    for (const auto& [name, value] : remedy.settings) settings[py::str(name)] = value;
+    remedies.append(settings);
+  }
+
+  return remedies;
+}
+
+std::vector<std::string_view> cause_names(const Finding& finding) {
+  std::vector<std::string_view> names;
+  for (const Cause& cause : finding.causes) names.push_back(name_of(cause.kind));
+  return names;
+}
+
+/// All members, for pickling: a refused scan's error must survive a process pool.
+py::tuple state_of(const Finding& finding) {
+  py::list evidence, causes, remedies;
+
+  for (const auto& [name, value, unit, limit] : finding.evidence) {
+    evidence.append(py::make_tuple(name, value, unit, limit));
+  }
+  for (const auto& [kind, text] : finding.causes) {
+    causes.append(py::make_tuple(static_cast<int>(kind), text));
+  }
+  for (const auto& [text, settings] : finding.remedies) {
+    py::list changes;
+    for (const auto& [name, value] : settings) changes.append(py::make_tuple(name, value));
+    remedies.append(py::make_tuple(text, changes));
+  }
+
+  return py::make_tuple(static_cast<int>(finding.kind), static_cast<int>(finding.severity),
+                        finding.what, evidence, causes, remedies, finding.remark, finding.subject,
+                        finding.frames);
+}
+
+Finding finding_of(const py::tuple& state) {
+  Finding finding{.kind = static_cast<FindingKind>(state[0].cast<int>()),
+                  .severity = static_cast<Severity>(state[1].cast<int>()),
+                  .what = state[2].cast<std::string>()};
+  finding.remark = state[6].cast<std::string>();
+  finding.subject = state[7].cast<std::string>();
+  finding.frames = state[8].cast<std::vector<int>>();
+
+  for (const py::handle item : state[3]) {
+    const auto of = item.cast<py::tuple>();
+    finding.evidence.push_back({of[0].cast<std::string>(), of[1].cast<double>(),
+                                of[2].cast<std::string>(), of[3].cast<std::optional<double>>()});
+  }
+  for (const py::handle item : state[4]) {
+    const auto of = item.cast<py::tuple>();
+    finding.causes.push_back(
+        {static_cast<CauseKind>(of[0].cast<int>()), of[1].cast<std::string>()});
+  }
+  for (const py::handle item : state[5]) {
+    const auto of = item.cast<py::tuple>();
+    Remedy remedy{of[0].cast<std::string>()};
+    for (const auto& [name, value] :
+         of[1].cast<std::vector<std::pair<std::string, std::string>>>()) {
+      remedy.settings.push_back({name, value});
+    }
+    finding.remedies.push_back(std::move(remedy));
+  }
+
+  return finding;
+}
+
+std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool moving,
+                                 const std::string& gamma) {
+  CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
+
+  // With the response, and with its estimate if gamma is measured in this scan itself.
+  const GammaChoice choice = choose_response(scan, gamma);
+  settings.photometry.response = choice.response;
+  settings.blind = choice.blind;
+
+  return check_and_repair(scan, settings).findings;
+}
+
+void bind_check(py::module_& module) {
+  module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
+             "moving"_a = false, "gamma"_a = "scanner", Unlocked(), R"(
+      Checks whether the frames of a scan fit its sequence, its scanner and each other.
+
+      Args:
+          scan (Scan): frames with their sequence and scanner.
+          minimum_modulation (float): least modulation of a pixel, grey levels of 255.
+          moving (bool): whether the scene moves.
+          gamma (str): response correction: scanner (if present), blind (from the frames), none, or
+              a gamma.
+
+      Returns:
+          list[Finding]
+
+      Example:
+          >>> slipstream.check(scan)
+          []
+  )");
+}
+
+}  // namespace
+
+void bind_findings(py::module_& module) {
+  py::class_<Finding> finding(module, "Finding", R"(
+      A diagnostic of a scan check.
+
+      Example:
+          >>> [finding.what for finding in slipstream.check(scan)]
+          []
+  )");
+
+  finding.def_property_readonly(
+      "kind", [](const Finding& of) { return name_of(of.kind); },
+      "str: stable identifier, see docs/reference/findings.md.");
+  finding.def_property_readonly("what", &symptom_of, "str: observation.");
+  finding.def_property_readonly("likely", &causes_of, "str: probable causes in words.");
+  finding.def_property_readonly("causes", &cause_names, "list[str]: their identifiers.");
+  finding.def_property_readonly("advice", &remedies_of, "str: remedies in words.");
+  finding.def_property_readonly("remedies", &remedies_as_settings,
+                                "list[dict[str, str]]: the settings of each, empty if only a "
+                                "person can do it.");
+  finding.def_property_readonly(
+      "wrong", [](const Finding& of) { return of.severity == Severity::wrong; },
+      "bool: whether the scan is refused.");
+  finding.def_property_readonly("evidence", &evidence_of,
+                                "dict[str, float]: measured numbers by name.");
+  finding.def_readonly("frames", &Finding::frames, "list[int]: those it is about, if only some.");
+
+  finding.def("__str__", [](const Finding& of) { return text_of(of); });
+  finding.def(py::pickle(&state_of, &finding_of));
+
+  bind_check(module);
+}
+
+}  // namespace slipstream::python

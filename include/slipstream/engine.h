@@ -245,7 +245,7 @@ EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {}
 ///
 /// The distance of a pixel from its epipolar line has two parts. A `common` part, a linear function
 /// of the place in the picture, is an error of the calibration: it moves all points a little and
-/// contradicts none. What is left is the pixel's own, and is held against its noise.
+/// contradicts none. The rest is the pixel's own, and is compared with its noise.
 struct EpipolarCheck {
   double median = 0;         ///< of the points' distances, projector pixels
   double median_length = 0;  ///< of their absolute values

@@ -224,7 +224,7 @@ EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& 
     check.common = quantile(lengths, most_share);
   }
 
-  // 5. Judge each point by what is left of its distance.
+  // 5. Judge each point by the rest of its distance.
   reject_doubtful(cloud, off, sigma, common, setup.scanner.calibration_rms, check);
   maps.epipolar_distance = std::move(off);
   return check;

@@ -155,7 +155,7 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
   LiveFlags replay;
   replay.headless = true;
   replay.gamma = flags.cloud.gamma;
-  replay.settings.clean = flags.cloud.settings.clean;
+  replay.settings = flags.cloud.settings;
 
   replay.source.source = "replay:" + flags.path;
   replay.source.loop = true;
@@ -205,7 +205,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
     return view_source_of(path, other, flags.view, output);
   };
 
-  view::run_viewer(source, {.view = flags.view.settings, .size = flags.view.size});
+  view::run_viewer(std::move(source), {.view = flags.view.settings, .size = flags.view.size});
 }
 
 }  // namespace
@@ -256,6 +256,8 @@ void add_view(const Commands& program) {
 
   // All options added from here on are about scans.
   const std::size_t before = command.app.get_options().size();
+  command.add("--min-modulation", flags.cloud.settings.minimum_modulation,
+              "minimum modulation of a valid pixel, grey levels of 255");
   add_scan_input_flags(command.app, flags.cloud);
   add_clean_flags(command.app, flags.cloud.settings);
   add_anyway_flag(command.app, flags.cloud.anyway);

@@ -13,51 +13,59 @@
 #include "app/process.h"
 #include "frames/pattern_windows.h"
 #include "io/file_names.h"
-#include "io/recorder.h"
-#include "slipstream/recording.h"
 
 namespace slipstream::app {
 namespace {
 
-/// Diagnostics of the clouds printed so far.
-struct ToldNews {
-  std::vector<LiveFinding> findings{};
-  bool fallback = false;
-};
+/// Prints each message about a session once; LiveSession::tell_news prints those of its sinks.
+class SessionNews {
+ public:
+  SessionNews(const LiveSession& session, Output& output) : session_(session), output_(output) {}
 
-void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
-  tell_news(pipeline.findings(), told.findings, output);
-  if (told.fallback) return;
-  told.fallback = tell_fallback(pipeline.statistics().fallback_reason, true, output);
-}
+  /// Diagnostics of the clouds, and why their backend is not the fastest.
+  void tell_of_clouds() {
+    tell_news(session_.pipeline().findings(), findings_, output_);
+    if (fallback_) return;
+    fallback_ = tell_fallback(session_.pipeline().statistics().fallback_reason, true, output_);
+  }
 
-/// Meanwhile prints each new message of the source and the check once.
-void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
-  std::string told;
-
-  while (!session.is_over()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    tell_news(*session.pipeline, news, output);
-
-    const std::string state = session.recorder->state();
-    if (state == told) continue;
+  /// That the source fails, and that it has recovered.
+  void tell_of_source() {
+    const std::string state = session_.source().state();
+    if (std::exchange(state_, state) == state) return;
 
     tell_service_manager("STATUS=" + state);
-    state.empty() ? output.say("the source has recovered") : output.warn(state);
-    told = state;
+    state.empty() ? output_.say("the source has recovered") : output_.warn(state);
   }
-}
+
+  /// That a recording has reached its limit.
+  void tell_of_limit() {
+    const auto recording = session_.source().recording();
+    if (!recording || std::exchange(limited_, recording->limited) == recording->limited) return;
+    if (!limited_.empty()) output_.say("{}", limited_);
+  }
+
+ private:
+  const LiveSession& session_;
+  Output& output_;
+
+  // As printed so far:
+  std::vector<LiveFinding> findings_;
+  bool fallback_ = false;
+  std::string state_, limited_;
+};
 
 /// Pixel statistics of the newest scan, when no scanner is known.
 void tell_pictures(const LiveSession& session, Output& output) {
-  const Pooled<LiveCloud> last = session.pipeline->newest();
+  const Pooled<LiveCloud> last = session.pipeline().newest();
   if (!last) return;
 
   const FrameViews frames = views_of(last->frames);
+  const EngineSetup setup = session.setup();
   Maps maps;
-  Engine engine(session.setup);
+  Engine engine(setup);
   engine.maps(frames, maps);
-  const PictureReport report = picture_report(engine.merged(frames), maps, session.setup.settings);
+  const PictureReport report = picture_report(engine.merged(frames), maps, setup.settings);
 
   const auto counts = count_by_validity(report.validity);
   nlohmann::json& told = output.object("pixels");
@@ -79,30 +87,29 @@ void tell_pictures(const LiveSession& session, Output& output) {
 }
 
 /// Prints the session's statistics and writes its last cloud as requested.
-void write_results(LiveSession& session, Output& output) {
-  const LiveFlags& flags = session.flags;
-  const LiveStatistics statistics = session.pipeline->statistics();
+void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
+  const LiveStatistics statistics = session.pipeline().statistics();
 
   output.say("{}", text_of(statistics));
-  for (const SinkStatistics& sink : session.publisher.statistics()) {
+  for (const SinkStatistics& sink : session.sinks()) {
     output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
                sink.dropped == 0 ? "" : "; the others came while four waited for it");
   }
-  output.document.update(document_of(session));
+  output.document.update(session.document());
 
-  if (const auto failure = session.pipeline->failure()) std::rethrow_exception(failure);
-  if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
+  if (const auto failure = session.pipeline().failure()) std::rethrow_exception(failure);
+  if (!has_geometry(session.setup().scanner)) tell_pictures(session, output);
 
   // The last cloud, the model of all clouds, and the pictures.
   if (!flags.output.empty()) {
-    const Pooled<LiveCloud> last = session.pipeline->newest();
+    const Pooled<LiveCloud> last = session.pipeline().newest();
     if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = remarks_about(statistics.findings)});
     output.add_file("cloud", flags.output);
   }
 
   if (const std::string& file = flags.model; !file.empty()) {
-    const ModelPoints model = session.pipeline->model();
+    const ModelPoints model = session.pipeline().model();
     if (model.cloud.z.empty()) {
       throw WorldError(fmt::format("{}: no cloud to build a model from", file));
     }
@@ -111,8 +118,30 @@ void write_results(LiveSession& session, Output& output) {
     output.object("files")["model"] = file;
   }
 #ifdef SLIPSTREAM_VIEW
-  write_pictures(view_source_of(session), flags.view, flags.headless, output);
+  write_pictures(session.view_source(), flags.view, flags.headless, output);
 #endif
+}
+
+/// Stops the session, prints what happened last, and writes the results.
+void finish(LiveSession& session, SessionNews& news, const LiveFlags& flags, Output& output) {
+  session.stop();
+  session.tell_news();
+  news.tell_of_clouds();
+
+  std::exception_ptr unfinished;
+  try {
+    // Before anything that may end the program; a recording may have started in the window.
+    session.finish_recording();
+  } catch (const WorldError&) {
+    unfinished = std::current_exception();
+  }
+
+  write_results(session, flags, output);
+  if (unfinished) std::rethrow_exception(unfinished);
+
+  for (const SinkStatistics& sink : session.sinks()) {
+    if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
+  }
 }
 
 /// The flags of `serve`.
@@ -278,60 +307,24 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_camera_flags(command.app, source.camera);
 }
 
-namespace {
-
-/// Prints once that a recording has reached its limit. `told`: as printed so far.
-void tell_limit(const LiveSession& session, std::string& told, Output& output) {
-  const auto recording = session.recorder->recording();
-  if (!recording || recording->limited == told) return;
-
-  told = recording->limited;
-  if (!told.empty()) output.say("{}", told);
-}
-
-/// Stops the session, prints what happened last, and writes the results.
-void finish(LiveSession& session, ToldNews& news, Output& output) {
-  session.pipeline->stop();
-  session.publisher.finish();
-  tell_news(session.publisher, output);
-  tell_news(*session.pipeline, news, output);
-
-  std::exception_ptr unfinished;
-  try {
-    // Before anything that may end the program; a recording may have started in the window.
-    session.recorder->finish_recording();
-  } catch (const WorldError&) {
-    unfinished = std::current_exception();
-  }
-
-  write_results(session, output);
-  if (unfinished) std::rethrow_exception(unfinished);
-
-  for (const SinkStatistics& sink : session.publisher.statistics()) {
-    if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
-  }
-}
-
-}  // namespace
-
 void live(const LiveFlags& flags, Output& output) {
   return_memory();
   LiveSession session(flags, output);
   const RunEnd end(flags.duration);
-  std::string limited;  // as printed
+  SessionNews news(session, output);
 
   // 1. The end of the run, polled by the window or the loop below; it also prints news.
-  session.is_over = [&] {
-    tell_news(session.publisher, output);
-    tell_limit(session, limited, output);
+  const auto is_over = [&] {
+    session.tell_news();
+    news.tell_of_limit();
 
-    if (session.projector.closed()) return true;
+    if (session.projector_closed()) return true;
     if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
 
     // A window stays open when the frames end, unless a number of frames was given.
-    const LivePipeline& pipeline = *session.pipeline;
     const bool at_end = flags.headless || flags.live.most_frames;
-    return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
+    return end.reached() || session.pipeline().failure() ||
+           (at_end && !session.pipeline().running());
   };
 
   // 2. Start, and run until the end.
@@ -340,15 +333,18 @@ void live(const LiveFlags& flags, Output& output) {
   if (flags.begun) flags.begun();
 
   output.document["files"] = nlohmann::json::object();
-  ToldNews news;
 
 #ifdef SLIPSTREAM_VIEW
-  if (!flags.headless) show_in_window(session, output);
+  if (!flags.headless) show_in_window(session.view_source(), flags.view, is_over, output);
 #endif
 
-  if (flags.headless) wait_until_over(session, news, output);
+  while (flags.headless && !is_over()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    news.tell_of_clouds();
+    news.tell_of_source();
+  }
 
-  finish(session, news, output);
+  finish(session, news, flags, output);
   if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
 }
 

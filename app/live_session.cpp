@@ -7,15 +7,12 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "app/process.h"
 #include "app/session_outputs.h"
 #include "app/session_settings.h"
 #include "frames/paired_source.h"
 #include "frames/pattern_windows.h"
-#include "io/recorder.h"
-#include "slipstream/recording.h"
+#include "response/exposure_advice.h"
 #include "slipstream/virtual_world.h"
 
 namespace slipstream::app {
@@ -163,79 +160,119 @@ std::unique_ptr<RecordedSource> recorded_source(NamedSource& opened, const Sourc
 
 }  // namespace
 
-void tell_news(Publisher& publisher, Output& output) {
-  publisher.tell([&](const std::string& line) { output.say("{}", line); },
-                 [&](const std::string& line) { output.warn(line); });
+LiveSession::LiveSession(LiveFlags flags, Output& output)
+    : flags_(std::move(flags)), output_(output) {
+  require_good(flags_);
+  LiveSettings settings = flags_.live;
+  SourceRequest request = live_request(flags_);
+
+  // 1. Open the projector first: the patterns have its size.
+  projector_ = open_projector(flags_.monitor);
+  if (projector_.sink != nullptr && !request.sequence.projector) {
+    request.sequence.projector = projector_.sink->size();
+  }
+
+  // 2. Open the source, or both cameras, and set up reconstruction for its scanner.
+  NamedSource opened = open(request, output_);
+  if (has_two_cameras())
+    settings.second_camera = add_second_camera(flags_, request, opened, output_);
+
+  if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
+  setup_ = setup_from(opened, flags_, output_);
+  strategy_ = setup_.sequence.strategy;
+
+  // 3. Take extra frames to compensate motion where possible.
+  motion_when_seen_ = !settings.second_camera && takes_extra_frames(request, opened, setup_);
+  settings.motion_when_seen = motion_when_seen_;
+  if (motion_when_seen_) setup_.sequence.motion = 2;
+
+  // 4. In step with the monitor; from here on the source shows the patterns.
+  if (flags_.monitor) {
+    stepped_ = &step_with(projector_, request.camera.trigger == "Software", opened, output_);
+  }
+
+  // 5. Recording: the pipeline reads frames through it, whether or not they are written.
+  auto source = recorded_source(opened, request, setup_, flags_.limit);
+  source_ = source.get();
+
+  // 6. The pipeline. Sinks hold clouds until they have published them, so it needs that many more.
+  settings.model = !flags_.model.empty();
+  if (!flags_.publish.empty()) {
+    settings.held_clouds += flags_.publish.size() * Publisher::held_clouds;
+    settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { publisher_.publish(cloud); };
+  }
+
+  pipeline_ =
+      std::make_unique<LivePipeline>(colours_apart(std::move(source), opened), setup_, settings);
 }
 
-nlohmann::json document_of(const LiveSession& session) {
-  nlohmann::json document = as_json(session.pipeline->statistics());
-  document["findings"] = session.pipeline->findings();
-  document["sinks"] = as_json(session.publisher.statistics(), [](const SinkStatistics& sink) {
+void LiveSession::start() {
+  open_sinks();
+  tell_news();
+  if (!flags_.record.empty()) source_->record_to(flags_.record);
+
+  const std::lock_guard lock(mutex_);  // sinks may already change the pipeline
+  pipeline_->start();
+  if (stepped_ != nullptr) tell_steps(*stepped_, output_);
+}
+
+void LiveSession::tell_news() {
+  publisher_.tell([&](const std::string& line) { output_.say("{}", line); },
+                  [&](const std::string& line) { output_.warn(line); });
+}
+
+nlohmann::json LiveSession::document() const {
+  nlohmann::json document = as_json(pipeline_->statistics());
+  document["findings"] = pipeline_->findings();
+  document["sinks"] = as_json(sinks(), [](const SinkStatistics& sink) {
     return described("name", sink.name, "published", sink.published, "dropped", sink.dropped,
                      "error", sink.error);
   });
 
-  document["source"] = session.flags.source.source;
+  document["source"] = flags_.source.source;
   return document_with_flags(std::move(document));
 }
 
-LiveSession::LiveSession(LiveFlags given, Output& told) : flags(std::move(given)), output(told) {
-  require_good(flags);
-  LiveSettings settings = flags.live;
-  SourceRequest request = live_request(flags);
+#ifdef SLIPSTREAM_VIEW
+view::ViewSource LiveSession::view_source() {
+  const std::string& name = flags_.source.source;
+  view::ViewSource source = view::live_source(*pipeline_, setup(), patterns_can_change_);
 
-  // 1. Open the projector first: the patterns have its size.
-  projector = open_projector(flags.monitor);
-  if (projector.sink != nullptr && !request.sequence.projector) {
-    request.sequence.projector = projector.sink->size();
-  }
+  source.wording = &with_flags;
+  source.title = fmt::format("slipstream live: {}", name);
+  source.waits_for = fmt::format("waiting for the first {} frames of {}",
+                                 cycle_length(source.setup->sequence), name);
 
-  // 2. Open the source, or both cameras, and set up reconstruction for its scanner.
-  NamedSource opened = open(request, output);
-  if (!flags.second_camera.empty())
-    settings.second_camera = add_second_camera(flags, request, opened, output);
+  // The camera's controls beside the picture.
+  source.camera = source_->controls();
+  source.camera_region =
+      fmt::format("{} pixels; set by --region at the start", text_of(source_->format().size));
 
-  if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
-  setup = setup_from(opened, flags, output);
+  // Changes from the window go to the session; changes from elsewhere come back to the window.
+  source.change = [this](const EngineSetup& setup) { change(setup); };
+  source.changed = [this, seen = changes()]() mutable {
+    const std::uint64_t before = std::exchange(seen, changes());
+    return before == seen ? std::nullopt : std::optional(setup());
+  };
 
-  // 3. Take extra frames to compensate motion where possible.
-  settings.motion_when_seen = !settings.second_camera && takes_extra_frames(request, opened, setup);
-  if (settings.motion_when_seen) setup.sequence.motion = 2;
+  // Save, record and the advice on exposure.
+  source.save = [this](const view::ShownCloud& cloud, const EngineSetup& setup) {
+    return save(cloud.frames, *cloud.sequence, setup);
+  };
+  source.record = [this](bool on) { change("record", on ? "on" : "off"); };
+  source.recording = [this] {
+    const auto recording = source_->recording();
+    return recording ? text_of(*recording) : std::string();
+  };
 
-  // 4. In step with the monitor; from here on the source shows the patterns.
-  if (flags.monitor) {
-    stepped = &step_with(projector, request.camera.trigger == "Software", opened, output);
-  }
+  source.best_exposure = [](const view::ShownCloud& cloud, double exposure) {
+    Sequence sequence = *cloud.sequence;
+    sequence.exposures = {exposure};
+    return exposure_advice(cloud.frames, sequence).proposed.front().exposures.front();
+  };
 
-  // 5. Recording: the pipeline reads frames through it, whether or not they are written.
-  auto source = recorded_source(opened, request, setup, flags.limit);
-  recorder = source.get();
-
-  // 6. The pipeline. Sinks hold clouds until they have published them, so it needs that many more.
-  settings.model = !flags.model.empty();
-  if (!flags.publish.empty()) {
-    settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
-    settings.on_cloud = [this](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
-  }
-
-  patterns_can_change = is_camera(request) && !flags.monitor;
-  motion_when_seen = settings.motion_when_seen;
-  strategy = setup.sequence.strategy;
-
-  pipeline =
-      std::make_unique<LivePipeline>(colours_apart(std::move(source), opened), setup, settings);
+  return source;
 }
-
-void LiveSession::start() {
-  open_sinks(*this, [this] { return document_of(*this); });
-  tell_news(publisher, output);
-  if (!flags.record.empty()) recorder->record_to(flags.record);
-  {
-    const std::lock_guard lock(mutex);  // sinks may already change it
-    pipeline->start();
-  }
-  if (stepped != nullptr) tell_steps(*stepped, output);
-}
+#endif
 
 }  // namespace slipstream::app

@@ -3,53 +3,92 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "app/live.h"
 #include "app/monitor_projector.h"
 #include "frames/stepped_source.h"
 #include "io/recorder.h"
 #include "slipstream/cloud_sink.h"
-#include "slipstream/live_pipeline.h"
 
 namespace slipstream::app {
 
-/// A live scan, from its source to its sinks.
-struct LiveSession {
+/// A live scan, from its source to its sinks. The sinks, each in its own thread, query the session,
+/// save its clouds and change its settings.
+class LiveSession {
+ public:
   /// Opens projector, source and pipeline. Throws like these.
-  LiveSession(LiveFlags given, Output& output);
-  ~LiveSession() { publisher.finish(); }  // before the members that its sinks use
+  LiveSession(LiveFlags flags, Output& output);
+  ~LiveSession() { publisher_.finish(); }  // before the members that its sinks use
 
+  // Main thread:
   /// Opens the sinks and starts.
   void start();
+  /// Ends the pipeline and the sinks.
+  void stop() {
+    pipeline_->stop();
+    publisher_.finish();
+  }
+  /// Throws WorldError if the recording has failed.
+  void finish_recording() { source_->finish_recording(); }
+  /// Prints news and warnings of the sinks.
+  void tell_news();
+  [[nodiscard]] bool projector_closed() const { return projector_.closed(); }
+  /// The session as a source of clouds; borrows it. In builds with SLIPSTREAM_VIEW.
+  view::ViewSource view_source();
 
-  const LiveFlags flags;
-  Output& output;
-  MonitorProjector projector{};
-  const SteppedSource* stepped = nullptr;  ///< in step with the projector; null without one
-  RecordedSource* recorder = nullptr;      ///< owned by the pipeline
-  EngineSetup setup{};                     ///< in use now; see setup_of
+  // Any thread:
+  [[nodiscard]] bool has_two_cameras() const { return !flags_.second_camera.empty(); }
+  [[nodiscard]] const LivePipeline& pipeline() const { return *pipeline_; }
+  [[nodiscard]] const RecordedSource& source() const { return *source_; }
+  [[nodiscard]] std::vector<SinkStatistics> sinks() const { return publisher_.statistics(); }
+  [[nodiscard]] nlohmann::json document() const;  ///< the statistics so far
 
-  /// Whether to end: requested, all frames taken, time over, or failed.
-  std::function<bool()> is_over = [] { return false; };
-  bool patterns_can_change;  ///< frames come from a projector, not from a rendered or recorded scan
-  bool motion_when_seen;     ///< see LiveSettings
-  Strategy strategy;         ///< at the start
+  [[nodiscard]] EngineSetup setup() const;  ///< in use now
+  /// Looks for this sequence from now on. Throws like LivePipeline::change.
+  void change(const EngineSetup& setup);
 
-  std::mutex mutex{};                             ///< guards the setup and pipeline changes
-  std::mutex saving{};                            ///< guards `saved`
-  std::chrono::steady_clock::time_point saved{};  ///< the newest cloud; at most one a second
-  std::atomic<std::uint64_t> changes{0};          ///< of setup and camera, except the viewer's own
-  Publisher publisher;
-  std::unique_ptr<LivePipeline> pipeline;
+  /// Settings that can change while the session runs: camera, point selection, and recording into a
+  /// new file in the --save-to folder.
+  [[nodiscard]] std::vector<RunSetting> settings() const;
+  /// Throws Error like require_settable, the camera and LivePipeline::change, and WorldError like
+  /// RecordedSource.
+  void change(const std::string& name, const std::string& value);
+
+  /// Number of changes of setup and camera so far, except the viewer's own of the camera.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
+ private:
+  /// The caller holds `mutex_`.
+  void change_locked(EngineSetup setup);
+  void open_sinks();
+  /// Saves frames of that sequence: see save_in_new_folder. Throws Error if there are two cameras,
+  /// or the setup has another sequence.
+  std::string save(const FrameViews& frames, const Sequence& of_frames,
+                   const EngineSetup& setup) const;
+  std::string save_newest();
+
+  const LiveFlags flags_;
+  Output& output_;
+  MonitorProjector projector_;
+  const SteppedSource* stepped_ = nullptr;  ///< in step with the projector; null without one
+  RecordedSource* source_ = nullptr;        ///< owned by the pipeline
+
+  /// Frames come from a projector, not from a rendered or recorded scan.
+  const bool patterns_can_change_ = is_camera(flags_.source) && !flags_.monitor;
+  bool motion_when_seen_ = false;  ///< see LiveSettings
+  Strategy strategy_;              ///< at the start
+
+  mutable std::mutex mutex_;                       ///< guards the setup and pipeline changes
+  EngineSetup setup_;                              ///< in use now
+  std::atomic<std::uint64_t> changes_{0};          ///< see changes()
+  std::mutex saving_;                              ///< guards `saved_`
+  std::chrono::steady_clock::time_point saved_{};  ///< the newest cloud; at most one a second
+  Publisher publisher_;
+  std::unique_ptr<LivePipeline> pipeline_;
 };
-
-/// The statistics so far, also for the sinks.
-nlohmann::json document_of(const LiveSession& session);
-
-/// Prints news and warnings of the sinks.
-void tell_news(Publisher& publisher, Output& output);
 
 }  // namespace slipstream::app

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <numbers>
@@ -11,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/session_settings.h"
+#include "app/live_session.h"
 #include "frames/pattern_windows.h"
 #include "io/file.h"
 #include "io/result_files.h"
@@ -26,7 +25,7 @@ constexpr const char* other_strategy = "the displayed frames do not match the se
 /// The maps of a session's clouds for PublishedRun; callable from any sink.
 class CloudMaps {
  public:
-  explicit CloudMaps(LiveSession& session) : session_(session) {}
+  explicit CloudMaps(const LiveSession& session) : session_(session) {}
 
   Image<std::uint8_t> phase(const LiveCloud& cloud) {
     const std::lock_guard lock(mutex_);
@@ -58,11 +57,11 @@ class CloudMaps {
   /// The frames to make maps from; empty if they belong to another sequence than the current one.
   std::optional<FrameViews> measure(const LiveCloud& cloud) {
     // The engine is built again when the setup has changed since the last cloud.
-    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
-      EngineSetup setup = setup_of(session_);
+    if (const std::uint64_t changes = session_.changes(); !engine_ || changes != changes_) {
+      EngineSetup setup = session_.setup();
       sequence_ = setup.sequence;
       setup.sequence.motion = 0;
-      if (!session_.flags.second_camera.empty()) {  // the points are not of one camera's phases
+      if (session_.has_two_cameras()) {  // the points are not of one camera's phases
         setup.scanner = without_geometry(setup.scanner.camera.size, setup.scanner.projector.size,
                                          setup.scanner.photometry);
       }
@@ -80,8 +79,8 @@ class CloudMaps {
     return frames;
   }
 
-  LiveSession& session_;
-  std::mutex mutex_;
+  const LiveSession& session_;
+  std::mutex mutex_;  ///< guards all members below
   std::optional<Engine> engine_;
   std::uint64_t changes_ = 0;
   Sequence sequence_;  ///< of the windows, with their motion frames
@@ -89,37 +88,15 @@ class CloudMaps {
 };
 
 std::string trouble_of(const LiveSession& session) {
-  const LivePipeline& pipeline = *session.pipeline;
-  if (const auto failure = pipeline.failure()) return "the pipeline has failed";
+  const LivePipeline& pipeline = session.pipeline();
+  if (pipeline.failure()) return "the pipeline has failed";
   const std::string state = pipeline.statistics().source_state;
   if (!state.empty()) return state;
 
-  for (const SinkStatistics& sink : session.publisher.statistics()) {
+  for (const SinkStatistics& sink : session.sinks()) {
     if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
   }
   return pipeline.running() ? "" : "the source has ended";
-}
-
-std::string save_newest(LiveSession& session) {
-  require_saveable(session);
-
-  // One save per second is enough: a page's button may be pressed by several people.
-  const std::lock_guard lock(session.saving);
-  throw_if(std::chrono::steady_clock::now() - session.saved < std::chrono::seconds(1),
-           "saved a moment ago");
-
-  const Pooled<LiveCloud> newest = session.pipeline->newest();
-  throw_if(!newest, "no cloud to save yet");
-
-  const EngineSetup setup = setup_of(session);
-  require_sequence(*newest->sequence, setup);
-
-  std::string folder =
-      save_in_new_folder(views_of(newest->frames), setup, session.flags.view.save_to,
-                         remarks_about(session.pipeline->statistics().findings));
-
-  session.saved = std::chrono::steady_clock::now();
-  return folder;
 }
 
 /// Calls `act`; its Error names flags instead of settings, as everything that the program says.
@@ -134,45 +111,58 @@ auto in_flags(const Act& act) {
 
 }  // namespace
 
-void require_saveable(const LiveSession& session) {
-  throw_if(!session.flags.second_camera.empty(),
-           "with --second-camera nothing is saved while it runs; the last cloud is written by -o");
-}
-
-void require_sequence(const Sequence& of_frames, const EngineSetup& setup) {
-  throw_if(of_frames != setup.sequence, other_strategy);
-}
-
-void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document) {
-  const Scanner& scanner = session.setup.scanner;
-  for (const std::string& name : session.flags.publish) {
-    const auto maps = std::make_shared<CloudMaps>(session);
+void LiveSession::open_sinks() {
+  const Scanner scanner = setup().scanner;  // sinks may already change the setup
+  for (const std::string& name : flags_.publish) {
+    const auto maps = std::make_shared<CloudMaps>(*this);
     PublishedRun run{
         .camera = scanner.camera,
         .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
         .has_points = has_geometry(scanner),
         .statistics =
-            [document] {  // paths need not be UTF-8
+            [this] {  // paths need not be UTF-8
               return document().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
             },
-        .trouble = [&session] { return with_flags(trouble_of(session)); },
-        .save = [&session] { return in_flags([&] { return save_newest(session); }); },
+        .trouble = [this] { return with_flags(trouble_of(*this)); },
+        .save = [this] { return in_flags([&] { return save_newest(); }); },
         .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
-        .settings = [&session] { return settings_of(session); },
-        .change =
-            [&session](const std::string& setting, const std::string& value) {
-              in_flags([&] { change_setting(session, setting, value); });
-            },
-        .limit = session.flags.limit,
+        .settings = [this] { return settings(); },
+        .change = [this](const std::string& setting,
+                         const std::string& value) { in_flags([&] { change(setting, value); }); },
+        .limit = flags_.limit,
     };
 
     // Sigma needs the noise variance and the phases of one camera.
-    if (scanner.photometry.noise_variance && session.flags.second_camera.empty()) {
+    if (scanner.photometry.noise_variance && !has_two_cameras()) {
       run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
     }
 
-    session.publisher.add(name, open_sink(name, std::move(run)));
+    publisher_.add(name, open_sink(name, std::move(run)));
   }
+}
+
+std::string LiveSession::save(const FrameViews& frames, const Sequence& of_frames,
+                              const EngineSetup& setup) const {
+  throw_if(has_two_cameras(),
+           "with --second-camera nothing is saved while it runs; the last cloud is written by -o");
+  throw_if(of_frames != setup.sequence, other_strategy);
+
+  return save_in_new_folder(frames, setup, flags_.view.save_to,
+                            remarks_about(pipeline_->statistics().findings));
+}
+
+std::string LiveSession::save_newest() {
+  // One save per second is enough: a page's button may be pressed by several people.
+  const std::lock_guard lock(saving_);
+  throw_if(std::chrono::steady_clock::now() - saved_ < std::chrono::seconds(1),
+           "saved a moment ago");
+
+  const Pooled<LiveCloud> newest = pipeline_->newest();
+  throw_if(!newest, "no cloud to save yet");
+
+  std::string folder = save(views_of(newest->frames), *newest->sequence, setup());
+  saved_ = std::chrono::steady_clock::now();
+  return folder;
 }
 
 std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,

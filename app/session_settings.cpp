@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "app/live_session.h"
 #include "base/numbers.h"
 #include "io/file.h"
 #include "slipstream/scan_files.h"
@@ -74,20 +75,11 @@ void change_described(ReconstructSettings& settings, const std::string& name,
   });
 }
 
-/// The caller holds the mutex, here and below.
-void change_locked(LiveSession& session, EngineSetup setup) {
-  if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
-  session.pipeline->change(setup);
-  session.setup = setup;
-  session.recorder->set_strategy(setup.sequence.strategy);
-  ++session.changes;
-}
-
-void set_recording(LiveSession& session, bool on) {
-  if (!on) return session.recorder->finish_recording();
-  if (session.recorder->recording()) return;
-  make_folder(session.flags.view.save_to);
-  session.recorder->record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
+void set_recording(RecordedSource& source, const std::string& folder, bool on) {
+  if (!on) return source.finish_recording();
+  if (source.recording()) return;
+  make_folder(folder);
+  source.record_to(path_named_by_time(folder, "recording", ".slip"));
 }
 
 }  // namespace
@@ -111,61 +103,69 @@ bool takes_motion(const Sequence& sequence) {
          sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
 }
 
-EngineSetup setup_of(LiveSession& session) {
-  const std::lock_guard lock(session.mutex);
-  return session.setup;
+EngineSetup LiveSession::setup() const {
+  const std::lock_guard lock(mutex_);
+  return setup_;
 }
 
-void change_setup(LiveSession& session, const EngineSetup& setup) {
-  const std::lock_guard lock(session.mutex);
-  change_locked(session, setup);
+void LiveSession::change(const EngineSetup& setup) {
+  const std::lock_guard lock(mutex_);
+  change_locked(setup);
 }
 
-std::vector<RunSetting> settings_of(LiveSession& session) {
+void LiveSession::change_locked(EngineSetup setup) {
+  if (motion_when_seen_) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
+  pipeline_->change(setup);
+  setup_ = setup;
+  source_->set_strategy(setup.sequence.strategy);
+  ++changes_;
+}
+
+std::vector<RunSetting> LiveSession::settings() const {
   std::vector<RunSetting> all;
-  const CameraControls* const camera = session.recorder->controls();
+  const CameraControls* const camera = source_->controls();
   for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
     const auto control = camera ? camera->control(which) : std::nullopt;
     if (control) all.push_back(number(name, help, unit, *control));
   }
 
-  const EngineSetup setup = setup_of(session);
+  const EngineSetup now = setup();
   all.push_back({.name = "strategy",
                  .help = "patterns shown by the projector",
-                 .value = label_of(setup.sequence.strategy),
-                 .choices = session.patterns_can_change ? strategy_labels(session.strategy)
-                                                        : std::vector{label_of(session.strategy)}});
-  for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
+                 .value = label_of(now.sequence.strategy),
+                 .choices = patterns_can_change_ ? strategy_labels(strategy_)
+                                                 : std::vector{label_of(strategy_)}});
+  for (RunSetting& setting : live_settings_of(now.settings)) all.push_back(std::move(setting));
 
-  const auto recording = session.recorder->recording();
+  const auto recording = source_->recording();
   all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));
   if (recording) all.back().state = text_of(*recording);
   return all;
 }
 
-void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
-  require_settable(settings_of(session), name, value);
+void LiveSession::change(const std::string& name, const std::string& value) {
+  require_settable(settings(), name, value);
   const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
 
   // 1. A control of the camera.
   if (control != camera_controls.end()) {
-    session.recorder->controls()->set_control(control->which, number_in<double>(value).value_or(0));
-    ++session.changes;
+    source_->controls()->set_control(control->which, number_in<double>(value).value_or(0));
+    ++changes_;
     return;
   }
 
   // 2. Recording on or off.
-  const std::lock_guard lock(session.mutex);
-  if (name == "record") return set_recording(session, value == "on");
+  const std::lock_guard lock(mutex_);
+  if (name == "record") return set_recording(*source_, flags_.view.save_to, value == "on");
 
   // 3. A setting of the reconstruction, or the strategy.
-  EngineSetup setup = session.setup;
+  EngineSetup setup = setup_;
   if (name == "strategy") {
-    const bool given = value == label_of(session.strategy);
-    setup.sequence.strategy = given ? session.strategy : strategy_labelled(value);
+    const bool given = value == label_of(strategy_);
+    setup.sequence.strategy = given ? strategy_ : strategy_labelled(value);
   }
   change_described(setup.settings, name, value);
-  change_locked(session, std::move(setup));
+  change_locked(std::move(setup));
 }
 
 }  // namespace slipstream::app

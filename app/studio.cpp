@@ -142,14 +142,14 @@ view::ViewSource show_live(Studio& studio) {
   const auto session = std::make_shared<LiveSession>(std::move(flags), studio.output);
   session->start();
 
-  view::ViewSource source = view_source_of(*session);
+  view::ViewSource source = session->view_source();
   source.title = "slipstream studio: " + studio.chosen(camera);
 
-  source.opens_saved = has_geometry(session->setup.scanner);
+  source.opens_saved = has_geometry(session->setup().scanner);
 
   // A failed session keeps its last cloud and says why.
   source.newest = [session, &studio, newest = std::move(source.newest)] {
-    if (const auto failure = session->pipeline->failure()) {
+    if (const auto failure = session->pipeline().failure()) {
       try {
         std::rethrow_exception(failure);
       } catch (const std::exception& error) {

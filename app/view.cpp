@@ -1,67 +1,19 @@
 #include "app/view.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
 
-#include "app/live_session.h"
+#include "app/live.h"
 #include "app/session_outputs.h"
-#include "app/session_settings.h"
 #include "app/studio.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "response/exposure_advice.h"
 #include "slipstream/recording.h"
 
 namespace slipstream::app {
-
-view::ViewSource view_source_of(LiveSession& session) {
-  const std::string& name = session.flags.source.source;
-  view::ViewSource source =
-      view::live_source(*session.pipeline, setup_of(session), session.patterns_can_change);
-
-  source.wording = &with_flags;
-  source.title = fmt::format("slipstream live: {}", name);
-  source.waits_for = fmt::format("waiting for the first {} frames of {}",
-                                 cycle_length(source.setup->sequence), name);
-
-  // The camera's controls beside the picture.
-  source.camera = session.recorder->controls();
-  source.camera_region = fmt::format("{} pixels; set by --region at the start",
-                                     text_of(session.recorder->format().size));
-
-  // Changes from the window go to the session; changes from elsewhere come back to the window.
-  source.change = [&session](const EngineSetup& setup) { change_setup(session, setup); };
-  source.changed = [&session, seen = session.changes.load()]() mutable {
-    const std::uint64_t changes = session.changes;
-    const bool same = std::exchange(seen, changes) == changes;
-    return same ? std::nullopt : std::optional(setup_of(session));
-  };
-
-  // Save, record and the advice on exposure.
-  source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
-    require_saveable(session);
-    require_sequence(*cloud.sequence, setup);
-    return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
-                              remarks_about(session.pipeline->statistics().findings));
-  };
-  source.record = [&session](bool on) { change_setting(session, "record", on ? "on" : "off"); };
-  source.recording = [&session] {
-    const auto recording = session.recorder->recording();
-    return recording ? text_of(*recording) : std::string();
-  };
-
-  source.best_exposure = [](const view::ShownCloud& cloud, double exposure) {
-    Sequence sequence = *cloud.sequence;
-    sequence.exposures = {exposure};
-    return exposure_advice(cloud.frames, sequence).proposed.front().exposures.front();
-  };
-
-  return source;
-}
 
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   const FlagGroup group{subcommand, "Drawing"};
@@ -85,13 +37,12 @@ void require_good(const ViewFlags& flags) {
   }
 }
 
-void show_in_window(LiveSession& session, Output& output) {
-  const ViewFlags& flags = session.flags.view;
-  const auto last =
-      view::run_viewer(view_source_of(session), {.view = flags.settings,
-                                                 .size = flags.size,
-                                                 .ends = session.is_over,
-                                                 .keep_last = !flags.screenshot.empty()});
+void show_in_window(view::ViewSource source, const ViewFlags& flags,
+                    const std::function<bool()>& ends, Output& output) {
+  const auto last = view::run_viewer(std::move(source), {.view = flags.settings,
+                                                         .size = flags.size,
+                                                         .ends = ends,
+                                                         .keep_last = !flags.screenshot.empty()});
 
   if (!last) return;
   write_image(flags.screenshot, *last);
@@ -157,7 +108,7 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
   LiveFlags replay;
   replay.headless = true;
   replay.gamma = flags.cloud.gamma;
-  replay.settings.clean = flags.cloud.settings.clean;
+  replay.settings = flags.cloud.settings;
 
   replay.source.source = "replay:" + flags.path;
   replay.source.loop = true;
@@ -207,7 +158,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
     return view_source_of(path, other, flags.view, output);
   };
 
-  view::run_viewer(source, {.view = flags.view.settings, .size = flags.view.size});
+  view::run_viewer(std::move(source), {.view = flags.view.settings, .size = flags.view.size});
 }
 
 }  // namespace
@@ -259,6 +210,8 @@ void add_view(const Commands& program) {
 
   // All options added from here on are about scans.
   const std::size_t before = command.app.get_options().size();
+  command.add("--min-modulation", flags.cloud.settings.minimum_modulation,
+              "minimum modulation of a valid pixel, grey levels of 255");
   add_scan_input_flags(command.app, flags.cloud);
   add_clean_flags(command.app, flags.cloud.settings);
   add_anyway_flag(command.app, flags.cloud.anyway);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -7,8 +8,6 @@
 #include "slipstream/viewer.h"
 
 namespace slipstream::app {
-
-struct LiveSession;
 
 /// Flags of everything that draws clouds.
 struct ViewFlags {
@@ -27,16 +26,14 @@ void add_view_flags(CLI::App& subcommand, ViewFlags& flags);
 /// Throws Error for a picture file with an unknown extension.
 void require_good(const ViewFlags& flags);
 
-/// Shows the session in a window until either ends; then writes the requested screenshot.
-void show_in_window(LiveSession& session, Output& output);
+/// Shows clouds in a window until `ends` or it is closed; then writes the requested screenshot.
+void show_in_window(view::ViewSource source, const ViewFlags& flags,
+                    const std::function<bool()>& ends, Output& output);
 
 /// Draws --snapshot and, if requested, --screenshot without a window. Throws WorldError without a
 /// cloud.
 void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool screenshot_too,
                     Output& output);
-
-/// The session as a source of clouds; borrows it.
-view::ViewSource view_source_of(LiveSession& session);
 
 /// A scan, a recording or a cloud, named `path`.
 view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,

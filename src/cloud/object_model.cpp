@@ -235,7 +235,7 @@ bool ObjectModel::add(const Cloud& cloud, double time) {
 
   // 2. Average the view in, and add pixels that no element covers.
   add_uncovered(cloud, normals, take_mean(cloud, normals));
-  if (elements_.size() < fewest_to_begin) {
+  if (views_ == 0 && elements_.size() < fewest_to_begin) {
     elements_.clear();
     ++left_out_;
     return false;

@@ -47,6 +47,17 @@ Pane pane_between(const PanelWidths& widths, const Screen& screen) {
                    std::max(screen.framebuffer.height, 1)}};
 }
 
+/// The place of a value among labelled choices, some of which may have the same value. The present
+/// place if it has the value, or if none has.
+template <class Value>
+std::size_t place_of(const Value& value, const std::vector<std::pair<std::string, Value>>& choices,
+                     std::size_t present) {
+  if (present < choices.size() && choices[present].second == value) return present;
+
+  const auto found = std::ranges::find(choices, value, &std::pair<std::string, Value>::second);
+  return found == choices.end() ? present : static_cast<std::size_t>(found - choices.begin());
+}
+
 }  // namespace
 
 CloudScreen::CloudScreen(const ViewSource& source, const ViewSettings& settings,
@@ -355,11 +366,9 @@ void CloudScreen::hear_of_changes() {
   engine_.emplace(*setup);
   state_.setup = *setup;
 
-  for (std::size_t i = 0; i < source_.strategies.size(); ++i) {
-    if (source_.strategies[i].second == setup->sequence.strategy) {
-      state_.strategy = accepted_.first = i;
-    }
-  }
+  state_.strategy = place_of(setup->sequence.strategy, source_.strategies, state_.strategy);
+  state_.gamma = place_of(setup->scanner.photometry.response, source_.gammas, state_.gamma);
+  accepted_ = {state_.strategy, state_.gamma};
 }
 
 void CloudScreen::expose() {

@@ -39,7 +39,7 @@ flat out vec3 colour;
 
 void main() {
   vec3 point = vec3(x, y, z);
-  bool drawn = abs(x) < 1e30 && abs(y) < floor_height && y < floor_height && abs(z) < 1e30;
+  bool drawn = abs(x) < 1e30 && abs(y) < 1e30 && abs(z) < 1e30 && y < floor_height;
   if (!drawn) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     gl_PointSize = 1.0;

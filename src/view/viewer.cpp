@@ -151,7 +151,7 @@ ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool pa
           .gammas = gammas_beside(setup.scanner.photometry.response)};
 }
 
-std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings) {
+std::optional<Image<Colour>> run_viewer(ViewSource source, const ViewerSettings& settings) {
   const opengl::WindowSystem system;
   const opengl::Window window(system, {.title = source.title, .size = settings.size});
   glfwSwapInterval(1);
@@ -160,7 +160,7 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   WindowEvents events;
   listen(window.get(), events);
 
-  ViewSource shown = source;
+  ViewSource shown = std::move(source);
   std::optional<CloudScreen> clouds(std::in_place, shown, settings.view, &window);
   Pace pace;
   std::optional<Image<Colour>> last;

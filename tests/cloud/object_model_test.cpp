@@ -152,6 +152,32 @@ TEST(ObjectModel, LeavesOutWhatDoesNotFit) {
   EXPECT_THROW((void)model.add(Cloud({16, 12}), 5), Error);
 }
 
+/// A few more points than a model needs to begin. A hole shows points behind it that are too far
+/// apart for a surface.
+Cloud small_wall(const Lens& camera, bool with_hole) {
+  Cloud cloud(camera.size);
+  for_each_pixel_in_order({44, 25}, [&](int column, int row) {
+    const bool in_hole = with_hole && column < 15 && row < 15;
+    const double behind = (column + row) % 2 == 0 ? 1500 : 2000;
+    const Vector point = (in_hole ? behind : 600) * ray_through(camera, {60 + column, 40 + row});
+
+    cloud.x(60 + column, 40 + row) = static_cast<float>(point.x());
+    cloud.y(60 + column, 40 + row) = static_cast<float>(point.y());
+    cloud.z(60 + column, 40 + row) = static_cast<float>(point.z());
+  });
+  return cloud;
+}
+
+TEST(ObjectModel, GoesOnWithFewerElementsThanItBegan) {
+  const Lens camera = example_scanner({160, 120}).camera;
+  ObjectModel model(camera);
+  EXPECT_TRUE(model.add(small_wall(camera, false), 0));
+  for (const int time : {1, 2}) EXPECT_TRUE(model.add(small_wall(camera, true), time)) << time;
+  EXPECT_EQ(model.views(), 3);
+  EXPECT_GT(model.elements().size(), 800U);
+  EXPECT_LT(model.elements().size(), 1000U) << "those seen through are gone";
+}
+
 TEST(Registration, FindsAPoseFromNearIt) {
   const Scanner scanner = example_scanner({320, 240});
   const Scene scene = turning_object(scanner);

@@ -160,6 +160,29 @@ TEST_F(SceneRendererTest, ReflectsTheCloudInTheFloorDimmed) {
   EXPECT_EQ(with(160, 120), without(160, 120));
 }
 
+TEST_F(SceneRendererTest, ReflectsACloudAboveTheCamera) {
+  // Y is down: all of the plate, and the floor below it, have negative Y.
+  MadeUpCloud cloud = wall({60, 60}, 600);
+  for (float& x : cloud.x) x *= 0.2F;
+  for (float& y : cloud.y) y = 0.2F * y - 200;
+  std::fill(cloud.intensity.begin(), cloud.intensity.end(), 200.0F);
+  const CloudExtent extent = extent_of(cloud.images());
+  ASSERT_LT(floor_height(extent), 0);
+
+  ViewSettings settings = bare();
+  settings.camera.target = in_display_frame({0, -200, 600});
+  settings.camera.elevation = 0.1F;
+  settings.point_size = 3;
+  settings.reflection = true;
+  const Image<Colour> image = drawn(cloud, settings, extent);
+
+  const glm::vec4 reflected(0, 2 * floor_height(extent) + 200, 600, 1);
+  const auto pixel = pixel_of(clip_matrix(settings.camera, picture) * reflected, picture);
+  ASSERT_TRUE(pixel.has_value());
+  const Colour colour = image(static_cast<int>(pixel->x), static_cast<int>(pixel->y));
+  EXPECT_GT(brightness(colour), brightness(background(settings)) + 60);
+}
+
 TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
   ViewSettings settings = bare();
   settings.shaded = true;

@@ -82,8 +82,10 @@ TEST(CloudScreen, TakesOverWhatOthersChanged) {
   const EngineSetup setup = statue_setup();
   EngineSetup other = setup;
   other.settings.minimum_modulation = 60;
+  other.scanner.photometry.response = MeasuredResponse{PowerLaw{2.2}, 2.2};
   ViewSource source = still_source(statue_frames(setup), setup);
   source.strategies = {{"one", GrayCode{}}, {"given", setup.sequence.strategy}};
+  source.gammas = {{"none", std::nullopt}, {"2.2", other.scanner.photometry.response}};
   std::optional<EngineSetup> changed = other;
   source.changed = [&] { return std::exchange(changed, std::nullopt); };
   try {
@@ -94,6 +96,7 @@ TEST(CloudScreen, TakesOverWhatOthersChanged) {
     clouds.draw({.window = {320, 240}, .framebuffer = {320, 240}});
     EXPECT_EQ(clouds.state().setup, other);
     EXPECT_EQ(clouds.state().strategy, 1U);
+    EXPECT_EQ(clouds.state().gamma, 1U);
     clouds.state().setup.settings.minimum_modulation = 20;  // the user edits it
     clouds.draw({.window = {320, 240}, .framebuffer = {320, 240}});
     EXPECT_EQ(clouds.state().setup.settings.minimum_modulation, 20);

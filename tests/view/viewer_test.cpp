@@ -293,4 +293,40 @@ TEST(Viewer, ShowsMovingCloudsIsResizedAndClosesWhileTheyStream) {
   EXPECT_GT(bright_pixels(*last), 2000);
 }
 
+/// As if the user pressed it in the present window.
+void press(int key) {
+  GLFWwindow* const window = glfwGetCurrentContext();
+  const GLFWkeyfun callback = glfwSetKeyCallback(window, nullptr);
+  glfwSetKeyCallback(window, callback);
+  callback(window, key, 0, GLFW_PRESS, 0);
+}
+
+TEST(Viewer, FreesASourceBeforeItMakesAnother) {
+  const Desktop desktop;
+  MovingPlate plate;
+  int shown = 0, asked = 0;
+  auto camera = std::make_shared<int>(0);
+  const std::weak_ptr<int> held = camera;
+  std::optional<bool> freed;
+
+  ViewSource source = source_of(plate, shown);
+  source.newest = [&plate, camera = std::move(camera)] { return plate.newest(); };
+  source.steps = std::make_shared<ViewSteps>();
+  source.steps->buttons = {{.name = "another", .key = GLFW_KEY_N, .begin = [&] {
+                              freed = held.expired();
+                              return source_of(plate, shown);
+                            }}};
+
+  const auto ends = [&] {
+    if (++asked == 5) press(GLFW_KEY_N);
+    return freed || asked > 5000;
+  };
+  try {
+    run_viewer(std::move(source), {.size = {640, 480}, .ends = ends});
+  } catch (const WorldError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  EXPECT_EQ(freed, true);
+}
+
 }  // namespace slipstream::view::viewer_test

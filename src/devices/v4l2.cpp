@@ -178,7 +178,6 @@ class V4l2Stream {
     request.count = v4l2_buffer_count;
     request.memory = V4L2_MEMORY_MMAP;
     require(VIDIOC_REQBUFS, &request, "buffers");
-    buffers_.reserve(request.count);
 
     // 2. Map each and hand it over to be filled.
     for (std::uint32_t i = 0; i < request.count; ++i) {

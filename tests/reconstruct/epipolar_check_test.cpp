@@ -138,7 +138,7 @@ TEST(BothAxes, KeepThePointsOfAnOrdinaryCalibration) {
 
   std::vector<Scanner> errors(5, scanner);
   errors[0].projector.intrinsic(1, 2) += 0.75;
-  errors[1].projector.intrinsic(1, 2) -= 2;
+  errors[1].projector.intrinsic(1, 2) -= 1.5;
   errors[2].projector.intrinsic(1, 1) *= 1.004;
   errors[3] = turned(scanner, 0.06, 0);
   errors[4] = turned(scanner, 0.15, 2);

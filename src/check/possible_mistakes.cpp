@@ -33,6 +33,7 @@ class Mistakes {
     // Another origin or direction is likely where someone set one, or nothing else contradicts.
     const bool likely_shifts = shifts_said() || !layout.single_frames.empty() || as_given.all();
     if (likely_shifts) add_usual_shifts();
+    add_shifts_with_both_ends();
 
     if (const auto& code = layout.code) add_codes(*code);
     if (!layout.single_frames.empty()) add_signs();
@@ -126,6 +127,10 @@ class Mistakes {
       settings[name] = value;
       changed.push_back({name, value.text()});
     }
+    if (changes.contains("shifts")) {  // they replace the numbers of steps
+      settings.erase("steps");
+      settings.erase("low_steps");
+    }
 
     // The same settings may come up for several reasons: try them once.
     if (std::ranges::count(tried_, changed) > 0) return;
@@ -208,6 +213,19 @@ class Mistakes {
     for (int i = 0; i < parts; ++i) {
       for (const bool backwards : {said, !said}) add_shift(i * two_pi / parts, backwards, false);
     }
+  }
+
+  /// N shifts from 0 to a whole period, both ends counted: the last frame is the first one again.
+  void add_shifts_with_both_ends() {
+    const int steps = static_cast<int>(setting("steps").number());
+    if (steps < 4) return;  // three of them would have two different shifts
+
+    std::vector<double> shifts;
+    for (int n = 0; n < steps; ++n) shifts.push_back(360.0 * n / (steps - 1));
+    add_settings({{"shifts", shifts}},
+                 fmt::format("{} shifts that count both ends of a period, so that the last frame "
+                             "shows the first pattern again",
+                             steps));
   }
 
   void add_signs() {

@@ -172,17 +172,27 @@ class Mistakes {
     if (!changes.empty()) add_settings(changes, std::move(likely), shift_family);
   }
 
+  /// Adds an origin that people set if the measured one is near it: a step of the shifts, or a
+  /// quarter of a period. Others would be as inexact as they were measured.
+  void add_near(double measured, double tolerance, bool backwards) {
+    std::vector<int> parts{4};
+    for (const StepRun& run : step_runs(scan_.model.layout())) parts.push_back(run.steps);
+
+    for (const int count : parts) {
+      const double part = two_pi / count, near = part * std::round(measured / part);
+      if (std::abs(measured - near) < tolerance) add_shift(near, backwards);
+    }
+  }
+
   /// The origin and direction that the frames give.
   void add_measured_shifts() {
     const CodeEvidence& code = as_given_.code;
     const bool against = code.against > 0.5;
     const double measured = (against ? -1 : 1) * origin() + two_pi * code.offset;
 
-    // 1. By the code's edges, which are off by up to 0.12 rad: a usual origin if one is near.
-    constexpr double close = 0.15, usual_step = two_pi / 12;
-    const double near = usual_step * std::round(measured / usual_step);
-
-    add_shift(std::abs(measured - near) < close ? near : measured, is_on("backwards") != against);
+    // 1. By the code's edges, which blur moves.
+    constexpr double by_edges = 0.1;
+    add_near(measured, by_edges, is_on("backwards") != against);
 
     // 2. By the relations of the bands, up to whole periods.
     // An error of the origin moves a relation by the ratio of the bands' periods less 1: the
@@ -199,8 +209,11 @@ class Mistakes {
 
       // The relation is known modulo 1: try each whole number that keeps the origin within a turn.
       const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
-      for (int k = -most; k <= most; ++k)
-        add_shift(origin() + two_pi * (relation.offset + k) / gain, is_on("backwards"));
+      for (int k = -most; k <= most; ++k) {
+        constexpr double by_relations = 0.05;
+        add_near(origin() + two_pi * (relation.offset + k) / gain, by_relations,
+                 is_on("backwards"));
+      }
     }
   }
 

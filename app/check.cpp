@@ -163,7 +163,7 @@ void measure(const MeasureFlags& flags, Output& output) {
   // A cloud file is measured as it is; a scan is reconstructed first.
   output.document["input"] = flags.path;
   const StoredCloud stored = is_cloud_file(flags.path)
-                                 ? read_cloud(flags.path)
+                                 ? loaded_cloud(flags.path, output)
                                  : organised_cloud(flags.path, flags.input, output);
 
   const Measuring in{stored, flags.path, output};

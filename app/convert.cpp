@@ -314,7 +314,7 @@ void convert(const ConvertFlags& flags, Output& output) {
     if (is_mcap(path)) {
       convert_mcap(path, flags.topic, files, output);
     } else if (is_cloud_file(path)) {
-      files.add(read_cloud(path), {path}, std::nullopt);
+      files.add(loaded_cloud(path, output), {path}, std::nullopt);
     } else if (is_recording(path)) {
       convert_recording(path, flags.cloud, files, output);
     } else {

@@ -234,12 +234,24 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
   return job;
 }
 
+StoredCloud loaded_cloud(const std::string& path, Output& output) {
+  constexpr double harmless = 0.001;  // mm
+  StoredCloud stored = read_cloud(path);
+  if (stored.rounding > harmless) {
+    output.warn(
+        fmt::format("{}: its coordinates are rounded to 32 bits, by up to {:.2g} mm; subtract a "
+                    "common offset from them first",
+                    path, stored.rounding));
+  }
+  return stored;
+}
+
 StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
   StoredCloud result;
 
   // A cloud is taken as it is.
   if (is_cloud_file(path)) {
-    result = read_cloud(path);
+    result = loaded_cloud(path, output);
     throw_if(!result.organised,
              "{}: its points are not organised by pixel; measure the scan, or an organised .pcd",
              path);

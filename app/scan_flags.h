@@ -76,6 +76,9 @@ ScanJobSettings job_settings(const CloudFlags& flags, ScanOutput output = ScanOu
 CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSettings& settings,
                         Output& output);
 
+/// read_cloud; warns if rounding to 32 bits moves points by more than a micrometre.
+StoredCloud loaded_cloud(const std::string& path, Output& output);
+
 inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;
 }

@@ -165,7 +165,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 
 view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
                                 const ViewFlags& view, Output& output) {
-  StoredCloud stored = is_scan(path) ? StoredCloud() : read_cloud(path);
+  StoredCloud stored = is_scan(path) ? StoredCloud() : loaded_cloud(path, output);
   view::ViewSource source =
       is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
                     : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));

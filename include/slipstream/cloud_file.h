@@ -59,6 +59,7 @@ struct StoredCloud {
   std::optional<Uncertainty> uncertainty{};  ///< nullopt if the file has no sigma_z
   /// True if the cloud has the camera's pixel grid; otherwise it is one row of points.
   bool organised = false;
+  double rounding = 0;  ///< the most that a 32-bit number differs from the file's, mm
 };
 
 /// Whether read_cloud and read_points support the file's ending.
@@ -68,12 +69,13 @@ bool is_cloud_file(const std::filesystem::path& path);
 /// its ending:
 ///   .ply         ASCII, or binary of either byte order; also the vertices of a mesh
 ///   .pcd         ASCII or binary, fields of any type; organised if its height is above one
-///   .xyz         text, separated by blanks, commas or semicolons: the columns that its first line
+///   .xyz, .asc, .txt, .csv, .pts
+///                text, separated by blanks, commas or semicolons: the columns that its first line
 ///                names, or those of write_cloud by their number, or x y z and a colour in whole
 ///                numbers
 ///   .stl         binary; the corners of its triangles, each once
 ///   .obj, .glb   the vertices
-/// Without intensity, uses the colours' luminance, or 0. Ignores other properties and points that
+/// Without intensity, uses the colours' luminance, or 0; real colours up to 1 count from 0 to 1. Ignores other properties and points that
 /// are not finite. Throws Error with the file's name if it is malformed, truncated or has no
 /// points.
 StoredCloud read_cloud(const std::filesystem::path& path);

@@ -243,9 +243,9 @@ EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {}
 /// Result of comparing a scan with patterns along the other axis. It reveals only errors across the
 /// epipolar line: where the line runs along x, errors of x alone stay hidden.
 ///
-/// The distance of a pixel from its epipolar line has two parts. A `common` part, a linear function
-/// of the place in the picture, is an error of the calibration: it moves all points a little and
-/// contradicts none. The rest is the pixel's own, and is compared with its noise.
+/// The distance of a pixel from its epipolar line has two parts. A `common` part, a quadratic
+/// function of the place in the picture, is an error of the calibration: it moves all points a
+/// little and contradicts none. The rest is the pixel's own, and is compared with its noise.
 struct EpipolarCheck {
   double median = 0;         ///< of the points' distances, projector pixels
   double median_length = 0;  ///< of their absolute values

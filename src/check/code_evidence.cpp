@@ -301,7 +301,8 @@ class CodeJudge {
     if (!clear || edge - std::min(here.stripe, next.stripe) != 1) return;
 
     const double before = phase(samples_.levels(g, Place::middle));
-    edges_.add(before, phase(there), periods_ * edge / code_.stripes, rising);
+    edges_.add(before, phase(there), periods_ * model_.edge_of_stripes(edge, code_.stripes),
+               rising);
   }
 
   [[nodiscard]] CodeEvidence summed_up() const {

@@ -194,6 +194,16 @@ void FrameModel::unwrap(SampleReading& reading, double cue) const {
   reading.coordinate = y;
 }
 
+double FrameModel::edge_of_stripes(unsigned edge, double stripes) const {
+  const double y = edge / stripes;
+  const int length = length_along(sequence_.axis, sequence_.projector);
+  if (length == 0) return y;
+
+  // Pixel x shows y = x / length, so the stripe begins half a pixel before its first pixel.
+  constexpr double rounding = 1e-9;
+  return (std::ceil(y * length - rounding) - 0.5) / length;
+}
+
 double FrameModel::shape(int n, const SampleReading& reading) const {
   return sequence_.strategy.shape(n, std::clamp(reading.coordinate, 0.0, 1.0), reading.across);
 }

@@ -76,6 +76,10 @@ class FrameModel {
 
   [[nodiscard]] const FrameOrder& identity() const { return identity_; }
 
+  /// y where a projector changes from one of `stripes` to the next, number `edge`: between the last
+  /// pixel of one and the first of the other. Exactly there if the projector's size is unknown.
+  [[nodiscard]] double edge_of_stripes(unsigned edge, double stripes) const;
+
   /// `levels`: the intensities of the frames, in stored order. Reuses the memory of `reading`.
   void read(const float* levels, const FrameOrder& order, SampleReading& reading) const;
 

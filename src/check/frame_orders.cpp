@@ -20,21 +20,27 @@ void add_several_runs(const FrameOrder& right, const std::vector<StepRun>& runs,
                       const AddOrder& add) {
   if (runs.size() > 1) add({right.rbegin(), right.rend()}, "all frames are in reversed order");
 
-  if (runs.size() != 2 || runs[0].steps != runs[1].steps) return;
+  const int bands = static_cast<int>(runs.size()), steps = runs.front().steps;
+  const bool alike =
+      std::ranges::all_of(runs, [&](const StepRun& run) { return run.steps == steps; });
+  if (bands < 2 || !alike) return;
 
-  // The frames of both runs, one run after the other.
+  // The frames of all runs, one run after the other.
   std::vector<int> places;
   for (const StepRun& run : runs) {
-    for (int n = 0; n < run.steps; ++n) places.push_back(run.first + n);
+    for (int n = 0; n < steps; ++n) places.push_back(run.first + n);
   }
 
-  // Frames of both runs in turns, either one first.
-  const int steps = runs[0].steps;
-  for (const int first : {0, 1}) {
+  // A loop over the steps around one over the bands, the first band or the last one first.
+  for (const bool backwards : {false, true}) {
     FrameOrder in_turns = right;
-    for (int n = 0; n < 2 * steps; ++n)
-      in_turns[places[n]] = places[2 * (n % steps) + (first + n / steps) % 2];
-    add(in_turns, "the frames of the two bands are interleaved");
+    for (int band = 0; band < bands; ++band) {
+      const int turn = backwards ? bands - 1 - band : band;
+      for (int n = 0; n < steps; ++n) in_turns[places[band * steps + n]] = places[n * bands + turn];
+    }
+    add(in_turns, fmt::format("the frames of the {}bands are interleaved: each step of all bands "
+                              "in turn",
+                              bands == 2 ? "two " : ""));
   }
 }
 

@@ -33,6 +33,7 @@ class Mistakes {
     // Another origin or direction is likely where someone set one, or nothing else contradicts.
     const bool likely_shifts = shifts_said() || !layout.single_frames.empty() || as_given.all();
     if (likely_shifts) add_usual_shifts();
+    add_shifts_with_both_ends();
 
     if (const auto& code = layout.code) add_codes(*code);
     if (!layout.single_frames.empty()) add_signs();
@@ -126,6 +127,10 @@ class Mistakes {
       settings[name] = value;
       changed.push_back({name, value.text()});
     }
+    if (changes.contains("shifts")) {  // they replace the numbers of steps
+      settings.erase("steps");
+      settings.erase("low_steps");
+    }
 
     // The same settings may come up for several reasons: try them once.
     if (std::ranges::count(tried_, changed) > 0) return;
@@ -167,17 +172,27 @@ class Mistakes {
     if (!changes.empty()) add_settings(changes, std::move(likely), shift_family);
   }
 
+  /// Adds an origin that people set if the measured one is near it: a step of the shifts, or a
+  /// quarter of a period. Others would be as inexact as they were measured.
+  void add_near(double measured, double tolerance, bool backwards) {
+    std::vector<int> parts{4};
+    for (const StepRun& run : step_runs(scan_.model.layout())) parts.push_back(run.steps);
+
+    for (const int count : parts) {
+      const double part = two_pi / count, near = part * std::round(measured / part);
+      if (std::abs(measured - near) < tolerance) add_shift(near, backwards);
+    }
+  }
+
   /// The origin and direction that the frames give.
   void add_measured_shifts() {
     const CodeEvidence& code = as_given_.code;
     const bool against = code.against > 0.5;
     const double measured = (against ? -1 : 1) * origin() + two_pi * code.offset;
 
-    // 1. By the code's edges, which are off by up to 0.12 rad: a usual origin if one is near.
-    constexpr double close = 0.15, usual_step = two_pi / 12;
-    const double near = usual_step * std::round(measured / usual_step);
-
-    add_shift(std::abs(measured - near) < close ? near : measured, is_on("backwards") != against);
+    // 1. By the code's edges, which blur moves.
+    constexpr double by_edges = 0.1;
+    add_near(measured, by_edges, is_on("backwards") != against);
 
     // 2. By the relations of the bands, up to whole periods.
     // An error of the origin moves a relation by the ratio of the bands' periods less 1: the
@@ -194,8 +209,11 @@ class Mistakes {
 
       // The relation is known modulo 1: try each whole number that keeps the origin within a turn.
       const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
-      for (int k = -most; k <= most; ++k)
-        add_shift(origin() + two_pi * (relation.offset + k) / gain, is_on("backwards"));
+      for (int k = -most; k <= most; ++k) {
+        constexpr double by_relations = 0.05;
+        add_near(origin() + two_pi * (relation.offset + k) / gain, by_relations,
+                 is_on("backwards"));
+      }
     }
   }
 
@@ -208,6 +226,19 @@ class Mistakes {
     for (int i = 0; i < parts; ++i) {
       for (const bool backwards : {said, !said}) add_shift(i * two_pi / parts, backwards, false);
     }
+  }
+
+  /// N shifts from 0 to a whole period, both ends counted: the last frame is the first one again.
+  void add_shifts_with_both_ends() {
+    const int steps = static_cast<int>(setting("steps").number());
+    if (steps < 4) return;  // three of them would have two different shifts
+
+    std::vector<double> shifts;
+    for (int n = 0; n < steps; ++n) shifts.push_back(360.0 * n / (steps - 1));
+    add_settings({{"shifts", shifts}},
+                 fmt::format("{} shifts that count both ends of a period, so that the last frame "
+                             "shows the first pattern again",
+                             steps));
   }
 
   void add_signs() {

@@ -14,19 +14,30 @@ namespace {
 
 constexpr std::string_view both = "both";
 
-/// Converts lengths in projector pixels to periods and stripes across the field, `length` pixels:
-/// at least one, as a coarse period longer than the field is shown as one.
-void add_settings_in_pixels(const StrategySettings& lengths, int length,
+/// Periods of this length across the field, both in projector pixels.
+double periods_across(double length, double field, bool coarse) {
+  constexpr double most_missing = 1.5;  // pixels
+
+  // A period longer than the field is shown as one. So is the coarsest of several if its last
+  // pixels are missing: np.linspace(0, 2 pi, width) counts both ends, so that the period is a pixel
+  // shorter than the field. It only counts the periods of the others, which tolerate that.
+  if (length > field || (coarse && length >= field - most_missing)) return 1;
+  return field / length;
+}
+
+/// Converts lengths in projector pixels to periods and stripes across the field, `field` pixels.
+void add_settings_in_pixels(const StrategySettings& lengths, int field,
                             StrategySettings& settings) {
   for (const auto& [name, value] : lengths) {
-    throw_if(length == 0,
+    throw_if(field == 0,
              "lengths in projector pixels require the projector size, e.g. `projector 1920x1080`");
 
     std::vector<double> numbers;
     value.read(numbers);
+    const bool several = numbers.size() > 1;
     for (double& number : numbers) {
       throw_if(!(number > 0), "a length of {} projector pixels is out of range; above 0", number);
-      number = std::max(1.0, length / number);
+      number = periods_across(number, field, several);
     }
 
     settings[name] = numbers;

@@ -297,9 +297,10 @@ using Parse = StoredPoints (*)(std::span<const std::uint8_t>);
 
 /// Null if unsupported.
 Parse parse_for(const fs::path& path) {
-  static const std::map<std::string, Parse> formats{{".ply", ply_points}, {".pcd", pcd_points},
-                                                    {".xyz", xyz_points}, {".stl", stl_points},
-                                                    {".obj", obj_points}, {".glb", glb_points}};
+  static const std::map<std::string, Parse> formats{
+      {".ply", ply_points}, {".pcd", pcd_points}, {".xyz", xyz_points}, {".asc", xyz_points},
+      {".txt", xyz_points}, {".csv", xyz_points}, {".pts", xyz_points}, {".stl", stl_points},
+      {".obj", obj_points}, {".glb", glb_points}};
 
   const auto found = formats.find(lower_case_extension(path));
   return found == formats.end() ? nullptr : found->second;
@@ -339,7 +340,11 @@ StoredCloud cloud_of(StoredPoints stored) {
     if (!is_finite(point)) continue;
 
     cloud.validity.begin()[i] = Validity::valid;
-    for (const auto& [image, field] : columns) image->begin()[i] = static_cast<float>(point.*field);
+    for (const auto& [image, field] : columns) {
+      const auto value = static_cast<float>(point.*field);
+      image->begin()[i] = value;
+      result.rounding = std::max(result.rounding, std::abs(value - point.*field));
+    }
   }
 
   return result;
@@ -369,8 +374,8 @@ bool is_cloud_file(const fs::path& path) {
 StoredPoints read_points(const fs::path& path) {
   const Parse parse = parse_for(path);
   throw_if(parse == nullptr,
-           "{}: cannot read clouds or meshes with the ending '{}'; use .ply, .pcd, .xyz, .stl, "
-           ".obj or .glb",
+           "{}: cannot read clouds or meshes with the ending '{}'; use .ply, .pcd, .xyz, "
+           ".asc, .txt, .csv, .pts, .stl, .obj or .glb",
            path.string(), lower_case_extension(path));
 
   const std::vector<std::uint8_t> bytes = read_file(path);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <string>
 #include <vector>
 
 namespace slipstream {
@@ -67,7 +69,7 @@ Target target_of(const PointProperty& property) {
       {"sigma_z", {&StoredPoint::sigma_z}}};
 
   // A list or several numbers have no target.
-  const auto found = targets.find(property.name);
+  const auto found = targets.find(usual_name(property.name));
   const bool one = !property.count_type && property.count == 1;
   return found == targets.end() || !one ? Target{} : found->second;
 }
@@ -92,6 +94,30 @@ std::vector<Target> targets_of(const PointElement& element) {
   return targets;
 }
 
+/// Whether the colours are real numbers, which some programs write from 0 to 1.
+bool has_real_colours(const PointElement& element, const std::vector<Target>& targets) {
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const NumberType type = element.properties[k].type;
+    const bool real = type == NumberType::float32 || type == NumberType::float64;
+    const bool colour = targets[k].field == &StoredPoint::intensity && targets[k].share < 1;
+    if (colour && (!real || targets[k].packed)) return false;
+  }
+  return std::ranges::any_of(targets, [](const Target& target) {
+    return target.field == &StoredPoint::intensity && target.share < 1;
+  });
+}
+
+/// Brings colours from 0 to 1 to grey levels of 255.
+void scale_colours(std::vector<StoredPoint>& points) {
+  constexpr double full_scale = 255, rounding = 1e-6;
+  const auto is_share = [](const StoredPoint& point) {
+    return point.intensity >= 0 && point.intensity <= 1 + rounding;
+  };
+  if (!std::ranges::all_of(points, is_share)) return;
+
+  for (StoredPoint& point : points) point.intensity *= full_scale;
+}
+
 /// -1 if not an index.
 int index_from(double number) {
   const bool index = number >= 0 && number <= std::numeric_limits<int>::max();
@@ -99,6 +125,15 @@ int index_from(double number) {
 }
 
 }  // namespace
+
+std::string usual_name(std::string name) {
+  static const std::map<std::string, std::string> initials{
+      {"r", "red"}, {"g", "green"}, {"b", "blue"}, {"i", "intensity"}};
+
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto initial = initials.find(name);
+  return initial == initials.end() ? name : initial->second;
+}
 
 double luminance(double red, double green, double blue) {
   return weights[0] * red + weights[1] * green + weights[2] * blue;
@@ -153,6 +188,7 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
     if (vertices) stored.points.push_back(point);
   }
 
+  if (vertices && has_real_colours(element, targets)) scale_colours(stored.points);
   stored.has_sigma |= vertices && !lacks(&StoredPoint::sigma_z);
 }
 

@@ -21,6 +21,9 @@ namespace slipstream {
 /// Luminance of red, green and blue by ITU-R BT.601, in their unit.
 double luminance(double red, double green, double blue);
 
+/// A property by the name that slipstream gives it: "R" and "red" are red.
+std::string usual_name(std::string name);
+
 /// Those of PLY in its order, then those that only PCD has.
 enum class NumberType {
   int8,

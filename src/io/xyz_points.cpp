@@ -20,15 +20,9 @@ namespace {
 
 /// The columns that a line of names declares, as PLY calls them; empty unless x, y and z are there.
 std::vector<std::string> names_in(std::string_view line) {
-  static const std::map<std::string, std::string> initials{
-      {"r", "red"}, {"g", "green"}, {"b", "blue"}, {"i", "intensity"}};
-
   std::vector<std::string> names;
   for (const std::string_view word : words_of(line, " \t,;/#\"")) {
-    std::string name(word);
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    const auto initial = initials.find(name);
-    names.push_back(initial == initials.end() ? name : initial->second);
+    names.push_back(usual_name(std::string(word)));
   }
 
   const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };

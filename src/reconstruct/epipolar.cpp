@@ -36,22 +36,25 @@ BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
                 least_neighbour_modulation(setup.settings, other.frames.full_scale()));
 }
 
-/// A linear function of the place in the picture: the part of the distances that errors of the
-/// calibration explain, as of a principal point or of a small turn.
+/// A quadratic function of the place in the picture: the part of the distances that errors of the
+/// calibration explain, as of a principal point, a small turn or a lens.
 struct CommonDistance {
-  Eigen::Vector3d factors = Eigen::Vector3d::Zero();
+  using Terms = Eigen::Vector<double, 6>;
+
+  Terms factors = Terms::Zero();
   Size size;
 
-  /// (1, u, v) with u and v from -1 to 1 across the picture.
-  [[nodiscard]] Eigen::Vector3d terms(int column, int row) const {
-    return {1, 2.0 * column / size.width - 1, 2.0 * row / size.height - 1};
+  /// (1, u, v, uu, uv, vv) with u and v from -1 to 1 across the picture.
+  [[nodiscard]] Terms terms(int column, int row) const {
+    const double u = 2.0 * column / size.width - 1, v = 2.0 * row / size.height - 1;
+    return {1, u, v, u * u, u * v, v * v};
   }
   [[nodiscard]] double at(int column, int row) const { return factors.dot(terms(column, row)); }
 };
 
 /// A point that is compared.
 struct ComparedPoint {
-  Eigen::Vector3d terms;
+  CommonDistance::Terms terms;
   double distance = 0, sigma = 0;
 };
 
@@ -94,15 +97,15 @@ CommonDistance common_distance(const std::vector<ComparedPoint>& points, Size si
     });
     const double largest = 3 * 1.4826 * median(distances);
 
-    Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, 6, 6> normal = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
+    CommonDistance::Terms right = CommonDistance::Terms::Zero();
     for (const auto& [terms, distance, sigma] : points) {
       if (std::abs(distance - common.factors.dot(terms)) > largest) continue;
       normal += terms * terms.transpose();
       right += distance * terms;
     }
 
-    // 3. The linear function that fits them.
+    // 3. The function that fits them best.
     common.factors = normal.ldlt().solve(right);
   }
   return common;

@@ -208,6 +208,22 @@ TEST(Lengths, InProjectorPixelsHoldAlongBothAxes) {
   EXPECT_TRUE(changed(both, {.settings = {{"periods", "1,16"}}}).lengths.empty());
 }
 
+TEST(Lengths, OfTheCoarsestMayLackTheLastPixel) {
+  const auto bands = [](std::vector<double> lengths) {
+    return default_sequence({1280, 800}, {.strategy = "multi-frequency",
+                                          .settings = {{"steps", "4"}},
+                                          .period_pixels = std::move(lengths)})
+        .strategy.layout()
+        .bands;
+  };
+  // Both ends of the field count: np.linspace(0, 2 * np.pi * f, 1280).
+  const std::vector<Band> found = bands({1279, 1279.0 / 8, 1279.0 / 64});
+  EXPECT_EQ(found[0].periods, 1);
+  EXPECT_NEAR(found[1].periods, 8 * 1280 / 1279.0, 1e-12);
+  EXPECT_NEAR(found[2].periods, 64 * 1280 / 1279.0, 1e-12);
+  EXPECT_THROW(bands({1270, 160, 20}), Error);
+}
+
 TEST(Lengths, RefuseAnotherNumberOfFramesAlongTheOtherAxis) {
   const Sequence sequence = default_sequence(
       {1280, 600}, {.strategy = "gray-phase", .period_pixels = std::vector{20.0}, .axes = "x"});

@@ -1,6 +1,7 @@
 // Clouds as other programs store them.
 #include <bit>
 #include <filesystem>
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -26,10 +27,14 @@ void expect_two_points(const Cloud& cloud, float first = 58.7F, float second = 1
   expect_point(1, 4, 5.5F, 6, second);
 }
 
-Cloud cloud_of(const std::string& name, const std::string& text) {
+StoredCloud stored_as(const std::string& name, const std::string& text) {
   const TemporaryFolder folder;
   write_file(folder.path() / name, text);
-  return read_cloud(folder.path() / name).cloud;
+  return read_cloud(folder.path() / name);
+}
+
+Cloud cloud_of(const std::string& name, const std::string& text) {
+  return stored_as(name, text).cloud;
 }
 
 std::string pcd(const std::string& fields, const std::string& data) {
@@ -97,6 +102,49 @@ TEST(Xyz, HasNamesCommasAndColours) {
   }
   expect_two_points(cloud_of("cloud.xyz", "1 2 3 0 0 1\n4 5.5 6 1 0 0\n"), 0, 0);  // normals
   expect_two_points(cloud_of("cloud.xyz", "x y z a\n1 2 3 5\n4 5.5 6 5\n"), 0, 0);
+}
+
+TEST(Xyz, HasOtherEndingsToo) {
+  for (const char* const name : {"cloud.asc", "cloud.txt", "cloud.csv", "cloud.pts"}) {
+    SCOPED_TRACE(name);
+    expect_two_points(cloud_of(name, "1 2 3 0 100 0\n4 5.5 6 200 130 45\n"));
+  }
+}
+
+/// An ASCII PLY of two points: x, y, z of a type, and further properties.
+std::string two_points_ply(const std::string& type, const std::string& properties,
+                           const std::string& points) {
+  return "ply\nformat ascii 1.0\nelement vertex 2\nproperty " + type + " x\nproperty " + type +
+         " y\nproperty " + type + " z\n" + properties + "end_header\n" + points;
+}
+
+TEST(Ply, NamesItsColoursInManyWays) {
+  const auto of = [](const std::string& type, const std::string& names) {
+    std::string text;
+    std::istringstream words(names);
+    for (std::string name; words >> name;) text += "property " + type + " " + name + "\n";
+    return text;
+  };
+  for (const char* const names : {"r g b", "R G B", "Red Green Blue"}) {
+    SCOPED_TRACE(names);
+    expect_two_points(cloud_of("cloud.ply", two_points_ply("float", of("uchar", names),
+                                                           "1 2 3 0 100 0\n4 5.5 6 200 130 45\n")));
+    expect_two_points(
+        cloud_of("cloud.ply", two_points_ply("float", of("float", names),
+                                             "1 2 3 0 0.392156863 0\n"
+                                             "4 5.5 6 0.784313725 0.509803922 0.176470588\n")));
+  }
+  expect_two_points(cloud_of("cloud.ply", two_points_ply("float", of("float", "scalar_Intensity"),
+                                                         "1 2 3 58.7\n4 5.5 6 141.24\n")));
+}
+
+TEST(Ply, TellsHowMuchDoublesAreRounded) {
+  const auto rounding = [](const std::string& points) {
+    return stored_as("cloud.ply", two_points_ply("double", "", points)).rounding;
+  };
+  EXPECT_EQ(rounding("1 2 3\n4 5.5 6\n"), 0);
+  EXPECT_LT(rounding("731.123456789 2 3\n4 5.5 6\n"), 0.001);
+  EXPECT_NEAR(rounding("500000.015 5300000.0225 3\n4 5.5 6\n"), 0.0225, 1e-6);
 }
 
 TEST(Xyz, OfUnequalLinesIsRefused) {

@@ -106,7 +106,7 @@ class FrameSet {
   }
 
   friend FrameSet reordered(FrameSet frames, const std::vector<int>& order);
-  friend std::vector<FrameSet> parts_of(FrameSet frames, int count);
+  friend std::vector<FrameSet> parts_of(FrameSet frames, const std::vector<int>& counts);
   friend FrameSet joined(std::vector<FrameSet> sets);
 
  private:
@@ -122,8 +122,8 @@ bool is_order_of(const std::vector<int>& order, int count);
 /// `order` is a permutation.
 FrameSet reordered(FrameSet frames, const std::vector<int>& order);
 
-/// Splits the frames into `count` equal consecutive parts. Copies only the gain.
-std::vector<FrameSet> parts_of(FrameSet frames, int count);
+/// Splits the frames into consecutive parts of these numbers of frames. Copies only the gain.
+std::vector<FrameSet> parts_of(FrameSet frames, const std::vector<int>& counts);
 
 /// Concatenates frame sets. Throws Error if their formats differ.
 FrameSet joined(std::vector<FrameSet> sets);

@@ -14,7 +14,7 @@ namespace slipstream {
 struct GrayCode {
   static constexpr std::string_view name = "gray";
 
-  int bits = 10;
+  std::optional<int> bits{};  ///< default: enough for `stripes` if those are given, else 10
   /// How to separate bright from dark: "white-black", two frames after the bits; "inverse", the
   /// negative after each bit; "mean" of all frames; "none", half way between the darkest and the
   /// brightest bit.
@@ -24,7 +24,8 @@ struct GrayCode {
   bool least_first = false;         ///< narrowest stripes first
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit("bits", "bits of the code, one frame each", self.bits);
+    visit("bits", "bits of the code, one frame each; default: enough for the stripes, or 10",
+          self.bits);
     visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
     visit("stripes", "number of stripes across the field; default and most: 2^bits", self.stripes);
     visit("plain", "plain binary code instead of a Gray code", self.plain);
@@ -32,6 +33,7 @@ struct GrayCode {
   }
 
   void require_valid() const;
+  [[nodiscard]] int shown_bits() const;
   [[nodiscard]] Layout layout() const;
 };
 

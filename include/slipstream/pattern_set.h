@@ -83,11 +83,13 @@ struct PatternSet {
   /// 1-bit DMDs.
   bool binary = false;
 
-  int turn = 0;          ///< The axis changes after this many patterns; 0: never.
+  int turn = 0;          ///< patterns before the axis changes; 0: it never does
+  int along_other = 0;   ///< patterns until the first axis is back; 0: as many
   bool carrier = false;  ///< whether the shape also varies across the axis
 
   [[nodiscard]] Axis axis_of(int n) const {
-    return turn > 0 && n / turn % 2 == 1 ? across(axis) : axis;
+    const int both = turn + (along_other > 0 ? along_other : turn);
+    return turn > 0 && n % both >= turn ? across(axis) : axis;
   }
 
   [[nodiscard]] double exposure(int n) const {

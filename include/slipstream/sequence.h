@@ -33,8 +33,12 @@ struct Sequence {
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };
 
-/// The patterns along that axis alone. Throws Error if lengths make another frame count there.
+/// The patterns along that axis alone.
 Sequence along(Sequence sequence, Axis axis);
+
+/// Frames of one exposure along each axis of the sequence: lengths in projector pixels may make a
+/// longer code along one of them.
+std::vector<int> frames_along_axes(const Sequence& sequence);
 
 /// "x", "y", or "both" (along x, then along y).
 std::string_view axes_of(const Sequence& sequence);
@@ -42,7 +46,7 @@ std::string_view axes_of(const Sequence& sequence);
 /// Sets the axes from such a word. Throws Error for any other.
 void set_axes(Sequence& sequence, std::string_view axes);
 
-/// Frames of one scan: strategy frames for each axis and exposure, plus motion frames.
+/// Frames of one scan: those along each axis, for each exposure, plus motion frames.
 int frame_count(const Sequence& sequence);
 
 /// The patterns of a scan, for each exposure, with the optional marker last.

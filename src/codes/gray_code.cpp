@@ -85,14 +85,19 @@ int complementary_bits(std::optional<bool> complementary) {
 
 }  // namespace
 
+int GrayCode::shown_bits() const {
+  constexpr int usual = 10;
+  return bits.value_or(stripes ? bits_for(*stripes) : usual);
+}
+
 void GrayCode::require_valid() const {
-  require_known(name, bits, reference);
+  require_known(name, shown_bits(), reference);
   slipstream::require_valid(*layout().code, layout().frames, name);
 }
 
 Layout GrayCode::layout() const {
-  const int frames = frame_count(bits, reference);
-  Code code = code_in_frames(frames, 0, bits, reference);
+  const int shown = shown_bits(), frames = frame_count(shown, reference);
+  Code code = code_in_frames(frames, 0, shown, reference);
   code.stripes = stripes.value_or(code.stripes);
   code.gray = !plain;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,13 +60,7 @@ Sequence along(Sequence sequence, Axis axis) {
   if (axis != sequence.axis && !sequence.lengths.empty()) {
     StrategySettings settings = sequence.strategy.settings();
     add_settings_in_pixels(sequence.lengths, length_along(axis, sequence.projector), settings);
-    Strategy other = with_settings(sequence.strategy, sequence.strategy.name(), settings);
-
-    throw_if(frame_count(other) != frame_count(sequence.strategy),
-             "{}: lengths in projector pixels make {} frames along {}, not {}; set `bits`",
-             other.name(), frame_count(other), name_of(axis), frame_count(sequence.strategy));
-
-    sequence.strategy = std::move(other);
+    sequence.strategy = with_settings(sequence.strategy, sequence.strategy.name(), settings);
   }
 
   sequence.axis = axis;
@@ -84,10 +79,18 @@ void set_axes(Sequence& sequence, std::string_view axes) {
   sequence.axis = sequence.both_axes ? Axis::x : axis_named(axes);
 }
 
+std::vector<int> frames_along_axes(const Sequence& sequence) {
+  std::vector<int> counts{frame_count(sequence.strategy)};
+  if (sequence.both_axes) {
+    counts.push_back(frame_count(along(sequence, across(sequence.axis)).strategy));
+  }
+  return counts;
+}
+
 int frame_count(const Sequence& sequence) {
-  return static_cast<int>(sequence.exposures.size()) * (sequence.both_axes ? 2 : 1) *
-             frame_count(sequence.strategy) +
-         sequence.motion;
+  const std::vector<int> counts = frames_along_axes(sequence);
+  const int each = std::accumulate(counts.begin(), counts.end(), 0);
+  return static_cast<int>(sequence.exposures.size()) * each + sequence.motion;
 }
 
 Sequence cycle_of(Sequence sequence) {
@@ -98,16 +101,22 @@ Sequence cycle_of(Sequence sequence) {
 PatternSet pattern_set(const Sequence& sequence) {
   PatternSet patterns = pattern_set(sequence.strategy, sequence.axis, sequence.light);
 
-  // Along both axes: the same number of patterns follows along the other one.
+  // Along both axes: those along the other one follow.
   PatternShape turned = patterns.shape;
+  int both = patterns.count;
   if (sequence.both_axes) {
+    const PatternSet other =
+        pattern_set(along(sequence, across(sequence.axis)).strategy, Axis::y, {});
+    turned = other.shape;
+    both += other.count;
     patterns.turn = patterns.count;
-    turned = pattern_set(along(sequence, across(sequence.axis)).strategy, Axis::y, {}).shape;
+    patterns.along_other = other.count;
   }
 
-  patterns.shape = [shape = patterns.shape, turned, N = patterns.count](int n, double y,
-                                                                        double across) {
-    return (n / N % 2 == 0 ? shape : turned)(n % N, y, across);
+  patterns.shape = [shape = patterns.shape, turned, first = patterns.count, both](int n, double y,
+                                                                                  double across) {
+    const int pattern = n % both;
+    return pattern < first ? shape(pattern, y, across) : turned(pattern - first, y, across);
   };
 
   // All patterns with the first exposure, then all with the next.

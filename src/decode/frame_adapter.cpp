@@ -81,7 +81,7 @@ const FrameViews& FrameAdapter::operator()(const FrameViews& taken) {
 std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken) {
   if (sequence.exposures.size() > 1) taken = merged_exposures(taken, sequence.exposures);
 
-  std::vector<FrameSet> scans = parts_of(std::move(taken), sequence.both_axes ? 2 : 1);
+  std::vector<FrameSet> scans = parts_of(std::move(taken), frames_along_axes(sequence));
   // With patterns along both axes the second scan has the other one.
   Axis axis = sequence.axis;
   for (FrameSet& frames : scans) {

@@ -253,19 +253,18 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
   return frames;
 }
 
-std::vector<FrameSet> parts_of(FrameSet frames, int count) {
-  std::vector<FrameSet> parts(count);
+std::vector<FrameSet> parts_of(FrameSet frames, const std::vector<int>& counts) {
+  std::vector<FrameSet> parts(counts.size());
 
   std::visit(
       [&]<class Images>(Images& images) {
         auto next = std::move_iterator(images.begin());
-        const auto each = std::ssize(images) / count;
-
-        for (FrameSet& part : parts) {
-          part.images_ = Images(next, next + each);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+          FrameSet& part = parts[i];
+          part.images_ = Images(next, next + counts[i]);
           part.bits_ = frames.bits_;
           part.gain_ = frames.gain_;
-          next += each;
+          next += counts[i];
         }
       },
       frames.images_);

@@ -184,21 +184,25 @@ BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis 
 
   ScanFiles first = both;
   first.sequence = along(both.sequence, first_axis);
-  const int each = frame_count(first.sequence);
+  ScanFiles second = both;
+  second.sequence = along(both.sequence, across(first_axis));
+  const int in_first = frame_count(first.sequence);
+  const int count = in_first + frame_count(second.sequence);
 
   // An order of both scans, or the same one for each.
-  std::vector<int>& of_each = std::ssize(both.order) == 2 * each ? first.order : both.order;
-  of_each.clear();
+  if (std::ssize(both.order) == count) {
+    first.order.clear();
+    second.order.clear();
+  } else {
+    both.order.clear();
+  }
 
   const std::vector<fs::path> pictures =
-      pattern_pictures(both, 2 * each, "a scan along x and one along y");
+      pattern_pictures(both, count, "a scan along x and one along y");
 
-  ScanFiles second = first;
-  second.sequence = along(both.sequence, across(first_axis));
-
-  // The first half of the pictures is the scan along the first axis.
-  first.frames.assign(pictures.begin(), pictures.begin() + each);
-  second.frames.assign(pictures.begin() + each, pictures.end());
+  // The pictures of the scan along the first axis come first.
+  first.frames.assign(pictures.begin(), pictures.begin() + in_first);
+  second.frames.assign(pictures.begin() + in_first, pictures.end());
 
   if (first_axis == Axis::y) std::swap(first, second);
   return scans_of(folder, std::move(first), std::move(second));

@@ -212,11 +212,12 @@ YAML::Node parsed(const std::string& text) try {
   throw Error(fmt::format("line {}: not YAML: {}", exception.mark.line + 1, exception.msg));
 }
 
-/// The order if the code or the sinusoids come first in each cycle.
-std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
-  const int patterns = frame_count(sequence.strategy);
-  const std::vector<int> sinusoids = measuring_frames(sequence.strategy.layout());
-  std::vector<int> shown(sinusoids), order(static_cast<std::size_t>(frame_count(sequence)));
+/// Appends the order of one cycle of a strategy whose code, or whose sinusoids, come first.
+void add_order_by_kind(bool code_first, const Strategy& strategy, std::vector<int>& order) {
+  const int patterns = frame_count(strategy), begin = static_cast<int>(order.size());
+  const std::vector<int> sinusoids = measuring_frames(strategy.layout());
+  std::vector<int> shown(sinusoids);
+  order.resize(order.size() + static_cast<std::size_t>(patterns));
 
   // `shown` lists the patterns in the order of capture: the sinusoids, then the code.
   for (int n = 0; n < patterns; ++n) {
@@ -225,19 +226,28 @@ std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
 
   throw_if(sinusoids.empty() || shown.size() == sinusoids.size(),
            "`order` in words requires a strategy of sinusoids and a code; {} has only one of them",
-           sequence.strategy.name());
+           strategy.name());
 
   if (code_first) {
     std::rotate(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(sinusoids.size()),
                 shown.end());
   }
 
-  // Inverts that order in each cycle: pattern `pattern` of this cycle is frame n.
-  for (int n = 0; n < frame_count(sequence); ++n) {
-    const int pattern = shown[static_cast<std::size_t>(n % patterns)];
-    order[static_cast<std::size_t>(n - n % patterns + pattern)] = n;
+  // Inverts that order: this pattern is frame n.
+  for (int n = 0; n < patterns; ++n) {
+    const int pattern = shown[static_cast<std::size_t>(n)];
+    order[static_cast<std::size_t>(begin + pattern)] = begin + n;
   }
+}
 
+/// The order if the code or the sinusoids come first in each cycle.
+std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
+  std::vector<int> order;
+  for (std::size_t i = 0; i < sequence.exposures.size(); ++i) {
+    add_order_by_kind(code_first, sequence.strategy, order);
+    if (!sequence.both_axes) continue;
+    add_order_by_kind(code_first, along(sequence, across(sequence.axis)).strategy, order);
+  }
   return order;
 }
 

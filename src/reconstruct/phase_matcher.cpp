@@ -146,10 +146,10 @@ void PhaseMatcher::run(const FrameViews& first, const FrameViews& second, Result
                        int first_pattern) {
   if (!tables_->given.both_axes) {
     read(first, second, first_pattern);
-  } else {  // first the frames along x, then as many along y
-    const int count = frame_count(tables_->first.sequence);
-    read(first.part(0, count), second.part(0, count), 0);
-    read_across(first.part(count, count), second.part(count, count));
+  } else {  // first the frames along x, then those along y
+    const int along_x = frame_count(tables_->first.sequence), along_y = first.count() - along_x;
+    read(first.part(0, along_x), second.part(0, along_x), 0);
+    read_across(first.part(along_x, along_y), second.part(along_x, along_y));
   }
 
   match(result);

@@ -224,15 +224,40 @@ TEST(Lengths, OfTheCoarsestMayLackTheLastPixel) {
   EXPECT_THROW(bands({1270, 160, 20}), Error);
 }
 
-TEST(Lengths, RefuseAnotherNumberOfFramesAlongTheOtherAxis) {
-  const Sequence sequence = default_sequence(
-      {1280, 600}, {.strategy = "gray-phase", .period_pixels = std::vector{20.0}, .axes = "x"});
-  EXPECT_NO_THROW(pattern_set(sequence));
-  try {
-    (void)along(sequence, Axis::y);
-    ADD_FAILURE() << "no error";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("`bits`"), std::string::npos) << error.what();
+/// OpenCV's codes have as many bits as each axis needs; so has a code of periods.
+TEST(Lengths, MakeACodeAsLongAsItsAxisNeeds) {
+  struct Code {
+    Size projector;
+    SequenceChanges changes;
+    int along_x, along_y;
+  };
+  const SequenceChanges stripes{.strategy = "gray",
+                                .settings = {{"reference", "inverse"}},
+                                .stripe_pixels = 1,
+                                .axes = "both"};
+  SequenceChanges fixed = stripes;
+  fixed.settings["bits"] = "11";
+  const SequenceChanges periods{.strategy = "gray-phase",
+                                .settings = {{"steps", "18"}, {"reference", "inverse"}},
+                                .period_pixels = std::vector{18.0},
+                                .axes = "both"};
+
+  for (const auto& [projector, changes, along_x, along_y] :
+       {Code{{1280, 800}, stripes, 22, 20}, Code{{1280, 720}, stripes, 22, 20},
+        Code{{854, 480}, stripes, 20, 18}, Code{{640, 480}, stripes, 20, 18},
+        Code{{912, 1140}, stripes, 20, 22}, Code{{1280, 800}, fixed, 22, 22},
+        Code{{1280, 800}, periods, 34, 32}}) {
+    const Sequence sequence = default_sequence(projector, changes);
+    EXPECT_EQ(frames_along_axes(sequence), (std::vector{along_x, along_y}));
+    EXPECT_EQ(frame_count(sequence), along_x + along_y);
+
+    const PatternSet patterns = pattern_set(sequence);
+    ASSERT_EQ(patterns.count, along_x + along_y);
+    const PatternSet y = pattern_set(along(sequence, Axis::y));
+    for (int n = 0; n < patterns.count; ++n) {
+      EXPECT_EQ(patterns.axis_of(n), n < along_x ? Axis::x : Axis::y);
+      if (n >= along_x) EXPECT_EQ(patterns.intensity(n, 0.37), y.intensity(n - along_x, 0.37));
+    }
   }
 }
 

@@ -43,7 +43,7 @@ FrameSet white_and_black() {
   std::iota(order.begin(), order.end(), 0);
   std::swap(order[0], order[static_cast<std::size_t>(white->second)]);
   std::iter_swap(order.begin() + 1, std::find(order.begin(), order.end(), black->second));
-  return parts_of(reordered(code, order), code.count() / 2).front();
+  return parts_of(reordered(code, order), {2}).front();
 }
 
 class ScanPictures : public testing::Test {
@@ -89,7 +89,7 @@ TEST_F(ScanPictures, WhiteAndBlackAfterThePatternsAreNamedAndLeftOut) {
 
 TEST_F(ScanPictures, WhiteAloneBeforeThePatternsIsToo) {
   const FrameSet patterns = frames_of(PhaseMeasuring{.steps = 4});
-  add(parts_of(white_and_black(), 2).front());
+  add(parts_of(white_and_black(), {1}).front());
   add(patterns);
   expect_error([&] { load("pmp"); }, {"has 3", "2 too many", "leave them out"});
   const ScanChanges four{.sequence = {.strategy = "pmp", .settings = {{"steps", "4"}}}};
@@ -100,7 +100,7 @@ TEST_F(ScanPictures, WhiteAloneBeforeThePatternsIsToo) {
 TEST_F(ScanPictures, ARepeatedOneIsToo) {
   const FrameSet patterns = frames_of(make_strategy("gray-phase", {}));
   add(patterns);
-  add(parts_of(patterns, patterns.count()).front());
+  add(parts_of(patterns, {1}).front());
   expect_error([&] { load("gray-phase"); }, {"1 too many, likely frame 10 (repeats frame 0)"});
 }
 

@@ -219,9 +219,9 @@ nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const L
 }
 
 /// NaN becomes null.
-void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& quality) {
+void add_quality(nlohmann::json& document, const std::optional<BoardQuality>& quality) {
   const BoardQuality known = quality.value_or(BoardQuality{NAN, NAN, NAN});
-  describe(told, "flatness_mm", known.flatness, "distance_error_mm", known.distance_error,
+  describe(document, "flatness_mm", known.flatness, "distance_error_mm", known.distance_error,
            "scale_error", known.scale_error);
 }
 
@@ -233,11 +233,11 @@ nlohmann::json json_of_poses(const CalibrationReport& report) {
   nlohmann::json poses = nlohmann::json::array();
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
-    nlohmann::json told = described("name", pose.name, "used", true, "rms", json_of(pose.rms),
-                                    "corners", pose.corners, "lit_corners", pose.lit);
-    add_quality(told, pose.left_out);
-    if (other != nullptr) add_quality(told["compared"], other->poses[i]);
-    poses.push_back(told);
+    nlohmann::json document = described("name", pose.name, "used", true, "rms", json_of(pose.rms),
+                                        "corners", pose.corners, "lit_corners", pose.lit);
+    add_quality(document, pose.left_out);
+    if (other != nullptr) add_quality(document["compared"], other->poses[i]);
+    poses.push_back(document);
   }
 
   // The others, with the reason.
@@ -257,7 +257,7 @@ nlohmann::json json_of_poses(const CalibrationReport& report) {
 nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   const Scanner& scanner = calibration.state.scanner;
-  nlohmann::json told = described(
+  nlohmann::json document = described(
       "scanner", flags.scanner, "rms", json_of(calibration.rms), "poses", json_of_poses(report),
       "camera",
       json_of(scanner.camera, calibration.deviation.camera, calibration.camera_lens,
@@ -270,17 +270,17 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       "largest_tilt_rad", calibration.largest_tilt, "depths_mm",
       std::array{scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest});
 
-  add_quality(told, overall(left_out_qualities(calibration)));
-  told["findings"] = report.findings;
-  told["verdict"] = verdict_of(report.findings).words;
+  add_quality(document, overall(left_out_qualities(calibration)));
+  document["findings"] = report.findings;
+  document["verdict"] = verdict_of(report.findings).words;
 
   if (report.comparison != nullptr) {
-    told["compared"] = described("scanner", report.comparison->name);
-    add_quality(told["compared"], overall(report.comparison->poses));
+    document["compared"] = described("scanner", report.comparison->name);
+    add_quality(document["compared"], overall(report.comparison->poses));
   }
 
-  if (flags.report) told["report"] = *flags.report;
-  return told;
+  if (flags.report) document["report"] = *flags.report;
+  return document;
 }
 
 }  // namespace

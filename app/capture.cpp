@@ -116,9 +116,9 @@ std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSo
 
 /// Warns if the source's state has changed since the last call.
 std::function<void()> news_of(const FrameSource& source, Output& output) {
-  return [&source, &output, told = std::string()]() mutable {
+  return [&source, &output, shown = std::string()]() mutable {
     const std::string state = source.state();
-    if (state != std::exchange(told, state)) {
+    if (state != std::exchange(shown, state)) {
       output.warn(state.empty() ? "the camera is back" : state);
     }
   };
@@ -153,14 +153,14 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   const auto tell_news = news_of(*opened.frames, output);
 
   // Called for each picture: the window shows all of them, the text only changes of the verdict.
-  PoseState told = PoseState::taken;
+  PoseState shown = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
     if (show) show(guide_of(progress, *flags.poses));
-    if (told == progress.verdict.state) return;
-    told = progress.verdict.state;
+    if (shown == progress.verdict.state) return;
+    shown = progress.verdict.state;
 
     // Once a pose is over, the advice is about the next one.
-    const bool over = told == PoseState::taken || told == PoseState::known;
+    const bool over = shown == PoseState::taken || shown == PoseState::known;
     const std::string& advice = progress.needs.advice;
     output.say("{}{}", headline_of(progress, *flags.poses),
                over && !advice.empty() ? "; next: " + advice : "");
@@ -178,7 +178,7 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   // 1. Take poses until there are enough or the user stops.
   const std::size_t taken =
       take_guided_poses(*camera, flags.output, board, opened.sequence,
-                        {.save = save, .wanted = *flags.poses, .told = tell, .ends = watch})
+                        {.save = save, .wanted = *flags.poses, .on_progress = tell, .ends = watch})
           .size();
 
   opened.frames->stop();

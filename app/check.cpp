@@ -124,12 +124,12 @@ void measure_distance(const std::pair<std::string, std::string>& pixels, const M
 }
 
 /// Prints the residuals of a fitted shape, and adds them to its JSON object.
-void tell_fit(const char* list, nlohmann::json told, const Residuals& residuals, Output& output) {
-  told.update(described("rms_mm", residuals.rms, "largest_mm", residuals.largest, "points",
-                        residuals.points, "outliers", residuals.outliers, "noise_mm",
-                        residuals.noise));
+void tell_fit(const char* list, nlohmann::json entry, const Residuals& residuals, Output& output) {
+  entry.update(described("rms_mm", residuals.rms, "largest_mm", residuals.largest, "points",
+                         residuals.points, "outliers", residuals.outliers, "noise_mm",
+                         residuals.noise));
 
-  output.list(list).push_back(std::move(told));
+  output.list(list).push_back(std::move(entry));
   output.say("  residuals of {} points: rms {:.4f} mm{}, largest {:.4f} mm; {} outliers ignored",
              residuals.points, residuals.rms,
              residuals.noise ? fmt::format(" (noise alone: {:.4f})", *residuals.noise) : "",

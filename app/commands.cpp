@@ -60,9 +60,9 @@ bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& optio
   return true;
 }
 
-void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
-  said.file = file.string();
-  said.settings.clear();
+void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, AppliedRig& rig) {
+  rig.file = file.string();
+  rig.settings.clear();
 
   // 1. The settings of all commands, as one rig file may serve several.
   std::set<std::string> known;
@@ -82,7 +82,7 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
     if (option == nullptr) continue;
 
     try {
-      if (apply(setting, file.parent_path(), *option)) said.settings.push_back(setting);
+      if (apply(setting, file.parent_path(), *option)) rig.settings.push_back(setting);
     } catch (const CLI::ConversionError&) {  // a switch; numbers were checked before
       refuse(fmt::format("{} '{}': expected true or false", setting.name, setting.values.front()));
     } catch (const CLI::ParseError& error) {
@@ -185,29 +185,29 @@ Size size_from(const std::string& text, const std::string& flag) {
   return *size;
 }
 
-void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
+void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig) {
   const bool served = subcommand.get_name() == "serve" && subcommand.get_parent() == &program;
   subcommand
       .add_option_function<std::string>(
           served ? "rig" : "--rig",
-          [&](const std::string& file) { apply(file, subcommand, program, said); },
+          [&](const std::string& file) { apply(file, subcommand, program, rig); },
           "file of settings named like the flags; the command line overrides it: .yaml")
       ->type_name(file_type)
       ->required(served);
 }
 
-std::string located(const RigSaid& said, const std::string& text) {
+std::string located(const AppliedRig& rig, const std::string& text) {
   const std::string message = with_flags(text);
-  if (message.starts_with(said.file + ": line ")) return message;
+  if (message.starts_with(rig.file + ": line ")) return message;
 
   // The setting that the message names most clearly; of several, the first in the file.
   int clearest = 0, line = 0;
-  for (const RigSetting& setting : said.settings) {
+  for (const RigSetting& setting : rig.settings) {
     const int clear = clarity(setting, message);
     if (clear > clearest) std::tie(clearest, line) = std::pair(clear, setting.line);
   }
 
-  return clearest == 0 ? message : fmt::format("{}: line {}: {}", said.file, line, message);
+  return clearest == 0 ? message : fmt::format("{}: line {}: {}", rig.file, line, message);
 }
 
 }  // namespace slipstream::app

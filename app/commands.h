@@ -193,26 +193,26 @@ inline CLI::Option* required(CLI::Option* option) {
 }
 
 /// Settings from a rig file that the command line does not override.
-struct RigSaid {
+struct AppliedRig {
   std::vector<std::string> arguments{};  ///< the command line, last word first
   std::string file{};                    ///< empty without one
   std::vector<RigSetting> settings{};
 };
 
 /// Adds --rig to a subcommand (to `serve`, the file as its argument): settings of the file, named
-/// like flags, apply unless the command line sets them, and are stored in `said`. Settings of other
+/// like flags, apply unless the command line sets them, and are stored in `rig`. Settings of other
 /// subcommands of `program` are skipped; unknown ones throw Error when parsing. Paths are relative
 /// to the rig file.
-void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said);
+void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig);
 
 /// The message with_flags, prefixed with "rig.yaml: line 3: " of the setting it names most clearly;
 /// without prefix if it names none or already has one.
-std::string located(const RigSaid& said, const std::string& text);
+std::string located(const AppliedRig& rig, const std::string& text);
 
 /// The chosen subcommand and its parsed flags.
 struct Command {
   std::function<void(Output&)> work{};  ///< runs the command and prints to `Output`
-  RigSaid rig{};
+  AppliedRig rig{};
 };
 
 /// An added subcommand: its ungrouped flags and their values.

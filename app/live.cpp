@@ -68,10 +68,10 @@ void tell_pictures(const LiveSession& session, Output& output) {
   const PictureReport report = picture_report(engine.merged(frames), maps, setup.settings);
 
   const auto counts = count_by_validity(report.validity);
-  nlohmann::json& told = output.object("pixels");
+  nlohmann::json& pixels = output.object("pixels");
   const auto share_of = [&](const char* name, Validity kind) {
     const auto count = counts[static_cast<std::size_t>(kind)];
-    told[name] = count;
+    pixels[name] = count;
     return 100 * static_cast<double>(count) / static_cast<double>(report.validity.pixel_count());
   };
 
@@ -79,7 +79,7 @@ void tell_pictures(const LiveSession& session, Output& output) {
                too_dark = share_of("too_dark", Validity::too_dark),
                saturated = share_of("saturated", Validity::saturated);
 
-  told["median_modulation"] = report.modulation;
+  pixels["median_modulation"] = report.modulation;
   output.say(
       "pixels: {:.1f} % measured, {:.1f} % too dark, {:.1f} % saturated; median modulation "
       "{:.1f} grey levels of 255",
@@ -175,7 +175,7 @@ LiveFlags with_free_names(LiveFlags flags, Output& output) {
 
 void serve(const LiveFlags& given, Output& output) {
   const auto again = given.again;
-  const RigSaid& rig = *given.rig;
+  const AppliedRig& rig = *given.rig;
   LiveFlags now = served(given);
 
   // A service keeps running with what worked before.
@@ -283,8 +283,8 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       ->take_all();
 
   // How frames become clouds.
-  command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "told",
-                    "how frames are matched to patterns: told (by the source), counted (frame "
+  command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "source",
+                    "how frames are matched to patterns: source (which knows), counted (frame "
                     "number modulo patterns) or marker (a dark or bright frame ends each cycle)");
   command.add_file("--scanner", source.scanner,
                    "scanner file; default: the recording's or the virtual scanner's");

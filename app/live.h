@@ -28,7 +28,7 @@ struct LiveFlags {
   ViewFlags view;
 
   // Of serve:
-  const RigSaid* rig = nullptr;      ///< the file's contents
+  const AppliedRig* rig = nullptr;   ///< the file's contents
   std::function<LiveFlags()> again;  ///< rereads the file; throws Error
   std::function<void()> begun;       ///< called once sinks are open and frames are taken
   std::function<bool()> hung_up;     ///< at SIGHUP: whether to end

@@ -64,7 +64,8 @@ struct SharedFlags {
 };
 
 /// Adds these and --rig to each subcommand of `app` that does work.
-void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared, RigSaid& rig) {
+void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared,
+                      AppliedRig& rig) {
   for (CLI::App* const command : app.get_subcommands(nullptr)) {
     add_shared_flags(*command, program, shared, rig);
     if (!command->get_subcommands(nullptr).empty()) continue;
@@ -78,17 +79,17 @@ void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& share
 
 /// Prints the message in one line and adds it to the JSON document.
 int fail(Output& output, int code, std::string_view message) noexcept {
-  bool told = false;
+  bool printed = false;
 
   try {
     std::string line(message);
     std::replace(line.begin(), line.end(), '\n', ' ');
     output.tell_failure(line);
-    told = true;
+    printed = true;
     output.document["error"] = line;
     output.finish();
   } catch (const std::exception&) {  // stdout is closed, or memory is exhausted
-    if (!told) std::fputs("slipstream: not enough memory\n", stderr);
+    if (!printed) std::fputs("slipstream: not enough memory\n", stderr);
   }
   return code;
 }

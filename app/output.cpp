@@ -198,23 +198,23 @@ std::vector<std::string> remarks_about(const std::vector<Finding>& findings) {
   return remarks;
 }
 
-void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
+void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& printed,
                Output& output) {
   // A diagnostic with the same begin was printed before; then only its end is news.
   for (const LiveFinding& now : findings) {
-    const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
+    const auto before = std::find_if(printed.begin(), printed.end(), [&](const LiveFinding& other) {
       return other.begin == now.begin && is_same(other.finding, now.finding);
     });
 
-    if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
+    if (before == printed.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
 
-    if (now.end && (before == told.end() || !before->end)) {
+    if (now.end && (before == printed.end() || !before->end)) {
       output.say("frames: {}: ended after {} frames", symptom_of(now.finding),
                  *now.end - now.begin);
     }
   }
 
-  told = findings;
+  printed = findings;
 }
 
 bool tell_fallback(const std::string& reason, bool matters, Output& output) {

@@ -243,7 +243,7 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
 std::vector<std::string> remarks_about(const std::vector<Finding>& findings);
 
 /// Prints each diagnostic that has appeared or disappeared since `told`, and updates it.
-void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
+void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& printed,
                Output& output);
 
 /// Prints Engine::fallback_reason, as a warning if `matters`; returns false if there is none.

@@ -24,7 +24,7 @@ struct UnwrapFlags {
   std::vector<double> anchor;  ///< row, column, phase
 };
 
-void leave_out(Image<double>& phase, const Image<double>& mask) {
+void apply_mask(Image<double>& phase, const Image<double>& mask) {
   throw_if(mask.size() != phase.size(), "the mask is {}, but the phase map is {}",
            text_of(mask.size()), text_of(phase.size()));
 
@@ -71,7 +71,7 @@ void unwrap(const UnwrapFlags& flags, Output& output) {
 
   // 2. Read the wrapped phase, without the pixels of the mask; quality steers the path.
   Image<double> phase = read_map(flags.input);
-  if (flags.mask) leave_out(phase, read_levels(*flags.mask));
+  if (flags.mask) apply_mask(phase, read_levels(*flags.mask));
   Image<float> quality;
   if (flags.quality) quality = converted<float>(read_levels(*flags.quality));
 

@@ -76,9 +76,9 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
 
 /// Warns of the findings that follow the `told` ones of the check, and compares the points with
 /// the truth.
-void judge(const ReconstructFlags& flags, std::size_t told, ReconstructedScan& scan) {
+void judge(const ReconstructFlags& flags, std::size_t printed, ReconstructedScan& scan) {
   const std::vector<Finding>& findings = scan.result.checked.findings;
-  for (std::size_t i = told; i < findings.size(); ++i) {
+  for (std::size_t i = printed; i < findings.size(); ++i) {
     scan.words.warn(fmt::format("{}: {}", text_of(scan.name), text_of(findings[i])));
   }
 
@@ -109,7 +109,7 @@ std::optional<double> predicted_rms(const FrameViews& frames, ScanJob& job,
 struct Reused {
   /// A job for each kind of result.
   std::map<ScanOutput, ScanJob> jobs;
-  bool fallback_told = false;
+  bool fallback_printed = false;
 };
 
 /// Refuses what these flags ask of this scan and it cannot give.
@@ -152,9 +152,9 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
         name, result.least_modulation, minimum);
   }
   if (!result.gamma.sentence.empty()) output.say("{}: {}", name, result.gamma.sentence);
-  if (!two_cameras && !reused.fallback_told) {
+  if (!two_cameras && !reused.fallback_printed) {
     const bool chosen = result.setup.settings.engine != EngineKind::automatic;
-    reused.fallback_told = tell_fallback(result.fallback_reason, chosen, output);
+    reused.fallback_printed = tell_fallback(result.fallback_reason, chosen, output);
   }
 
   // 2. Files, and the error of a virtual scan against its truth.

@@ -154,7 +154,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   }
 
   const std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
-  nlohmann::json told = described(
+  nlohmann::json document = described(
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
       result.cloud.validity.pixel_count(), "counts", result.counts, "backend", result.backend,
       "least_modulation", result.least_modulation, "gamma", json_of(result.gamma), "baseline_mm",
@@ -164,8 +164,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       result.checked.findings, "repairs", result.checked.repairs, "seconds", seconds);
 
   // Only --anyway reconstructs a refused scan.
-  if (any_wrong(result.checked.findings)) told["doubted"] = true;
-  return told;
+  if (any_wrong(result.checked.findings)) document["doubted"] = true;
+  return document;
 }
 
 std::string line_of(const ReconstructedScan& scan) {

@@ -164,12 +164,12 @@ view::ViewSource show_live(Studio& studio) {
 
 /// Instructions of the poses, then the verdict; chooses the new scanner file.
 std::optional<view::Guide> guide_of(GuidedPoses& poses, const std::string& folder, Studio& studio,
-                                    view::Guide& last, bool& told) {
+                                    view::Guide& last, bool& reported) {
   // The newest picture of the guide until the poses are over; then the verdict, once.
   if (auto newest = poses.newest()) return last = *std::move(newest);
-  if (told || !poses.over()) return std::nullopt;
+  if (reported || !poses.over()) return std::nullopt;
 
-  told = true;
+  reported = true;
 
   try {
     last.headline = poses.finish();
@@ -214,7 +214,8 @@ view::ViewSource calibrate(Studio& studio) {
       .title = "slipstream studio: calibrate",
       .newest = [] { return view::ShownCloud{}; },
       .guide = [poses, &studio, folder = flags.output, last = view::Guide{},
-                told = false]() mutable { return guide_of(*poses, folder, studio, last, told); }};
+                reported =
+                    false]() mutable { return guide_of(*poses, folder, studio, last, reported); }};
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ struct BoardCaptureSettings {
 /// Result of one pose.
 struct BoardCapture {
   std::optional<BoardView> view;    ///< nullopt if the pose cannot be used
-  std::string told;                 ///< which detector found the board, or why none did
+  std::string message;              ///< which detector found the board, or why none did
   std::vector<Finding> findings{};  ///< of the frames; `wrong` rejects the pose
 };
 
@@ -95,14 +95,14 @@ struct PoseCaptures {
   std::vector<Finding> findings{};      ///< of the poses' frames
 };
 
-/// Finds the board in all poses except `excluded` (by name). Calls `told` after each pose with a
+/// Finds the board in all poses except `excluded` (by name). Calls `report` after each pose with a
 /// description (empty when excluded). Throws Error with the pose's name if its frames cannot be
 /// read or used, or come from another camera or projector than earlier poses, and for an excluded
 /// name that is not in the folder.
 PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardScans>& poses,
                            const std::vector<std::string>& excluded, const CalibrationBoard& board,
                            const BoardCaptureSettings& settings,
-                           const std::function<void(const std::string& words)>& told);
+                           const std::function<void(const std::string& words)>& report);
 
 /// Throws Error with the folder's name if too few poses are usable.
 void require_enough_poses(const PoseCaptures& captures, const std::string& folder);

@@ -57,7 +57,7 @@ struct BasicCloud {
 
   [[nodiscard]] Size size() const { return z.size(); }
   /// Marks the pixel as invalid for that reason.
-  void leave_out(int column, int row, Validity reason) {
+  void reject(int column, int row, Validity reason) {
     x(column, row) = y(column, row) = z(column, row) = nan;
     validity(column, row) = reason;
   }

@@ -42,7 +42,7 @@ struct Outputs {
 };
 
 /// Your own engine, in place of slipstream's.
-struct OwnEngine {
+struct CustomEngine {
   std::string name;  ///< returned by Engine::backend_for
   /// Computes the requested outputs, never points, from the adapted frames of a scan. Called from
   /// all threads that have a copy of the Engine.
@@ -52,8 +52,8 @@ struct OwnEngine {
 /// Settings that decide whether a pixel becomes a point, and how the point is computed.
 struct ReconstructSettings {
   EngineKind engine = EngineKind::automatic;
-  std::shared_ptr<const OwnEngine> own_engine{};   ///< replaces `engine` unless null
-  PhaseMethod phase_method = PhaseMethod::tables;  ///< of the reference engine
+  std::shared_ptr<const CustomEngine> custom_engine{};  ///< replaces `engine` unless null
+  PhaseMethod phase_method = PhaseMethod::tables;       ///< of the reference engine
 
   double minimum_modulation = 15;  ///< least modulation B^c, grey levels of 255 for any bit depth
   /// Drops pixels with a saturated frame; `false` keeps them, biased.
@@ -226,7 +226,7 @@ class Engine {
  private:
   void compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse);
   void compute_by_picture(const FrameViews& frames, const Outputs& outputs);
-  void leave_out_moved(const FrameViews& frames, const Outputs& outputs);
+  void reject_moved(const FrameViews& frames, const Outputs& outputs);
 
   struct Tables;
   struct Memory;

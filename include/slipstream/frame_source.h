@@ -274,12 +274,12 @@ void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<S
 /// How a frame's pattern index is known. In each case images are monitored and a slipped index is
 /// corrected: see LivePipeline.
 enum class PatternIndexing {
-  told,     ///< from the source, FrameStamp::pattern_index; frames without it are counted on
+  source,   ///< FrameStamp::pattern_index; frames without it are counted on
   counted,  ///< sequence number modulo patterns: the projector triggers the camera
   marker,   ///< a dark or bright frame before the first pattern of each cycle of N + 1 frames
 };
 
-/// "told", "counted", "marker"; throws Error for any other name.
+/// "source" (or "told", as before 0.3), "counted", "marker"; throws Error for any other name.
 PatternIndexing pattern_indexing_named(std::string_view name);
 
 }  // namespace slipstream

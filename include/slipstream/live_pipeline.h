@@ -202,7 +202,7 @@ struct LiveCloud {
 
 /// Settings of a LivePipeline.
 struct LiveSettings {
-  PatternIndexing indexing = PatternIndexing::told;
+  PatternIndexing indexing = PatternIndexing::source;
   /// Captured frames that may wait if the source has its own pace; beyond that, the oldest is lost.
   std::size_t waiting_frames = 16;
   /// Clouds that consumers may hold without blocking the pipeline.
@@ -279,7 +279,7 @@ class LivePipeline {
   [[nodiscard]] std::shared_ptr<LiveRun> run() const;
   /// Queries the last run; an empty answer before the first.
   template <class Answer>
-  Answer asked(Answer (LiveRun::*question)() const) const;
+  Answer answer_of(Answer (LiveRun::*question)() const) const;
 
   std::unique_ptr<FrameSource> source_;
   FrameFormat format_;

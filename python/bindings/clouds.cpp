@@ -55,7 +55,7 @@ std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
 
   for_each_pixel_in_order(cloud.size(), [&](int i, int row) {
     const bool is_point = std::isfinite(cloud.x(i, row) + cloud.y(i, row) + cloud.z(i, row));
-    if (!is_point) cloud.leave_out(i, row, Validity::no_point);
+    if (!is_point) cloud.reject(i, row, Validity::no_point);
   });
 
   return held;

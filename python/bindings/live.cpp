@@ -122,7 +122,7 @@ std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence
   // 1. The keywords; a virtual source also takes a virtual world's.
   Keywords keywords(given);
   SourceRequest request{.source = name};
-  std::string indexing = "told", gamma = "scanner";
+  std::string indexing = "source", gamma = "scanner";
   LiveSettings settings;
   ReconstructSettings points;
 
@@ -191,7 +191,7 @@ void bind_live(py::module_& module) {
           sequence (Sequence | None): None: the source's own.
           scanner (Scanner | None): None: the source's own.
           on_cloud (Callable[[Cloud], object] | None): called with every cloud, in its own thread.
-          indexing (Literal["told", "counted", "marker"], default 'told'): how frames match
+          indexing (Literal["source", "counted", "marker"], default 'source'): how frames match
               patterns.
           gamma (str, default 'scanner'): response correction: scanner (if present), blind (from the
               frames), none, or a gamma.

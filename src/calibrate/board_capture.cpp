@@ -132,11 +132,11 @@ std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const Cali
 
     if (found.view) {
       captures.views.push_back(std::move(*found.view));
-      return found.told;
+      return found.message;
     }
 
-    captures.unused.push_back({scans.name, found.told});
-    return fmt::format("rejected: {}", found.told);
+    captures.unused.push_back({scans.name, found.message});
+    return fmt::format("rejected: {}", found.message);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", scans.name, error.what()));
   }
@@ -168,8 +168,8 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
 
   const auto wrong = std::ranges::find(findings, Severity::wrong, &Finding::severity);
   if (wrong != findings.end()) {
-    std::string told = fmt::format("likely {}", causes_of(*wrong));
-    return {std::nullopt, std::move(told), std::move(findings)};
+    std::string message = fmt::format("likely {}", causes_of(*wrong));
+    return {std::nullopt, std::move(message), std::move(findings)};
   }
 
   // 4. The projector coordinate of every pixel, and the quality of the frames.
@@ -200,9 +200,9 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
             std::move(findings)};
   }
 
-  std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",
-                                 view.places.size(), found->detector, lit);
-  return {std::move(view), std::move(told), std::move(findings)};
+  std::string message = fmt::format("{} corners ({}), {} with a projector coordinate",
+                                    view.places.size(), found->detector, lit);
+  return {std::move(view), std::move(message), std::move(findings)};
 }
 
 void require_enough_poses(const PoseCaptures& captures, const std::string& folder) {
@@ -221,7 +221,7 @@ void require_enough_poses(const PoseCaptures& captures, const std::string& folde
 PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardScans>& poses,
                            const std::vector<std::string>& excluded, const CalibrationBoard& board,
                            const BoardCaptureSettings& settings,
-                           const std::function<void(const std::string& words)>& told) {
+                           const std::function<void(const std::string& words)>& report) {
   for (const std::string& name : excluded) {
     throw_if(std::ranges::count(poses, name, &BoardScans::name) == 0,
              "`excluded {}`: no such pose in {}", name, folder);
@@ -230,10 +230,10 @@ PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardSca
   PoseCaptures captures;
   for (const BoardScans& pose : poses) {
     if (std::ranges::count(excluded, pose.name) == 0) {
-      told(fmt::format("{}: {}", pose.name, add_pose(captures, pose, board, settings)));
+      report(fmt::format("{}: {}", pose.name, add_pose(captures, pose, board, settings)));
     } else {
       captures.unused.push_back({pose.name, "excluded"});
-      told("");
+      report("");
     }
   }
   return captures;

@@ -151,21 +151,24 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
   // The printed lengths of a row and a column; a shifted last row of circles ends further right.
   const Eigen::Vector3d last = printed_places(board).back();
   const double shifted = board.kind == BoardKind::circles && board.rows % 2 == 0 ? 1 : 0;
-  const Eigen::Array2d said(last.x() - shifted * board.spacing, last.y()), scale = is / said;
+  const Eigen::Array2d configured(last.x() - shifted * board.spacing, last.y()),
+      scale = is / configured;
 
-  if (((is - said).abs() <= ruler_error).all()) return {};
+  if (((is - configured).abs() <= ruler_error).all()) return {};
 
   const double row_spacing = board.row_spacing.value_or(board.spacing);
   Finding finding{
       .kind = FindingKind::wrong_print_size,
       .what = fmt::format("the print has the wrong size, off by over {:g} mm", ruler_error),
-      .evidence = {{"rows too long by", 100 * (scale[0] - 1), "%", 100 * ruler_error / said[0]},
-                   {"columns too long by", 100 * (scale[1] - 1), "%", 100 * ruler_error / said[1]}},
+      .evidence = {{"rows too long by", 100 * (scale[0] - 1), "%",
+                    100 * ruler_error / configured[0]},
+                   {"columns too long by", 100 * (scale[1] - 1), "%",
+                    100 * ruler_error / configured[1]}},
       .causes = {{CauseKind::board_print, "a print of the wrong scale, such as by 'fit to page'"}}};
 
   // One scale fits both lengths within the ruler's error.
-  const double common = is.sum() / said.sum();
-  const bool stretched = ((is - common * said).abs() > ruler_error).any();
+  const double common = is.sum() / configured.sum();
+  const bool stretched = ((is - common * configured).abs() > ruler_error).any();
 
   const auto use = [](const char* setting, const std::string& value) {
     return change_settings("use", {{setting, value}});
@@ -174,7 +177,7 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
     return fmt::format("{:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
   };
 
-  if (((is.reverse() - said).abs() <= ruler_error).all()) {
+  if (((is.reverse() - configured).abs() <= ruler_error).all()) {
     finding.causes.front().text = "the lengths of row and column are swapped";
     finding.remedies = {use("measured", fmt::format("{:g}x{:g}", is[1], is[0]))};
   } else if (stretched) {

@@ -277,17 +277,17 @@ struct GuidedPoses {
     }
 
     BoardCapture found = board_capture(name, board, scans[0], scans[1]);
-    if (!found.view) return {PoseState::refused, "refused: " + found.told, seen.board};
+    if (!found.view) return {PoseState::refused, "refused: " + found.message, seen.board};
 
     for (const Scan& scan : scans) settings.save(folder / name / name_of(scan.sequence.axis), scan);
     taken.push_back(std::move(*found.view));
-    return {PoseState::taken, fmt::format("{} captured: {}", name, found.told), seen.board};
+    return {PoseState::taken, fmt::format("{} captured: {}", name, found.message), seen.board};
   }
 
   void tell(const FringeFreePictures& pictures, const PoseVerdict& verdict) {
     const PoseNeeds needs = pose_needs(taken, board, pictures.mean.size(), settings.wanted);
     enough = needs.enough;
-    if (settings.told) settings.told({pictures, verdict, needs, taken});
+    if (settings.on_progress) settings.on_progress({pictures, verdict, needs, taken});
   }
 };
 

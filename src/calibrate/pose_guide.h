@@ -68,9 +68,9 @@ struct PoseProgress {
 struct GuidedPosesSettings {
   /// Writes a scan of an accepted pose to a new folder.
   std::function<void(const std::filesystem::path& folder, const Scan& scan)> save;
-  int wanted = 0;                                      ///< see pose_needs
-  std::function<void(const PoseProgress&)> told = {};  ///< called for every picture and pose
-  std::function<bool()> ends = {};                     ///< polled; true stops
+  int wanted = 0;                                             ///< see pose_needs
+  std::function<void(const PoseProgress&)> on_progress = {};  ///< called for every picture and pose
+  std::function<bool()> ends = {};                            ///< polled; true stops
 };
 
 /// Watches the board and captures every good pose until there are enough or `ends` returns true:

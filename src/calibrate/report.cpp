@@ -386,7 +386,7 @@ std::string text_of(const CalibrationReport& report) {
   const auto& [camera, projector, stereo] = calibration.rms;
   const BoardQuality left_out = overall(left_out_qualities(calibration));
 
-  const auto told = [](const BoardQuality& quality) {
+  const auto described = [](const BoardQuality& quality) {
     return fmt::format("flat to {:.4f} mm, distances off by {:.4f} mm, scale error {:.3f} %",
                        quality.flatness, quality.distance_error, 100 * quality.scale_error);
   };
@@ -394,11 +394,11 @@ std::string text_of(const CalibrationReport& report) {
   std::string text = fmt::format(
       "RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px\n"
       "held-out poses, measured with a calibration of the others: {}\n",
-      camera, projector, stereo, told(left_out));
+      camera, projector, stereo, described(left_out));
 
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
-    text += fmt::format("measured with {}: {}\n", report.comparison->name, told(compared));
+    text += fmt::format("measured with {}: {}\n", report.comparison->name, described(compared));
   }
 
   return text + fmt::format("lens models: camera {}, projector {}",

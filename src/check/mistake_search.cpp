@@ -135,7 +135,7 @@ std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
 
 /// Words for the likeliest, and for others that fit about as well. A far-fetched one is named only
 /// if nothing else fits.
-Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_force) {
+Explanation explanation_from(const std::vector<Attempt>& attempts, const FrameOrder& in_force) {
   constexpr double nearly = 1.2;
   constexpr std::size_t most_named = 3;
 
@@ -146,48 +146,48 @@ Explanation told(const std::vector<Attempt>& attempts, const FrameOrder& in_forc
       usual != attempts.end() && usual->misfit <= attempts.front().misfit + nearly;
 
   const Attempt& best = is_usual ? *usual : attempts.front();
-  Explanation told{.misfit = best.misfit,
-                   .causes = {best.mistake.cause},
-                   .remedies = best.mistake.remedies,
-                   .severity = best.mistake.severity};
+  Explanation result{.misfit = best.misfit,
+                     .causes = {best.mistake.cause},
+                     .remedies = best.mistake.remedies,
+                     .severity = best.mistake.severity};
 
   // Others that fit about as well: a few by name, one per family, the rest by number.
   std::set<int> families{0, best.mistake.family};
   std::size_t unnamed = 0;
 
   for (const auto& [other, fit, misfit] : attempts) {
-    const bool is_named = std::ranges::count(told.causes, other.cause) > 0;
+    const bool is_named = std::ranges::count(result.causes, other.cause) > 0;
     if (is_named || misfit > best.misfit + nearly) continue;
-    if (told.causes.size() == most_named || (is_usual && other.far_fetched) ||
+    if (result.causes.size() == most_named || (is_usual && other.far_fetched) ||
         (other.family != 0 && families.contains(other.family))) {
       ++unnamed;
       continue;
     }
 
     families.insert(other.family);
-    told.causes.push_back(other.cause);
-    std::ranges::copy(other.remedies, std::back_inserter(told.remedies));
+    result.causes.push_back(other.cause);
+    std::ranges::copy(other.remedies, std::back_inserter(result.remedies));
   }
 
   // Say how certain the explanation is.
-  const bool alone = told.causes.size() == 1 && unnamed == 0;
-  if (unnamed > 0) told.remark = fmt::format("{} more would fit as well; ", unnamed);
-  if (!alone) told.remark += "all of these fit, so verify the result";
+  const bool alone = result.causes.size() == 1 && unnamed == 0;
+  if (unnamed > 0) result.remark = fmt::format("{} more would fit as well; ", unnamed);
+  if (!alone) result.remark += "all of these fit, so verify the result";
   if (best.mistake.scanner) {
-    told.causes.push_back({CauseKind::other_rig, "a scanner file of another rig"});
+    result.causes.push_back({CauseKind::other_rig, "a scanner file of another rig"});
   }
 
   // Repair only if the explanation is unique.
   if (alone && best.mistake.slipped) {
-    told.order = best.mistake.order;
-    if (best.fit.geometry) told.median_depth = best.fit.geometry->median_depth;
-    told.severity = Severity::doubtful;
+    result.order = best.mistake.order;
+    if (best.fit.geometry) result.median_depth = best.fit.geometry->median_depth;
+    result.severity = Severity::doubtful;
 
-    const std::string order = text_of(composed(in_force, told.order));
-    told.remedies = {{"the order " + order + " corrects this", {{"order", order}}}};
+    const std::string order = text_of(composed(in_force, result.order));
+    result.remedies = {{"the order " + order + " corrects this", {{"order", order}}}};
   }
 
-  return told;
+  return result;
 }
 
 }  // namespace
@@ -254,7 +254,7 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
   }
 
   if (found.empty()) return std::nullopt;
-  return told(found, scan.settings.order);
+  return explanation_from(found, scan.settings.order);
 }
 
 }  // namespace slipstream

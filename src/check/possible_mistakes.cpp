@@ -31,7 +31,8 @@ class Mistakes {
 
     add_measured_shifts();
     // Another origin or direction is likely where someone set one, or nothing else contradicts.
-    const bool likely_shifts = shifts_said() || !layout.single_frames.empty() || as_given.all();
+    const bool likely_shifts =
+        shifts_configured() || !layout.single_frames.empty() || as_given.all();
     if (likely_shifts) add_usual_shifts();
     add_shifts_with_both_ends();
 
@@ -71,7 +72,7 @@ class Mistakes {
 
   [[nodiscard]] double origin() const { return setting("origin").number(); }
   [[nodiscard]] bool is_on(const char* name) const { return setting(name) == SettingValue(true); }
-  [[nodiscard]] bool shifts_said() const { return origin() != 0 || is_on("backwards"); }
+  [[nodiscard]] bool shifts_configured() const { return origin() != 0 || is_on("backwards"); }
 
   /// Steps that contradict each other do so with any number of periods, though a known response
   /// does not show at the wrong place. Bands whose relation is constant have the right periods.
@@ -220,11 +221,12 @@ class Mistakes {
   /// Quarters of a period; finer parts of it only if an origin or direction was configured and no
   /// relation gives it.
   void add_usual_shifts() {
-    const bool said = is_on("backwards");
-    const int parts = shifts_said() && as_given_.frames.relations.empty() ? 12 : 4;
+    const bool configured = is_on("backwards");
+    const int parts = shifts_configured() && as_given_.frames.relations.empty() ? 12 : 4;
 
     for (int i = 0; i < parts; ++i) {
-      for (const bool backwards : {said, !said}) add_shift(i * two_pi / parts, backwards, false);
+      for (const bool backwards : {configured, !configured})
+        add_shift(i * two_pi / parts, backwards, false);
     }
   }
 
@@ -262,29 +264,30 @@ class Mistakes {
       const StrategySettings& settings = scan_.sequence.strategy.settings();
       if (!settings.contains(name)) continue;
 
-      std::vector<double> said;
-      settings.at(name).read(said);
-      for (std::size_t i = 0; i < said.size(); ++i) {
+      std::vector<double> configured;
+      settings.at(name).read(configured);
+      for (std::size_t i = 0; i < configured.size(); ++i) {
         ++family;
 
-        std::vector<double> periods = said;
-        const int most = std::max(64, static_cast<int>(2 * said[i]));
+        std::vector<double> periods = configured;
+        const int most = std::max(64, static_cast<int>(2 * configured[i]));
 
         // Half of the configured number, then every whole number up to twice it, 64 at least.
         for (int count = 0; count <= most; ++count) {
-          periods[i] = count == 0 ? said[i] / 2 : count;
-          if (periods == said) continue;
-          add_settings(
-              {{name, periods}},
-              fmt::format("patterns of {:g} periods, configured as {:g}", periods[i], said[i]),
-              family);
+          periods[i] = count == 0 ? configured[i] / 2 : count;
+          if (periods == configured) continue;
+          add_settings({{name, periods}},
+                       fmt::format("patterns of {:g} periods, configured as {:g}", periods[i],
+                                   configured[i]),
+                       family);
         }
 
         // Exchange two numbers of the list.
-        for (std::size_t k = i + 1; k < said.size(); ++k) {
-          periods = said;
+        for (std::size_t k = i + 1; k < configured.size(); ++k) {
+          periods = configured;
           std::swap(periods[i], periods[k]);
-          if (periods != said) add_settings({{name, periods}}, "the periods in another order");
+          if (periods != configured)
+            add_settings({{name, periods}}, "the periods in another order");
         }
       }
     }

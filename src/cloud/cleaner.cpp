@@ -343,7 +343,7 @@ struct Cleaner::Pass {
       for (int column = run.first; column <= run.last; ++column) {
         if ((wire[column / word_pixels] >> column % word_pixels & 1) != 0) continue;
 
-        cloud.leave_out(column, run.row, Validity::small_component);
+        cloud.reject(column, run.row, Validity::small_component);
         ++counts[static_cast<std::size_t>(Validity::small_component)];
       }
     });
@@ -362,7 +362,7 @@ struct Cleaner::Pass {
         if (!(cloud.z(column, row) > 0)) continue;
         if (outlined && (!settings.box || is_inside(*settings.box, cloud, column, row))) continue;
 
-        cloud.leave_out(column, row, Validity::outside_region);
+        cloud.reject(column, row, Validity::outside_region);
         ++counted[static_cast<std::size_t>(Validity::outside_region)];
       }
     });

@@ -11,11 +11,12 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::string_view, 3> indexing_names{"told", "counted", "marker"};
+constexpr std::array<std::string_view, 3> indexing_names{"source", "counted", "marker"};
 
 }  // namespace
 
 PatternIndexing pattern_indexing_named(std::string_view name) {
+  if (name == "told") return PatternIndexing::source;  // its name up to version 0.2
   const auto indexing = value_named<PatternIndexing>(name, indexing_names);
   throw_if(!indexing, "indexing '{}' is unknown; use one of {}", name,
            fmt::join(indexing_names, ", "));

@@ -143,18 +143,18 @@ PatternWindows::PatternWindows(PatternCycle cycle, PatternIndexing indexing, Siz
 
 PatternWindows::Place PatternWindows::place_of(std::uint64_t sequence) const {
   // Two cycles ahead, so that a frame can precede the first one.
-  const std::uint64_t counted = sequence + (told_ + slipped_) % cycle_ + 2 * cycle_;
+  const std::uint64_t counted = sequence + (source_offset_ + slipped_) % cycle_ + 2 * cycle_;
   const std::uint64_t index = counted % cycle_;
   return {static_cast<int>(index), counted / cycle_ * patterns_ + index};
 }
 
 void PatternWindows::follow_source(const FrameStamp& stamp) {
-  if (indexing_ != PatternIndexing::told || !stamp.pattern_index) return;
+  if (indexing_ != PatternIndexing::source || !stamp.pattern_index) return;
 
   // The source's index minus the counted one, modulo the cycle.
   const auto counted = static_cast<int>(stamp.sequence % cycle_);
-  const int told = (*stamp.pattern_index % cycle_ + 2 * cycle_ - counted) % cycle_;
-  if (told == told_) return;
+  const int offset = (*stamp.pattern_index % cycle_ + 2 * cycle_ - counted) % cycle_;
+  if (offset == source_offset_) return;
 
   // The source counts from another place now: windows must not reach back across that.
   if (begun_) {
@@ -162,7 +162,7 @@ void PatternWindows::follow_source(const FrameStamp& stamp) {
     first_ = stamp.sequence;
   }
 
-  told_ = told;
+  source_offset_ = offset;
 }
 
 bool PatternWindows::place(const Pooled<Frame>& frame) {

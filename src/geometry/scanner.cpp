@@ -289,10 +289,10 @@ double noise_variance_at(double grey_level, double at_half, double gain) {
 }
 
 Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector) {
-  const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
-    if (known.width == 0 || known.height == 0) known = said;
-    throw_if(said != Size{} && known != said, "{}: the {} has {}, but {} {}; both must match", file,
-             device, text_of(known), by, text_of(said));
+  const auto complete = [&](Size& known, Size other, std::string_view device, std::string_view by) {
+    if (known.width == 0 || known.height == 0) known = other;
+    throw_if(other != Size{} && known != other, "{}: the {} has {}, but {} {}; both must match",
+             file, device, text_of(known), by, text_of(other));
   };
 
   complete(scanner.camera.size, camera, "camera", "the frames are");

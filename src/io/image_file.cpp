@@ -268,12 +268,12 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
 
   std::vector<ReadFrames> pictures = read_at_once(paths, in_colour);
   for (std::size_t n = 0; n < paths.size(); ++n) {
-    auto& [read, told, failure] = pictures[n];
+    auto& [read, warnings, failure] = pictures[n];
     // The first failure in the order of the paths, whichever thread came first.
     if (failure) std::rethrow_exception(failure);
 
     std::move(read.begin(), read.end(), std::back_inserter(frames));
-    loaded.warnings.insert(loaded.warnings.end(), told.begin(), told.end());
+    loaded.warnings.insert(loaded.warnings.end(), warnings.begin(), warnings.end());
 
     const PictureKind &kind = frames.back().kind, &first = frames.front().kind;
     loaded.lossy += frames.back().lossy ? 1 : 0;

@@ -174,7 +174,7 @@ void Recorder::write_all() {
 std::int64_t record_frames(FrameSource& source, Recorder& recorder,
                            const std::function<bool(std::int64_t frames)>& ends,
                            const std::function<void()>& taken,
-                           const std::function<void(const std::string& state)>& told) {
+                           const std::function<void(const std::string& state)>& on_state) {
   // A source without its own pace can wait for the disk.
   const std::chrono::milliseconds patience(source.has_own_pace() ? 0 : 60000), most_wait(100);
   std::int64_t frames = 0;
@@ -185,7 +185,7 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
     if (arrival == Arrival::ended) break;
     if (const std::string now = source.state(); now != state) {
       state = now;
-      told(state);
+      on_state(state);
     }
     if (arrival != Arrival::frame) continue;
     recorder.record(frame, patience);

@@ -92,11 +92,11 @@ class Recorder {
 
 /// Records the frames of a started source until `ends` returns true, the source ends or the
 /// recording ends by failure or limit; returns their number. Calls `taken` after each frame, and
-/// `told` when FrameSource::state changes.
+/// `on_state` when FrameSource::state changes.
 std::int64_t record_frames(FrameSource& source, Recorder& recorder,
                            const std::function<bool(std::int64_t frames)>& ends,
                            const std::function<void()>& taken,
-                           const std::function<void(const std::string& state)>& told);
+                           const std::function<void(const std::string& state)>& on_state);
 
 /// A source whose frames can be recorded at any time while they pass through. If a recording fails
 /// or reaches its limit, it ends, and frames keep coming.

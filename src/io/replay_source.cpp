@@ -92,7 +92,7 @@ std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequen
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
 
   PatternWindows windows(pattern_cycle(sequence),
-                         sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
+                         sequence.marker ? PatternIndexing::marker : PatternIndexing::source,
                          recording.header().format.size);
 
   // Frames allocate their memory when read.

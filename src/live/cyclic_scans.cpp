@@ -17,7 +17,7 @@ CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scan
       frames_(frame_count(sequence)),
       scans_(scans),
       windows_(pattern_cycle(sequence, scans),
-               sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
+               sequence.marker ? PatternIndexing::marker : PatternIndexing::source,
                source.format().size),
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
             [&] { return Frame(source.format()); }) {

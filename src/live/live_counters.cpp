@@ -116,24 +116,24 @@ bool SequenceWatch::look(std::uint64_t sequence) {
 
 void FindingLog::replace(std::vector<Finding> findings, std::uint64_t sequence) {
   // Diagnostics that the new check no longer has end here; others begin, or go on.
-  for (LiveFinding& told : told_) {
+  for (LiveFinding& known : found_) {
     const bool found = std::ranges::any_of(
-        findings, [&](const Finding& finding) { return is_same(finding, told.finding); });
-    if (!told.end && !found) told.end = sequence;
+        findings, [&](const Finding& finding) { return is_same(finding, known.finding); });
+    if (!known.end && !found) known.end = sequence;
   }
 
   for (const Finding& finding : findings) {
-    const bool lasts = std::ranges::any_of(told_, [&](const LiveFinding& told) {
-      return !told.end && is_same(told.finding, finding);
+    const bool lasts = std::ranges::any_of(found_, [&](const LiveFinding& known) {
+      return !known.end && is_same(known.finding, finding);
     });
-    if (!lasts) told_.push_back({finding, sequence});
+    if (!lasts) found_.push_back({finding, sequence});
   }
 
-  while (told_.size() > most) {
-    const auto ended = std::find_if(told_.begin(), told_.end(),
-                                    [](const LiveFinding& told) { return told.end.has_value(); });
-    if (ended == told_.end()) break;
-    told_.erase(ended);
+  while (found_.size() > most) {
+    const auto ended = std::find_if(found_.begin(), found_.end(),
+                                    [](const LiveFinding& known) { return known.end.has_value(); });
+    if (ended == found_.end()) break;
+    found_.erase(ended);
   }
 
   current_ = std::move(findings);

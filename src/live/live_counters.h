@@ -95,11 +95,11 @@ class FindingLog {
   /// From the newest check.
   [[nodiscard]] const std::vector<Finding>& current() const { return current_; }
   /// All, in the order in which they began.
-  [[nodiscard]] const std::vector<LiveFinding>& told() const { return told_; }
+  [[nodiscard]] const std::vector<LiveFinding>& all() const { return found_; }
 
  private:
   std::vector<Finding> current_;
-  std::vector<LiveFinding> told_;
+  std::vector<LiveFinding> found_;
 };
 
 }  // namespace slipstream

@@ -119,13 +119,13 @@ void LivePipeline::stop() {
 }
 
 template <class Answer>
-Answer LivePipeline::asked(Answer (LiveRun::*question)() const) const {
+Answer LivePipeline::answer_of(Answer (LiveRun::*question)() const) const {
   const auto current = run();
   return current ? (*current.*question)() : Answer();
 }
 
 bool LivePipeline::running() const {
-  return asked(&LiveRun::capturing);
+  return answer_of(&LiveRun::capturing);
 }
 
 void LivePipeline::wait() const {
@@ -133,7 +133,7 @@ void LivePipeline::wait() const {
 }
 
 std::exception_ptr LivePipeline::failure() const {
-  return asked(&LiveRun::failure);
+  return answer_of(&LiveRun::failure);
 }
 
 void LivePipeline::change(const EngineSetup& setup) {
@@ -142,7 +142,7 @@ void LivePipeline::change(const EngineSetup& setup) {
 }
 
 Pooled<LiveCloud> LivePipeline::newest() const {
-  return asked(&LiveRun::newest);
+  return answer_of(&LiveRun::newest);
 }
 
 void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
@@ -150,15 +150,15 @@ void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
 }
 
 LiveStatistics LivePipeline::statistics() const {
-  return asked(&LiveRun::statistics);
+  return answer_of(&LiveRun::statistics);
 }
 
 ModelPoints LivePipeline::model() const {
-  return asked(&LiveRun::model);
+  return answer_of(&LiveRun::model);
 }
 
 std::vector<LiveFinding> LivePipeline::findings() const {
-  return asked(&LiveRun::findings);
+  return answer_of(&LiveRun::findings);
 }
 
 std::string text_of(const LiveStatistics& statistics) {

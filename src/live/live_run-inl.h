@@ -152,7 +152,7 @@ class LiveRun {
     return statistics;
   }
 
-  [[nodiscard]] std::vector<LiveFinding> findings() const { return locked(findings_).told(); }
+  [[nodiscard]] std::vector<LiveFinding> findings() const { return locked(findings_).all(); }
   [[nodiscard]] ModelPoints model() const { return followed_.model(); }
 
  private:

@@ -84,8 +84,8 @@ class Domain {
     throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; expected a number from 0 to 232", asked);
 
     dds_set_log_sink(
-        [](void* self, const dds_log_data_t* said) {
-          static_cast<Domain*>(self)->hear({said->message, said->size});
+        [](void* self, const dds_log_data_t* logged) {
+          static_cast<Domain*>(self)->hear({logged->message, logged->size});
         },
         this);
 

@@ -173,7 +173,7 @@ void set_validity(Cloud& cloud) {
         std::isfinite(cloud.z(column, row))) {
       cloud.validity(column, row) = Validity::valid;
     } else {
-      cloud.leave_out(column, row, Validity::no_point);
+      cloud.reject(column, row, Validity::no_point);
     }
   });
 }

@@ -100,17 +100,17 @@ struct Engine::Tables {
     if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
 
     // 2. The fused pass, unless the reference or the caller's own engine was chosen.
-    const ReconstructSettings& asked = setup.settings;
-    if (asked.engine != EngineKind::reference && !asked.own_engine) {
+    const ReconstructSettings& settings = setup.settings;
+    if (settings.engine != EngineKind::reference && !settings.custom_engine) {
       std::string why_not;
       fused = FusedEngine::make(complete, corrections, &why_not);
       if (!fused) fall_back(without_fused(why_not));
     }
 
     // 3. The GPU runs the fused pass's stages, with its tables.
-    if (fused && asked.engine == EngineKind::gpu) {
+    if (fused && settings.engine == EngineKind::gpu) {
       try {
-        gpu = GpuEngine::make(*fused, asked.gpu);
+        gpu = GpuEngine::make(*fused, settings.gpu);
         if (!gpu) {
           fall_back(
               without_gpu("its shaders do not support this strategy, lens or number of frames"));
@@ -121,16 +121,17 @@ struct Engine::Tables {
     }
 
     // 4. The table engine takes the reference engine's place where it can.
-    if (asked.engine == EngineKind::reference && !asked.own_engine && has_geometry(of.scanner)) {
+    if (settings.engine == EngineKind::reference && !settings.custom_engine &&
+        has_geometry(of.scanner)) {
       std::string why_not;
       table_engine = TableEngine::make(complete, corrections, &why_not);
-      if (!table_engine && asked.phase_method == PhaseMethod::tables) {
+      if (!table_engine && settings.phase_method == PhaseMethod::tables) {
         fall_back(fmt::format("no table engine: {}; using the reference engine", why_not));
       }
     }
 
     // 5. The reference engine: now if every scan needs it, otherwise with the first scan that does.
-    if (!asked.own_engine && !table_engine && (!fused || fused->wants_coarse()))
+    if (!settings.custom_engine && !table_engine && (!fused || fused->wants_coarse()))
       static_cast<void>(reference());
   }
 
@@ -250,7 +251,7 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
 
   // 2. Compute, and correct for motion and exposure.
   compute(frames, made, nullptr);
-  leave_out_moved(frames, made);
+  reject_moved(frames, made);
 
   if (made.cloud == nullptr) return {};
   divide_by_gain(frames, made.cloud->intensity);
@@ -269,7 +270,7 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
 
 void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse) {
   // The caller's own engine comes first.
-  if (setup().settings.own_engine) return setup().settings.own_engine->run(frames, outputs);
+  if (setup().settings.custom_engine) return setup().settings.custom_engine->run(frames, outputs);
 
   // Other layouts, lenses or frames: the tables or the reference engine.
   const EngineKind kind = tables_->engine_for(frames);
@@ -335,7 +336,7 @@ void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs
   if (outputs.depth != nullptr) set_reasons(outputs.depth->validity);
 }
 
-void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
+void Engine::reject_moved(const FrameViews& frames, const Outputs& outputs) {
   if (!tables_->measure_motion) return;
   FrameMotion& motion = memory_->motion;
   (*tables_->measure_motion)(frames, motion);
@@ -347,16 +348,16 @@ void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
   for_each_pixel(motion.unexplained.size(), [&](int column, int row) {
     if (!(motion.unexplained(column, row) > limit)) return;
 
-    const auto leave_out = [&](Image<Validity>& validity, auto&... depths) {
+    const auto reject = [&](Image<Validity>& validity, auto&... depths) {
       if (validity(column, row) != Validity::valid) return;
       validity(column, row) = Validity::moved;
       ((depths(column, row) = std::numeric_limits<float>::quiet_NaN()), ...);
     };
 
     if (Cloud* const cloud = outputs.cloud) {
-      leave_out(cloud->validity, cloud->x, cloud->y, cloud->z);
+      reject(cloud->validity, cloud->x, cloud->y, cloud->z);
     }
-    if (Depth* const depth = outputs.depth) leave_out(depth->validity, depth->z);
+    if (Depth* const depth = outputs.depth) reject(depth->validity, depth->z);
     if (outputs.depth16 != nullptr) (*outputs.depth16)(column, row) = 0;
   });
 
@@ -377,7 +378,7 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {
-  if (setup().settings.own_engine) return setup().settings.own_engine->name;
+  if (setup().settings.custom_engine) return setup().settings.custom_engine->name;
 
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) {

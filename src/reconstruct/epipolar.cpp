@@ -125,7 +125,7 @@ void reject_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& 
     if (sigma(column, row) == 0 || std::abs(own) <= limit) return;
 
     ++check.doubted;
-    cloud.leave_out(column, row, Validity::doubtful_order);
+    cloud.reject(column, row, Validity::doubtful_order);
   });
 }
 

@@ -413,7 +413,7 @@ void PhaseMatcher::make_points(Cloud& cloud) const {
       const float Z = 1 / smooth[column];
       const Validity validity = validity_at(column, row, Z);
       if (validity != Validity::valid) {
-        cloud.leave_out(column, row, validity);
+        cloud.reject(column, row, validity);
         continue;
       }
 

@@ -57,7 +57,7 @@ template <class Belongs>
 Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   Cloud part = cloud;
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
-    if (!belongs(column, row)) part.leave_out(column, row, Validity::outside_region);
+    if (!belongs(column, row)) part.reject(column, row, Validity::outside_region);
   });
   return part;
 }

@@ -56,7 +56,7 @@ GeometryCalibration calibrated_from_frames(const CalibrationBoard& board, const 
     const BoardCapture capture =
         board_capture(name, board, scan_of(truth, sheet, strategy, Axis::x, seed),
                       scan_of(truth, sheet, strategy, Axis::y, seed + 1));
-    EXPECT_TRUE(capture.view) << name << ": " << capture.told;
+    EXPECT_TRUE(capture.view) << name << ": " << capture.message;
     if (capture.view) views.push_back(*capture.view);
   }
   return calibrate_geometry(views, board, truth.camera.size, truth.projector.size);

@@ -33,8 +33,8 @@ TEST(BoardCapture, TakesStrategiesOfOnesOwn) {
     };
     const BoardCapture capture =
         board_capture("pose", board, scan_along(Axis::x), scan_along(Axis::y));
-    ASSERT_TRUE(capture.view) << capture.told;
-    EXPECT_EQ(lit_corners(*capture.view), 117) << capture.told;
+    ASSERT_TRUE(capture.view) << capture.message;
+    EXPECT_EQ(lit_corners(*capture.view), 117) << capture.message;
     // One period alone is less accurate than fine fringes.
     const double tolerance = highest_frequency(strategy) > 1 ? 0.3 : 3;  // projector pixels
     double sum = 0;

@@ -182,7 +182,7 @@ TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
     save_scan(path, scan.frames, scan.sequence, std::nullopt);
   };
   std::vector<PoseState> told;
-  settings.told = [&](const PoseProgress& progress) { told.push_back(progress.verdict.state); };
+  settings.on_progress = [&](const PoseProgress& progress) { told.push_back(progress.verdict.state); };
   const std::vector<BoardView> taken = take_guided_poses(camera, poses, board, sequence, settings);
   ASSERT_EQ(taken.size(), 3U);
   EXPECT_EQ(std::count(told.begin(), told.end(), PoseState::taken), 3);
@@ -205,7 +205,7 @@ TEST(GuidedPoses, RefusesAnUnlitBoardOnceUntilItMoves) {
   int looks = 0, refusals = 0;
   std::string words;
   settings.ends = [&] { return ++looks > 4; };
-  settings.told = [&](const PoseProgress& progress) {
+  settings.on_progress = [&](const PoseProgress& progress) {
     if (progress.verdict.state != PoseState::refused) return;
     ++refusals;
     words = progress.verdict.words;

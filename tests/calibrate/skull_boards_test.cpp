@@ -68,7 +68,7 @@ TEST(SkullBoards, AreCalibratedAtLeastAsWellAsPublished) {
   std::vector<BoardView> views;
   for (const char* name : {"board1", "board2", "board3", "board4", "board5", "board6"}) {
     const BoardCapture found = capture(folder / "calibration" / name, board, projector);
-    ASSERT_TRUE(found.view) << name << ": " << found.told;
+    ASSERT_TRUE(found.view) << name << ": " << found.message;
     EXPECT_EQ(lit_corners(*found.view), 117) << name;
     if (name != std::string("board2")) views.push_back(*found.view);
   }

@@ -9,8 +9,8 @@
 
 namespace slipstream::own_engine_test {
 
-std::shared_ptr<const OwnEngine> flat_wall(float z) {
-  return std::make_shared<OwnEngine>(OwnEngine{
+std::shared_ptr<const CustomEngine> flat_wall(float z) {
+  return std::make_shared<CustomEngine>(CustomEngine{
       "flat wall", [z](const FrameViews& frames, const Outputs& outputs) {
         if (outputs.cloud == nullptr) return;
         *outputs.cloud = Cloud(frames.size());
@@ -20,12 +20,12 @@ std::shared_ptr<const OwnEngine> flat_wall(float z) {
       }});
 }
 
-TEST(OwnEngine, IsChosenOnceAndCleanedLikeOthers) {
+TEST(CustomEngine, IsChosenOnceAndCleanedLikeOthers) {
   Seen seen = seen_under(DualFrequency{});
   seen.setup.settings.clean = CleanSettings::none();
   seen.setup.settings.clean.box = PointBox{{-1000, -1000, 0}, {1000, 1000, 500}};
   for (const float z : {400.0F, 600.0F}) {
-    seen.setup.settings.own_engine = flat_wall(z);
+    seen.setup.settings.custom_engine = flat_wall(z);
     Engine engine(seen.setup);
     Cloud cloud;
     engine.cloud(seen.scan.frames, cloud);

@@ -99,8 +99,9 @@ TEST(PatternWindows, give_one_window_for_each_frame_once_there_are_enough) {
     const int N = frame_count(strategy);
     const auto loop = frames_of(strategy);
     for (const bool told : {false, true}) {
-      const Outcome outcome = run(strategy, told ? PatternIndexing::told : PatternIndexing::counted,
-                                  loop, in_a_row(5 * N, N, told));
+      const Outcome outcome =
+          run(strategy, told ? PatternIndexing::source : PatternIndexing::counted, loop,
+              in_a_row(5 * N, N, told));
       EXPECT_EQ(outcome.windows.size(), static_cast<std::size_t>(4 * N + 1));
       EXPECT_EQ(outcome.wrong, 0);
       EXPECT_EQ(outcome.lost, 0U);
@@ -182,7 +183,7 @@ TEST(PatternWindows, what_the_source_tells_wrongly_is_set_right_too) {
   const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
   auto script = in_a_row(40, 4, true);
   for (std::size_t n = 13; n < script.size(); ++n) script[n].told = (*script[n].told + 1) % 4;
-  const Outcome outcome = run(strategy, PatternIndexing::told, frames_of(strategy), script);
+  const Outcome outcome = run(strategy, PatternIndexing::source, frames_of(strategy), script);
   EXPECT_EQ(outcome.wrong, 0);
   EXPECT_EQ(outcome.resynchronisations, 1U);
   EXPECT_EQ(outcome.lost, 3U);
@@ -195,7 +196,7 @@ TEST(PatternWindows, a_slip_that_the_source_tells_of_is_no_resynchronisation) {
     script[n].frame += 2;
     script[n].told = script[n].frame % 4;
   }
-  const Outcome outcome = run(strategy, PatternIndexing::told, frames_of(strategy), script);
+  const Outcome outcome = run(strategy, PatternIndexing::source, frames_of(strategy), script);
   EXPECT_EQ(outcome.wrong, 0);
   EXPECT_EQ(outcome.resynchronisations, 0U);
   EXPECT_EQ(outcome.lost, 3U);

@@ -60,7 +60,7 @@ MISTAKES = [
     ("max-sigma: -1", 5, "out of range"),
     ("rate: 30", 5, "rate is set twice"),
     ("frames: 0", 5, "1 or more"),
-    ("indexing: tod", 5, "one of told, counted, marker"),
+    ("indexing: tod", 5, "one of source, counted, marker"),
     ("gamma: bright", 5, "scanner, blind, none or a number"),
     ("box: [1, 2, 3]", 5, "expected 6 numbers in mm, got 3"),
     ("track: cube", 5, "sphere:RADIUS"),

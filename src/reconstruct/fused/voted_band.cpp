@@ -96,8 +96,8 @@ class VoteField {
       return std::numeric_limits<double>::infinity();
     }
 
-    const CuePixel said = pixel(at.column, at.row);
-    return cue_.exact.cost(said, y) - cue_.exact.cost(said, own);
+    const CuePixel cue = pixel(at.column, at.row);
+    return cue_.exact.cost(cue, y) - cue_.exact.cost(cue, own);
   }
 
   /// On the circle the nearest order is the most likely.

@@ -76,7 +76,7 @@ GeometryCalibration calibrated(const Scanner& rig, int count, std::uint64_t seed
                   .sequence = shown};
     };
     const BoardCapture capture = board_capture("pose", board, scan(Axis::x), scan(Axis::y));
-    EXPECT_TRUE(capture.view) << capture.told;
+    EXPECT_TRUE(capture.view) << capture.message;
     if (capture.view) views.push_back(*capture.view);
   }
   return calibrate_geometry(views, board, rig.camera.size, rig.projector.size);

@@ -111,7 +111,7 @@ inline Told told_of(const BoardScene& scene) {
           board_scan(scene, scanner, sheet, pose, Axis::y), {.response = scene.response});
       ++pose;
       if (capture.view) views.push_back(*capture.view);
-      if (!capture.view) why_not = capture.told;
+      if (!capture.view) why_not = capture.message;
       told.findings.insert(told.findings.end(), capture.findings.begin(), capture.findings.end());
     }
     if (views.size() < fewest_poses) throw Error(why_not);

@@ -17,7 +17,7 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   CalibrationBoard& board = flags.board;
 
   group.add_named("--board", board.kind, board_kind_named, name_of(board.kind),
-                  "chessboard, circles (asymmetric grid) or charuco");
+                  "chessboard, circles (asymmetric grid), symmetric-circles or charuco");
 
   // Corners of the pattern, inside the board's edge.
   const auto corners = [&board](const std::string& text) {
@@ -41,8 +41,9 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
 
   // Sizes are stored as shares of the spacing, which is known: CLI11 reads flags as they are added.
   const auto circle = [&board](double mm) { board.circle_diameter = mm / board.spacing; };
-  group.add_read<double>("--circle-diameter", circle,
-                         "diameter of a circle, mm; default: 0.8 of the spacing");
+  group.add_read<double>(
+      "--circle-diameter", circle,
+      "diameter of a circle, mm; default: 0.8 of the spacing, 0.5 in a symmetric grid");
 
   const auto marker = [&board](double mm) { board.marker_side = mm / board.spacing; };
   group.add_read<double>("--marker-side", marker,

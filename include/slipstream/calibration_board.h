@@ -14,11 +14,12 @@ namespace slipstream {
 
 enum class BoardKind {
   chessboard,  ///< must be fully visible
-  circles,     ///< asymmetric grid of dark circles, must be fully visible
+  circles,     ///< asymmetric grid of circles, dark on white or white on dark; fully visible
   charuco,     ///< chessboard with a marker in each bright square; may be partly out of view
+  symmetric_circles,  ///< the same circles in rows and columns, none shifted
 };
 
-/// "chessboard", "circles", "charuco".
+/// "chessboard", "circles", "charuco", "symmetric-circles".
 std::string_view name_of(BoardKind kind);
 
 /// Throws Error for an unknown name.
@@ -34,18 +35,28 @@ using PixelPlaces = std::vector<Eigen::Vector2d>;
 struct CalibrationBoard {
   BoardKind kind = BoardKind::chessboard;
   int columns = 13;     ///< corners between squares in a row; circles in a row
-  int rows = 9;         ///< rows of corners; rows of circles, every second one shifted
-  double spacing = 10;  ///< mm: side of a square; for circles half the distance in a row, which is
-                        ///< the distance from row to row
+  int rows = 9;         ///< rows of corners; rows of circles, of `circles` every second one shifted
+  double spacing = 10;  ///< mm: side of a square; the distance from row to row of circles, which of
+                        ///< `circles` is half the distance in a row
   /// mm between rows of a stretched print; nullopt: `spacing`.
   std::optional<double> row_spacing{};
-  double circle_diameter = 0.8;  ///< in spacings
+  std::optional<double> circle_diameter{};  ///< in spacings; default: see diameter_of
   double marker_side = 0.75;     ///< in squares
   int marker_bits = 4;           ///< of the ArUco dictionary: 4, 5, 6 or 7 squared
 };
 
 /// Throws Error with the first value out of range.
 void require_valid(const CalibrationBoard& board);
+
+/// Whether the places are circles.
+inline bool has_circles(const CalibrationBoard& board) {
+  return board.kind == BoardKind::circles || board.kind == BoardKind::symmetric_circles;
+}
+
+/// The diameter of a circle, in spacings: by default 0.8, and 0.5 in a symmetric grid.
+inline double diameter_of(const CalibrationBoard& board) {
+  return board.circle_diameter.value_or(board.kind == BoardKind::symmetric_circles ? 0.5 : 0.8);
+}
 
 /// Number of corners or circles.
 int place_count(const CalibrationBoard& board);

@@ -412,14 +412,16 @@ void bind_geometry_calibration(py::module_& module) {
       Args:
           folder (str | PathLike): with one folder for each pose.
           report (str | PathLike | None): folder for report.html.
-          board (Literal["chessboard", "circles", "charuco"], default 'chessboard'): kind.
+          board (Literal["chessboard", "circles", "charuco", "symmetric-circles"], default
+              'chessboard'): kind.
           columns (int, default 13): of corners or circles.
           rows (int, default 9): of corners or circles.
           spacing (float, default 10.0): side of a square, mm; for circles half the distance in a
               row.
           row_spacing (float | None, default None): between rows of a stretched print, mm; None: as
               `spacing`.
-          circle_diameter (float, default 0.8): spacings.
+          circle_diameter (float | None, default None): spacings; None: 0.8, or 0.5 in a symmetric
+              grid.
           marker_side (float, default 0.75): squares.
           marker_bits (int, default 4): of ArUco: 4 to 7 squared.
           sequence (Sequence | None, default None): pattern sequence.

@@ -91,6 +91,21 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
           board.columns, board.rows, seen->width, seen->height);
     }
   }
+
+  // The other arrangement of circles.
+  if (has_circles(board)) {
+    CalibrationBoard other = board;
+    other.kind =
+        board.kind == BoardKind::circles ? BoardKind::symmetric_circles : BoardKind::circles;
+    other.circle_diameter.reset();
+    if (find_board(other, pictures)) {
+      return fmt::format("the circles of {}x{} are {}; use `board {}`", board.columns, board.rows,
+                         other.kind == BoardKind::circles ? "shifted in every second row"
+                                                          : "in rows and columns, none shifted",
+                         name_of(other.kind));
+    }
+  }
+
   return fmt::format(
       "no {} of {}x{} corners is {}visible; likely a wrong `board`, `corners`{}, or a picture that "
       "is dark, overexposed or out of focus",

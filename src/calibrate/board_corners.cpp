@@ -152,20 +152,25 @@ std::optional<Detection> find_chessboard(const cv::Size& size, const cv::Mat& me
   return std::nullopt;
 }
 
+/// `arrangement`: cv::CALIB_CB_ASYMMETRIC_GRID or cv::CALIB_CB_SYMMETRIC_GRID.
 std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
-                                      const cv::Mat& brightest) {
+                                      const cv::Mat& brightest, int arrangement) {
   // Dots of 20 pixels or more, up to a fiftieth of the picture.
   cv::SimpleBlobDetector::Params blobs;
   blobs.minArea = 20;
   blobs.maxArea = static_cast<float>(mean.total()) / 50;
   const cv::Ptr<cv::FeatureDetector> detector = cv::SimpleBlobDetector::create(blobs);
 
+  // Dark circles on white paper, then white ones on a dark board.
+  const cv::Mat as_seen = stretched(mean), maximum = stretched(brightest);
+  const cv::Mat negative = cv::Scalar::all(255) - as_seen;
+
   Detection found;
-  for (const auto& [name, picture] : {std::pair("mean", mean), std::pair("maximum", brightest)}) {
+  for (const auto& [name, picture] : {std::pair("mean", as_seen), std::pair("maximum", maximum),
+                                      std::pair("negative", negative)}) {
     for (const auto& [method, clustering] :
          {std::pair("grid", 0), std::pair("clustering", int{cv::CALIB_CB_CLUSTERING})}) {
-      if (cv::findCirclesGrid(stretched(picture), size, found.corners,
-                              cv::CALIB_CB_ASYMMETRIC_GRID | clustering, detector)) {
+      if (cv::findCirclesGrid(picture, size, found.corners, arrangement | clustering, detector)) {
         found.detector = fmt::format("circles ({}), {}", method, name);
         return found;
       }
@@ -175,8 +180,8 @@ std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
   return std::nullopt;
 }
 
-/// Orders a chessboard's corners from left to right, and from top to bottom for a camera that does
-/// not mirror.
+/// Orders the corners of a chessboard or symmetric grid from left to right, and from top to bottom
+/// for a camera that does not mirror.
 void order_as_seen(const CalibrationBoard& board, Corners& corners) {
   const auto at = [&](int column, int row) -> cv::Point2f& {
     return corners[row * board.columns + column];
@@ -287,7 +292,7 @@ void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) 
   for (std::size_t i = 0; i < found.pixels.size(); ++i) {
     const Eigen::Vector2d centre(on_board[i].x, on_board[i].y);
     const Eigen::Vector2d picture_of_centre = (homography * centre.homogeneous()).hnormalized();
-    const double radius = board.circle_diameter * board.spacing / 2;
+    const double radius = diameter_of(board) * board.spacing / 2;
     found.pixels[i] -= seen_circle_centre(homography, centre, radius) - picture_of_centre;
   }
 }
@@ -384,22 +389,24 @@ std::optional<BoardCorners> find_board(const CalibrationBoard& board,
   const cv::Mat mean = mat_of(pictures.mean), brightest = mat_of(pictures.brightest);
 
   if (board.kind == BoardKind::charuco) return find_charuco(board, mean);
-  const bool has_circles = board.kind == BoardKind::circles;
-  const auto find = has_circles ? find_circles : find_chessboard;
-  std::optional<Detection> found = find({board.columns, board.rows}, mean, brightest);
+  const cv::Size size(board.columns, board.rows);
+  const bool symmetric = board.kind == BoardKind::symmetric_circles;
+  std::optional<Detection> found =
+      has_circles(board)
+          ? find_circles(size, mean, brightest,
+                         symmetric ? cv::CALIB_CB_SYMMETRIC_GRID : cv::CALIB_CB_ASYMMETRIC_GRID)
+          : find_chessboard(size, mean, brightest);
   if (!found) return std::nullopt;
 
-  if (!has_circles) {
-    refine(mean, found->corners);
-    order_as_seen(board, found->corners);
-    require_whole(board, mean, found->corners);
-  }
+  if (board.kind == BoardKind::chessboard) refine(mean, found->corners);
+  if (board.kind != BoardKind::circles) order_as_seen(board, found->corners);
+  if (board.kind == BoardKind::chessboard) require_whole(board, mean, found->corners);
 
   std::vector<int> all(place_count(board));
   std::iota(all.begin(), all.end(), 0);
   BoardCorners corners = board_corners(std::move(all), found->corners, std::move(found->detector));
 
-  if (has_circles) correct_circle_centres(board, corners);
+  if (has_circles(board)) correct_circle_centres(board, corners);
   return corners;
 }
 

@@ -296,10 +296,11 @@ EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& 
     const Eigen::Vector2d along = right->second - corner, down = below->second - corner;
     std::optional<double> width;
 
-    if (board.kind == BoardKind::circles) {
-      // From the centre of a circle to the white paper beside it.
-      width = softness(picture, corner, corner + 0.4 * along);
-      spacings.push_back(along.norm() / 2);
+    if (has_circles(board)) {
+      // From the centre of a circle to the paper beside it.
+      const bool symmetric = board.kind == BoardKind::symmetric_circles;
+      width = softness(picture, corner, corner + (symmetric ? 0.5 : 0.4) * along);
+      spacings.push_back(symmetric ? along.norm() : along.norm() / 2);
     } else {
       const Eigen::Vector2d edge = corner + along / 2;
       width = softness(picture, edge - 0.35 * down, edge + 0.35 * down);

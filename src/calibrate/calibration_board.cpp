@@ -12,7 +12,8 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::string_view, 3> kinds{"chessboard", "circles", "charuco"};  // in order
+constexpr std::array<std::string_view, 4> kinds{"chessboard", "circles", "charuco",
+                                                "symmetric-circles"};  // in order
 
 constexpr int white = 255;
 
@@ -26,8 +27,9 @@ cv::Mat drawn_chessboard(const CalibrationBoard& board, int side) {
 }
 
 cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
-  cv::Mat picture((board.rows + 3) * pixels_per_spacing,
-                  (2 * board.columns + 4) * pixels_per_spacing, CV_8U, cv::Scalar(white));
+  const int across = board.kind == BoardKind::circles ? 2 * board.columns + 4 : board.columns + 3;
+  cv::Mat picture((board.rows + 3) * pixels_per_spacing, across * pixels_per_spacing, CV_8U,
+                  cv::Scalar(white));
 
   // OpenCV draws with subpixel accuracy from integers in 256ths of a pixel.
   constexpr int fraction_bits = 8;
@@ -41,8 +43,8 @@ cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
         (place / board.spacing + Eigen::Vector3d::Constant(2)) * pixels_per_spacing -
         Eigen::Vector3d::Constant(0.5);
     cv::circle(picture, {fixed_point(pixel.x()), fixed_point(pixel.y())},
-               fixed_point(board.circle_diameter / 2 * pixels_per_spacing), cv::Scalar(0),
-               cv::FILLED, cv::LINE_AA, fraction_bits);
+               fixed_point(diameter_of(board) / 2 * pixels_per_spacing), cv::Scalar(0), cv::FILLED,
+               cv::LINE_AA, fraction_bits);
   }
 
   return picture;
@@ -81,7 +83,8 @@ std::string_view name_of(BoardKind kind) {
 BoardKind board_kind_named(std::string_view name) {
   const auto found = std::ranges::find(kinds, name);
   if (found != kinds.end()) return static_cast<BoardKind>(found - kinds.begin());
-  throw Error(fmt::format("board '{}': expected chessboard, circles or charuco", name));
+  throw Error(
+      fmt::format("board '{}': expected chessboard, circles, charuco or symmetric-circles", name));
 }
 
 void require_valid(const CalibrationBoard& board) {
@@ -103,8 +106,10 @@ void require_valid(const CalibrationBoard& board) {
   require(down > 0 && std::isfinite(down), fmt::format("spacing of rows {} mm", down),
           "more than 0");
 
-  require(diameter > 0.1 && diameter < 1.4, fmt::format("circle diameter {} spacings", diameter),
-          "0.1 to 1.4");
+  const double size = diameter.value_or(diameter_of(board));
+  const bool symmetric = kind == BoardKind::symmetric_circles;
+  require(size > 0.1 && size < (symmetric ? 1 : 1.4),
+          fmt::format("circle diameter {} spacings", size), symmetric ? "0.1 to 1" : "0.1 to 1.4");
   require(side > 0.2 && side < 1, fmt::format("marker side {} squares", side), "0.2 to 1");
   require(bits >= 4 && bits <= 7, fmt::format("marker bits {}", bits), "4 to 7");
 
@@ -136,7 +141,8 @@ Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spa
            pixels_per_spacing);
   if (board.row_spacing) throw Error("a board to print has one spacing; omit the row spacing");
 
-  constexpr std::array draw{drawn_chessboard, drawn_circles, drawn_charuco};  // in order of kinds
+  // In the order of kinds.
+  constexpr std::array draw{drawn_chessboard, drawn_circles, drawn_charuco, drawn_circles};
   return image_from<std::uint8_t>(
       draw.at(static_cast<std::size_t>(board.kind))(board, pixels_per_spacing));
 }

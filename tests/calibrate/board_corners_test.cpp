@@ -108,6 +108,22 @@ TEST(BoardCorners, OfACircleGridAreFoundToAFractionOfAPixel) {
   for (const double turn : {0.0, 0.2}) expect_found(board, picture_of(board, turn), 0.15);
 }
 
+TEST(BoardCorners, OfASymmetricGridAreFoundToAFractionOfAPixel) {
+  const CalibrationBoard board{.kind = BoardKind::symmetric_circles, .columns = 9, .rows = 7};
+  for (const double turn : {0.0, 0.2, -0.6}) expect_found(board, picture_of(board, turn), 0.15);
+}
+
+TEST(BoardCorners, OfWhiteCirclesAreThoseOfDarkOnes) {
+  for (const BoardKind kind : {BoardKind::circles, BoardKind::symmetric_circles}) {
+    const CalibrationBoard board{.kind = kind, .columns = 4, .rows = 9};
+    Picture picture = picture_of(board, 0.2);
+    for (Image<float>* seen : {&picture.seen.mean, &picture.seen.brightest}) {
+      for (float& level : *seen) level = 255 - level;
+    }
+    expect_found(board, picture, 0.15);
+  }
+}
+
 TEST(BoardCorners, OfACharucoBoardAreFoundWhereItIsInView) {
   const CalibrationBoard board{.kind = BoardKind::charuco, .columns = 9, .rows = 7};
   for (const double turn : {0.0, 0.2, 2.5}) expect_found(board, picture_of(board, turn), 0.2);

@@ -104,8 +104,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         CalibrationBoard{.columns = 13, .rows = 9, .spacing = 15},
         CalibrationBoard{.kind = BoardKind::circles, .columns = 6, .rows = 9, .spacing = 15},
-        CalibrationBoard{.kind = BoardKind::charuco, .columns = 9, .rows = 6, .spacing = 20}),
-    [](const auto& board) { return std::string(name_of(board.param.kind)); });
+        CalibrationBoard{.kind = BoardKind::charuco, .columns = 9, .rows = 6, .spacing = 20},
+        CalibrationBoard{
+            .kind = BoardKind::symmetric_circles, .columns = 9, .rows = 7, .spacing = 20}),
+    [](const auto& board) {
+      std::string name(name_of(board.param.kind));
+      std::ranges::replace(name, '-', '_');
+      return name;
+    });
 
 TEST(BoardCapture, RefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
   const auto capture = [](const Strategy& strategy, const BoardCaptureSettings& settings = {}) {

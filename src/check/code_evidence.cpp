@@ -123,9 +123,10 @@ struct Edges {
   int count = 0, against = 0;
   double changes = 0;  ///< sum
   Complex along{}, backwards{};
+  std::array<Complex, 2> halves{};  ///< of `along`, in either half of the field
 
-  /// Phases and the edge between them, periods.
-  void add(double here, double next, double edge, bool rising) {
+  /// Phases and the edge between them, periods; `second`: in the second half of the field.
+  void add(double here, double next, double edge, bool rising, bool second) {
     constexpr double most_change = 0.3;  // beyond, the direction is uncertain
     const double change = next - here - std::round(next - here);
     if (std::abs(change) > most_change) return;
@@ -137,7 +138,9 @@ struct Edges {
 
     // The phase half way between both pixels against the expected one at the edge, for either
     // direction of the shifts.
-    along += std::polar(1.0, two_pi * (here + change / 2 - edge));
+    const Complex at_edge = std::polar(1.0, two_pi * (here + change / 2 - edge));
+    along += at_edge;
+    halves[second ? 1 : 0] += at_edge;
     backwards += std::polar(1.0, -two_pi * (here + change / 2 + edge));
   }
 
@@ -153,6 +156,9 @@ struct Edges {
     const Complex mean = (evidence.against > 0.5 ? backwards : along) / Complex(count);
     const double chance = 1 / std::sqrt(count);
     evidence.incoherence = std::max(0.0, 1 - std::abs(mean) - chance);
+
+    // The middles of the halves are half a field apart.
+    evidence.drift = 2 * std::arg(halves[1] * std::conj(halves[0])) / two_pi;
 
     // Blur moves the edges by a tenth of a pixel: that much is not an error of the origin.
     const double offset = std::arg(mean) / two_pi;
@@ -301,8 +307,8 @@ class CodeJudge {
     if (!clear || edge - std::min(here.stripe, next.stripe) != 1) return;
 
     const double before = phase(samples_.levels(g, Place::middle));
-    edges_.add(before, phase(there), periods_ * model_.edge_of_stripes(edge, code_.stripes),
-               rising);
+    edges_.add(before, phase(there), periods_ * model_.edge_of_stripes(edge, code_.stripes), rising,
+               2 * edge > code_.stripes);
   }
 
   [[nodiscard]] CodeEvidence summed_up() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "check/frame_model.h"
@@ -23,9 +24,17 @@ struct CodeEvidence {
   /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5;
   /// within the limit if blur, a tenth of a pixel, may be the cause.
   double offset = 0;
+  /// Change of that phase across the field, periods: of stripes that are not as wide as a period.
+  double drift = 0;
   double against = 0;      ///< share of the edges across which the phase runs against the code
   double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate
   bool has_edges = false;  ///< whether enough edges were found to compare phases with the code
+
+  /// Drifts from a rounded width of the stripes on, up to less than another number of periods.
+  static constexpr double least_drift = 0.1, most_drift = 0.7;
+  [[nodiscard]] bool drifts() const {
+    return std::abs(drift) >= least_drift && std::abs(drift) <= most_drift;
+  }
 };
 
 /// `phases`: whether to compare phases with the code, which takes most of the time.

@@ -128,6 +128,25 @@ Finding seen(const Fit& fit) {
   return depths_beyond_boards(*fit.geometry);
 }
 
+/// Whether the code's edges move along the field against the phase.
+bool is_drift(const CodeSymptom& worst, const CodeEvidence& code) {
+  const bool by_edges =
+      worst.value == &CodeEvidence::offset || worst.value == &CodeEvidence::incoherence;
+  return by_edges && code.drifts();
+}
+
+/// Names stripes that are not as wide as a period. The bit of half a stripe tolerates a quarter.
+void name_drift(const CodeEvidence& code, Finding& finding) {
+  finding.severity = Severity::doubtful;
+  finding.evidence.push_back({"change across the field", code.drift, "periods"});
+  finding.causes = {{CauseKind::pattern_settings,
+                     "stripes of the code that are not as wide as a period, as when a width was "
+                     "rounded to whole pixels"}};
+  finding.remedies = {
+      {"project stripes as wide as the periods; until then the fringe order is "
+       "right only where code and phase differ by less than a quarter of a period"}};
+}
+
 /// Names a broad cause if no common mistake explains the misfit.
 void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   const auto& geometry = fit.geometry;
@@ -147,6 +166,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     const CodeSymptom& worst = worst_symptom(fit.code);
     if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.severity = Severity::wrong;
 
+    if (is_drift(worst, fit.code)) return name_drift(fit.code, finding);
     for (const auto& [kind, text] : worst.causes) {
       if (!text.empty()) blame(kind, text);
     }

@@ -192,8 +192,11 @@ class Mistakes {
     const double measured = (against ? -1 : 1) * origin() + two_pi * code.offset;
 
     // 1. By the code's edges, which blur moves.
+    // An offset that changes along the field is not one of the origin.
     constexpr double by_edges = 0.1;
-    add_near(measured, by_edges, is_on("backwards") != against);
+    if (std::abs(code.drift) < CodeEvidence::least_drift) {
+      add_near(measured, by_edges, is_on("backwards") != against);
+    }
 
     // 2. By the relations of the bands, up to whole periods.
     // An error of the origin moves a relation by the ratio of the bands' periods less 1: the

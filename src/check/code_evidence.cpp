@@ -256,6 +256,8 @@ class CodeJudge {
       const Word here = read(samples_.levels(g, Place::middle));
       if (here.stripe >= std::ceil(code_.stripes) && here.doubtful == 0) ++unlisted_;
       if (is_disordered()) ++disordered_;
+      for (std::size_t bit = 0; bit < unsure_.size(); ++bit)
+        unsure_[bit] += here.doubtful >> bit & 1U;
 
       // 2. Against its neighbours.
       for (const Place place : {Place::right, Place::below, Place::far_right, Place::far_below}) {
@@ -283,7 +285,8 @@ class CodeJudge {
   [[nodiscard]] bool is_disordered() const {
     if (!white_) return false;
 
-    constexpr double noise_levels = 6, noise_share = 0.15;
+    // Sharpening overshoots at edges, and an automatic exposure differs from frame to frame.
+    constexpr double noise_levels = 6, noise_share = 0.35;
     const double high = levels_[*white_], low = levels_[*white_ + 1];
     const auto [least, greatest] = std::ranges::minmax(levels_);
     const double noise = std::max(noise_levels, noise_share * (high - low));
@@ -321,7 +324,14 @@ class CodeJudge {
     // Stripes narrower than the distance to the next pixel leave no edge to compare with.
     const bool fine = steps_[Place::right].too_fine(code_.gray) > 0 ||
                       steps_[Place::below].too_fine(code_.gray) > 0;
-    if (!model_.layout().unwrapping->whole_stripes && !fine) edges_.sum_up(evidence);
+    const bool alone = model_.layout().unwrapping->whole_stripes;
+    if (!alone && !fine) edges_.sum_up(evidence);
+
+    if (alone && !code_.inverses.empty()) {
+      const int finer = steps_[Place::right].too_fine(code_.gray);
+      const auto resolved = unsure_ | std::views::drop(finer);
+      evidence.unsure = resolved.empty() ? 1 : std::ranges::max(resolved) / n;
+    }
 
     return evidence;
   }
@@ -340,6 +350,7 @@ class CodeJudge {
   std::array<Steps, ScanSamples::places> steps_;
   Edges edges_;
   int disordered_ = 0, unlisted_ = 0;
+  std::array<unsigned, most_code_bits> unsure_{};  ///< pixels, of each bit, the finest first
 };
 
 }  // namespace

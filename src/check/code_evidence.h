@@ -26,9 +26,16 @@ struct CodeEvidence {
   double offset = 0;
   /// Change of that phase across the field, periods: of stripes that are not as wide as a period.
   double drift = 0;
-  double against = 0;      ///< share of the edges across which the phase runs against the code
-  double doubt = 0;        ///< median of the coordinate's doubt: see PixelCoordinate
+  double against = 0;  ///< share of the edges across which the phase runs against the code
+  double doubt = 0;    ///< median of the coordinate's doubt: see PixelCoordinate
+  /// Of a code alone with inverses: the share of pixels in which a bit equals its inverse, of the
+  /// worst bit whose stripes the camera resolves. 1 for others. Its bits need no other evidence: a
+  /// camera may change their brightness as it likes.
+  double unsure = 1;
   bool has_edges = false;  ///< whether enough edges were found to compare phases with the code
+
+  /// Right scans reach 0.1; a lost or exchanged frame leaves half of the pixels unsure.
+  [[nodiscard]] bool bits_are_sure() const { return unsure <= 0.25; }
 
   /// Drifts from a rounded width of the stripes on, up to less than another number of periods.
   static constexpr double least_drift = 0.1, most_drift = 0.7;

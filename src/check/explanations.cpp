@@ -243,7 +243,8 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   }
 
   // Then the mistakes that are harder to see, and last the limits of the method.
-  if (flickering) return {std::move(*flickering)};
+  // Brightness that changes between frames moves no bit that is compared with its inverse.
+  if (flickering && !fit.code.bits_are_sure()) return {std::move(*flickering)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
   return method_limits(scan, fit);
 }

@@ -419,6 +419,7 @@ const BandRelation* Fit::worst_relation() const {
 }
 
 bool Fit::patterns_made() const {
+  if (code.bits_are_sure()) return true;
   return frames.residual <= (moving ? FitLimits::most_residual_moving : FitLimits::most_residual);
 }
 
@@ -451,8 +452,8 @@ bool Fit::poor() const {
 double Fit::misfit() const {
   // Nearly every term is 1 at its limit.
   using L = FitLimits;
-  double sum = frames.residual / L::most_residual + frames.seams / L::most_seams +
-               frames.ratio_spread / L::most_ratio_spread;
+  double sum = frames.seams / L::most_seams + frames.ratio_spread / L::most_ratio_spread;
+  sum += code.bits_are_sure() ? code.unsure : frames.residual / L::most_residual;
 
   for (const BandRelation& relation : frames.relations) {
     sum += std::max(0.0, 1 - relation.agreement) / (1 - L::least_agreement) +

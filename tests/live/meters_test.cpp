@@ -78,18 +78,18 @@ Finding finding(const std::string& what, double value = 0) {
 TEST(FindingLog, KnowsWhenWhatBeganAndEnded) {
   FindingLog log;
   log.replace({}, 3);
-  EXPECT_TRUE(log.told().empty());
+  EXPECT_TRUE(log.all().empty());
   log.replace({finding("a", 1)}, 7);
   log.replace({finding("a", 2), finding("b")}, 11);
   log.replace({finding("b")}, 15);
   EXPECT_EQ(log.current(), (std::vector<Finding>{finding("b")}));
   log.replace({finding("a", 3)}, 19);
-  EXPECT_EQ(log.told(),
+  EXPECT_EQ(log.all(),
             (std::vector<LiveFinding>{
                 {finding("a", 1), 7, 15}, {finding("b"), 11, 19}, {finding("a", 3), 19, {}}}));
   log.replace({}, 23);
   EXPECT_TRUE(log.current().empty());
-  EXPECT_EQ(log.told().back().end, 23U);
+  EXPECT_EQ(log.all().back().end, 23U);
 }
 
 TEST(FindingLog, ForgetsTheOldestThatHasEnded) {
@@ -97,9 +97,9 @@ TEST(FindingLog, ForgetsTheOldestThatHasEnded) {
   for (std::uint64_t n = 0; n < 3 * FindingLog::most; ++n) {
     log.replace({finding("always"), finding(std::to_string(n))}, n);
   }
-  EXPECT_EQ(log.told().size(), FindingLog::most);
-  EXPECT_EQ(log.told().front().finding.what, "always");
-  EXPECT_EQ(log.told().back().finding.what, std::to_string(3 * FindingLog::most - 1));
+  EXPECT_EQ(log.all().size(), FindingLog::most);
+  EXPECT_EQ(log.all().front().finding.what, "always");
+  EXPECT_EQ(log.all().back().finding.what, std::to_string(3 * FindingLog::most - 1));
 }
 
 TEST(LiveStatistics, CountsOfWhatGoesWrongAreSaid) {

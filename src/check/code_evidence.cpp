@@ -173,7 +173,8 @@ struct Edges {
 // wrong orders and periods give 0.35 to 0.5 of doubt.
 const std::array<CodeSymptom, 7> code_symptoms{{
     {FindingKind::beyond_black_or_white,
-     "frames are darker than black or brighter than white in over {:g} % of the lit pixels",
+     "white and black do not part the code's dark bits from its bright ones in over {:g} % of the "
+     "lit pixels",
      "share of the lit pixels",
      &CodeEvidence::disordered,
      0.1,
@@ -281,17 +282,22 @@ class CodeJudge {
     return reading_.phase[band_] / two_pi;
   }
 
-  /// Whether a frame of the pixel read last is not between black and white, up to noise.
+  /// Whether the middle of white and black does not part the dark bits of the pixel read last from
+  /// the bright ones. A bit may well be brighter than white: sharpening overshoots at edges, and an
+  /// automatic exposure differs from frame to frame.
   [[nodiscard]] bool is_disordered() const {
     if (!white_) return false;
 
-    // Sharpening overshoots at edges, and an automatic exposure differs from frame to frame.
-    constexpr double noise_levels = 6, noise_share = 0.35;
-    const double high = levels_[*white_], low = levels_[*white_ + 1];
-    const auto [least, greatest] = std::ranges::minmax(levels_);
-    const double noise = std::max(noise_levels, noise_share * (high - low));
+    const auto [dark, bright] = std::ranges::minmax(
+        code_.frames | std::views::transform([&](int n) { return levels_[n]; }));
+    const double white = levels_[*white_], black = levels_[*white_ + 1];
 
-    return least < low - noise || greatest > high + noise;
+    // Bits that are all dark, or all bright, show nothing.
+    constexpr double noise_levels = 12, least_share = 0.2;
+    if (bright - dark < std::max(noise_levels, std::abs(white - black) / 2)) return false;
+
+    const double place = ((white + black) / 2 - dark) / (bright - dark);
+    return place < least_share || place > 1 - least_share;
   }
 
   /// Adds the step from stripe to stripe, and the phase where they are next to each other.

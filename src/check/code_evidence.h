@@ -12,8 +12,8 @@ namespace slipstream {
 
 /// What the frames of a code, or of single frames, reveal without geometry. All 0 if right.
 struct CodeEvidence {
-  /// Share of the pixels in which a frame is darker than black or brighter than white. Light adds
-  /// up, so that any pattern lies between the two.
+  /// Share of the pixels in which the middle of white and black does not part dark bits from bright
+  /// ones.
   double disordered = 0;
   double unlisted = 0;  ///< share of the pixels whose code word numbers no stripe
   /// Between neighbours that differ in one bit of a Gray code, the finer bits are 1, 0, 0, ... if

@@ -66,6 +66,9 @@ bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake)
   // Periods too narrow for the pictures contradict nothing.
   if (before.has_evidence() && !fit.has_evidence()) return false;
 
+  // An order or origin that leaves a drift along the field is only right in a part of it.
+  if (fit.code.drifts()) return false;
+
   if (!mistake.approximate) return fit.all();
   // The camera's response curve leaves some harmonics.
   return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&

@@ -141,7 +141,7 @@ TEST(BothAxes, KeepThePointsOfAnOrdinaryCalibration) {
   errors[1].projector.intrinsic(1, 2) -= 1.5;
   errors[2].projector.intrinsic(1, 1) *= 1.004;
   errors[3] = turned(scanner, 0.06, 0);
-  errors[4] = turned(scanner, 0.15, 2);
+  errors[4] = turned(scanner, 0.1, 2);
   for (Scanner& error : errors) {
     scan.scanner = error;
     const auto [cloud, maps, check] = checked(scan);

@@ -6,12 +6,14 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "check/fit.h"
 #include "check/frame_orders.h"
 #include "slipstream/check.h"
 #include "slipstream/gray_code.h"
+#include "slipstream/phase_shifting.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/real_sets.h"
@@ -74,6 +76,79 @@ TEST(Hints, AreComposedWithTheOrderInForce) {
   EXPECT_EQ(advice_for(scan), "try `order 0,1,2,3,5,4,6,7,8,9`");
   scan.order = wrong;
   EXPECT_EQ(advice_for(scan), "omit `order`");
+}
+
+/// The advice for a scan of one strategy that is read as another.
+std::string advice_if_read_as(const Strategy& shown, const Strategy& read) {
+  Scan scan = right_scan("statue", shown);
+  scan.sequence.strategy = read;
+  return advice_for(scan);
+}
+
+// As a loop over the steps around one over the bands takes them.
+TEST(Hints, NameStepsOfAllBandsInTurn) {
+  for (const int bands : {2, 3, 4}) {
+    std::vector<double> periods{1, 6, 30, 90};
+    periods.resize(static_cast<std::size_t>(bands));
+    Scan scan = right_scan(
+        "statue", make_strategy("multi-frequency", {{"steps", "4"}, {"periods", periods}}));
+
+    Order taken, put_right;
+    for (int n = 0; n < 4 * bands; ++n) {
+      taken.push_back(n % bands * 4 + n / bands);
+      put_right.push_back(n % 4 * bands + n / 4);
+    }
+    taken_in_order(taken)(scan);
+    EXPECT_NE(advice_for(scan).find(fmt::format("try `order {}`", fmt::join(put_right, ","))),
+              std::string::npos)
+        << advice_for(scan);
+  }
+}
+
+// As numpy.linspace(0, 2 pi, N) gives them.
+TEST(Hints, NameShiftsThatCountBothEnds) {
+  const auto shown = [](const char* shifts) {
+    return make_strategy("dual-frequency", {{"shifts", shifts}, {"high", 16}, {"low", 1}});
+  };
+  const auto read = [](int steps) {
+    return make_strategy("dual-frequency", {{"steps", steps}, {"high", 16}, {"low", 1}});
+  };
+  EXPECT_EQ(advice_if_read_as(shown("0,90,180,270,360"), read(5)), "try `shifts 0,90,180,270,360`");
+  EXPECT_EQ(advice_if_read_as(shown("0,120,240,360"), read(4)), "try `shifts 0,120,240,360`");
+}
+
+// A code's edges lie between two projector pixels, half a pixel before the stripe's first one.
+TEST(Hints, RoundOriginsToAStepOfTheShifts) {
+  const auto with_origin = [](int steps, double periods, const char* origin) {
+    return make_strategy("gray-phase",
+                         {{"steps", steps}, {"periods", periods}, {"origin", origin}});
+  };
+  EXPECT_TRUE(advice_if_read_as(with_origin(8, 32, "-0.785398"), with_origin(8, 32, "0"))
+                  .starts_with("try `origin -0.7854`"));
+  EXPECT_TRUE(advice_if_read_as(with_origin(18, 40, "-0.349066"), with_origin(18, 40, "0"))
+                  .starts_with("try `origin -0.34907`"));
+  EXPECT_TRUE(advice_if_read_as(with_origin(4, 64, "3.14159"), with_origin(4, 64, "0"))
+                  .starts_with("try `origin 3.1416`"));
+  // Not near any: a value as inexact as it was measured is not proposed.
+  EXPECT_EQ(advice_if_read_as(with_origin(4, 32, "0.7"), with_origin(4, 32, "0")).find("`origin"),
+            std::string::npos);
+}
+
+// Stripes of 40 pixels number periods of 1280 / 36 pixels: the difference grows along the field.
+TEST(Hints, ProposeNoOriginForStripesOfAnotherWidth) {
+  const Scan of_periods = right_scan("statue", GrayPhase{.periods = 36, .bits = 6});
+  const Scan of_stripes = right_scan("statue", GrayPhase{.periods = 35.6, .bits = 6});
+  Scan scan = of_periods;
+  Pictures pictures = pictures_of(of_periods);
+  const Pictures code = pictures_of(of_stripes);
+  for (std::size_t n = 4; n < pictures.size(); ++n) pictures[n] = code[n];
+  scan.frames = FrameSet(std::move(pictures));
+
+  const std::vector<Finding> findings = check_scan(scan).findings;
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().severity, Severity::doubtful) << text_of(findings.front());
+  EXPECT_NE(causes_of(findings.front()).find("not as wide as a period"), std::string::npos)
+      << text_of(findings.front());
 }
 
 TEST(Hints, EvidenceIsBeyondItsLimit) {

@@ -1,5 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -59,6 +64,59 @@ TEST(EveryStrategy, IsLeftInPeace) {
     world.photometry = {.ambient = 3, .noise_variance = 1.5};
     for (const Strategy& strategy : all) {
       EXPECT_EQ(told(findings_of(world, strategy)), "") << label_of(strategy) << ", " << scene;
+    }
+  }
+}
+
+/// The scan as a camera writes it that sharpens: each pixel overshoots against its neighbours.
+void sharpen(Scan& scan) {
+  Pictures pictures = pictures_of(scan);
+  for (Image<std::uint8_t>& picture : pictures) {
+    const Image<std::uint8_t> seen = picture;
+    for (int row = 1; row + 1 < seen.height(); ++row) {
+      for (int column = 1; column + 1 < seen.width(); ++column) {
+        const double around = (seen(column - 1, row) + seen(column + 1, row) +
+                               seen(column, row - 1) + seen(column, row + 1)) /
+                              4.0;
+        const double level = seen(column, row) + 0.8 * (seen(column, row) - around);
+        picture(column, row) = static_cast<std::uint8_t>(std::clamp(level, 0.0, 255.0));
+      }
+    }
+  }
+  scan.frames = FrameSet(std::move(pictures));
+}
+
+// A code is right as long as its bits stay on their side of the threshold.
+TEST(CodesOfOrdinaryCameras, AreLeftInPeace) {
+  const auto tone_curve = [](double gamma) {
+    return [gamma](double level, int, int) { return 255 * std::pow(level / 255, 1 / gamma); };
+  };
+  const auto darker = [](double gain) {
+    return [gain](double level, int, int) { return gain * level; };
+  };
+
+  for (const char* const reference : {"inverse", "white-black"}) {
+    const Strategy strategy = make_strategy("gray", {{"bits", 9}, {"reference", reference}});
+    VirtualWorld world{.scanner = example_scanner({640, 480})};
+    world.scene = scene_named("statue", world.scanner);
+    world.photometry = {.ambient = 3, .noise_variance = 1.5};
+    const VirtualScan taken =
+        take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
+    const Scan right{.frames = taken.frames,
+                     .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+                     .scanner = as_calibrated(world)};
+    const int frames = right.frames.count();
+
+    const std::vector<std::pair<std::string, std::function<void(Scan&)>>> cameras{
+        {"gamma 2.2", pixels(all_frames(frames), tone_curve(2.2))},
+        {"gamma 1.6", pixels(all_frames(frames), tone_curve(1.6))},
+        {"sharpened", sharpen},
+        {"a frame of 85 %", pixels({frames - 2}, darker(0.85))},
+        {"other frames of 90 %", pixels({0, 3, 4, 7}, darker(0.9))}};
+    for (const auto& [name, change] : cameras) {
+      Scan scan = right;
+      change(scan);
+      EXPECT_EQ(told(check_scan(scan)), "") << reference << ", " << name;
     }
   }
 }

@@ -153,6 +153,8 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
   constexpr double hopeless_outside = 0.6;
+  // More would have been explained by a gamma.
+  constexpr double most_by_gamma = 0.2;
 
   const auto blame = [&](CauseKind kind, std::string_view text) {
     finding.causes.push_back({kind, std::string(text)});
@@ -191,7 +193,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
 
     blame(CauseKind::unclear,
           "wrong pattern settings, lost or mixed-up frames, or motion during capture");
-    blame_gamma();
+    if (fit.frames.residual <= most_by_gamma) blame_gamma();
     finding.remedies = {{"compare the frames with the output of `patterns()`"}};
   } else if (!fit.geometry_fits()) {
     if (geometry->outside + geometry->without_point > hopeless_outside)

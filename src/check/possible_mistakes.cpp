@@ -235,8 +235,13 @@ class Mistakes {
 
   /// N shifts from 0 to a whole period, both ends counted: the last frame is the first one again.
   void add_shifts_with_both_ends() {
-    const int steps = static_cast<int>(setting("steps").number());
-    if (steps < 4) return;  // three of them would have two different shifts
+    std::vector<double> of_bands;
+    setting("steps").read(of_bands);
+    const int steps = static_cast<int>(of_bands.front());
+
+    // Three of them would have two different shifts; shifts are the same in all bands.
+    const bool alike = std::ranges::count(of_bands, of_bands.front()) == std::ssize(of_bands);
+    if (steps < 4 || !alike) return;
 
     std::vector<double> shifts;
     for (int n = 0; n < steps; ++n) shifts.push_back(360.0 * n / (steps - 1));

@@ -81,8 +81,14 @@ const FrameViews& FrameAdapter::operator()(const FrameViews& taken) {
 std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken) {
   if (sequence.exposures.size() > 1) taken = merged_exposures(taken, sequence.exposures);
 
-  std::vector<FrameSet> scans = parts_of(std::move(taken), frames_along_axes(sequence));
   // With patterns along both axes the second scan has the other one.
+  std::vector<FrameSet> scans;
+  if (sequence.both_axes) {
+    scans = parts_of(std::move(taken), frames_along_axes(sequence));
+  } else {
+    scans.push_back(std::move(taken));
+  }
+
   Axis axis = sequence.axis;
   for (FrameSet& frames : scans) {
     if (const auto how = along(sequence, axis).strategy.demodulation()) {

@@ -214,7 +214,7 @@ class Mistakes {
       // The relation is known modulo 1: try each whole number that keeps the origin within a turn.
       const int most = static_cast<int>(std::ceil(std::abs(gain) / 2));
       for (int k = -most; k <= most; ++k) {
-        constexpr double by_relations = 0.05;
+        constexpr double by_relations = 0.02;
         add_near(origin() + two_pi * (relation.offset + k) / gain, by_relations,
                  is_on("backwards"));
       }

@@ -127,7 +127,7 @@ TEST(Hints, RoundOriginsToAStepOfTheShifts) {
                   .starts_with("try `origin -0.7854`"));
   EXPECT_TRUE(advice_if_read_as(with_origin(18, 40, "-0.349066"), with_origin(18, 40, "0"))
                   .starts_with("try `origin -0.34907`"));
-  EXPECT_TRUE(advice_if_read_as(with_origin(4, 64, "3.14159"), with_origin(4, 64, "0"))
+  EXPECT_TRUE(advice_if_read_as(with_origin(4, 32, "3.14159"), with_origin(4, 32, "0"))
                   .starts_with("try `origin 3.1416`"));
   // Not near any: a value as inexact as it was measured is not proposed.
   EXPECT_EQ(advice_if_read_as(with_origin(4, 32, "0.7"), with_origin(4, 32, "0")).find("`origin"),

@@ -412,8 +412,8 @@ void bind_geometry_calibration(py::module_& module) {
       Args:
           folder (str | PathLike): with one folder for each pose.
           report (str | PathLike | None): folder for report.html.
-          board (Literal["chessboard", "circles", "charuco", "symmetric-circles"], default
-              'chessboard'): kind.
+          board (Literal["chessboard", "circles", "charuco", "symmetric-circles"], default 'chessboard'):
+              kind.
           columns (int, default 13): of corners or circles.
           rows (int, default 9): of corners or circles.
           spacing (float, default 10.0): side of a square, mm; for circles half the distance in a

@@ -140,6 +140,17 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
               "none, or a gamma");
 
   options.add("--camera-bits", flags.bits, "bit depth of the camera, if below 16 in 16-bit files");
+  const auto cut = [&flags](const std::string& text) {
+    flags.camera_region = rectangle_of_text(text);
+    throw_if(!flags.camera_region.has_value(),
+             "--camera-region '{}' is not a region; give width x height + x + y, e.g. "
+             "640x480+16+8",
+             text);
+  };
+  options.add_read<>("--camera-region", cut,
+                     "part of the calibrated picture that the frames show, width x height + x + y, "
+                     "if the camera's region was set or the pictures were cropped since");
+
   add_scan_flags(subcommand, flags);
 }
 

@@ -39,9 +39,10 @@ double code_intensity(const Code& code, int n, double y);
 
 /// The code decoded at one pixel.
 struct CodeReading {
-  /// From 0 at y = 0, past the last if no stripe has that code word. If bits are doubtful: halfway
-  /// between the first and the last stripe that they allow, as at an edge, where one bit is.
-  double stripe = 0;
+  /// The first and the last stripe that doubtful bits allow, as at an edge, where one bit is
+  /// doubtful; the same if none is. From 0 at y = 0, past the field if no stripe has that code
+  /// word.
+  int first = 0, last = 0;
   double spread = 0;    ///< stripes from the first possible one to the last; all with many doubtful
   double contrast = 0;  ///< half the range of the frames, like a modulation; of a code alone
 };
@@ -61,6 +62,11 @@ CodeBits code_bits(const Code& code, std::span<const double> intensities, double
 
 /// The stripe from the bits shown in the frames, most significant first.
 int stripe_of(const Code& code, unsigned shown);
+
+/// The first pixel of a stripe if the projector has `pixels` across the field, of which pixel x
+/// shows y = x / pixels. Stripes need not be whole pixels wide: a stripe then has a pixel more or
+/// less than its neighbours. Of stripes past the field: at most 2 `pixels`.
+int first_pixel(const Code& code, int stripe, int pixels);
 
 /// Phase of the first pattern and direction of the shifts. Pattern n has phase 2 pi f y + origin -
 /// 2 pi n / N, or + 2 pi n / N if backwards.

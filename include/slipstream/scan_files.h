@@ -31,6 +31,8 @@ struct ScanFiles {
   std::optional<std::uint64_t> window{};
 
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
+  /// The part of the calibrated picture that the frames show; nullopt: all.
+  std::optional<Rectangle> camera_region{};
 
   /// For colour pictures: a picture under uniform grey light, see unmixed.
   std::optional<std::filesystem::path> white{};
@@ -53,6 +55,7 @@ struct ScanChanges {
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<std::filesystem::path> scanner{};
+  std::optional<Rectangle> camera_region{};
 
   /// Scan folder or recording of a second camera, and its scanner's file.
   std::optional<std::filesystem::path> second_camera{}, second_scanner{};

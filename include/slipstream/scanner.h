@@ -36,6 +36,10 @@ struct Lens {
   friend bool operator==(const Lens&, const Lens&) = default;
 };
 
+/// The lens for pictures that show only this part of its own. Throws Error unless the part lies
+/// inside of them, where their size is known.
+Lens part_of(Lens lens, const Rectangle& part);
+
 /// Throws Error, beginning with the device, unless K is finite and upper triangular, with positive
 /// focal lengths and K(2, 2) = 1.
 void require_valid(const Lens& lens, std::string_view device);

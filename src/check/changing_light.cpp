@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ struct FrameGains {
     return others.dot(2 * right - normal * others);
   }
 
+  std::vector<int> frames{};  ///< of each gain
   Eigen::VectorXd gains;
   Eigen::MatrixXd normal;  ///< normal * gains = right, with residual `all`
   Eigen::VectorXd right;
@@ -32,7 +34,7 @@ struct FrameGain {
 /// The frame whose gain alone explains nearly all, and more than any other's.
 std::optional<FrameGain> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
-  const auto& [unused, normal, right, all] = gains;
+  const auto& [frames, unused, normal, right, all] = gains;
   std::optional<FrameGain> best;
 
   double most = 0, second = 0;
@@ -42,16 +44,28 @@ std::optional<FrameGain> odd_frame(const FrameGains& gains) {
     second = std::max(second, std::min(share, most));
     if (share <= most) continue;
     most = share;
-    best = FrameGain{static_cast<int>(n), right[n] / normal(n, n)};
+    best = FrameGain{frames[n], right[n] / normal(n, n)};
   }
 
   // The clearest frame must stand out from the second.
   return most >= least_share && most >= second + least_lead ? best : std::nullopt;
 }
 
+/// The frames that an unexplained component contains: not a code's whose bits are all there is.
+std::vector<int> compared_frames(const FrameModel& model) {
+  constexpr double least = 1e-6;
+
+  std::vector<int> frames;
+  for (int n = 0; n < model.layout().frames; ++n) {
+    if (model.unexplained_by(n, 1).norm() > least) frames.push_back(n);
+  }
+  return frames;
+}
+
 /// The gains from every other group, from `first` (0 or 1) on.
 FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
-  const int count = model.layout().frames;
+  const std::vector<int> frames = compared_frames(model);
+  const auto count = static_cast<Eigen::Index>(frames.size());
 
   // P I is 0 for true frames, so gains leave P diag(I) gain. Both factors of each product come from
   // different neighbours, which share no noise.
@@ -65,7 +79,9 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
   const auto by_gains = [&](const float* levels, Eigen::MatrixXd& changes, Eigen::VectorXd& left) {
     model.read(levels, order, reading);
     left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
-    for (int n = 0; n < count; ++n) changes.col(n) = model.unexplained_by(n, levels[n]);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      changes.col(i) = model.unexplained_by(frames[i], levels[frames[i]]);
+    }
   };
 
   Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
@@ -83,11 +99,11 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
   }
 
   // A common gain is unobservable: fix the mean at 0.
-  const double held = normal.trace() / count;
+  const double held = normal.trace() / static_cast<double>(count);
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
 
-  return {gains, normal, right, all};
+  return {frames, gains, normal, right, all};
 }
 
 }  // namespace

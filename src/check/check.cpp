@@ -206,8 +206,13 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
     check_camera(scan.further_cameras[i], settings, fmt::format("camera {}", i + 2), checked);
   }
 
+  // A gamma that bends the phase by less than noise needs no correction.
+  const bool matters = std::ranges::any_of(checked.findings, [](const Finding& finding) {
+    return std::ranges::count(finding.causes, CauseKind::gamma, &Cause::kind) > 0;
+  });
+
   const auto& blind = settings.blind;
-  if (blind && !blind->accepted() && blind->refusal != BlindRefusal::no_distortion) {
+  if (matters && blind && !blind->accepted() && blind->refusal != BlindRefusal::no_distortion) {
     checked.findings.push_back(
         {.kind = FindingKind::blind_gamma_refused,
          .what = fmt::format("`gamma blind` corrects nothing: {}", reason_of(blind->refusal)),

@@ -316,8 +316,8 @@ class CodeJudge {
     if (!clear || edge - std::min(here.stripe, next.stripe) != 1) return;
 
     const double before = phase(samples_.levels(g, Place::middle));
-    edges_.add(before, phase(there), periods_ * model_.edge_of_stripes(edge, code_.stripes), rising,
-               2 * edge > code_.stripes);
+    edges_.add(before, phase(there), periods_ * model_.edge_of_stripe(static_cast<int>(edge)),
+               rising, 2 * edge > code_.stripes);
   }
 
   [[nodiscard]] CodeEvidence summed_up() const {

@@ -209,11 +209,28 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   }
 }
 
+/// Of frames that fit: pictures that are a part of the calibrated ones, which part is unknown.
+std::optional<Finding> cropped_pictures(const JudgedScan& scan, const Fit& fit) {
+  if (!fit.has_stray_points() || !is_off_centre(scan.scanner->camera)) return std::nullopt;
+
+  const Lens& camera = scan.scanner->camera;
+  return Finding{
+      .kind = FindingKind::off_centre_camera,
+      .what =
+          "points lie outside the projector's light, and the camera's optical axis far from the "
+          "centre of its pictures",
+      .evidence = {{"share of the width", camera.intrinsic(0, 2) / camera.size.width},
+                   {"share of the height", camera.intrinsic(1, 2) / camera.size.height},
+                   {"share outside the projector's light", fit.geometry->outside}},
+      .causes = {{CauseKind::picture_size, "pictures cropped or of another size"}},
+      .remedies = {{"say which part of the calibrated pictures they are with `camera_region`"}}};
+}
+
 /// Of a scan that fits: another mistake that explains it far better.
 std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   constexpr double clearly = 0.5;
   auto better = fit.poor() ? likeliest_mistake(scan, fit) : std::nullopt;
-  if (!better) return std::nullopt;
+  if (!better) return cropped_pictures(scan, fit);
 
   // Depths beyond the boards may be the scene's own: on their own they prove no mistake.
   const double beyond = fit.geometry ? fit.geometry->beyond : 0;
@@ -295,11 +312,23 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
     return;
   }
 
+  // Frames that show stripes of one bit are the right ones.
+  const bool of_stripes =
+      fit.waveform && fit.waveform->is_odd() && fit.waveform->residual <= FitLimits::most_residual;
+  if (of_stripes && !fit.patterns_made() && fit.bands_agree()) {
+    finding.severity = Severity::doubtful;
+    finding.causes = {{CauseKind::noise, "one-bit patterns in focus"}};
+    finding.remedies = {{"defocus the projector or show 8-bit patterns"}};
+    result.findings.push_back(std::move(finding));
+    return;
+  }
+
   auto explanation = likeliest_mistake(scan, fit);
 
   // 2. Frames without a pattern.
   constexpr double contradicting = 0.2;  // so far off that a frame may be lost
-  const bool is_lost = !fit.code_agrees() ||
+  const bool turns_back = fit.geometry && fit.geometry->falling > FitLimits::most_falling;
+  const bool is_lost = !fit.code_agrees() || turns_back ||
                        (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
   std::vector<Finding> dark = dark_frames(scan, is_lost);
 

@@ -18,19 +18,6 @@ Complex turned(double periods) {
   return std::polar(1.0, two_pi * periods);
 }
 
-/// Sum of squares about the mean over the frames.
-double variation_of(const float* levels, int frames) {
-  double sum = 0, squares = 0;
-
-  for (int n = 0; n < frames; ++n) {
-    const double level = levels[n];
-    sum += level;
-    squares += level * level;
-  }
-
-  return squares - sum * sum / frames;
-}
-
 /// Position of a point in the projector's picture, share of the field along and across the axis.
 struct FieldPlace {
   double along = 0, across = 0;
@@ -186,7 +173,7 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   // 1. Each group's middle pixel, then its neighbours.
   for (std::size_t g = 0; g < groups; ++g) {
     const float* const levels = samples.levels(g, Place::middle);
-    const double variation = variation_of(levels, samples.frames());
+    const double variation = samples.variation(levels);
     model_.read(levels, order, here_);
 
     doubts_.push_back(here_.doubt);
@@ -246,7 +233,7 @@ class GeometryJudge {
         turn_(turn),
         band_(model.measuring_band()),
         periods_(model.layout().bands[band_].periods),
-        rises_(!model.layout().unwrapping->whole_stripes) {}
+        is_code_(model.layout().unwrapping->whole_stripes) {}
 
   GeometryEvidence operator()() {
     for (std::size_t g = 0; g < samples_.groups(); ++g) {
@@ -259,7 +246,7 @@ class GeometryJudge {
 
       compare_with_bounds(*point);
       depths_.push_back(point->z);
-      if (rises_ && is_inside_surface(g)) add_slope(g, *point);
+      if (is_inside_surface(g)) add_slope(g, *point);
     }
 
     return samples_.groups() == 0 ? GeometryEvidence() : summed_up();
@@ -341,7 +328,34 @@ class GeometryJudge {
     // Least squares over both directions.
     const Eigen::Vector2d seen(change(Place::right), change(Place::below));
     const double slope = seen.dot(flat) / flat.squaredNorm();
-    if (std::isfinite(slope)) slopes_.push_back(slope);
+    if (!std::isfinite(slope)) return;
+
+    // A code alone changes by whole stripes. Steps of more are an edge of a surface.
+    if (is_code_) {
+      const double stripe = 1 / model_.layout().code->stripes;
+      const double most = 1.5 * stripe + FitLimits::most_slope * flat.cwiseAbs().maxCoeff();
+      if (seen.cwiseAbs().maxCoeff() > most) return;
+    }
+
+    slopes_.push_back(slope);
+  }
+
+  /// The mean slope of a code alone, of which most are 0: between pixels of one stripe.
+  void sum_up_steps(GeometryEvidence& result) const {
+    const auto count = static_cast<double>(slopes_.size());
+    double sum = 0, squares = 0, falling = 0, sizes = 0;
+
+    for (const double slope : slopes_) {
+      sum += slope;
+      squares += slope * slope;
+      sizes += std::abs(slope);
+      if (slope < 0) falling -= slope;
+    }
+
+    result.slope = sum / count;
+    result.slope_doubt =
+        3 * std::sqrt(std::max(0.0, squares / count - result.slope * result.slope) / count);
+    if (sizes > 0) result.falling = falling / sizes;
   }
 
   /// Shares of the pixels, with or without a point, and medians.
@@ -360,6 +374,11 @@ class GeometryJudge {
     // The scatter of fewer says too little about their median.
     constexpr std::size_t fewest_slopes = 16;
     if (slopes_.size() < fewest_slopes) return result;
+    if (is_code_) {
+      sum_up_steps(result);
+      return result;
+    }
+
     result.slope = quantile(slopes_, 0.5);
 
     // From here on the slopes are deviations from their median.
@@ -381,7 +400,7 @@ class GeometryJudge {
 
   std::size_t band_;
   double periods_;  ///< of the measuring band
-  bool rises_;      ///< a code alone changes by whole stripes: most neighbours lie in one stripe
+  bool is_code_;    ///< a code alone, which changes by whole stripes
 
   SampleReading here_, next_;
   std::vector<double> depths_, slopes_;
@@ -433,20 +452,25 @@ bool Fit::geometry_fits() const {
   if (!geometry) return true;
   return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
          geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
+         geometry->falling <= FitLimits::most_falling &&
          geometry->without_point + geometry->outside <= FitLimits::most_outside;
 }
 
 bool Fit::poor() const {
-  // Right scans: at most 0.05, 0.001, 0.04.
-  constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_outside = 0.06, poor_beyond = 0.5;
+  // Right scans: at most 0.05 and 0.001.
+  constexpr double poor_offset = 0.06, poor_seams = 0.0015, poor_beyond = 0.5;
 
   const auto is_off = [](const BandRelation& relation) {
     return !relation.is_hidden() && std::abs(relation.offset) > poor_offset + 3 * relation.error;
   };
 
   return std::ranges::any_of(frames.relations, is_off) || frames.seams > poor_seams ||
-         (geometry && (geometry->outside + geometry->without_point > poor_outside ||
-                       geometry->beyond > poor_beyond));
+         has_stray_points() || (geometry && geometry->beyond > poor_beyond);
+}
+
+bool Fit::has_stray_points() const {
+  constexpr double most = 0.06;  // right scans: 0.04
+  return geometry && geometry->outside + geometry->without_point > most;
 }
 
 double Fit::misfit() const {
@@ -471,7 +495,7 @@ double Fit::misfit() const {
 
     sum += (geometry->without_point + geometry->outside) / L::most_outside +
            geometry->out_of_range / L::most_out_of_range + geometry->beyond +
-           std::abs(std::log(std::max(1e-3, nearest_to_one)));
+           geometry->falling / L::most_falling + std::abs(std::log(std::max(1e-3, nearest_to_one)));
   }
 
   return sum;

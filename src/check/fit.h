@@ -10,6 +10,7 @@
 
 #include "check/code_evidence.h"
 #include "check/frame_model.h"
+#include "check/waveform.h"
 #include "slipstream/finding.h"
 
 namespace slipstream {
@@ -27,6 +28,8 @@ struct FitLimits {
   static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;
   // Slanted surfaces change the slope: median 0.58 to 1.8 in correct scans.
   static constexpr double least_slope = 0.35, most_slope = 2.8;
+  // A lost bit turns the coordinate's direction in half of the field.
+  static constexpr double most_falling = 0.15;
   static constexpr double most_outside = 0.25, most_out_of_range = 0.6;
   static constexpr double least_noise = 0.3;  // below this coherence, noise leaves no evidence
 };
@@ -125,10 +128,12 @@ struct GeometryEvidence {
   double beyond = 0;         ///< the same with a tenth of the range as margin
   /// Median over the pixels inside of surfaces of the coordinate's change to the next pixel,
   /// divided by the change on a surface that faces the camera: about 1 if all is right, negative if
-  /// the stripes run the other way, near 0 if they run along the other axis. Always 1 for a code
-  /// alone, and if there are few such pixels.
+  /// the stripes run the other way, near 0 if they run along the other axis. The mean for a code
+  /// alone. 1 if there are few such pixels.
   double slope = 1;
   double slope_doubt = 0;  ///< three standard errors of `slope`, from the scatter of the pixels
+  /// Of a code alone: of all changes of the coordinate, the share that runs the other way.
+  double falling = 0;
 };
 
 /// How pictures were flipped before they were saved.
@@ -144,7 +149,10 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
 
 /// Evidence compared with FitLimits.
 struct Fit {
+  /// Its residual is without the waveform's if that does no harm.
   FrameEvidence frames{};
+  /// Of frames that do not match the patterns; nullopt if it cannot be found.
+  std::optional<Waveform> waveform{};
   CodeEvidence code{};
   bool moving = false;                         ///< CheckSettings::moving
   std::optional<GeometryEvidence> geometry{};  ///< nullopt without a scanner
@@ -174,6 +182,8 @@ struct Fit {
   }
 
   [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
+  /// Whether more points lie outside the projector's light, or nowhere, than in right scans.
+  [[nodiscard]] bool has_stray_points() const;
   /// Whether it fits so poorly that another origin or frame order may fit far better.
   [[nodiscard]] bool poor() const;
   /// 0 for a perfect fit; of two explanations, the smaller misfit is likelier.

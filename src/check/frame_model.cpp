@@ -194,14 +194,13 @@ void FrameModel::unwrap(SampleReading& reading, double cue) const {
   reading.coordinate = y;
 }
 
-double FrameModel::edge_of_stripes(unsigned edge, double stripes) const {
-  const double y = edge / stripes;
+double FrameModel::edge_of_stripe(int stripe) const {
+  const Code& code = *layout_.code;
   const int length = length_along(sequence_.axis, sequence_.projector);
-  if (length == 0) return y;
+  if (length == 0) return stripe / code.stripes;
 
   // Pixel x shows y = x / length, so the stripe begins half a pixel before its first pixel.
-  constexpr double rounding = 1e-9;
-  return (std::ceil(y * length - rounding) - 0.5) / length;
+  return (first_pixel(code, stripe, length) - 0.5) / length;
 }
 
 double FrameModel::shape(int n, const SampleReading& reading) const {

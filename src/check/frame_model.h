@@ -76,12 +76,17 @@ class FrameModel {
 
   [[nodiscard]] const FrameOrder& identity() const { return identity_; }
 
-  /// y where a projector changes from one of `stripes` to the next, number `edge`: between the last
-  /// pixel of one and the first of the other. Exactly there if the projector's size is unknown.
-  [[nodiscard]] double edge_of_stripes(unsigned edge, double stripes) const;
+  /// y where a stripe of the code begins: between its first pixel and the last of the one before.
+  /// Exactly there if the projector's size is unknown.
+  [[nodiscard]] double edge_of_stripe(int stripe) const;
 
   /// `levels`: the intensities of the frames, in stored order. Reuses the memory of `reading`.
   void read(const float* levels, const FrameOrder& order, SampleReading& reading) const;
+
+  /// The components of these frames, a column for each pixel, that no pattern explains.
+  [[nodiscard]] Eigen::MatrixXd unexplained_of(const Eigen::MatrixXd& frames) const {
+    return complement_ * frames;
+  }
 
   /// Derivative of the unexplained components by the gain of frame n, from its intensity: a column.
   [[nodiscard]] Eigen::VectorXd unexplained_by(int n, double level) const {

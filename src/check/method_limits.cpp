@@ -15,8 +15,7 @@
 
 #include "base/numbers.h"
 #include "base/statistics.h"
-#include "codes/predicted_variance.h"
-#include "decode/cue_evidence.h"
+#include "check/phase_noise.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {
@@ -231,9 +230,8 @@ std::optional<Finding> small_scale(const JudgedScan& scan, double median_depth) 
 }
 
 /// A warning if neighbouring pixels differ by much more than noise and the projector's pixels make
-/// them. `noise`: of the phase, rad, at a modulation of 1.
-/// `pixel`: of the phase by a projector's pixel, rad.
-std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, double pixel) {
+/// them.
+std::optional<Finding> unexplained_noise(const JudgedScan& scan, const PhaseNoise& noise) {
   constexpr double most = 3;  // standard deviations: a wrong noise variance may give 2
   constexpr std::size_t most_groups = 128;
 
@@ -257,7 +255,8 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, double noise, d
     const double twist = std::remainder(
         read[0].phase[band] - read[1].phase[band] - read[2].phase[band] + read[3].phase[band],
         two_pi);
-    ratios.push_back(std::abs(twist) / (2 * std::hypot(noise / read[0].modulation[band], pixel)));
+    const double of_pixel = noise.of_level / read[0].modulation[band];
+    ratios.push_back(std::abs(twist) / (2 * std::hypot(of_pixel, noise.by_pixel)));
   }
 
   if (ratios.size() < ScanSamples::fewest_groups) return std::nullopt;
@@ -286,18 +285,8 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit) {
     return findings;
 
   // 1. Noise of the phase at the scene's typical modulation.
-  SampleReading reading;
-  std::vector<double> modulations;
-  for (std::size_t g = 0; g < ScanSamples::fewest_groups; ++g) {
-    model.read(scan.samples.levels(g, ScanSamples::middle), model.identity(), reading);
-    modulations.push_back(std::max(1.0, reading.modulation[model.measuring_band()]));
-  }
-
   const Band& band = layout.bands[model.measuring_band()];
-  // Deviation at a modulation of 1 grey level.
-  const double noise = std::sqrt(phase_variance(
-      band, 1, scan.photometry.noise_variance.value_or(CueSettings{}.noise_variance)));
-  const double typical = noise / quantile(modulations, 0.5);
+  const PhaseNoise noise = phase_noise(model, scan);
 
   const auto add = [&](std::optional<Finding> found) {
     if (found) findings.push_back(std::move(*found));
@@ -306,23 +295,20 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit) {
 
   // 2. Limits of the rig.
   if (fit.geometry) {
-    add(stripes_along_baseline(scan, fit.geometry->median_depth, typical / two_pi / band.periods));
+    add(stripes_along_baseline(scan, fit.geometry->median_depth,
+                               noise.typical / two_pi / band.periods));
     add(small_scale(scan, fit.geometry->median_depth));
   }
 
   // 3. Limits of the patterns, which motion and whole stripes hide.
   if (scan.settings.moving || layout.unwrapping->whole_stripes) return findings;
 
-  // The light may be constant over each of the projector's pixels.
-  const int length = length_along(scan.sequence.axis, scan.sequence.projector);
-  const double pixel = two_pi * band.periods / (length > 0 ? length : 1024) / std::sqrt(12);
-
-  const bool scattered = add(unexplained_noise(scan, noise, pixel));
+  const bool scattered = add(unexplained_noise(scan, noise));
 
   // One-bit patterns are not proportional to grey levels pixel by pixel, nor are blurred carriers.
   if ((scattered && scan.sequence.binary) || band.carrier > 0) return findings;
 
-  add(unknown_response(scan, std::hypot(typical, pixel)));
+  add(unknown_response(scan, std::hypot(noise.typical, noise.by_pixel)));
   return findings;
 }
 

@@ -14,6 +14,8 @@
 #include "base/numbers.h"
 #include "check/code_evidence.h"
 #include "check/method_limits.h"
+#include "check/phase_noise.h"
+#include "check/waveform.h"
 
 namespace slipstream {
 namespace {
@@ -24,6 +26,17 @@ struct Attempt {
   Fit fit;
   double misfit = 0;
 };
+
+/// Takes out of the residual what a waveform explains that hardly bends the phase.
+void excuse_waveform(const JudgedScan& scan, const FrameModel& model, const FrameOrder& order,
+                     Fit& fit) {
+  fit.waveform = waveform_of(model, scan, order);
+  if (!fit.waveform || fit.waveform->residual > FitLimits::most_residual) return;
+
+  const PhaseNoise noise = phase_noise(model, scan);
+  const bool is_harmless = fit.waveform->phase_error <= std::hypot(noise.typical, noise.by_pixel);
+  if (is_harmless) fit.frames.residual = fit.waveform->residual;
+}
 
 /// Calls `use` with the model and the order of the frames after the mistake is undone.
 template <class Use>
@@ -80,6 +93,11 @@ bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake)
   return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&
          fit.depths_fit() && fit.frames.residual <= before.frames.residual &&
          fit.misfit() < before.misfit();
+}
+
+double misfit_of_frames(Fit fit) {
+  fit.geometry.reset();
+  return fit.misfit();
 }
 
 /// Whether warnings about the method's limits remain after the mistake is undone.
@@ -207,6 +225,8 @@ Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
             .code = code_evidence(model, scan.samples, order),
             .moving = scan.settings.moving};
 
+    if (!fit.patterns_made()) excuse_waveform(scan, model, order, fit);
+
     fit.code.doubt = fit.frames.doubt;
     // Without a code's edges the frames themselves show an error of the origin.
     if (!fit.code.has_edges) fit.code.offset = fit.frames.origin / two_pi;
@@ -255,7 +275,15 @@ std::optional<Explanation> likeliest_mistake(const JudgedScan& scan, const Fit& 
   std::erase_if(
       found, [&](const Attempt& attempt) { return attempt.misfit > best && attempt.fit.poor(); });
 
-  // 4. A scan that fits as it is needs a far better explanation.
+  // 4. Geometry that may be of other pictures proves no setting that the frames do not.
+  if (scan.scanner != nullptr && as_given.frames_fit() && is_off_centre(scan.scanner->camera)) {
+    std::erase_if(found, [&](const Attempt& attempt) {
+      return !attempt.mistake.geometric &&
+             misfit_of_frames(attempt.fit) > misfit_of_frames(as_given) - far_better;
+    });
+  }
+
+  // 5. A scan that fits as it is needs a far better explanation.
   if (as_given.all()) {
     std::erase_if(found, [&](const Attempt& attempt) {
       return attempt.mistake.far_fetched || attempt.misfit > as_given.misfit() - far_better;

@@ -45,6 +45,7 @@ class Mistakes {
     // 2. Mistakes of the scanner, if the frames are right.
     const std::size_t of_frames = list.size();
     if (scan.scanner != nullptr && frames_fit && !as_given.all()) add_geometry();
+    if (scan.scanner != nullptr && frames_fit && is_off_centre(scan.scanner->camera)) add_crop();
     for (std::size_t i = of_frames; i < list.size(); ++i) list[i].geometric = true;
 
     // 3. Usual shifts that nothing makes likely are far-fetched.
@@ -380,6 +381,19 @@ class Mistakes {
     pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
 
     add_scanner_files();
+  }
+
+  /// Pictures that are the middle of the calibrated ones, or nearly.
+  void add_crop() {
+    Scanner cropped = *scan_.scanner;
+    const Size size = cropped.camera.size;
+    cropped.camera.intrinsic(0, 2) = (size.width - 1) / 2.0;
+    cropped.camera.intrinsic(1, 2) = (size.height - 1) / 2.0;
+
+    add(CauseKind::picture_size,
+        "a scanner file for larger camera pictures, of which these are a part",
+        {{"say which part they are with `camera_region`, or use pictures of the calibrated size"}})
+        .scanner = std::move(cropped);
   }
 
   /// Scanner files, each with its mistake mended.

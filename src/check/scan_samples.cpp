@@ -30,6 +30,18 @@ double ScanSamples::range(const float* levels) const {
   return static_cast<double>(*greatest) - *least;
 }
 
+double ScanSamples::variation(const float* levels) const {
+  double sum = 0, squares = 0;
+
+  for (int n = 0; n < frames_; ++n) {
+    const double level = levels[n];
+    sum += level;
+    squares += level * level;
+  }
+
+  return squares - sum * sum / frames_;
+}
+
 bool ScanSamples::lit(std::size_t group, Place place) const {
   return range(levels(group, place)) >= least_range_;
 }

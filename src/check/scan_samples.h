@@ -60,6 +60,8 @@ class ScanSamples {
   [[nodiscard]] double gain(std::size_t group) const { return lit_[group].gain; }
   /// Difference of the brightest and the darkest frame.
   [[nodiscard]] double range(const float* levels) const;
+  /// Sum of squares about the mean over the frames.
+  [[nodiscard]] double variation(const float* levels) const;
   [[nodiscard]] bool lit(std::size_t group, Place place) const;
 
   /// Number of lit pixels with a saturated frame.

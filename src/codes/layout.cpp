@@ -165,6 +165,13 @@ int stripe_of(const Code& code, unsigned shown) {
   return static_cast<int>(shown);
 }
 
+int first_pixel(const Code& code, int stripe, int pixels) {
+  // is_bright tolerates as much.
+  constexpr double rounding = 1e-9;
+  const double edge = (stripe - rounding) / code.stripes * pixels;
+  return static_cast<int>(std::ceil(std::min(edge, 2.0 * pixels)));
+}
+
 CodeBits code_bits(const Code& code, std::span<const double> I, double tolerance) {
   const double reference = reference_of(code, I);
   CodeBits bits;
@@ -200,7 +207,8 @@ CodeReading read_code(const Code& code, std::span<const double> I, double noise)
   }
 
   // With too many doubtful bits every stripe is possible.
-  return {.stripe = (first + last) / 2.0,
+  return {.first = first,
+          .last = last,
           .spread = readable ? last - first : code.stripes,
           .contrast = (brightest - darkest) / 2};
 }

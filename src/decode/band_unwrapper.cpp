@@ -117,15 +117,18 @@ PixelCoordinate BandUnwrapper::likeliest(std::span<const double> phases,
 }
 
 PixelCoordinate BandUnwrapper::by_code(const PixelReading& reading) const {
-  const auto [stripe, spread, contrast] = read_code(*layout_.code, reading.intensities, noise_);
-  const double y = (stripe + 0.5) / layout_.code->stripes;
+  const auto [first, last, spread, contrast] =
+      read_code(*layout_.code, reading.intensities, noise_);
 
-  // Stripes start half way between pixel centres, which are at integers.
+  // The middle of the pixels that the stripes cover.
   if (layout_.unwrapping->whole_stripes) {
-    return {y - 0.5 / projector_length_, std::min(0.5, spread / 8), contrast};
+    const int begin = first_pixel(*layout_.code, first, projector_length_);
+    const int end = first_pixel(*layout_.code, last + 1, projector_length_);
+    return {(begin + end - 1) / (2.0 * projector_length_), std::min(0.5, spread / 8), contrast};
   }
 
   // The nearest order; the phase may leave the stripe's centre by `open` periods without doubt.
+  const double y = (first + last + 1) / 2.0 / layout_.code->stripes;
   const double f = layout_.bands[measuring_].periods, phi = reading.phases[measuring_];
   const int k = fringe_order(phi, f, y);
   const double open = open_by_code(*layout_.code, f);

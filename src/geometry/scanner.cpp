@@ -238,6 +238,21 @@ Image<PixelPosition> undistorted_pixels(const Lens& lens) {
   return positions;
 }
 
+Lens part_of(Lens lens, const Rectangle& part) {
+  const Size all = lens.size;
+  const bool is_inside =
+      part.x >= 0 && part.y >= 0 && part.size.width > 0 && part.size.height > 0 &&
+      (all == Size{} ||
+       (part.x <= all.width - part.size.width && part.y <= all.height - part.size.height));
+  throw_if(!is_inside, "camera region {}+{}+{} is not a part of pictures of {}", text_of(part.size),
+           part.x, part.y, text_of(all));
+
+  lens.intrinsic(0, 2) -= part.x;
+  lens.intrinsic(1, 2) -= part.y;
+  lens.size = part.size;
+  return lens;
+}
+
 Scanner without_geometry(Size camera, Size projector, const PhotometricCalibration& known) {
   Scanner scanner{.photometry = known};
   scanner.camera.size = camera;

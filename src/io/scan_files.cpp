@@ -143,6 +143,7 @@ std::optional<Scanner> scanner_of(const ScanFiles& files) {
 /// Adds the scanner; it must match the frames.
 void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& files) {
   if (!scanner) return;
+  if (files.camera_region) scanner->camera = part_of(scanner->camera, *files.camera_region);
 
   scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
                            files.sequence.projector);

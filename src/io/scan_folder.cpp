@@ -406,6 +406,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
            "`camera_bits {}` is out of range; expected 8 to 16", files.bits);
 
   if (changes.scanner) files.scanner = changes.scanner;
+  if (changes.camera_region) files.camera_region = changes.camera_region;
   if (changes.second_camera) files.second_camera = changes.second_camera;
 }
 

@@ -186,7 +186,8 @@ TEST(Code, NumbersItsStripes) {
         }
         const CodeReading reading = read_code(code, I);
         const bool all_alike = std::equal(I.begin() + 1, I.end(), I.begin());
-        if (!all_alike) EXPECT_EQ(reading.stripe, stripe);
+        if (!all_alike) EXPECT_EQ(reading.first, stripe);
+        EXPECT_EQ(reading.last, reading.first);
         EXPECT_EQ(reading.spread, 0);
         EXPECT_NEAR(reading.contrast, all_alike ? 0 : 72.5, 1e-9);
       }
@@ -214,13 +215,14 @@ TEST(Code, IsMeasuredByItsReferenceWithBitsThatAreDoubtfulAlone) {
       for (const int blurred : {0, 1, 2}) {
         const CodeReading reading = read_code(code, frames_of(code, stripe, blurred, above), 1);
         EXPECT_EQ(reading.contrast, 40);
-        if (blurred == 0) EXPECT_EQ(reading.stripe, stripe);
+        if (blurred == 0) EXPECT_EQ(reading.first, stripe);
         if (above > 3) {
           EXPECT_EQ(reading.spread, 0);
         } else {
-          // All stripes that the other bits leave, and their middle.
+          // All stripes that the other bits leave.
           EXPECT_EQ(reading.spread, (1 << blurred) - 1);
-          EXPECT_LE(std::abs(reading.stripe - stripe), reading.spread / 2);
+          EXPECT_LE(reading.first, stripe);
+          EXPECT_GE(reading.last, stripe);
         }
       }
     }

@@ -62,9 +62,12 @@ FusedStages::CodeBits code_bits(const Layout& layout, const EngineSetup& setup) 
     if (std::ranges::count(code.frames, n) == 0) bits.stage.rest.push_back(n);
   }
 
-  // The error of the rounded stripe width, which a high stripe number multiplies.
-  bits.stage.narrower = narrow(numbers.stripe - 1 / code.stripes);
-  bits.stage.shift = narrow(-0.5 / projector_length(setup));
+  const int pixels = projector_length(setup), shown = 1 << code.frames.size();
+  bits.stage.pixels = static_cast<float>(pixels);
+  for (int stripe = 0; stripe <= shown; ++stripe) {
+    bits.stage.first_pixels.push_back(first_pixel(code, stripe, pixels));
+  }
+
   bits.stage.largest_doubt = narrow(setup.settings.fringe_order.largest_doubt);
 
   return bits;

@@ -181,17 +181,24 @@ class CodeVectors {
     return span;
   }
 
-  /// The coordinate of the middle of these stripes.
+  /// The coordinate of the middle of these stripes; of a code alone, of their pixels.
   HWY_INLINE Floats middle_of(const StripeSpan& span) const {
     const FloatTag d;
     const IntTag di;
+    const Ints one = hn::Set(di, 1);
 
-    // `halves` is twice its stripe number, and `rest` corrects for the stripe width's rounding to
-    // float.
-    const Floats halves = hn::ConvertTo(d, hn::Add(hn::Add(span.first, span.last), hn::Set(di, 1)));
-    const Floats rest =
-        hn::NegMulAdd(halves, hn::Set(d, stage_.narrower / 2), hn::Set(d, stage_.shift));
-    return hn::MulAdd(halves, hn::Set(d, stage_.stripe / 2), rest);
+    if constexpr (alone) {
+      const int* const first_pixels = stage_.first_pixels.data();
+      const Ints begin = hn::GatherIndex(di, first_pixels, span.first);
+      const Ints end = hn::GatherIndex(di, first_pixels, hn::Add(span.last, one));
+
+      // A quotient of whole numbers is rounded once.
+      const Ints twice_the_middle = hn::Sub(hn::Add(begin, end), one);
+      return hn::Div(hn::ConvertTo(d, twice_the_middle), hn::Set(d, 2 * stage_.pixels));
+    }
+
+    const Ints twice_the_middle = hn::Add(hn::Add(span.first, span.last), one);
+    return hn::Mul(hn::ConvertTo(d, twice_the_middle), hn::Set(d, stage_.stripe / 2));
   }
 
   /// Half the range of the levels.

@@ -33,12 +33,12 @@ void phase_row(int width, const float* turn, float* phase);
 
 /// From the bits of a Code to a coordinate.
 struct CodeStage : CodeNumbers {
-  std::vector<int> frames{};    ///< one per bit, most significant first; at least one
-  std::vector<int> inverses{};  ///< their inverses; empty: compare with the row's reference
-  bool alone = false;           ///< Unwrapping::code_alone; else no member below counts
-  std::vector<int> rest{};      ///< frames other than bits
-  float narrower = 0;           ///< CodeNumbers::stripe less its exact width: rounds y once
-  float shift = 0;              ///< from y = 0 to the edge of the first stripe, fields
+  std::vector<int> frames{};        ///< one per bit, most significant first; at least one
+  std::vector<int> inverses{};      ///< their inverses; empty: compare with the row's reference
+  bool alone = false;               ///< Unwrapping::code_alone; else no member below counts
+  std::vector<int> rest{};          ///< frames other than bits
+  std::vector<int> first_pixels{};  ///< of each stripe that the bits can show, and one more
+  float pixels = 0;                 ///< of the projector, across the field
   float largest_doubt = 0.25F;
   float tolerance = 0;       ///< bits nearer to the threshold are doubtful, grey levels of 255
   float least_contrast = 0;  ///< pixels of less are dark, grey levels of 255

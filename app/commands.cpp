@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <tuple>
 
 #include "base/numbers.h"
@@ -27,6 +28,19 @@ void collect_settings(const CLI::App& app, std::set<std::string>& names) {
     }
   }
   for (const CLI::App* const sub : app.get_subcommands(nullptr)) collect_settings(*sub, names);
+}
+
+/// Whether the option's value names a file or a folder to write.
+bool is_output(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return type == output_type || type == output_folder_type || type == scanner_output_type;
+}
+
+/// The path that a value of the option writes to; empty for other options.
+std::string written_by(const CLI::Option& option, const std::string& value) {
+  constexpr std::string_view mcap = "mcap:";
+  if (option.check_lname("publish") && value.starts_with(mcap)) return value.substr(mcap.size());
+  return is_output(option) ? value : "";
 }
 
 /// Paths in a rig file, also after replay:, are relative to the file.
@@ -143,7 +157,7 @@ std::string why_no_number(const std::string& text, bool is_unsigned, bool is_who
 }
 
 void require_distinct_files(const CLI::App& command) {
-  constexpr std::string_view replay = "replay:", mcap = "mcap:";
+  constexpr std::string_view replay = "replay:";
   DistinctFiles files;
 
   const auto for_each_value = [&](const auto& take) {
@@ -163,12 +177,24 @@ void require_distinct_files(const CLI::App& command) {
   });
 
   for_each_value([&](const CLI::Option& option, const std::string& value) {
-    const bool is_folder =
-        option.get_type_name() == output_folder_type && lower_case_extension(value) != ".slip";
-    if (is_folder) files.add_output_folder(value);
-    if (option.get_type_name() == output_type) files.add_output(value);
-    if (option.get_type_name() == scanner_output_type) files.add_scanner_output(value);
-    if (value.starts_with(mcap)) files.add_output(value.substr(mcap.size()));
+    const std::string path = written_by(option, value), type = option.get_type_name();
+    if (path.empty()) return;
+
+    // The help of a flag says whether it writes to standard output.
+    const bool may_print = option.get_description().find("standard output") != std::string::npos;
+    throw_if(path == standard_output && !may_print,
+             "{} -: cannot be written to standard output; name a file", option.get_name());
+
+    if (type == output_folder_type && lower_case_extension(path) != ".slip") {
+      files.add_output_folder(path);
+      return;
+    }
+
+    // Devices and pipes are refused before any work.
+    std::error_code unknown;
+    const bool is_file = path != standard_output && !fs::is_directory(path, unknown);
+    if (is_file) static_cast<void>(output_target(path));
+    type == scanner_output_type ? files.add_scanner_output(path) : files.add_output(path);
   });
 }
 

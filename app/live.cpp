@@ -263,7 +263,9 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add("--frames", flags.live.most_frames, "stop after this many frames");
 
   // Results made of all clouds.
-  command.add_output("-o,--output", flags.output, "file for the last cloud: .ply, .pcd or .xyz");
+  command.add_output(
+      "-o,--output", flags.output,
+      "file for the last cloud: .ply, .pcd or .xyz; - writes .ply to standard output");
   const auto track = [&flags](const std::string& text) {
     flags.live.track = tracked_shape_named(text);
   };

@@ -298,7 +298,8 @@ int main(int argc, char** argv) {
   const auto given = [&](std::string_view word) {
     return std::find(argv, argv + argc, word) != argv + argc;
   };
-  const bool json = given("--json"), piped = given(standard_output);
+  const bool json = given("--json");
+  const bool piped = given(standard_output) || given("-o-") || given("--output=-");
   app::Output output(json, piped);  // also if flags cannot be parsed
 
   try {

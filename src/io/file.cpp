@@ -64,6 +64,13 @@ bool swap_names(const std::string& one, const fs::path& other) {
   return ::renameat2(AT_FDCWD, one.c_str(), AT_FDCWD, other.c_str(), RENAME_EXCHANGE) == 0;
 }
 
+/// Gives a new file the permissions of the file that it replaces; some file systems have none.
+void keep_permissions(int descriptor, const fs::path& replaced) {
+  struct stat before {};
+  if (::stat(replaced.c_str(), &before) != 0) return;
+  static_cast<void>(::fchmod(descriptor, before.st_mode & 0777));
+}
+
 /// Returns false, with errno, if data may not be on disk. Some file systems cannot tell.
 bool is_synced(int descriptor) {
   return ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
@@ -159,18 +166,33 @@ void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes) {
            frames, frame_bytes, largest_scan);
 }
 
-OutputFile::OutputFile(const fs::path& path, Writing writing)
-    : path_(path), folder_(folder_of(path)), writing_(writing) {
-  // 1. Refuses to replace a folder, a device or a pipe.
+fs::path output_target(const fs::path& path) {
+  const auto refuse = [&](const std::string& why) {
+    throw WorldError(fmt::format("cannot write {}: {}", path.string(), why));
+  };
+
+  // The kind of file behind all links.
   std::error_code unknown;
-  const fs::file_status there = fs::symlink_status(path, unknown);
-  if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_symlink(there)) {
-    throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
+  const fs::file_status there = fs::status(path, unknown);
+  if (fs::exists(there) && !fs::is_regular_file(there)) refuse("not a regular file");
+
+  fs::path target = path;
+  constexpr int most_links = 40;  // as in the kernel
+  for (int links = 0; fs::is_symlink(target, unknown); ++links) {
+    if (links == most_links) refuse(std::strerror(ELOOP));
+    target = target.parent_path() / fs::read_symlink(target, unknown);
   }
 
-  // 2. Written over time: under its own name if that is free.
+  // Links in /proc/self/fd may lead to a file that has no name any more.
+  if (fs::exists(there) && !fs::equivalent(path, target, unknown)) refuse("not a regular file");
+  return target;
+}
+
+OutputFile::OutputFile(const fs::path& path, Writing writing)
+    : path_(output_target(path)), folder_(folder_of(path_)), writing_(writing) {
+  // 1. Written over time: under its own name if that is free.
   if (writing == Writing::over_time) {
-    name_ = path.string();  // before the file exists, so that it is always removed
+    name_ = path_.string();  // before the file exists, so that it is always removed
     descriptor_ = create(name_);
     if (descriptor_ < 0 && errno != EEXIST) fail(errno);
     claim();
@@ -178,15 +200,18 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
 
   if (descriptor_ >= 0) return;
 
-  // 3. Otherwise under a temporary name in the same folder, which a rename can replace.
+  // 2. Otherwise under a temporary name in the same folder, which a rename can replace.
   std::random_device random;
-  const std::string own = path.filename().string().substr(0, 200);  // so that both names fit
-  name_ = folder_of(path) / fmt::format("{}.{:08x}{:08x}.part", own, random(), random());
+  const std::string own = path_.filename().string().substr(0, 200);  // so that both names fit
+  name_ = folder_ / fmt::format("{}.{:08x}{:08x}.part", own, random(), random());
 
   remembered_ = writing == Writing::at_once && replace_name(nullptr, &name_);
   descriptor_ = create(name_);
 
-  if (descriptor_ >= 0) return;
+  if (descriptor_ >= 0) {
+    keep_permissions(descriptor_, path_);
+    return;
+  }
 
   // No destructor follows a constructor that throws.
   const int reason = errno;
@@ -326,15 +351,10 @@ void OutputFile::fail(int reason) {
 }
 
 GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& waits)
-    : path_(path),
+    : path_(output_target(path)),
       descriptor_(
-          ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666)) {
+          ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666)) {
   require(descriptor_ >= 0);
-
-  struct stat found {};
-  if (::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
-    throw WorldError(fmt::format("cannot write {}: not a regular file", path.string()));
-  }
 
   // EWOULDBLOCK: another process has the lock. Any other failure: a file system without locks.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;

@@ -104,10 +104,14 @@ enum class FileWriting : int {
              ///< name, in any process, throws
 };
 
+/// The file that is written for an output's path: the target of a link, which need not exist;
+/// otherwise the path. Throws WorldError if it is a device, a pipe or a folder, also behind a link.
+std::filesystem::path output_target(const std::filesystem::path& path);
+
 /// A file that is written under an unpredictable temporary name in the same folder and renamed once
-/// it is on disk; an existing file stays until then. Each member throws WorldError: if the folder
-/// is missing or not writable, if the name belongs to something other than a file, or if the disk
-/// is full.
+/// it is on disk; an existing file stays until then, and passes on its permissions. Follows links:
+/// the target is replaced. Each member throws WorldError: if the folder is missing or not writable,
+/// if the name belongs to something other than a file, or if the disk is full.
 class OutputFile {
  public:
   using Writing = FileWriting;

@@ -15,13 +15,14 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 #include "io/file_names.h"
 #include "slipstream/recording.h"
 
 namespace slipstream {
 
 LimitedFile::LimitedFile(const std::filesystem::path& file, const FileLimit& limit)
-    : path(file), limit_(limit) {
+    : path(output_target(file)), limit_(limit) {
   if (!limit_.ring) return;
 
   // A ring keeps two files, so each gets half the limit.

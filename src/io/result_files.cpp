@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <fnmatch.h>
+#include <glob.h>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
@@ -61,12 +62,9 @@ fs::path identity(const fs::path& path) {
   return unknown ? path : whole;
 }
 
-/// Whether the output, its placeholders filled, may be that file.
-bool may_become(const fs::path& output, const fs::path& file) {
-  if (output.extension() != file.extension()) return false;
-
-  // The output's name as a shell pattern: its own special characters are escaped, its placeholders
-  // become wildcards.
+/// The output's path as a shell pattern: its own special characters are escaped, its placeholders
+/// become wildcards.
+std::string pattern_of(const fs::path& output) {
   std::string pattern;
   for (const char c : output.string()) {
     if (std::strchr("*?[\\", c) != nullptr) pattern += '\\';
@@ -75,9 +73,23 @@ bool may_become(const fs::path& output, const fs::path& file) {
 
   replace_all(pattern, "{name}", "*");
   replace_all(pattern, "{window}", "[0-9][0-9][0-9][0-9][0-9][0-9]");
-
-  return ::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0;
+  return pattern;
 }
+
+/// Whether the output, its placeholders filled, may be that file.
+bool may_become(const fs::path& output, const fs::path& file) {
+  return output.extension() == file.extension() &&
+         ::fnmatch(pattern_of(output).c_str(), file.c_str(), FNM_PATHNAME) == 0;
+}
+
+/// How files begin that the program writes.
+constexpr std::pair<std::string_view, std::string_view> beginnings[] = {
+    {".slip", "SLIPFRMS"},     {".mcap", "\x89MCAP0"},  {".ply", "ply\n"},
+    {".pcd", "# .PCD"},        {".stl", "slipstream,"}, {".obj", "# slipstream,"},
+    {".mtl", "newmtl camera"}, {".glb", "glTF"},        {".png", "\x89PNG"},
+    {".tiff", "II*"},          {".tif", "II*"},         {".bmp", "BM"},
+    {".npy", "\x93NUMPY"},     {".yaml", "%YAML:1.0"},  {".html", "<!doctype html>"},
+    {".csv", "swap,pattern,"}, {".jsonl", "{\""}};
 
 /// Parses a whole number; returns `otherwise` for an empty text.
 std::optional<std::uint64_t> number_from(std::string_view text, std::uint64_t otherwise) {
@@ -138,17 +150,49 @@ std::string text_of(const ScanName& scan) {
 }
 
 ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan) {
-  // The folder's name without a trailing slash, or the recording's without its ending.
+  // The folder's name, also of "." and "..", or the recording's without its ending.
   const fs::path folder = scan.path;
-  const fs::path whole = fs::absolute(folder / "").parent_path();
-  const std::string name = (fs::is_directory(whole) ? whole.filename() : whole.stem()).string();
+  const fs::path whole = fs::absolute(folder / "").lexically_normal().parent_path();
+  const std::string name = (fs::is_directory(folder) ? whole.filename() : whole.stem()).string();
+  const bool leads_elsewhere = name.empty() || name == "." || name == "..";
 
   ResultFiles filled = files;
   for (const NamedFile& file : all_files) {
-    replace_all(filled.*file.path, "{name}", name);
-    if (scan.window) replace_all(filled.*file.path, "{window}", fmt::format("{:06}", *scan.window));
+    std::string& path = filled.*file.path;
+    throw_if(leads_elsewhere && path.find("{name}") != std::string::npos,
+             "{}: {{name}} cannot stand for '{}'; name the scan otherwise", scan.path, name);
+
+    // The window first: a name may hold the text {window}.
+    if (scan.window) replace_all(path, "{window}", fmt::format("{:06}", *scan.window));
+    replace_all(path, "{name}", name);
   }
   return filled;
+}
+
+std::vector<fs::path> files_replaced_by(const fs::path& output) {
+  std::vector<fs::path> outputs = files_beside(output), found;
+  outputs.push_back(output);
+
+  for (const fs::path& path : outputs) {
+    glob_t matches{};
+    if (::glob(pattern_of(path).c_str(), GLOB_PERIOD, nullptr, &matches) == 0) {
+      found.insert(found.end(), matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+    }
+    ::globfree(&matches);
+  }
+  return found;
+}
+
+bool has_format_of_ending(const fs::path& file) {
+  const auto* const format =
+      std::ranges::find(beginnings, lower_case_extension(file),
+                        &std::pair<std::string_view, std::string_view>::first);
+  if (format == std::end(beginnings)) return false;
+
+  const InputFile input(file, no_limit);
+  std::vector<std::uint8_t> begin(format->second.size());
+  return input.size() == 0 ||
+         (input.read(0, {begin}) && std::ranges::equal(begin, bytes_of(format->second)));
 }
 
 void require_writable(const ResultFiles& files, const std::vector<ScanName>& scans) {

@@ -44,6 +44,14 @@ std::string text_of(const ScanName& scan);
 /// or of its recording without the ending, and "{window}" by the window in six digits.
 ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan);
 
+/// Existing files that an output or a file beside it would replace. A placeholder stands for any
+/// name.
+std::vector<std::filesystem::path> files_replaced_by(const std::filesystem::path& output);
+
+/// Whether the file is empty, or begins as files of its ending do; false for formats without a
+/// fixed beginning.
+bool has_format_of_ending(const std::filesystem::path& file);
+
 /// Throws Error for a cloud or mesh of unknown ending, or if two scans would write to one file.
 void require_writable(const ResultFiles& files, const std::vector<ScanName>& scans);
 

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -15,6 +17,20 @@
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::file_test {
+namespace {
+
+/// Expects `action` to throw WorldError with a message that contains `part`.
+template <class Action>
+void expect_not_written(const Action& action, const std::string& part) {
+  try {
+    action();
+    ADD_FAILURE() << "written; expected: " << part;
+  } catch (const WorldError& error) {
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
 
 TEST(WriteFile, ReplacesWholeAndLeavesNothingBehind) {
   const TemporaryFolder folder;
@@ -117,18 +133,66 @@ TEST(ReadFile, RefusesWhatIsTooLargeBeforeItIsRead) {
   expect_error([&] { read_text(path); }, {"large", "limit 1048576"});
 }
 
-TEST(WriteFile, FollowsNoLinkAndSharesNoName) {
+TEST(WriteFile, ReplacesTheTargetOfALink) {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "note", other = folder.path() / "other";
-  write_file(other, "mine");
-  std::filesystem::create_symlink(other, path);
-  write_file(path, "yours");
-  EXPECT_EQ(read_text(other), "mine");
-  EXPECT_EQ(read_text(path), "yours");
-  EXPECT_FALSE(std::filesystem::is_symlink(path));
-  const auto pipe = folder.path() / "pipe";
+  const auto below = folder.path() / "below", link = folder.path() / "link",
+             other = below / "other";
+  make_folder(below);
+  std::filesystem::create_symlink("below/other", link);
+
+  // First the target is missing, then it exists.
+  for (const char* text : {"first", "second"}) {
+    write_file(link, text);
+    EXPECT_EQ(read_text(other), text);
+    EXPECT_TRUE(std::filesystem::is_symlink(link));
+    EXPECT_EQ(entries_in(below), 1);
+  }
+}
+
+TEST(WriteFile, RefusesLinksToDevicesPipesFoldersAndInARing) {
+  const TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe", link = folder.path() / "link";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_THROW(write_file(pipe, "text"), WorldError);
+  expect_not_written([&] { write_file(pipe, "text"); }, "pipe: not a regular file");
+
+  const auto loop = folder.path() / "loop";
+  std::filesystem::create_symlink(loop, loop);
+  expect_not_written([&] { write_file(loop, "text"); }, "symbolic links");
+
+  for (const auto& target : {pipe, std::filesystem::path("/dev/null"), folder.path()}) {
+    std::filesystem::create_symlink(target, link);
+    for (const auto writing : {FileWriting::at_once, FileWriting::over_time}) {
+      expect_not_written([&] { const OutputFile file(link, writing); }, "link: not a regular file");
+    }
+    EXPECT_EQ(std::filesystem::read_symlink(link), target);
+    std::filesystem::remove(link);
+  }
+}
+
+TEST(WriteFile, RefusesAnOpenFileWithoutAName) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "gone", link = folder.path() / "link";
+  const Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(fmt::format("/proc/self/fd/{}", int{descriptor}), link);
+
+  expect_not_written([&] { write_file(link, "text"); }, "link: not a regular file");
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(OutputFile, KeepsThePermissionsOfTheFileItReplaces) {
+  using std::filesystem::perms;
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "note";
+  for (const auto writing : {FileWriting::at_once, FileWriting::over_time}) {
+    for (const perms before : {perms(0640), perms(0600), perms(0444), perms(0666)}) {
+      write_file(path, "first");
+      std::filesystem::permissions(path, before);
+      OutputFile again(path, writing);
+      again.keep();
+      EXPECT_EQ(std::filesystem::status(path).permissions(), before);
+    }
+  }
 }
 
 TEST(WriteFile, NamesAsLongAsTheyMayBe) {

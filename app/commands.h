@@ -18,6 +18,7 @@
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/rig_file.h"
+#include "slipstream/error.h"
 #include "slipstream/image.h"
 #include "slipstream/setting.h"
 
@@ -194,8 +195,7 @@ inline CLI::Option* required(CLI::Option* option) {
 
 /// Settings from a rig file that the command line does not override.
 struct AppliedRig {
-  std::vector<std::string> arguments{};  ///< the command line, last word first
-  std::string file{};                    ///< empty without one
+  std::string file{};  ///< empty without one
   std::vector<RigSetting> settings{};
 };
 
@@ -209,10 +209,28 @@ void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig
 /// without prefix if it names none or already has one.
 std::string located(const AppliedRig& rig, const std::string& text);
 
+/// Returns act(); its errors name the line of the rig file that they come from.
+template <class Act>
+auto locating(const AppliedRig& rig, const Act& act) try {
+  return act();
+} catch (const Error& error) {
+  throw Error(located(rig, error.what()));
+} catch (const WorldError& error) {
+  throw WorldError(located(rig, error.what()));
+}
+
+struct LiveFlags;
+struct Command;
+
+/// Reads the same command line and rig file once more, into flags of its own. Throws Error.
+using ReadAgain = std::function<std::shared_ptr<const Command>()>;
+
 /// The chosen subcommand and its parsed flags.
 struct Command {
   std::function<void(Output&)> work{};  ///< runs the command and prints to `Output`
   AppliedRig rig{};
+  const LiveFlags* served = nullptr;  ///< flags of `serve`; they live as long as the subcommand
+  ReadAgain read_again{};
 };
 
 /// An added subcommand: its ungrouped flags and their values.

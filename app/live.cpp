@@ -144,15 +144,26 @@ void finish(LiveSession& session, SessionNews& news, const LiveFlags& flags, Out
   }
 }
 
-/// The flags of `serve`.
-LiveFlags served(LiveFlags flags) {
-  flags.headless = true;
-  throw_if(flags.publish.empty() && flags.record.empty(),
-           "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
-           "publish: [web:8080]");
+/// One reading of the rig file.
+struct ServedRig {
+  AppliedRig rig;  ///< tells the line that an error comes from
+  LiveFlags flags;
+};
 
-  require_good(flags);
-  return flags;
+/// Throws Error if the flags cannot be served.
+ServedRig served(const Command& read) {
+  LiveFlags flags = *read.served;
+  flags.headless = true;
+  flags.command = nullptr;  // these flags may outlive it
+
+  locating(read.rig, [&] {
+    throw_if(flags.publish.empty() && flags.record.empty(),
+             "the rig file has neither publish nor record, so clouds would go nowhere; add e.g. "
+             "publish: [web:8080]");
+    require_good(flags);
+  });
+
+  return {read.rig, flags};
 }
 
 /// Each run writes its own files, also after a restart of the service.
@@ -174,24 +185,23 @@ LiveFlags with_free_names(LiveFlags flags, Output& output) {
 }
 
 void serve(const LiveFlags& given, Output& output) {
-  const auto again = given.again;
-  const AppliedRig& rig = *given.rig;
-  LiveFlags now = served(given);
+  const ReadAgain read_again = given.command->read_again;
+  ServedRig now = served(*given.command);
 
   // A service keeps running with what worked before.
   const auto refuse = [&](const std::exception& error) {
-    output.warn(fmt::format("{}; continuing with the old settings", located(rig, error.what())));
+    output.warn(fmt::format("{}; continuing with the old settings", error.what()));
   };
 
-  std::optional<LiveFlags> before;  // until a run with the new file has begun
+  std::optional<ServedRig> before;  // until a run with the new file has begun
   while (true) {
-    // Called by the run: once it works, and at SIGHUP, which rereads the file.
-    std::optional<LiveFlags> next;
-    now.begun = [&] { before.reset(); };
+    // Called by the run: once it works, and when SIGHUP asks for a reload.
+    std::optional<ServedRig> next;
+    now.flags.begun = [&] { before.reset(); };
 
-    now.hung_up = [&] {
+    now.flags.reload = [&] {
       try {
-        next = served(again());
+        next = served(*read_again());
         output.say("restarting");
       } catch (const std::exception& error) {
         refuse(error);
@@ -199,16 +209,25 @@ void serve(const LiveFlags& given, Output& output) {
       return next.has_value();
     };
 
-    // Run until a signal ends it, or until SIGHUP has brought new settings.
+    // Run until a signal ends it, or until a reload has brought new settings.
     try {
-      live(with_free_names(now, output), output);
-      if (!next) return;
-      before = std::exchange(now, *next);
-    } catch (const std::exception& error) {  // only known once everything is opened
-      if (!before) throw;
-      refuse(error);
-      now = *std::exchange(before, std::nullopt);
+      locating(now.rig, [&] { live(with_free_names(now.flags, output), output); });
+      if (!next || stopped_by_signal()) return;
+    } catch (const std::exception& error) {
+      if (stopped_by_signal() || (!next && !before)) throw;
+
+      // New settings have failed, which is only known once everything is opened.
+      if (!next) {
+        refuse(error);
+        now = *std::exchange(before, std::nullopt);
+        continue;
+      }
+
+      // The run ended for new settings, but could not complete its files.
+      output.warn(error.what());
     }
+
+    before = std::exchange(now, *next);
   }
 }
 
@@ -320,13 +339,12 @@ void live(const LiveFlags& flags, Output& output) {
     session.tell_news();
     news.tell_of_limit();
 
-    if (session.projector_closed()) return true;
-    if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
+    if (session.projector_closed() || end.reached() || session.pipeline().failure()) return true;
+    if (flags.reload && take_reload_request() && flags.reload()) return true;
 
     // A window stays open when the frames end, unless a number of frames was given.
     const bool at_end = flags.headless || flags.live.most_frames;
-    return end.reached() || session.pipeline().failure() ||
-           (at_end && !session.pipeline().running());
+    return at_end && !session.pipeline().running();
   };
 
   // 2. Start, and run until the end.
@@ -370,14 +388,8 @@ void add_serve(const Commands& program) {
                   "run live without a window from one rig file, until SIGTERM; SIGHUP rereads it");
 
   add_live_flags(command, flags);
-
-  // The same parser reads the rig file again, into flags reset to those before parsing.
-  flags.rig = &program.chosen.rig;
-  flags.again = [&app = program.app, &rig = program.chosen.rig, &read = flags, none = flags] {
-    read = none;
-    app.parse(std::vector<std::string>(rig.arguments));
-    return read;
-  };
+  flags.command = &program.chosen;
+  program.chosen.served = &flags;
 
   command.common({"--source", "--scanner", "--strategy", "--steps", "--rate", "--publish",
                   "--record", "--exposure"});

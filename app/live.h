@@ -28,10 +28,9 @@ struct LiveFlags {
   ViewFlags view;
 
   // Of serve:
-  const AppliedRig* rig = nullptr;   ///< the file's contents
-  std::function<LiveFlags()> again;  ///< rereads the file; throws Error
+  const Command* command = nullptr;  ///< which read these flags
   std::function<void()> begun;       ///< called once sinks are open and frames are taken
-  std::function<bool()> hung_up;     ///< at SIGHUP: whether to end
+  std::function<bool()> reload;      ///< called when SIGHUP asks for it: whether to end
 };
 
 /// Adds the flags of `live` except --headless.

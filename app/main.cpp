@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <optional>
 #include <span>
@@ -226,57 +227,84 @@ int print(const std::string& text) {
   return 0;
 }
 
-int run_program(std::span<char* const> arguments, Output& output) {
-  if (arguments.size() < 2) return print(greeting());
+/// One reading of the command line and of the rig file it names. The parser's flags are bound to
+/// members of this object and of its commands: it parses once, and is neither copied nor moved.
+class ProgramReading {
+ public:
+  /// Adds the commands; does not parse yet.
+  explicit ProgramReading(std::span<char* const> arguments);
+  ProgramReading(const ProgramReading&) = delete;
+  ProgramReading& operator=(const ProgramReading&) = delete;
+  ~ProgramReading() = default;
 
-  // 1. The program and its commands.
-  CLI::App program("3-D reconstruction by structured light", "slipstream");
+  /// Call once. Throws CLI::ParseError, also for --help and --version with exit code 0, and Error.
+  void parse() { program.parse(reversed(arguments_)); }
+
+  CLI::App program{"3-D reconstruction by structured light", "slipstream"};
+  Command chosen;
+  SharedFlags shared;
+
+ private:
+  std::span<char* const> arguments_;  ///< after the program's name
+};
+
+/// For Command::read_again.
+std::shared_ptr<const Command> read_again(std::span<char* const> arguments) {
+  const auto reading = std::make_shared<ProgramReading>(arguments);
+  reading->parse();
+  locating(reading->chosen.rig, [&] { require_distinct_files(chosen_command(reading->program)); });
+
+  return {reading, &reading->chosen};
+}
+
+ProgramReading::ProgramReading(std::span<char* const> arguments)
+    : arguments_(arguments.subspan(1)) {
   program.formatter(help_layout());
   program.require_subcommand(1);
   program.get_help_ptr()->description("print the common options");
   program.set_help_all_flag("--help-all", "print all options");
   program.set_version_flag("-V,--version", program_version)->description("print the version");
 
-  Command chosen;
-  SharedFlags shared;
+  chosen.read_again = [arguments] { return read_again(arguments); };
   add_commands(program, chosen, arguments);
   add_shared_flags(program, program, shared, chosen.rig);
+}
 
-  // 2. Parse. CLI11 throws for --help and --version too, with exit code 0.
-  chosen.rig.arguments = reversed(arguments.subspan(1));
+int run_program(std::span<char* const> arguments, Output& output) {
+  if (arguments.size() < 2) return print(greeting());
+
+  // 1. The program, its commands and their flags.
+  ProgramReading reading(arguments);
+  const CLI::App& program = reading.program;
   try {
-    program.parse(std::vector<std::string>(chosen.rig.arguments));
+    reading.parse();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) {
       return fail(output, bad_input, refusal(program, error) + "; see --help");
     }
     std::ostringstream text;
-    program.exit(error, text, text);
+    reading.program.exit(error, text, text);
     std::string words = text.str();
     words.erase(words.find_last_not_of('\n') + 1);
     return print(words);
   }
 
-  // 3. Run the command; errors name the line of the rig file that they come from.
-  try {
+  // 2. Run the command.
+  return locating(reading.chosen.rig, [&] {
+    const int threads = reading.shared.threads;
     require_distinct_files(chosen_command(program));
-    require_in_range(shared.threads >= 0, "--threads", shared.threads, "0 (all cores) or more");
+    require_in_range(threads >= 0, "--threads", threads, "0 (all cores) or more");
 
     std::optional<tbb::global_control> limit;
-    if (shared.threads > 0) {
+    if (threads > 0) {
       limit.emplace(tbb::global_control::max_allowed_parallelism,
-                    static_cast<std::size_t>(shared.threads));
+                    static_cast<std::size_t>(threads));
     }
 
-    const auto work = chosen.work;  // serve reads the flags again meanwhile
-    work(output);
+    reading.chosen.work(output);
     output.finish();
     return output.exit_code;
-  } catch (const Error& error) {
-    throw Error(located(chosen.rig, error.what()));
-  } catch (const WorldError& error) {
-    throw WorldError(located(chosen.rig, error.what()));
-  }
+  });
 }
 
 }  // namespace
@@ -294,7 +322,10 @@ int main(int argc, char** argv) {
   }
 #endif
 
+  // First, so that SIGHUP never ends a service.
+  if (argc > 1 && std::string_view(argv[1]) == "serve") app::reload_at_hangup();
   app::prepare_process();
+
   const auto given = [&](std::string_view word) {
     return std::find(argv, argv + argc, word) != argv + argc;
   };

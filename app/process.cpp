@@ -30,20 +30,31 @@ namespace {
 // Global, as a signal handler reaches nothing else; read from other threads too.
 std::atomic<int> stop_raised = 0;  // the signal received
 static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<bool> reload_asked = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<bool> in_run = false;  // a RunEnd exists
 bool ends_by_pipe = false;         // unless SIGPIPE was ignored from the start
 
-/// Signals ignored by nohup stay ignored.
-void handle_ends(void (*handler)(int)) {
+void ask_for_reload(int /*signal*/) {
+  reload_asked = true;
+}
+
+/// SIGHUP stays ignored with nohup, and once it asks for reloads it does nothing else.
+void handle(std::initializer_list<int> signals, void (*handler)(int)) {
   struct sigaction action {
   }, before{};
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
 
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : signals) {
     ::sigaction(signal, nullptr, &before);
-    if (signal != SIGHUP || before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
+    const bool stays = before.sa_handler == SIG_IGN || before.sa_handler == ask_for_reload;
+    if (signal != SIGHUP || !stays) ::sigaction(signal, &action, nullptr);
   }
+}
+
+void handle_ends(void (*handler)(int)) {
+  handle({SIGINT, SIGTERM, SIGHUP}, handler);
 }
 
 void end_program(int signal) {
@@ -141,18 +152,14 @@ void end_by_closed_pipe() {
 }
 
 RunEnd::RunEnd(std::optional<double> duration) : duration_(duration) {
-  forget_signal();
+  stop_raised = 0;
+  handle_ends(raise_stop);
   in_run = true;
 }
 
 RunEnd::~RunEnd() {
   in_run = false;
   handle_ends(end_program);
-}
-
-void RunEnd::forget_signal() const {
-  stop_raised = 0;
-  handle_ends(raise_stop);
 }
 
 void tell_service_manager(const std::string& state) {
@@ -176,8 +183,16 @@ void tell_service_manager(const std::string& state) {
   ::close(descriptor);
 }
 
-bool hung_up() {
-  return stop_raised == SIGHUP;
+void reload_at_hangup() {
+  handle({SIGHUP}, ask_for_reload);
+}
+
+bool take_reload_request() {
+  return reload_asked.exchange(false);
+}
+
+bool stopped_by_signal() {
+  return stop_raised != 0;
 }
 
 void require_duration(const std::optional<double>& duration) {

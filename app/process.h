@@ -9,7 +9,7 @@
 
 namespace slipstream::app {
 
-/// Call once, first. Closed standard streams go to /dev/null, so that no file gets their numbers;
+/// Call once, before anything but reload_at_hangup. Closed standard streams go to /dev/null, so that no file gets their numbers;
 /// SIGINT, SIGTERM and SIGHUP remove half-written files before they end the program; a closed pipe
 /// or a file size limit is a write error, not a signal; an uncaught exception prints one line.
 /// stdout is flushed after each line.
@@ -37,9 +37,16 @@ void tell_service_manager(const std::string& state);
 /// Throws Error if --duration is given and not above 0 s.
 void require_duration(const std::optional<double>& duration);
 
+/// From now on SIGHUP asks for a reload and never ends the program or a run. With nohup it stays
+/// ignored.
+void reload_at_hangup();
+
+/// Whether SIGHUP has asked for a reload since the last call.
+bool take_reload_request();
+
 /// Decides when an endless run ends: by a signal or after `duration` s. While it exists the first
-/// SIGINT, SIGTERM or SIGHUP is remembered instead of ending the program, so that files can be
-/// completed; a second one ends it. At most one exists at a time.
+/// SIGINT, SIGTERM or SIGHUP (see reload_at_hangup) is remembered instead of ending the program, so
+/// that files can be completed; a second one ends it. At most one exists at a time.
 class RunEnd {
  public:
   explicit RunEnd(std::optional<double> duration);
@@ -49,8 +56,6 @@ class RunEnd {
 
   [[nodiscard]] bool reached() const;
 
-  void forget_signal() const;
-
   /// Since construction.
   [[nodiscard]] double seconds() const;
 
@@ -59,7 +64,7 @@ class RunEnd {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Whether SIGHUP ended the last run, unless forgotten.
-bool hung_up();
+/// Whether a signal has come since the newest RunEnd began.
+bool stopped_by_signal();
 
 }  // namespace slipstream::app

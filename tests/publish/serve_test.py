@@ -1,5 +1,6 @@
 """`slipstream serve`: valid and invalid rig files; start, reload and stop of the service."""
 
+import contextlib
 import http.client
 import json
 import os
@@ -9,6 +10,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import time
 
 import pytest
 
@@ -36,6 +38,39 @@ class Service(Live):
         self.address = re.findall(r"http://\S+", self.words.read_text())[-1]
         self.port = int(re.search(r":(\d+)/", self.address)[1])
         return self
+
+    def hang_up(self):
+        self.process.send_signal(signal.SIGHUP)
+
+    def forget_messages(self):
+        """Makes room for more: a full socket would block the service."""
+        self.ear.setblocking(False)
+        with contextlib.suppress(BlockingIOError):
+            while self.ear.recv(1000):
+                pass
+        self.ear.settimeout(PATIENCE)
+
+    def reload(self, rig):
+        """Writes the rig file and reloads it. The service must take it."""
+        (self.words.parent / "rig.yaml").write_text(rig)
+        answers = r"restarting|old settings"
+        before = len(re.findall(answers, self.words.read_text()))
+        self.hang_up()
+        wait_for(lambda: len(re.findall(answers, self.words.read_text())) > before)
+        assert "old settings" not in self.words.read_text()
+        self.wait_until_ready()
+
+    def shows(self, name, value):
+        """Whether the newest page shows this value; False while there is none."""
+        assert self.process.poll() is None, self.words.read_text()
+        addresses = re.findall(r"http://\S+:(\d+)/", self.words.read_text())
+        if not addresses:
+            return False
+        self.address, self.port = "", int(addresses[-1])
+        try:
+            return self.settings()[name]["value"] == value
+        except (ConnectionError, http.client.HTTPException):
+            return False
 
     def __exit__(self, *_):
         super().__exit__()
@@ -150,6 +185,56 @@ def test_sighup_reads_the_file_again_in_the_same_process(tmp_path):
         assert service.settings()["min-modulation"]["value"] == "33"
 
 
+def test_each_reload_runs_with_the_strategy_of_the_file(tmp_path):
+    def rig(steps, high):
+        return f"{VIRTUAL}strategy: dual-frequency\nsteps: {steps}\nhigh: {high}\npublish: web:0\n"
+
+    rigs = [(4, 16), (3, 8), (5, 16)]
+    with Service(tmp_path, rig(*rigs[0])).wait_until_ready() as service:
+        for n in range(int(os.environ.get("SLIPSTREAM_RELOADS", "20"))):
+            steps, high = rigs[n // 2 % len(rigs)]  # every other file is unchanged
+            service.reload(rig(steps, high))
+            assert set(service.settings()["strategy"]["value"].split(", ")) == {
+                "dual-frequency", f"steps {steps}", f"high {high}", "low 1"}, n
+
+
+def test_sighup_never_ends_it(tmp_path):
+    def rig(least):
+        return f"{VIRTUAL}publish: web:0\nmin-modulation: {least}\n"
+
+    def takes_signals(process):
+        status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+        return int(re.search(r"SigCgt:\s+(\w+)", status)[1], 16) >> (signal.SIGHUP - 1) & 1
+
+    with Service(tmp_path, rig(20)) as service:
+        wait_for(lambda: takes_signals(service.process))
+        service.hang_up()
+        service.wait_until_ready()
+        service.wait_until_ready()  # it has read the file once more
+
+        # During a reload, at once and later.
+        for least, pause in enumerate((0, 0.02, 0.1, 0.2, 0.5), 30):
+            service.hang_up()
+            time.sleep(pause)
+            (tmp_path / "rig.yaml").write_text(rig(least))
+            service.hang_up()
+            wait_for(lambda: service.shows("min-modulation", str(least)))
+            service.forget_messages()
+
+        service.process.send_signal(signal.SIGTERM)
+        service.hang_up()
+        assert service.process.wait(PATIENCE) == 0, service.words.read_text()
+
+
+@pytest.mark.parametrize("pause", [0, 0.03, 0.1, 0.3])
+def test_sigterm_during_a_reload_ends_it(tmp_path, pause):
+    with Service(tmp_path, VIRTUAL + "publish: web:0\n").wait_until_ready() as service:
+        service.hang_up()
+        time.sleep(pause)
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(PATIENCE) in (0, -signal.SIGTERM), service.words.read_text()
+
+
 def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
     rig = VIRTUAL + "publish: [web:0, mcap:clouds.mcap]\nrecord: frames.slip\n"
     with Service(tmp_path, rig).wait_until_ready() as service:
@@ -218,6 +303,13 @@ def test_a_sink_that_failed_is_told(tmp_path):
             assert "clouds.mcap" in service.get("/health")[1]
             before = service.statistics()["clouds"]
             wait_for(lambda: service.statistics()["clouds"] > before)
+
+            # With room again, a reload begins a new file, though the old one is incomplete.
+            for path in small.iterdir():
+                path.unlink()
+            service.hang_up()
+            service.wait_until_ready()
+            wait_for(lambda: service.statistics()["clouds"] > 0)
     finally:
         subprocess.run(["umount", small], check=True)
 

@@ -50,8 +50,8 @@ EngineSetup setup_for_maps(const Scan& scan, const ScanJobSettings& settings,
   return setup;
 }
 
-/// Coordinates along x and y that do not meet in one projector pixel: in over a third of the points,
-/// so that none is sure, or by a common distance, which is an error of the calibration.
+/// Coordinates along x and y that do not meet in one projector pixel: in over a third of the
+/// points, so that none is sure, or by a common distance, which is an error of the calibration.
 std::optional<Finding> axes_that_disagree(const EpipolarCheck& check, double calibration_rms) {
   const bool contradicts = check.contradicts(calibration_rms);
   if (!contradicts && !check.is_off(calibration_rms)) return std::nullopt;

@@ -107,13 +107,13 @@ bool has_real_colours(const PointElement& element, const std::vector<Target>& ta
   });
 }
 
-/// Brings colours from 0 to 1 to grey levels of 255.
+/// Brings colours from 0 to 1 to grey levels of 255. Points without a colour, NaN, stay.
 void scale_colours(std::vector<StoredPoint>& points) {
   constexpr double full_scale = 255, rounding = 1e-6;
-  const auto is_share = [](const StoredPoint& point) {
-    return point.intensity >= 0 && point.intensity <= 1 + rounding;
+  const auto is_no_share = [](const StoredPoint& point) {
+    return point.intensity < 0 || point.intensity > 1 + rounding;
   };
-  if (!std::ranges::all_of(points, is_share)) return;
+  if (std::ranges::any_of(points, is_no_share)) return;
 
   for (StoredPoint& point : points) point.intensity *= full_scale;
 }

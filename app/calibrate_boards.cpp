@@ -43,8 +43,8 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
 
   write_print(flags.file, picture, mm_per_pixel);
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
-  output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
-             flags.file, text_of(picture.size()));
+  output.say("wrote a board ({}, {}x{}) to {}, {} pixels", name_of(board.kind), board.columns,
+             board.rows, flags.file, text_of(picture.size()));
   output.say("print it at {:.2f} mm x {:.2f} mm, without 'fit to page', then measure the print",
              width, height);
 

@@ -304,9 +304,10 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       ->take_all();
 
   // How frames become clouds.
-  command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "source",
-                    "how frames are matched to patterns: source (which knows), counted (frame "
-                    "number modulo patterns) or marker (a dark or bright frame ends each cycle)");
+  command.add_named(
+      "--indexing", flags.live.indexing, pattern_indexing_named, "source",
+      "how frames are matched to patterns: source (its own index), counted "
+      "(frame number modulo patterns) or marker (a dark or bright frame ends each cycle)");
   command.add_file("--scanner", source.scanner,
                    "scanner file; default: the recording's or the virtual scanner's");
   command.add("--second-camera", flags.second_camera,

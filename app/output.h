@@ -242,7 +242,8 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
 /// doubts with the program's flags: header lines of a cloud file.
 std::vector<std::string> remarks_about(const std::vector<Finding>& findings);
 
-/// Prints each diagnostic that has appeared or disappeared since `told`, and updates it.
+/// Prints each diagnostic that has appeared or disappeared since those `printed`, and
+/// updates them.
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& printed,
                Output& output);
 

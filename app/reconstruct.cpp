@@ -74,8 +74,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
                  .remarks = remarks_about(result.checked.findings)});
 }
 
-/// Warns of the findings that follow the `told` ones of the check, and compares the points with
-/// the truth.
+/// Warns of the findings after the first `printed` ones, and compares the points with the truth.
 void judge(const ReconstructFlags& flags, std::size_t printed, ReconstructedScan& scan) {
   const std::vector<Finding>& findings = scan.result.checked.findings;
   for (std::size_t i = printed; i < findings.size(); ++i) {

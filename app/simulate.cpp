@@ -69,9 +69,9 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
                        [&] { progress.advance(); });
 
   progress.finish();
-  output.say("took a {} of {}x{}, spacing {:g} mm, in {} poses of {}, into {}", name_of(board.kind),
-             board.columns, board.rows, board.spacing, count, text_of(scanner.camera.size),
-             folder.string());
+  output.say("took a board ({}, {}x{}), spacing {:g} mm, in {} poses of {}, into {}",
+             name_of(board.kind), board.columns, board.rows, board.spacing, count,
+             text_of(scanner.camera.size), folder.string());
 
   output.document = described("folder", folder.string(), "poses", names, "width",
                               scanner.camera.size.width, "height", scanner.camera.size.height);

@@ -13,9 +13,9 @@
 namespace slipstream {
 
 enum class BoardKind {
-  chessboard,  ///< must be fully visible
-  circles,     ///< asymmetric grid of circles, dark on white or white on dark; fully visible
-  charuco,     ///< chessboard with a marker in each bright square; may be partly out of view
+  chessboard,         ///< must be fully visible
+  circles,            ///< asymmetric grid of circles, dark on white or white on dark; fully visible
+  charuco,            ///< chessboard with a marker in each bright square; may be partly out of view
   symmetric_circles,  ///< the same circles in rows and columns, none shifted
 };
 
@@ -41,8 +41,8 @@ struct CalibrationBoard {
   /// mm between rows of a stretched print; nullopt: `spacing`.
   std::optional<double> row_spacing{};
   std::optional<double> circle_diameter{};  ///< in spacings; default: see diameter_of
-  double marker_side = 0.75;     ///< in squares
-  int marker_bits = 4;           ///< of the ArUco dictionary: 4, 5, 6 or 7 squared
+  double marker_side = 0.75;                ///< in squares
+  int marker_bits = 4;                      ///< of the ArUco dictionary: 4, 5, 6 or 7 squared
 };
 
 /// Throws Error with the first value out of range.

@@ -75,9 +75,9 @@ bool is_cloud_file(const std::filesystem::path& path);
 ///                numbers
 ///   .stl         binary; the corners of its triangles, each once
 ///   .obj, .glb   the vertices
-/// Without intensity, uses the colours' luminance, or 0; real colours up to 1 count from 0 to 1. Ignores other properties and points that
-/// are not finite. Throws Error with the file's name if it is malformed, truncated or has no
-/// points.
+/// Without intensity, uses the colours' luminance, or 0; real colours up to 1 count from 0 to 1.
+/// Ignores other properties and points that are not finite. Throws Error with the file's name if it
+/// is malformed, truncated or has no points.
 StoredCloud read_cloud(const std::filesystem::path& path);
 
 /// A point as stored; missing values are 0.

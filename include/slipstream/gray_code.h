@@ -33,7 +33,7 @@ struct GrayCode {
   }
 
   void require_valid() const;
-  [[nodiscard]] int shown_bits() const;
+  [[nodiscard]] int shown_bits() const;  ///< `bits` or its default
   [[nodiscard]] Layout layout() const;
 };
 

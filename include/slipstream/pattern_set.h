@@ -83,8 +83,8 @@ struct PatternSet {
   /// 1-bit DMDs.
   bool binary = false;
 
-  int turn = 0;          ///< patterns before the axis changes; 0: it never does
-  int along_other = 0;   ///< patterns until the first axis is back; 0: as many
+  int turn = 0;          ///< patterns along `axis`, before those across it; 0: all
+  int along_other = 0;   ///< patterns across it; 0: as many as along it
   bool carrier = false;  ///< whether the shape also varies across the axis
 
   [[nodiscard]] Axis axis_of(int n) const {

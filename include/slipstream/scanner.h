@@ -148,7 +148,7 @@ struct Scanner {
   /// Depth range of the calibration boards; nullopt if unknown.
   std::optional<DepthRange> calibrated_depths{};
   double calibration_rms = 0;  ///< reprojection error of both devices, pixels; 0 if unknown
-  std::string measured{};  ///< how and when, for the user; optional
+  std::string measured{};      ///< how and when, for the user; optional
 
   friend bool operator==(const Scanner&, const Scanner&) = default;
 };

@@ -156,13 +156,13 @@ std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence
 
 py::dict statistics_of(const Live& live) {
   const LiveStatistics of = live.statistics();
-  py::dict told;
+  py::dict figures;
 
   // Only figures that are a number or a text fit into this dict.
   const auto tell = [&](const std::string& name, const auto& figure, const auto&...) {
     using Figure = std::remove_cvref_t<decltype(figure)>;
     if constexpr (std::is_arithmetic_v<Figure> || std::is_same_v<Figure, std::string>) {
-      told[py::str(name)] = figure;
+      figures[py::str(name)] = figure;
     }
   };
 
@@ -171,7 +171,7 @@ py::dict statistics_of(const Live& live) {
   of.latency.for_each_figure(
       [&](const char* name, double ms) { tell("latency_" + std::string(name), ms); });
 
-  return told;
+  return figures;
 }
 
 /// The entries of the keywords after the first ones of `live`.
@@ -195,7 +195,7 @@ void bind_live(py::module_& module) {
               patterns.
           gamma (str, default 'scanner'): response correction: scanner (if present), blind (from the
               frames), none, or a gamma.
-          most_frames (int | None, default None): ends the stream after so many frames.
+          most_frames (int | None, default None): ends the stream after this many frames.
           {settings}
 
       Raises:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 #include <vector>
 
@@ -84,7 +85,12 @@ std::vector<FrameSet> adapted(const Sequence& sequence, FrameSet taken) {
   // With patterns along both axes the second scan has the other one.
   std::vector<FrameSet> scans;
   if (sequence.both_axes) {
-    scans = parts_of(std::move(taken), frames_along_axes(sequence));
+    const std::vector<int> counts = frames_along_axes(sequence);
+    const int wanted = std::accumulate(counts.begin(), counts.end(), 0);
+    throw_if(taken.count() < wanted, "{} frames are too few; the patterns along both axes are {}",
+             taken.count(), wanted);
+
+    scans = parts_of(std::move(taken), counts);
   } else {
     scans.push_back(std::move(taken));
   }

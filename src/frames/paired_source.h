@@ -21,7 +21,6 @@ class PairedSource : public SourceOver {
   PairedSource(std::unique_ptr<FrameSource> first, std::unique_ptr<FrameSource> second);
 
   [[nodiscard]] FrameFormat format() const override { return source_->format(); }
-  [[nodiscard]] Size second_size() const { return second_->format().size; }
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override;

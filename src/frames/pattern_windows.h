@@ -124,8 +124,8 @@ class PatternWindows {
   SlipWatch watch_;
   RollingWindow window_;
   bool aligned_;
-  int source_offset_ = 0;     ///< index minus sequence number, as known from the source
-  int slipped_ = 0;  ///< detected correction to source_offset_
+  int source_offset_ = 0;  ///< index minus sequence number, as known from the source
+  int slipped_ = 0;        ///< detected correction to source_offset_
   bool begun_ = false;
   std::uint64_t newest_ = 0;           ///< sequence number
   std::uint64_t first_ = 0;            ///< first sequence number with this shift

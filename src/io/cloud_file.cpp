@@ -299,15 +299,17 @@ using Parse = StoredPoints (*)(std::span<const std::uint8_t>);
 Parse parse_for(const fs::path& path) {
   static const std::map<std::string, Parse> formats{
       {".ply", ply_points}, {".pcd", pcd_points}, {".xyz", xyz_points}, {".asc", xyz_points},
-      {".txt", xyz_points}, {".csv", xyz_points}, {".pts", xyz_points}, {".stl", stl_points},
+      {".txt", xyz_points}, {".csv", xyz_points}, {".pts", pts_points}, {".stl", stl_points},
       {".obj", obj_points}, {".glb", glb_points}};
 
   const auto found = formats.find(lower_case_extension(path));
   return found == formats.end() ? nullptr : found->second;
 }
 
+/// Also once rounded to 32 bits.
 bool is_finite(const StoredPoint& point) {
-  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+  const auto is_number = [](double value) { return std::isfinite(static_cast<float>(value)); };
+  return is_number(point.x) && is_number(point.y) && is_number(point.z);
 }
 
 StoredCloud cloud_of(StoredPoints stored) {

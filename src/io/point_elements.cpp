@@ -96,24 +96,26 @@ std::vector<Target> targets_of(const PointElement& element) {
 
 /// Whether the colours are real numbers, which some programs write from 0 to 1.
 bool has_real_colours(const PointElement& element, const std::vector<Target>& targets) {
+  bool any = false;
   for (std::size_t k = 0; k < targets.size(); ++k) {
+    const bool is_colour = targets[k].field == &StoredPoint::intensity && targets[k].share < 1;
+    if (!is_colour) continue;
+
     const NumberType type = element.properties[k].type;
-    const bool real = type == NumberType::float32 || type == NumberType::float64;
-    const bool colour = targets[k].field == &StoredPoint::intensity && targets[k].share < 1;
-    if (colour && (!real || targets[k].packed)) return false;
+    const bool is_real = type == NumberType::float32 || type == NumberType::float64;
+    if (!is_real || targets[k].packed) return false;
+    any = true;
   }
-  return std::ranges::any_of(targets, [](const Target& target) {
-    return target.field == &StoredPoint::intensity && target.share < 1;
-  });
+  return any;
 }
 
-/// Brings colours from 0 to 1 to grey levels of 255.
+/// Brings colours from 0 to 1 to grey levels of 255. Points without a colour, NaN, stay.
 void scale_colours(std::vector<StoredPoint>& points) {
   constexpr double full_scale = 255, rounding = 1e-6;
-  const auto is_share = [](const StoredPoint& point) {
-    return point.intensity >= 0 && point.intensity <= 1 + rounding;
+  const auto is_no_share = [](const StoredPoint& point) {
+    return point.intensity < 0 || point.intensity > 1 + rounding;
   };
-  if (!std::ranges::all_of(points, is_share)) return;
+  if (std::ranges::any_of(points, is_no_share)) return;
 
   for (StoredPoint& point : points) point.intensity *= full_scale;
 }

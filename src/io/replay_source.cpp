@@ -184,7 +184,12 @@ void ReplaySource::open_folder(const fs::path& folder) {
   }
 
   header_.in_colour = is_in_colour(files);
-  const Scan scan = header_.in_colour ? load_as_taken(files, header_.white) : load_scan(files);
+  Scan scan = header_.in_colour ? load_as_taken(files, header_.white) : load_scan(files);
+  if (!scan.other_axis.empty()) {
+    scan.warnings.push_back(fmt::format("{}: only its frames along {} are replayed",
+                                        folder.string(), name_of(scan.sequence.axis)));
+  }
+
   frames_ = frames_of(scan.frames, folder.string());
   count_ = frames_.size();
 

@@ -190,12 +190,15 @@ BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis 
   const int in_first = frame_count(first.sequence);
   const int count = in_first + frame_count(second.sequence);
 
-  // An order of both scans, or the same one for each.
+  // An order of both scans, or one for each: in words it depends on the code, which may be longer
+  // along one axis.
   if (std::ssize(both.order) == count) {
     first.order.clear();
     second.order.clear();
-  } else {
+  } else if (!both.order.empty()) {
     both.order.clear();
+    first.order = order_from(changes.order, first.sequence);
+    second.order = order_from(changes.order, second.sequence);
   }
 
   const std::vector<fs::path> pictures =

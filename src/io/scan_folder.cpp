@@ -251,19 +251,6 @@ std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
   return order;
 }
 
-std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
-  if (text == "sinusoids,code" || text == "code,sinusoids") {
-    return order_by_kind(text.starts_with("code"), sequence);
-  }
-
-  std::vector<int> order = numbers_in<int>(text, ',');
-  throw_if(order.empty(),
-           "`order` '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
-           "code,sinusoids",
-           text);
-  return order;
-}
-
 /// Keeps only the pictures of the window.
 void keep_window(ScanFiles& files) {
   const std::uint64_t count = window_count(files);
@@ -388,6 +375,19 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   yaml << YAML::EndMap;
 
   return std::string(yaml.c_str()) + "\n";
+}
+
+std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
+  if (text == "sinusoids,code" || text == "code,sinusoids") {
+    return order_by_kind(text.starts_with("code"), sequence);
+  }
+
+  std::vector<int> order = numbers_in<int>(text, ',');
+  throw_if(order.empty(),
+           "`order` '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
+           "code,sinusoids",
+           text);
+  return order;
 }
 
 void amend(ScanFiles& files, const ScanChanges& changes) {

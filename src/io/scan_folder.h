@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "slipstream/recording.h"
 #include "slipstream/scan_files.h"
@@ -27,6 +28,10 @@ std::string scan_yaml_of(const ScanFiles& scan, const std::filesystem::path& fol
 
 /// Writes scan.yaml, with frames and scanner relative to its folder.
 void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
+
+/// The order of a sequence's frames from text: "2,0,1", "sinusoids,code" or "code,sinusoids".
+/// Throws Error for any other text.
+std::vector<int> order_from(const std::string& text, const Sequence& sequence);
 
 /// Applies the changes. Throws Error if the sequence remains unknown, for unsupported bits, a
 /// missing window of pictures and an invalid order.

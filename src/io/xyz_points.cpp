@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
-#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,6 +46,47 @@ std::vector<std::string> names_of_columns(std::size_t count, bool coloured) {
   return names;
 }
 
+/// The columns of a .pts file, whose format says what seven are: the intensity, of -2048 to 2047,
+/// and a colour.
+std::vector<std::string> names_of_pts_columns(std::size_t count, bool coloured) {
+  if (count == 7) return {"x", "y", "z", "", "red", "green", "blue"};
+  return names_of_columns(count, coloured);
+}
+
+/// Programs may write a plus before a number.
+std::optional<double> number_of(std::string_view word) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  return number_in<double>(word);
+}
+
+/// Throws Error for a line such as "1,5;2,5;3,5": taken apart at its commas, it has six whole
+/// numbers. Each of its words has one comma between two digits, or none.
+void refuse_decimal_commas(std::string_view line, std::size_t line_number) {
+  const std::vector<std::string_view> words = words_of(line, " \t;");
+  std::string_view with_comma;
+
+  for (const std::string_view word : words) {
+    const std::size_t comma = word.find(',');
+    if (comma == word.npos) continue;
+
+    const bool is_inside = comma > 0 && comma + 1 < word.size() && comma == word.rfind(',');
+    if (!is_inside) return;
+    with_comma = word;
+  }
+
+  throw_if(words.size() > 1 && !with_comma.empty(),
+           "line {}: '{}' has a decimal comma; write numbers with a decimal point", line_number,
+           with_comma.substr(0, 20));
+}
+
+/// The text without the mark by which some programs begin UTF-8.
+std::span<const std::uint8_t> without_mark(std::span<const std::uint8_t> bytes) {
+  constexpr std::array<std::uint8_t, 3> mark{0xEF, 0xBB, 0xBF};
+  const bool is_marked =
+      bytes.size() >= mark.size() && std::ranges::equal(bytes.first(mark.size()), mark);
+  return is_marked ? bytes.subspan(mark.size()) : bytes;
+}
+
 /// The largest of a line's fourth to sixth words if they are whole numbers up to 255; otherwise -1.
 int colour_level(const std::vector<std::string_view>& words) {
   int largest = words.size() < 6 ? -1 : 0;
@@ -57,11 +97,11 @@ int colour_level(const std::vector<std::string_view>& words) {
   return largest;
 }
 
-}  // namespace
-
-StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
+/// `names_by_number`: the columns of a text without names, see names_of_columns.
+StoredPoints points_in_lines(std::span<const std::uint8_t> bytes,
+                             std::vector<std::string> (*names_by_number)(std::size_t, bool)) {
   // 1. The lines as numbers.
-  NumberReader lines(bytes);
+  NumberReader lines(without_mark(bytes));
   std::vector<std::string> names;
   std::vector<std::uint8_t> numbers;
 
@@ -76,8 +116,7 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
     const bool comment = words[0].starts_with('#') || words[0].starts_with("//");
 
     // A line of names, or of the number of points.
-    const bool header =
-        columns == 0 && headers < 2 && (words.size() < 3 || !number_in<double>(words[0]));
+    const bool header = columns == 0 && headers < 2 && (words.size() < 3 || !number_of(words[0]));
 
     if (comment || header) {
       headers += comment ? 0 : 1;
@@ -86,12 +125,13 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
     }
 
     // The first line of numbers gives their count for all.
+    if (words.size() != columns) refuse_decimal_commas(line, line_number);
     if (columns == 0) columns = words.size();
     throw_if(words.size() != columns, "line {}: expected {} numbers, as in the first line",
              line_number, columns);
 
     for (const std::string_view word : words) {
-      const auto number = number_in<double>(word);
+      const auto number = number_of(word);
       throw_if(!number, "line {}: '{}' is not a number", line_number, word.substr(0, 20));
       append_numbers(numbers, *number);
     }
@@ -103,7 +143,7 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
 
   // 2. The columns' names, from a line of names or from their number.
   // Whole numbers that are all 0 or 1 are rather a normal.
-  if (names.size() != columns) names = names_of_columns(columns, lowest >= 0 && highest > 1);
+  if (names.size() != columns) names = names_by_number(columns, lowest >= 0 && highest > 1);
 
   // 3. The same numbers as a binary element.
   PointElement element{.name = "vertex", .count = points, .properties = {}};
@@ -116,6 +156,16 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
   read_element(element, reader, stored);
 
   return stored;
+}
+
+}  // namespace
+
+StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
+  return points_in_lines(bytes, names_of_columns);
+}
+
+StoredPoints pts_points(std::span<const std::uint8_t> bytes) {
+  return points_in_lines(bytes, names_of_pts_columns);
 }
 
 }  // namespace slipstream

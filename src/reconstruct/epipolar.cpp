@@ -62,8 +62,8 @@ struct ComparedPoint {
 std::vector<ComparedPoint> compared_points(const Image<float>& off, const Image<float>& sigma,
                                            const Cloud& cloud) {
   constexpr double most_compared = 1e5;
-  const double pixels = static_cast<double>(cloud.size().width) * cloud.size().height;
-  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / most_compared))));
+  const auto valid = static_cast<double>(point_count(cloud));
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(valid / most_compared))));
 
   const CommonDistance place{.size = cloud.size()};
   std::vector<ComparedPoint> points;
@@ -80,14 +80,15 @@ std::vector<ComparedPoint> compared_points(const Image<float>& off, const Image<
 /// The common part of the distances, by least squares. Points far from it have no weight, so that
 /// a minority of wrong coordinates does not bend it.
 CommonDistance common_distance(const std::vector<ComparedPoint>& points, Size size) {
-  constexpr std::size_t fewest = 100;
   CommonDistance common{.size = size};
-  if (points.size() < fewest) return common;
+  if (points.empty()) return common;
 
-  // 1. Start with the median.
+  // 1. Start with the median; a few points tell no more.
   std::vector<double> distances(points.size());
   std::ranges::transform(points, distances.begin(), &ComparedPoint::distance);
   common.factors.x() = median(distances);
+  constexpr std::size_t fewest = 100;
+  if (points.size() < fewest) return common;
 
   constexpr int rounds = 5;
   for (int round = 0; round < rounds; ++round) {

@@ -20,9 +20,9 @@ EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d
 
 /// Compares a cloud and its maps, along x, with `other`, a scan of the same scene along y. Sets the
 /// maps' epipolar distance. Marks points as `doubtful_order` if they are off their epipolar lines,
-/// less the common part of all distances, by more than 5 standard deviations, half a pixel and twice
-/// the calibration's own error. Throws Error if the frames of `other` do not fit the setup or do not give
-/// coordinates by themselves.
+/// less the common part of all distances, by more than 5 standard deviations, half a pixel and
+/// twice the calibration's own error. Throws Error if the frames of `other` do not fit the setup or
+/// do not give coordinates by themselves.
 EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps, Cloud& cloud);
 
 }  // namespace slipstream

@@ -50,8 +50,8 @@ EngineSetup setup_for_maps(const Scan& scan, const ScanJobSettings& settings,
   return setup;
 }
 
-/// Coordinates along x and y that do not meet in one projector pixel: in over a third of the points,
-/// so that none is sure, or by a common distance, which is an error of the calibration.
+/// Coordinates along x and y that do not meet in one projector pixel: in over a third of the
+/// points, so that none is sure, or by a common distance, which is an error of the calibration.
 std::optional<Finding> axes_that_disagree(const EpipolarCheck& check, double calibration_rms) {
   const bool contradicts = check.contradicts(calibration_rms);
   if (!contradicts && !check.is_off(calibration_rms)) return std::nullopt;
@@ -99,6 +99,13 @@ Finding undecided_order() {
                         "`nearest NUMBER` `farthest NUMBER`"}}};
 }
 
+/// What to look at if most pixels are rejected for that reason.
+std::string advice_on(Validity most) {
+  if (most == Validity::outside_region) return "check the region, `box` and `outline`";
+  if (most == Validity::out_of_range) return "check the depth range, `nearest` and `farthest`";
+  return "look at the frames with `view()`";
+}
+
 /// No point, or under half of the pixels that are lit and within the user's limits.
 std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSettings& settings) {
   const std::size_t points = counts.front();
@@ -115,16 +122,16 @@ std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSe
   const std::size_t lit = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
   if (2 * points >= lit) return std::nullopt;
 
-  const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
+  const auto most =
+      static_cast<Validity>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
   return Finding{
       .kind = FindingKind::few_points,
       .severity = points == 0 ? Severity::wrong : Severity::doubtful,
       .what = points == 0 ? "not one pixel became a point"
                           : "under 50 % of the lit pixels became points",
       .evidence = {{"share", static_cast<double>(points) / static_cast<double>(lit)}},
-      .causes = {{CauseKind::rejected_pixels,
-                  fmt::format("most are rejected: {}", name_of(static_cast<Validity>(most)))}},
-      .remedies = {{"look at the frames with `view()`"}}};
+      .causes = {{CauseKind::rejected_pixels, fmt::format("most are rejected: {}", name_of(most))}},
+      .remedies = {{advice_on(most)}}};
 }
 
 /// Counts the pixels by validity; warns of missing points.

@@ -182,7 +182,9 @@ TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
     save_scan(path, scan.frames, scan.sequence, std::nullopt);
   };
   std::vector<PoseState> told;
-  settings.on_progress = [&](const PoseProgress& progress) { told.push_back(progress.verdict.state); };
+  settings.on_progress = [&](const PoseProgress& progress) {
+    told.push_back(progress.verdict.state);
+  };
   const std::vector<BoardView> taken = take_guided_poses(camera, poses, board, sequence, settings);
   ASSERT_EQ(taken.size(), 3U);
   EXPECT_EQ(std::count(told.begin(), told.end(), PoseState::taken), 3);

@@ -111,6 +111,29 @@ TEST(Xyz, HasOtherEndingsToo) {
   }
 }
 
+TEST(Pts, HasAnIntensityBeforeTheColour) {
+  const std::string text = "2\n1 2 3 250 0 100 0\n4 5.5 6 4 200 130 45\n";
+  expect_two_points(cloud_of("cloud.pts", text));
+  expect_two_points(cloud_of("cloud.pts", "1 2 3 -900 0 100 0\n4 5.5 6 2047 200 130 45\n"));
+  expect_two_points(cloud_of("cloud.pts", "2\n1 2 3 58.7\n4 5.5 6 141.24\n"));
+}
+
+TEST(Xyz, MayBeginWithTheMarkOfUtf8AndHavePluses) {
+  const std::string mark = "\xEF\xBB\xBF";
+  expect_two_points(cloud_of("cloud.csv", mark + "x,i,y,z\n+1,58.7,2,+3\n4,141.24,+5.5,6\n"));
+  expect_two_points(cloud_of("cloud.csv", mark + "1,2,3,58.7\n4,5.5,6,141.24\n"));
+  expect_two_points(cloud_of("cloud.asc", "+1 +2 +3 58.7\n4 5.5 6 141.24\n"));
+}
+
+TEST(Xyz, LeavesOutWhatIsNoNumberOf32Bits) {
+  expect_two_points(cloud_of("cloud.txt",
+                             "x y z r g b\n"
+                             "nan nan nan nan nan nan\n"
+                             "1 2 3 0 0.392156863 0\n"
+                             "1e39 0 0 0 0 0\n"
+                             "4 5.5 6 0.784313725 0.509803922 0.176470588\n"));
+}
+
 /// An ASCII PLY of two points: x, y, z of a type, and further properties.
 std::string two_points_ply(const std::string& type, const std::string& properties,
                            const std::string& points) {
@@ -155,6 +178,15 @@ TEST(Xyz, OfUnequalLinesIsRefused) {
   expect_refused("1 2 3\n4 five 6\n", "line 2: 'five' is not a number");
   expect_refused("1 2\n3 4\n5 6\n", "no x, y and z");
   expect_refused("x y z\n", "no points");
+  expect_refused("", "no points");
+}
+
+TEST(Xyz, WithDecimalCommasIsRefused) {
+  for (const char* const line : {"1,5;2,5;3,5\n", "1,5 2 3,5\n", "1\t2,5\t3\n"}) {
+    expect_error([&] { cloud_of("cloud.csv", "x y z\n1 2 3\n" + std::string(line)); },
+                 {"cloud.csv", "line 3", "decimal comma"});
+    expect_error([&] { cloud_of("cloud.csv", line); }, {"cloud.csv", "line 1", "decimal comma"});
+  }
 }
 
 }  // namespace slipstream::foreign_clouds_test

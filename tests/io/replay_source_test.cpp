@@ -276,6 +276,21 @@ TEST(ReplaySource, GivesBitIdenticalCloudsFromAScanFolderAndFromItsRecording) {
   }
 }
 
+TEST(ReplaySource, SaysThatItLeavesOutTheOtherAxisOfAScanFolder) {
+  const TemporaryFolder folder;
+  const Scanner scanner = example_scanner({16, 12});
+  Sequence sequence{.strategy = PhaseMeasuring{.steps = 3}, .projector = scanner.projector.size};
+  sequence.both_axes = true;
+  const Scene scene = scene_named("board", scanner);
+  save_scan(folder.path(), take_scan(scanner, scene, pattern_set(sequence)).frames, sequence,
+            scanner);
+
+  const ReplaySource source(folder.path(), {});
+  EXPECT_EQ(frame_count(source.header().sequence.value()), 3);
+  EXPECT_NE(source.warning().find("only its frames along x"), std::string::npos)
+      << source.warning();
+}
+
 TEST(ReplaySource, RepeatsAScanFolder) {
   const TemporaryFolder folder;
   const Strategy strategy = PhaseMeasuring{.steps = 3};

@@ -122,6 +122,30 @@ TEST_F(ScanPictures, OfAPoseOfTheBoardAreToo) {
   expect_same(poses.front().along(Axis::y).frames, frames_of(gray, Axis::y));
 }
 
+TEST_F(ScanPictures, APoseOfTheBoardMayHaveALongerCodeAlongOneAxis) {
+  const SequenceChanges patterns{
+      .strategy = "gray-phase", .period_pixels = std::vector{18.0}, .projector = Size{1280, 800}};
+  const Sequence x = changed(Sequence{}, patterns), y = along(x, Axis::y);
+  ASSERT_EQ(frame_count(x), frame_count(y) + 1);
+  const FrameSet frames_x = frames_of(x.strategy), frames_y = frames_of(y.strategy, Axis::y);
+
+  // The code comes first.
+  for (const FrameSet* const frames : {&frames_x, &frames_y}) {
+    std::vector<int> code_first(static_cast<std::size_t>(frames->count()));
+    std::iota(code_first.begin(), code_first.end(), 0);
+    std::rotate(code_first.begin(), code_first.begin() + x.strategy.layout().code->frames.front(),
+                code_first.end());
+    add(reordered(*frames, code_first));
+  }
+
+  make_folder(folder() / "poses");
+  fs::create_directory_symlink(folder(), folder() / "poses" / "pose");
+  const auto poses =
+      board_scans(folder() / "poses", {.sequence = patterns, .order = "code,sinusoids"}, Axis::x);
+  expect_same(poses.front().along(Axis::x).frames, frames_x);
+  expect_same(poses.front().along(Axis::y).frames, frames_y);
+}
+
 TEST_F(ScanPictures, APoseOfTheBoardMayBeInColour) {
   const Strategy strategy = DualFrequency{};
   for (const Axis axis : {Axis::x, Axis::y}) {

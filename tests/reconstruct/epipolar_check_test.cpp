@@ -152,6 +152,30 @@ TEST(BothAxes, KeepThePointsOfAnOrdinaryCalibration) {
   }
 }
 
+TEST(BothAxes, KeepThePointsOfASmallObjectInALargePicture) {
+  Scan scan = scan_of("board", example_scanner({480, 360}), {.noise_variance = 1.6}).scan;
+  scan.scanner->projector.intrinsic(1, 2) += 1.5;
+
+  const EngineSetup setup = setup_for(scan);
+  Cloud whole;
+  Maps maps;
+  Engine(setup).cloud_and_maps(scan.frames, whole, maps);
+
+  for (const int half : {4, 9}) {
+    Cloud cloud = whole;
+    for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+      const bool is_on_object = std::abs(column - 240) < half && std::abs(row - 180) < half;
+      if (!is_on_object) cloud.reject(column, row, Validity::too_dark);
+    });
+
+    const std::size_t all = point_count(cloud);
+    ASSERT_GT(all, 40U);
+    const EpipolarCheck check = check_epipolar(setup, scan.other_axis.front(), maps, cloud);
+    EXPECT_GE(point_count(cloud), 0.97 * static_cast<double>(all));
+    EXPECT_TRUE(check.is_off(0)) << check.common;
+  }
+}
+
 TEST(BothAxes, SeeARigThatMoved) {
   const Scanner scanner = example_scanner({320, 240});
   Scan scan = scan_of("board", scanner, {.noise_variance = 1.6}).scan;

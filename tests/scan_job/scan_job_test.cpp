@@ -138,6 +138,7 @@ TEST(ScanJob, RefusesACloudWithoutPoints) {
   const std::vector<Finding> findings = refusal_of(scan_of(dual), settings);
   ASSERT_FALSE(findings.empty());
   EXPECT_EQ(findings.front().kind, FindingKind::few_points);
+  EXPECT_EQ(remedies_of(findings.front()), "check the depth range, `nearest` and `farthest`");
 }
 
 TEST(ScanJob, RefusesAScanThatContradictsItsPatterns) {

@@ -21,21 +21,22 @@ namespace slipstream {
 namespace {
 
 /// From the page's upper left corner, mm.
-struct Rectangle {
+struct DarkRectangle {
   double left = 0, top = 0, width = 0, height = 0;
 };
 
 /// A page, mm.
 struct Sheet {
   double width = 0, height = 0;
-  std::vector<Rectangle> black{};
+  std::vector<DarkRectangle> black{};
   double words_left = 0, words_base = 0;
   std::string words{};
 };
 
 /// Runs of dark pixels; equal runs in consecutive rows are one rectangle.
-std::vector<Rectangle> dark_rectangles(const Image<std::uint8_t>& picture, double mm_per_pixel) {
-  std::vector<Rectangle> rectangles;
+std::vector<DarkRectangle> dark_rectangles(const Image<std::uint8_t>& picture,
+                                           double mm_per_pixel) {
+  std::vector<DarkRectangle> rectangles;
   std::map<std::pair<int, int>, int> open;  // first row by first and end column
 
   // One row more than the picture has, without runs, closes the last rectangles.

@@ -124,6 +124,7 @@ struct Edges {
   double changes = 0;  ///< sum
   Complex along{}, backwards{};
   std::array<Complex, 2> halves{};  ///< of `along`, in either half of the field
+  std::array<Complex, 2> halves_backwards{};
 
   /// Phases and the edge between them, periods; `second`: in the second half of the field.
   void add(double here, double next, double edge, bool rising, bool second) {
@@ -141,7 +142,10 @@ struct Edges {
     const Complex at_edge = std::polar(1.0, two_pi * (here + change / 2 - edge));
     along += at_edge;
     halves[second ? 1 : 0] += at_edge;
-    backwards += std::polar(1.0, -two_pi * (here + change / 2 + edge));
+
+    const Complex reversed = std::polar(1.0, -two_pi * (here + change / 2 + edge));
+    backwards += reversed;
+    halves_backwards[second ? 1 : 0] += reversed;
   }
 
   void sum_up(CodeEvidence& evidence) const {
@@ -153,12 +157,14 @@ struct Edges {
     evidence.against = static_cast<double>(against) / count;
 
     // The mean of n random directions has a length of about 1 / sqrt(n).
-    const Complex mean = (evidence.against > 0.5 ? backwards : along) / Complex(count);
+    const bool is_against = evidence.against > 0.5;
+    const Complex mean = (is_against ? backwards : along) / Complex(count);
     const double chance = 1 / std::sqrt(count);
     evidence.incoherence = std::max(0.0, 1 - std::abs(mean) - chance);
 
     // The middles of the halves are half a field apart.
-    evidence.drift = 2 * std::arg(halves[1] * std::conj(halves[0])) / two_pi;
+    const auto& [first, second] = is_against ? halves_backwards : halves;
+    evidence.drift = 2 * std::arg(second * std::conj(first)) / two_pi;
 
     // Blur moves the edges by a tenth of a pixel: that much is not an error of the origin.
     const double offset = std::arg(mean) / two_pi;

@@ -315,8 +315,9 @@ class GeometryJudge {
     const Eigen::Vector2d flat(expected({turn_.columns ? -1 : 1, 0}),
                                expected({0, turn_.rows ? -1 : 1}));
 
-    // The phase is exact, but wraps between pixels that are a good part of a period apart.
-    const bool coarse = periods_ * flat.cwiseAbs().maxCoeff() > 0.25;
+    // The phase is exact, but wraps between pixels that are a good part of a period apart. A code
+    // alone has none.
+    const bool coarse = is_code_ || periods_ * flat.cwiseAbs().maxCoeff() > 0.25;
     const auto change = [&](Place place) {
       model_.read(samples_.levels(g, place), order_, next_);
       if (coarse) return next_.coordinate - here_.coordinate;

@@ -239,6 +239,7 @@ class Mistakes {
   void add_shifts_with_both_ends() {
     std::vector<double> of_bands;
     setting("steps").read(of_bands);
+    if (of_bands.empty()) return;
     const int steps = static_cast<int>(of_bands.front());
 
     // Three of them would have two different shifts; shifts are the same in all bands.

@@ -12,7 +12,6 @@
 #include "app/live_session.h"
 #include "app/process.h"
 #include "frames/pattern_windows.h"
-#include "io/file_names.h"
 
 namespace slipstream::app {
 namespace {
@@ -104,15 +103,17 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline().newest();
     if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
-    write_cloud(flags.output, last->cloud, {.remarks = remarks_about(statistics.findings)});
-    output.add_file("cloud", flags.output);
+    const std::string file = session.file_to_write(flags.output);
+    write_cloud(file, last->cloud, {.remarks = remarks_about(statistics.findings)});
+    output.add_file("cloud", file);
   }
 
-  if (const std::string& file = flags.model; !file.empty()) {
+  if (!flags.model.empty()) {
     const ModelPoints model = session.pipeline().model();
     if (model.cloud.z.empty()) {
-      throw WorldError(fmt::format("{}: no cloud to build a model from", file));
+      throw WorldError(fmt::format("{}: no cloud to build a model from", flags.model));
     }
+    const std::string file = session.file_to_write(flags.model);
     write_cloud(file, model.cloud, {.normals = &model.normals});
     output.say("model: {} points in {}", model.cloud.size().width, file);
     output.object("files")["model"] = file;
@@ -154,6 +155,7 @@ struct ServedRig {
 ServedRig served(const Command& read) {
   LiveFlags flags = *read.served;
   flags.headless = true;
+  flags.new_files = true;
   flags.command = nullptr;  // these flags may outlive it
 
   locating(read.rig, [&] {
@@ -164,24 +166,6 @@ ServedRig served(const Command& read) {
   });
 
   return {read.rig, flags};
-}
-
-/// Each run writes its own files, also after a restart of the service.
-LiveFlags with_free_names(LiveFlags flags, Output& output) {
-  const auto choose = [&](std::string& name, std::size_t begin = 0) {
-    if (name.size() <= begin) return;
-    const std::string path = name.substr(begin), free = free_path(path).string();
-    if (free != path) output.say("{} already exists; writing {}", path, free);
-    name.replace(begin, path.size(), free);
-  };
-
-  for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
-  for (std::string& sink : flags.publish) {
-    if (constexpr std::string_view file = "mcap:"; sink.starts_with(file))
-      choose(sink, file.size());
-  }
-
-  return flags;
 }
 
 void serve(const LiveFlags& given, Output& output) {
@@ -211,7 +195,7 @@ void serve(const LiveFlags& given, Output& output) {
 
     // Run until a signal ends it, or until a reload has brought new settings.
     try {
-      locating(now.rig, [&] { live(with_free_names(now.flags, output), output); });
+      locating(now.rig, [&] { live(now.flags, output); });
       if (!next || stopped_by_signal()) return;
     } catch (const std::exception& error) {
       if (stopped_by_signal() || (!next && !before)) throw;
@@ -366,7 +350,8 @@ void live(const LiveFlags& flags, Output& output) {
   }
 
   finish(session, news, flags, output);
-  if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
+  const std::string& recording = session.recording_file();
+  if (is_recording(recording)) output.object("files")["recording"] = recording;
 }
 
 void add_live(const Commands& program) {

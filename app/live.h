@@ -28,6 +28,7 @@ struct LiveFlags {
   ViewFlags view;
 
   // Of serve:
+  bool new_files = false;            ///< replaces no file; see LiveSession::file_to_write
   const Command* command = nullptr;  ///< which read these flags
   std::function<void()> begun;       ///< called once sinks are open and frames are taken
   std::function<bool()> reload;      ///< called when SIGHUP asks for it: whether to end

@@ -209,7 +209,10 @@ LiveSession::LiveSession(LiveFlags flags, Output& output)
 void LiveSession::start() {
   open_sinks();
   tell_news();
-  if (!flags_.record.empty()) source_->record_to(flags_.record);
+  if (!flags_.record.empty()) {
+    recording_file_ = file_to_write(flags_.record);
+    source_->record_to(recording_file_);
+  }
 
   const std::lock_guard lock(mutex_);  // sinks may already change the pipeline
   pipeline_->start();

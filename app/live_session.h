@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -11,6 +12,7 @@
 #include "app/live.h"
 #include "app/monitor_projector.h"
 #include "frames/stepped_source.h"
+#include "io/file_names.h"
 #include "io/recorder.h"
 #include "slipstream/cloud_sink.h"
 
@@ -27,6 +29,11 @@ class LiveSession {
   // Main thread:
   /// Opens the sinks and starts.
   void start();
+  /// The file. With LiveFlags::new_files a new one, which is another if that one exists; prints its
+  /// name. Throws WorldError.
+  std::string file_to_write(const std::string& file);
+  /// Empty without one from the start.
+  [[nodiscard]] const std::string& recording_file() const { return recording_file_; }
   /// Ends the pipeline and the sinks.
   void stop() {
     pipeline_->stop();
@@ -73,6 +80,8 @@ class LiveSession {
 
   const LiveFlags flags_;
   Output& output_;
+  std::list<NewFile> new_files_;  ///< outlive their writers
+  std::string recording_file_;
   MonitorProjector projector_;
   const SteppedSource* stepped_ = nullptr;  ///< in step with the projector; null without one
   RecordedSource* source_ = nullptr;        ///< owned by the pipeline

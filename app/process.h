@@ -9,10 +9,10 @@
 
 namespace slipstream::app {
 
-/// Call once, before anything but reload_at_hangup. Closed standard streams go to /dev/null, so that no file gets their numbers;
-/// SIGINT, SIGTERM and SIGHUP remove half-written files before they end the program; a closed pipe
-/// or a file size limit is a write error, not a signal; an uncaught exception prints one line.
-/// stdout is flushed after each line.
+/// Call once, before anything but reload_at_hangup. Closed standard streams go to /dev/null, so
+/// that no file gets their numbers; SIGINT, SIGTERM and SIGHUP remove half-written files before
+/// they end the program; a closed pipe or a file size limit is a write error, not a signal; an
+/// uncaught exception prints one line. stdout is flushed after each line.
 void prepare_process();
 
 /// Replaces this program by the first of `places` that is there, relative to this program's folder.

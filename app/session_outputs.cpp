@@ -8,12 +8,15 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/live_session.h"
 #include "frames/pattern_windows.h"
 #include "io/file.h"
+#include "io/file_names.h"
 #include "io/result_files.h"
+#include "io/scan_folder.h"
 #include "reconstruct/engine_setup.h"
 #include "slipstream/scan_files.h"
 
@@ -113,7 +116,11 @@ auto in_flags(const Act& act) {
 
 void LiveSession::open_sinks() {
   const Scanner scanner = setup().scanner;  // sinks may already change the setup
-  for (const std::string& name : flags_.publish) {
+  for (std::string name : flags_.publish) {
+    if (constexpr std::string_view to_file = "mcap:"; name.starts_with(to_file)) {
+      name = fmt::format("{}{}", to_file, file_to_write(name.substr(to_file.size())));
+    }
+
     const auto maps = std::make_shared<CloudMaps>(*this);
     PublishedRun run{
         .camera = scanner.camera,
@@ -139,6 +146,14 @@ void LiveSession::open_sinks() {
 
     publisher_.add(name, open_sink(name, std::move(run)));
   }
+}
+
+std::string LiveSession::file_to_write(const std::string& file) {
+  if (!flags_.new_files || file == standard_output) return file;
+
+  std::string free = new_files_.emplace_back(file).path().string();
+  if (free != file) output_.say("{} already exists; writing {}", file, free);
+  return free;
 }
 
 std::string LiveSession::save(const FrameViews& frames, const Sequence& of_frames,
@@ -172,10 +187,14 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
 
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;
-  const fs::path folder = path_named_by_time(parent, "scan", "");
+  const auto make_new_folder = [&] {
+    return make_free_folder(path_named_by_time(parent, "scan", ""));
+  };
 
   // Without a scanner only the frames are worth saving.
   if (!has_geometry(setup.scanner)) {
+    require_as_taken(sequence.strategy);
+    const fs::path folder = make_new_folder();
     save_scan(folder, frames, sequence, std::nullopt);
     return folder.string();
   }
@@ -183,7 +202,7 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
   Cloud cloud;
   Maps maps;
   Engine(setup).cloud_and_maps(frames, cloud, maps);
-  make_folder(folder);
+  const fs::path folder = make_new_folder();
 
   // Merged exposures are not frames as taken, so they are left out.
   if (!frames.merged()) save_scan(folder, frames, sequence, setup.scanner);

@@ -10,6 +10,7 @@
 #include "app/live_session.h"
 #include "base/numbers.h"
 #include "io/file.h"
+#include "io/file_names.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/strategy.h"
 
@@ -79,7 +80,8 @@ void set_recording(RecordedSource& source, const std::string& folder, bool on) {
   if (!on) return source.finish_recording();
   if (source.recording()) return;
   make_folder(folder);
-  source.record_to(path_named_by_time(folder, "recording", ".slip"));
+  const NewFile file(path_named_by_time(folder, "recording", ".slip"));
+  source.record_to(file.path());
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "app/session_settings.h"
 #include "base/numbers.h"
 #include "io/file.h"
+#include "io/file_names.h"
 #include "io/result_files.h"
 #include "slipstream/camera.h"
 #include "slipstream/strategy.h"
@@ -207,7 +208,8 @@ view::ViewSource calibrate(Studio& studio) {
   // Automatic end: as many poses as are enough.
   flags.poses = 0;
 
-  flags.output = path_named_by_time(studio.flags.view.save_to, "poses", "").string();
+  flags.output =
+      make_free_folder(path_named_by_time(studio.flags.view.save_to, "poses", "")).string();
   const auto poses = std::make_shared<GuidedPoses>(flags, studio.output);
 
   return {

@@ -143,6 +143,7 @@ struct LiveStatistics {
   std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or out of order
   std::uint64_t windows_skipped = 0;     ///< without a cloud, though whole: for lack of time
   std::uint64_t resynchronisations = 0;  ///< pattern indices found shifted, and corrected
+  std::uint64_t reconnects = 0;          ///< SourceCounters::reconnects
   /// Pixels of the newest cloud that cleaning rejected, by reason; `valid`: its points.
   ValidityCounts cleaned{};
   int motion = 0;                ///< of the newest cloud: see LiveCloud
@@ -172,6 +173,7 @@ struct LiveStatistics {
     visit("windows_lost", windows_lost, "scans lost");
     visit("windows_skipped", windows_skipped, "scans skipped");
     visit("resynchronisations", resynchronisations, "order set right");
+    visit("reconnects", reconnects, "camera found again");
     visit("cleaned", cleaned);
     visit("motion", motion);
     visit("backend", backend);

@@ -1,3 +1,5 @@
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -149,6 +151,12 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
     const auto newest = pipeline_->newest();
     if (!newest) throw Error("no cloud to save yet");
     const auto file = path_named_by_time(text("save_to"), "cloud", ".ply");
+
+    // Another node may save to the same folder: whoever creates the file has its name.
+    std::FILE* const created = std::fopen(file.c_str(), "wx");
+    if (created == nullptr && errno == EEXIST) throw Error(file.string() + " was just taken");
+    if (created != nullptr) std::fclose(created);
+
     write_cloud(file, newest->cloud);
     return file.string();
   }

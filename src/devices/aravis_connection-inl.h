@@ -4,12 +4,16 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <arv.h>
@@ -57,6 +61,9 @@ class AravisConnection {
 
     watch();
     set_up(settings);
+    if (arv_camera_is_gv_device(camera_.get()) != 0) {
+      guard_ = std::jthread([this](const std::stop_token& stop) { guard_control(stop); });
+    }
   }
 
   /// Starts the stream. Throws WorldError; then it can be started again.
@@ -341,6 +348,35 @@ class AravisConnection {
                           static_cast<GConnectFlags>(0));
   }
 
+  /// Notices that another client has taken control, e.g. after a stall of this program. Aravis only
+  /// reads whether any client has it, but a write succeeds only for the one that does. The write is
+  /// also a heartbeat, independent of frames and settings.
+  void guard_control(const std::stop_token& stop) {
+    using std::chrono_literals::operator""ms;
+    constexpr std::uint64_t heartbeat_timeout = 0x938;  // defined by the standard
+    ArvDevice* const device = arv_camera_get_device(camera_.get());
+
+    // The register is written with the value that it has.
+    const std::uint32_t timeout = [&] {
+      std::uint32_t value = 0;
+      return arv_device_read_register(device, heartbeat_timeout, &value, nullptr) != 0 ? value : 0;
+    }();
+    if (timeout == 0) return;
+
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any stopped;
+    while (!is_lost() &&
+           !stopped.wait_for(lock, stop, 500ms, [&] { return stop.stop_requested(); })) {
+      g_autoptr(GError) error = nullptr;
+      arv_device_write_register(device, heartbeat_timeout, timeout, &error);
+      if (g_error_matches(error, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED) !=
+          0) {
+        *lost_ = true;
+      }
+    }
+  }
+
   /// Limits the stream to packets that Aravis can handle, see pass_pictures_only.
   void limit_stream(std::uint32_t payload) {
     constexpr int least_packet = 100;
@@ -376,6 +412,7 @@ class AravisConnection {
   std::atomic<double> period_seconds_ = 0;
   /// Shared with a GObject signal handler, which may outlive this object.
   std::shared_ptr<std::atomic<bool>> lost_ = std::make_shared<std::atomic<bool>>(false);
+  std::jthread guard_;  ///< uses the members above
 };
 
 }  // namespace slipstream

@@ -144,10 +144,16 @@ class CameraSource : public FrameSource, public CameraControls {
 
   /// Marks the camera as lost and returns its connection.
   std::shared_ptr<Connection> lose() {
+    still_lose("");
     const std::lock_guard lock(mutex_);
-    state_ = fmt::format("camera {} is lost; searching for it",
-                         name_.empty() ? "(the first found)" : name_);
     return std::exchange(connection_, nullptr);
+  }
+
+  /// Sets the state of a lost camera, and why it refuses to be opened if it answers.
+  void still_lose(const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    state_ = fmt::format("camera {} is lost; searching for it{}{}",
+                         name_.empty() ? "(the first found)" : name_, why.empty() ? "" : "; ", why);
   }
 
   void regain(std::shared_ptr<Connection> found) {

@@ -185,11 +185,14 @@ class AravisSource final : public CameraSource<AravisConnection> {
     throw WorldError(fmt::format("camera {} is back with frames of another size", name_));
   }
 
-  [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() const try {
+  [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() try {
     std::shared_ptr<AravisConnection> connection = open_again();
     connection->start();
     return connection;
-  } catch (const std::exception&) {
+  } catch (const std::exception& error) {
+    // A camera that answers but refuses, e.g. as another client controls it.
+    const bool refuses = dynamic_cast<const Error*>(&error) != nullptr;
+    still_lose(refuses ? error.what() : "");
     std::this_thread::sleep_for(100ms);
     return nullptr;
   }

@@ -35,6 +35,9 @@ enum Command : std::uint16_t {
   write_memory = 0x86,
 };
 
+/// A longer time between two calls of listen() is a stall. Below any client's timeout.
+constexpr std::chrono::milliseconds longest_pause{200};
+
 enum class Content : std::uint32_t { leader = 1, trailer = 2, picture = 3, part = 7 };
 
 constexpr std::uint16_t block_complete = 0, unavailable = 0x800c;
@@ -218,13 +221,21 @@ void GigeControl::note_resend(std::span<const std::uint8_t> payload, bool long_n
              .long_numbers = long_numbers};
 }
 
+void GigeControl::listen(Time now) {
+  if (listened_ && now - *listened_ > longest_pause) {
+    heard_ = std::min<Time>(heard_ + (now - *listened_) - longest_pause, now);
+  }
+  listened_ = now;
+}
+
 void GigeControl::forget_silent_client(Time now) {
   constexpr std::uint32_t least = 500, most = 60'000;
   // Limits, ms: a client's timeout may neither keep the camera forever nor lose it at once.
   const std::chrono::milliseconds longest(
       std::clamp(read(GigeRegister::heartbeat_timeout), least, most));
 
-  if (!client_ || now - heard_ <= longest) return;
+  const Time end = listened_ ? std::min<Time>(now, *listened_ + longest_pause) : now;
+  if (!client_ || end - heard_ <= longest) return;
   ++silent_clients_;
   let_client_go();
 }

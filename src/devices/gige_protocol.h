@@ -104,6 +104,9 @@ class GigeControl {
   /// its own timeout; then the registers are reset to their state before it.
   std::vector<std::uint8_t> answer(std::span<const std::uint8_t> packet, const sockaddr_in& from,
                                    Time now);
+  /// Call before or after reading the sockets, several times a second. From the first call on, a
+  /// client's silence is only time with such calls: while this program stalls, its packets wait.
+  void listen(Time now);
   /// nullopt unless a client has started a stream to its own address with a region on the sensor.
   std::optional<GigeStream> stream(Time now);
   /// The client's stream destination, at its own address.
@@ -140,6 +143,7 @@ class GigeControl {
   Accept accept_;
   std::optional<sockaddr_in> client_;
   Time heard_;  ///< the client's
+  std::optional<Time> listened_;
   std::optional<GigeResend> resend_;
   std::uint64_t silent_clients_ = 0, ended_controls_ = 0;
 };

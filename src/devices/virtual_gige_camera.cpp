@@ -225,6 +225,7 @@ void VirtualGigeCamera::run() {
   for (std::size_t k = 0; !is_ending_;) {
     // 1. Decide whether a frame is due: free-running, by software or by the projector's pulse.
     std::unique_lock lock(mutex_);
+    control_.listen(steady_clock::now());
     const auto stream = control_.stream(steady_clock::now());
     const bool is_pulsed = stream && wiring_ == Wiring::trigger && !stream->is_free &&
                            control_.read(trigger_source) == line_1_triggers;

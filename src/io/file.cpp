@@ -48,6 +48,21 @@ int create(const std::string& name) {
   return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
+/// Opens a regular file without contents; returns -1 for any other.
+int open_empty(const std::string& name) {
+  const int descriptor =
+      ::open(name.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (descriptor < 0) return -1;
+
+  struct stat status {};
+  const bool is_empty =
+      ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_size == 0;
+  if (is_empty) return descriptor;
+
+  ::close(descriptor);
+  return -1;
+}
+
 /// Returns false, with errno, if writing fails.
 bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
   while (!rest.empty()) {
@@ -190,12 +205,13 @@ fs::path output_target(const fs::path& path) {
 
 OutputFile::OutputFile(const fs::path& path, Writing writing)
     : path_(output_target(path)), folder_(folder_of(path_)), writing_(writing) {
-  // 1. Written over time: under its own name if that is free.
+  // 1. Written over time: under its own name if that is free or an empty file.
   if (writing == Writing::over_time) {
     name_ = path_.string();  // before the file exists, so that it is always removed
     descriptor_ = create(name_);
     if (descriptor_ < 0 && errno != EEXIST) fail(errno);
     claim();
+    if (descriptor_ < 0) descriptor_ = open_empty(name_);  // locked, so it stays empty
   }
 
   if (descriptor_ >= 0) return;

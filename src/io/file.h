@@ -99,9 +99,9 @@ void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes);
 /// When a file that is being written gets its own name.
 enum class FileWriting : int {
   at_once,   ///< removed unless kept, and by remove_temporary_files
-  over_time  ///< has its own name from the start if that is free; stays even if not kept; is
-             ///< synced while it grows, which bounds the page cache; a second one of the same
-             ///< name, in any process, throws
+  over_time  ///< has its own name from the start if that is free or an empty file; stays even if
+             ///< not kept; is synced while it grows, which bounds the page cache; a second one of
+             ///< the same name, in any process, throws
 };
 
 /// The file that is written for an output's path: the target of a link, which need not exist;

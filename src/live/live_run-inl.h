@@ -112,6 +112,7 @@ class LiveRun {
     statistics.windows_lost = windows_lost_;
     statistics.windows_skipped = windows_skipped_;
     statistics.resynchronisations = resynchronisations_;
+    statistics.reconnects = source_.counters().reconnects;
 
     const Clock::time_point now = locked(end_).value_or(Clock::now());
     statistics.seconds = std::chrono::duration<double>(now - start_).count();

@@ -34,8 +34,7 @@ using enum GigeStatus;
 using namespace scan3d;
 
 constexpr std::uint32_t fire_test_packet = 0x80000000, is_test_whole = 0x40000000;
-/// Bytes per second. A receiver's socket buffer holds a few hundred kB, so blocks are spread over
-/// the period.
+/// Bytes per second. A receiver's socket holds a few hundred kB, so a period spreads its block.
 constexpr double slowest = 50e6, fastest = 400e6, spread = 0.5;
 /// How far packets may lag behind before they are sent in a burst.
 constexpr auto most_behind = 500us;
@@ -175,6 +174,7 @@ class GenicamSink final : public CloudSink {
   /// Ends a recording that a client has started, once its control has ended.
   void end_recording() {
     std::unique_lock lock(mutex_);
+    control_.listen(steady_clock::now());
     if (!recorded_by_ || control_.ended_controls(steady_clock::now()) == *recorded_by_) return;
     recorded_by_.reset();
     lock.unlock();

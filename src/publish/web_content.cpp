@@ -33,8 +33,8 @@ void append(std::string& bytes, const Image<Pixel>& image) {
 }
 
 constexpr std::array counts{
-    "captured",           "lost",      "overwritten",  "repeated", "clouds", "done",
-    "resynchronisations", "published", "windows_lost", "missed",   "dropped"};
+    "captured",           "lost",      "overwritten",  "repeated", "clouds",  "done",
+    "resynchronisations", "published", "windows_lost", "missed",   "dropped", "reconnects"};
 
 /// Samples grouped by metric, as the format requires.
 using Metrics = std::map<std::string, std::string>;

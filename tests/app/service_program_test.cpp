@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -27,6 +26,7 @@
 #include "slipstream/strategy.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/step_sequences.h"
 
 namespace slipstream::service_program_test {
 namespace fs = std::filesystem;
@@ -252,23 +252,11 @@ void check_services(int services, int most_steps) {
                                        "reload twice", "set",          "set invalid",
                                        "record on",    "record off",   "save"};
 
-  rc::detail::TestParams params = rc::detail::configuration().testParams;
-  params.maxSuccess = services;
-  params.maxSize = most_steps;
-
-  const auto result = rc::detail::checkTestable(
-      [&] {
-        const auto taken = *rc::gen::container<std::vector<std::string>>(rc::gen::elementOf(steps));
-        Service service;
-        for (const std::string& step : taken) service.take(step);
-        service.end();
-      },
-      rc::detail::TestMetadata(), params);
-
-  if (result.is<rc::detail::SuccessResult>()) return;
-  std::ostringstream why;
-  rc::detail::printResultMessage(result, why);
-  FAIL() << why.str();
+  check_sequences(steps, services, most_steps, [](const std::vector<std::string>& taken) {
+    Service service;
+    for (const std::string& step : taken) service.take(step);
+    service.end();
+  });
 }
 
 TEST(ServiceProgram, shows_what_its_file_and_its_changes_say) {

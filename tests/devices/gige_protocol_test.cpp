@@ -103,6 +103,20 @@ TEST_F(GigeControlTest, OnlyWhoHasControlWritesAndSilenceEndsIt) {
   EXPECT_EQ(control_.read(GigeRegister::acquisition), 0U) << "the next finds it as it was";
 }
 
+TEST_F(GigeControlTest, AStallOfTheCameraIsNoSilenceOfItsClient) {
+  start_stream();
+  control_.listen(now_);
+  now_ += 10s;  // the client's packets wait, behind a request of another one
+  EXPECT_TRUE(control_.stream(now_));
+  control_.listen(now_);
+  EXPECT_EQ(write(GigeRegister::control_privilege, 2, other), access_denied);
+  EXPECT_EQ(write(GigeRegister::width, 32), ok);
+
+  for (const auto end = now_ + 3100ms; now_ < end; now_ += 100ms) control_.listen(now_);
+  EXPECT_FALSE(control_.stream(now_));
+  EXPECT_EQ(write(GigeRegister::control_privilege, 2, other), ok);
+}
+
 TEST_F(GigeControlTest, AHeartbeatOfForEverEndsWithinMinutes) {
   start_stream();
   EXPECT_EQ(write(GigeRegister::heartbeat_timeout, 0xffffffff), ok);

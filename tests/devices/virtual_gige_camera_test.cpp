@@ -11,12 +11,15 @@
 #include <gtest/gtest.h>
 
 #include "devices/genicam.h"
+#include "devices/gige_protocol.h"
+#include "devices/gige_sockets.h"
 #include "simulate/rendered_reel.h"
 #include "slipstream/camera.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/devices/gvcp_packets.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
@@ -262,6 +265,48 @@ TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
   source.start();
   EXPECT_EQ(source.state(), "");
   EXPECT_EQ(source.counters().reconnects, 1U);
+  EXPECT_TRUE(wait_for_frame(source, frame));
+}
+
+TEST(VirtualGigeCamera, IsTakenBackWhenAnotherClientNoLongerControlsIt) {
+  const auto camera = serve(some_frames(4, {160, 120}));
+  REQUIRE_CAMERA(camera);
+  const auto opened = open_genicam_camera(served_address, {.trigger = "Software", .cycle = 4});
+  FrameSource& source = *opened;
+  source.start();
+  Frame frame(source.format());
+  source.trigger();
+  ASSERT_TRUE(wait_for_frame(source, frame));
+
+  // As after a stall: the source's control has ended, and another client is faster. The packet that
+  // ends it must come from the source's own socket.
+  const auto control = static_cast<std::uint32_t>(GigeRegister::control_privilege);
+  const Bytes leave = command(write_register, {control, 0});
+  const sockaddr_in to = address_of(loopback, camera_port);
+  for (const auto& [socket, address] : udp_sockets()) {
+    if (ntohs(address.sin_port) == camera_port) continue;
+    ::sendto(socket, leave.data(), leave.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+             sizeof(to));
+  }
+  const ClientSocket other;
+  other.send(command(write_register, {control, 2}));
+  ASSERT_EQ(other.receive().at(1), 0) << "it has no control";
+
+  wait_until_gone(source, frame);
+  EXPECT_NE(source.state().find("is lost; searching for it"), std::string::npos);
+  for (const auto end = steady_clock::now() + 5s;
+       source.state().find("refused") == std::string::npos && steady_clock::now() < end;) {
+    (void)source.next(frame, 50ms);
+  }
+  EXPECT_NE(source.state().find("refused"), std::string::npos) << source.state();
+
+  other.send(command(write_register, {control, 0}));
+  for (const auto end = steady_clock::now() + 10s;
+       !source.state().empty() && steady_clock::now() < end;) {
+    (void)source.next(frame, 50ms);
+  }
+  EXPECT_EQ(source.counters().reconnects, 1U);
+  source.trigger();
   EXPECT_TRUE(wait_for_frame(source, frame));
 }
 

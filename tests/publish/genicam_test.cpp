@@ -24,7 +24,6 @@ Number big_endian_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return number_at<Number, std::endian::big>(bytes, at);
 }
 using namespace std::chrono_literals;
-using std::chrono::steady_clock;
 using enum GigeRegister;
 using enum GigeStatus;
 using namespace scan3d;
@@ -361,9 +360,10 @@ TEST_F(GenicamSink, sends_clouds_while_the_run_takes_long_for_a_change) {
   SetUp();
   const Client client;
   client.open();
+  EXPECT_EQ(client.write(heartbeat_timeout, 500), success);
   EXPECT_EQ(client.write(acquisition, 1), success);
   client.control.send(command(write_register, {static_cast<std::uint32_t>(setting), bits(2000)}));
-  while (!changing) std::this_thread::sleep_for(1ms);
+  std::this_thread::sleep_for(800ms);  // heartbeats would wait for the change
   EXPECT_EQ(put_and_take(client, 1).pixels, points_of(any_cloud(1)->cloud));
   EXPECT_TRUE(changing);
   may_end.set_value();

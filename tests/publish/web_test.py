@@ -1,6 +1,7 @@
 """`slipstream live --publish web`: pages, settings, recordings."""
 
 import base64
+import concurrent.futures
 import http.client
 import json
 import os
@@ -249,6 +250,27 @@ def test_save_writes_a_scan(live):
     assert status == 200
     assert (live.words.parent / folder / "cloud.ply").exists()
     assert (live.words.parent / folder / "scan.yaml").exists()
+
+
+def test_two_programs_save_into_folders_of_their_own(tmp_path):
+    def save(live):
+        return live.get("/save", method="POST", Origin=f"http://127.0.0.1:{live.port}")
+
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+    flags = ("--save-to", str(tmp_path / "saved"))
+    folders = []
+    with Live(tmp_path / "one", *flags, size="64x48") as one, \
+         Live(tmp_path / "other", *flags, size="64x48") as other, \
+         concurrent.futures.ThreadPoolExecutor() as threads:
+        for _ in range(3):
+            for status, folder in threads.map(save, (one, other)):
+                assert status == 200, folder
+                folders.append(folder)
+            time.sleep(1.1)  # saves come a second apart at most
+    assert len(set(folders)) == 6, folders
+    for folder in folders:  # with two frames for motion
+        assert len(list(pathlib.Path(folder).glob("frame_*.png"))) == 4 + 2
 
 
 def test_settings_are_changed_or_refused_with_why(live):

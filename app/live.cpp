@@ -164,7 +164,10 @@ LiveFlags with_free_names(LiveFlags flags, Output& output) {
     name.replace(begin, path.size(), free);
   };
 
-  for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
+  for (std::string* name :
+       {&flags.output, &flags.model, &flags.record, &flags.view.snapshot, &flags.view.screenshot}) {
+    choose(*name);
+  }
   for (std::string& sink : flags.publish) {
     if (constexpr std::string_view file = "mcap:"; sink.starts_with(file))
       choose(sink, file.size());
@@ -276,7 +279,8 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
 
   // Recording and publishing.
-  command.add_output("--record", flags.record, "record all frames, for replay:PATH");
+  command.add_output("--record", flags.record,
+                     "record all frames, for replay:PATH, into a .slip file");
   add_limit_flag(command.app, flags.limit);
   command
       .add("--publish", flags.publish,

@@ -307,7 +307,8 @@ void add_reconstruct(const Commands& program) {
 
   // The scans, and the log with which an interrupted run can be resumed.
   add_scans_flags(command, flags);
-  command.add_output("--manifest", flags.manifest, "log of finished scans, one JSON line each");
+  command.add_output("--manifest", flags.manifest,
+                     "log of finished scans, one JSON line each: .jsonl");
   command
       .add("--resume", flags.resume,
            "skip scans that the manifest lists as done with the same input, settings and outputs")

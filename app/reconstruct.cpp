@@ -293,6 +293,8 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
   throw_if(!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest),
            "{}: already exists; use --resume to continue it", flags.manifest);
+  throw_if(!flags.manifest.empty() && flags.files.cloud == standard_output,
+           "-o -: --manifest lists files; name one, e.g. {{name}}.ply");
 
   std::optional<ManifestLog> log;
   if (!flags.manifest.empty()) log.emplace(flags.manifest, output);

@@ -162,7 +162,8 @@ void add_camera_serve(const Commands& camera) {
   command.add_file("--scanner", flags.scene.scanner_file,
                    "scanner file to imitate; default: an example");
   command.add_output("--write-scanner", flags.write_scanner,
-                     "scanner file to write, for reconstruction", scanner_output_type);
+                     "scanner file to write, for reconstruction: .yaml or .xml",
+                     scanner_output_type);
 
   add_virtual_flags(command.app, flags.scene);
   add_board_flags(command.app, flags.board);

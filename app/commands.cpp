@@ -10,6 +10,7 @@
 #include <system_error>
 #include <tuple>
 
+#include "app/rig_rights.h"
 #include "base/numbers.h"
 #include "io/file.h"
 #include "io/result_files.h"
@@ -20,7 +21,7 @@ namespace {
 
 /// Outputs and verbosity of a run do not belong to the rig.
 void collect_settings(const CLI::App& app, std::set<std::string>& names) {
-  static const std::set<std::string> of_run{"rig", "help", "version", "output", "json"};
+  static const std::set<std::string> of_run{"rig", "public", "help", "version", "output", "json"};
 
   for (const CLI::Option* const option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) {
@@ -36,13 +37,6 @@ bool is_output(const CLI::Option& option) {
   return type == output_type || type == output_folder_type || type == scanner_output_type;
 }
 
-/// The path that a value of the option writes to; empty for other options.
-std::string written_by(const CLI::Option& option, const std::string& value) {
-  constexpr std::string_view mcap = "mcap:";
-  if (option.check_lname("publish") && value.starts_with(mcap)) return value.substr(mcap.size());
-  return is_output(option) ? value : "";
-}
-
 /// Paths in a rig file, also after replay:, are relative to the file.
 std::string resolved(const CLI::Option& option, const std::string& value, const fs::path& folder) {
   const std::string replay = "replay:";
@@ -54,7 +48,8 @@ std::string resolved(const CLI::Option& option, const std::string& value, const 
   return value;
 }
 
-bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
+bool apply(const RigSetting& setting, const fs::path& folder, const RigRights& rights,
+           CLI::Option& option) {
   const auto given = [](const CLI::Option* other) { return other->count() > 0; };
 
   // The command line wins: it may give the setting itself or one that excludes it. A setting whose
@@ -70,8 +65,16 @@ bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& optio
                                 : resolved(option, value, folder));
   }
 
+  // The option has taken a value such as "[web:8080,web:8081]" apart.
+  for (const std::string& value : option.results()) require_rig_may(option, value, rights);
+
   option.run_callback();
   return true;
+}
+
+/// Whether it is `serve`, not `camera serve`.
+bool is_service(const CLI::App& subcommand, const CLI::App& program) {
+  return subcommand.get_name() == "serve" && subcommand.get_parent() == &program;
 }
 
 void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, AppliedRig& rig) {
@@ -83,6 +86,10 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
   collect_settings(program, known);
 
   // 2. Each setting of the file that this command has.
+  const CLI::Option* const is_public = subcommand.get_option_no_throw("--public");
+  const RigRights rights{.replaces_files = !is_service(subcommand, program),
+                         .lets_others_in = is_public != nullptr && is_public->count() > 0};
+
   for (const RigSetting& setting : read_rig(file)) {
     const auto refuse = [&](const std::string& why) {
       throw Error(fmt::format("{}: line {}: {}", file.string(), setting.line, why));
@@ -95,8 +102,11 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
     CLI::Option* const option = subcommand.get_option_no_throw("--" + setting.name);
     if (option == nullptr) continue;
 
+    // `mesh` is the object of the virtual scanner, not a mesh to write.
+    if (setting.name == "mesh" && is_output(*option)) continue;
+
     try {
-      if (apply(setting, file.parent_path(), *option)) rig.settings.push_back(setting);
+      if (apply(setting, file.parent_path(), rights, *option)) rig.settings.push_back(setting);
     } catch (const CLI::ConversionError&) {  // a switch; numbers were checked before
       refuse(fmt::format("{} '{}': expected true or false", setting.name, setting.values.front()));
     } catch (const CLI::ParseError& error) {
@@ -156,6 +166,12 @@ std::string why_no_number(const std::string& text, bool is_unsigned, bool is_who
   return is_whole && number != std::floor(number) ? text + " is not a whole number" : "";
 }
 
+std::string written_by(const CLI::Option& option, const std::string& value) {
+  constexpr std::string_view mcap = "mcap:";
+  if (option.check_lname("publish") && value.starts_with(mcap)) return value.substr(mcap.size());
+  return is_output(option) ? value : "";
+}
+
 void require_distinct_files(const CLI::App& command) {
   constexpr std::string_view replay = "replay:";
   DistinctFiles files;
@@ -212,7 +228,12 @@ Size size_from(const std::string& text, const std::string& flag) {
 }
 
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig) {
-  const bool served = subcommand.get_name() == "serve" && subcommand.get_parent() == &program;
+  if (opens_ports(subcommand)) {
+    const std::string help = "let other machines reach the ports that the rig file opens";
+    subcommand.add_flag("--public", help);
+  }
+
+  const bool served = is_service(subcommand, program);
   subcommand
       .add_option_function<std::string>(
           served ? "rig" : "--rig",

@@ -41,7 +41,12 @@ inline constexpr const char* common_options = "Common options";
 /// Why the text is not a valid number; empty if it is one. NaN is not.
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
 
-/// Throws Error if an output of the command is also an input, or two outputs are the same file.
+/// The path that a value of the option writes to; empty for options that write nothing.
+std::string written_by(const CLI::Option& option, const std::string& value);
+
+/// Throws Error if an output of the command is also an input, if two outputs are the same file, or
+/// for standard_output where the command does not write to it. Throws WorldError if an output is a
+/// device or a pipe.
 void require_distinct_files(const CLI::App& command);
 
 /// Says so if a scan in the folder will be replaced.
@@ -201,8 +206,8 @@ struct AppliedRig {
 
 /// Adds --rig to a subcommand (to `serve`, the file as its argument): settings of the file, named
 /// like flags, apply unless the command line sets them, and are stored in `rig`. Settings of other
-/// subcommands of `program` are skipped; unknown ones throw Error when parsing. Paths are relative
-/// to the rig file.
+/// subcommands of `program` are skipped; unknown ones, and those beyond its RigRights, throw Error
+/// when parsing. Paths are relative to the rig file. Adds --public if the subcommand opens ports.
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig);
 
 /// The message with_flags, prefixed with "rig.yaml: line 3: " of the setting it names most clearly;

@@ -119,7 +119,11 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
     output.object("files")["model"] = file;
   }
 #ifdef SLIPSTREAM_VIEW
-  write_pictures(session.view_source(), flags.view, flags.headless, output);
+  ViewFlags pictures = flags.view;
+  for (std::string* const name : {&pictures.snapshot, &pictures.screenshot}) {
+    if (!name->empty()) *name = session.file_to_write(*name);
+  }
+  write_pictures(session.view_source(), pictures, flags.headless, output);
 #endif
 }
 
@@ -279,7 +283,8 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
 
   // Recording and publishing.
-  command.add_output("--record", flags.record, "record all frames, for replay:PATH");
+  command.add_output("--record", flags.record,
+                     "record all frames, for replay:PATH, into a .slip file");
   add_limit_flag(command.app, flags.limit);
   command
       .add("--publish", flags.publish,

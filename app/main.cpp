@@ -22,6 +22,7 @@
 #include "app/process.h"
 #include "app/reconstruct.h"
 #include "app/scan_flags.h"
+#include "app/whole_program.h"
 #include "io/file.h"
 
 #ifdef SLIPSTREAM_ALL_COMMANDS
@@ -314,11 +315,12 @@ int run_program(std::span<char* const> arguments, Output& output) {
 int main(int argc, char** argv) {
   using namespace slipstream;
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
+  std::string failure;  // of the program with all commands
 #ifdef SLIPSTREAM_WHOLE_PROGRAM
   const std::string_view first = argc > 1 ? argv[1] : "";
   const bool asks_version = first == "--version" || first == "-V" || first == "version";
   if (!asks_version && app::command_named(arguments) == nullptr) {
-    app::run_instead({"whole/slipstream", "../libexec/slipstream/slipstream"}, argv);
+    failure = app::run_whole_program(argv);
   }
 #endif
 
@@ -334,6 +336,7 @@ int main(int argc, char** argv) {
   app::Output output(json, piped);  // also if flags cannot be parsed
 
   try {
+    if (!failure.empty()) throw WorldError(failure);
     throw_if(json && piped, "--json and '-' both write to standard output; give a file");
     return app::run_program(arguments, output);
   } catch (const Error& error) {

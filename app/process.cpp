@@ -8,10 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <new>
 #include <string_view>
-#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -111,12 +109,6 @@ void prepare_process() {
 
   handle_ends(end_program);
   std::set_terminate(end_by_exception);
-}
-
-void run_instead(std::initializer_list<const char*> places, char* const* arguments) {
-  std::error_code unknown;
-  const auto folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
-  for (const char* const place : places) ::execv((folder / place).c_str(), arguments);
 }
 
 void keep_memory() {

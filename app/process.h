@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,10 +13,6 @@ namespace slipstream::app {
 /// they end the program; a closed pipe or a file size limit is a write error, not a signal; an
 /// uncaught exception prints one line. stdout is flushed after each line.
 void prepare_process();
-
-/// Replaces this program by the first of `places` that is there, relative to this program's folder.
-/// Returns if all are missing.
-void run_instead(std::initializer_list<const char*> places, char* const* arguments);
 
 /// Ends the program as SIGPIPE would, without half-written files; during a run, see RunEnd, ends
 /// the run instead. Does nothing if SIGPIPE was ignored at the start, as under systemd.

@@ -292,6 +292,8 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
   throw_if(!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest),
            "{}: already exists; use --resume to continue it", flags.manifest);
+  throw_if(!flags.manifest.empty() && flags.files.cloud == standard_output,
+           "-o -: --manifest lists files; name one, e.g. {{name}}.ply");
 
   std::optional<ManifestLog> log;
   if (!flags.manifest.empty()) log.emplace(flags.manifest, output);
@@ -306,7 +308,8 @@ void add_reconstruct(const Commands& program) {
 
   // The scans, and the log with which an interrupted run can be resumed.
   add_scans_flags(command, flags);
-  command.add_output("--manifest", flags.manifest, "log of finished scans, one JSON line each");
+  command.add_output("--manifest", flags.manifest,
+                     "log of finished scans, one JSON line each: .jsonl");
   command
       .add("--resume", flags.resume,
            "skip scans that the manifest lists as done with the same input, settings and outputs")

@@ -83,14 +83,20 @@ void simulate(const SimulateFlags& flags, Output& output) {
 
   if (flags.unquantised) world.photometry.bits.reset();
 
+  throw_if(flags.paint != 0 && !flags.in_colour && !flags.primaries,
+           "--paint needs --colour or --primaries");
+  throw_if((flags.boards || flags.primaries || flags.second_camera) &&
+               lower_case_extension(flags.folder) == ".slip",
+           "{}: --boards, --primaries and --second-camera need a folder; a recording holds one "
+           "scan",
+           flags.folder);
+
   if (flags.boards) {
     throw_if(flags.second_camera, "--second-camera needs a scene; it does not work with --boards");
     return simulate_boards(flags, world, sequence, output);
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
-  throw_if(flags.second_camera && lower_case_extension(flags.folder) == ".slip",
-           "--second-camera needs a folder; a recording holds one camera's frames");
 
   require_valid(world.photometry);
   output.tell_wait("rendering the frames");
@@ -161,10 +167,11 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   group.add("--primaries", flags.primaries,
             "take colour pictures of the scene under black, red, green and blue instead");
   group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries"});
-  group.exclude("--primaries", {"--second-camera"});
+  group.exclude("--primaries", {"--second-camera", "--unquantised"});
 
   group.add("--paint", flags.paint,
-            "with --colour: coloured surfaces that absorb up to this share of a channel's light");
+            "with --colour or --primaries: coloured surfaces that absorb up to this share of a "
+            "channel's light");
 }
 
 }  // namespace

@@ -19,7 +19,8 @@ void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   const FlagGroup group{subcommand, "Drawing"};
   group.add_output("--snapshot", flags.snapshot,
                    "draw the cloud without a window into a picture: .png, .tiff or .bmp");
-  group.add_output("--screenshot", flags.screenshot, "the same with panel and camera pictures");
+  group.add_output("--screenshot", flags.screenshot,
+                   "the same with panel and camera pictures: .png, .tiff or .bmp");
 
   group.add("--size", flags.size, "size of window and pictures, pixels");
   group.add_named("--colour", flags.settings.colour, view::point_colour_named,

@@ -1,6 +1,7 @@
 // Tests --rig, and errors for unknown words.
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,144 @@ TEST_F(Rig, RefusesInOneLine) {
     EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
   }
+}
+
+/// The working folder during a test.
+class WorkingFolder {
+ public:
+  explicit WorkingFolder(const fs::path& folder) { fs::current_path(folder); }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+  ~WorkingFolder() { fs::current_path(before_); }
+
+ private:
+  fs::path before_ = fs::current_path();
+};
+
+/// A setting of a stranger's rig file, the command that obeys it, and a part of the message.
+struct RefusedSetting {
+  std::string setting;
+  std::vector<std::string> command;
+  std::string part;
+};
+
+void PrintTo(const RefusedSetting& refused, std::ostream* stream) {
+  *stream << refused.setting;
+}
+
+/// Works in the folder `rig`, in which are `bashrc`, the text file `text.png` and, beside it, the
+/// folder `other`, to which the link `out` leads.
+class StrangersRig : public Rig, public testing::WithParamInterface<RefusedSetting> {
+ protected:
+  void SetUp() override {
+    write_rig("");
+    fs::create_directory(path("other"));
+    fs::create_directory_symlink(path("other"), path("rig/out"));
+    fs::create_symlink(path("other/new.slip"), path("rig/link.slip"));
+    for (const char* name : {"rig/bashrc", "rig/text.png", "rig/text.slip", "other/a.png"}) {
+      std::ofstream(path(name)) << "precious";
+    }
+    copy_simulated_scan({"--camera", "64x48"}, path("rig/scan"));
+  }
+};
+
+TEST_P(StrangersRig, WritesNowhereElseAndOverNothingElse) {
+  const auto& [setting, command, part] = GetParam();
+  write_rig("source: virtual\nworld: ideal\ncamera: 64x48\nrate: 0\nstrategy: pmp\n" + setting +
+            "\n");
+  const WorkingFolder folder(path("rig"));
+
+  const ProgramRun refused = run(command);
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  EXPECT_NE(refused.err.find("rig.yaml: line 6: "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
+
+  for (const char* name : {"rig/bashrc", "rig/text.png", "rig/text.slip", "other/a.png"}) {
+    EXPECT_EQ(contents(path(name)), "precious") << name;
+  }
+  EXPECT_EQ(entries_in(path("other")), 1);
+  EXPECT_EQ(entries_in(path("rig")), 7);
+}
+
+const std::vector<std::string> live_command{"live", "--frames", "20", "--headless"};
+const std::vector<std::string> reconstruct_command{"reconstruct", "scan", "--anyway"};
+
+INSTANTIATE_TEST_SUITE_P(
+    Settings, StrangersRig,
+    testing::Values(
+        RefusedSetting{"record: bashrc", live_command, "use .slip"},
+        RefusedSetting{"record: new.png", live_command, "use .slip"},
+        RefusedSetting{"record: ../new.slip", live_command, "working folder"},
+        RefusedSetting{"record: /new.slip", live_command, "working folder"},
+        RefusedSetting{"record: out/new.slip", live_command, "working folder"},
+        RefusedSetting{"record: link.slip", live_command, "working folder"},
+        RefusedSetting{"record: text.slip", live_command, "already exists"},
+        RefusedSetting{"record: '-'", live_command, "use .slip"},
+        RefusedSetting{"publish: ['mcap:bashrc']", live_command, "use .mcap"},
+        RefusedSetting{"publish: '[mcap:../new.mcap,web:0]'", live_command, "working folder"},
+        RefusedSetting{"save-to: ..", live_command, "working folder"},
+        RefusedSetting{"save-to: out", live_command, "working folder"},
+        RefusedSetting{"model: bashrc", live_command, "use .ply"},
+        RefusedSetting{"snapshot: bashrc", live_command, "use .png"},
+        RefusedSetting{"screenshot: text.png", live_command, "already exists"},
+        RefusedSetting{"preview: bashrc", reconstruct_command, "use .png"},
+        RefusedSetting{"preview: text.png", reconstruct_command, "already exists"},
+        RefusedSetting{"preview: '{name}/../../{name}.png'", reconstruct_command, "working folder"},
+        RefusedSetting{"preview: 'te{name}.png'", reconstruct_command, "already exists"},
+        RefusedSetting{"depth: bashrc", reconstruct_command, "use .tiff"},
+        RefusedSetting{"mean: bashrc", reconstruct_command, "use .tiff"},
+        RefusedSetting{"manifest: bashrc", reconstruct_command, "use .jsonl"},
+        RefusedSetting{"log: bashrc", {"project", "--list"}, "use .csv"},
+        RefusedSetting{"plots: bashrc", {"reproduce", "--list"}, "folder"},
+        RefusedSetting{"publish: ['web:0.0.0.0:0']", live_command, "--public"},
+        RefusedSetting{"publish: ['web:[::]:0']", live_command, "--public"},
+        RefusedSetting{"publish: '[web:0.0.0.0:0,web:0]'", live_command, "--public"},
+        RefusedSetting{"publish: ['genicam:192.0.2.1']", live_command, "--public"},
+        RefusedSetting{"publish: ['ros2:scanner']", live_command, "--public"},
+        RefusedSetting{"web: '0.0.0.0:0'", {"view", "scan"}, "--public"},
+        RefusedSetting{"address: 0.0.0.0", {"camera", "serve", "--duration", "1"}, "--public"},
+        RefusedSetting{"public: true", live_command, "no command has a setting 'public'"}));
+
+TEST_F(Rig, WritesNewFilesAndItsOwnAgain) {
+  write_rig(
+      "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 0\nstrategy: pmp\n"
+      "record: below/frames.slip\npreview: 'preview-{name}.png'\n"
+      "publish: [mcap:clouds.mcap, 'web:127.0.0.1:0']\n");
+  fs::create_directory(path("below"));
+  const WorkingFolder folder(folder_.path());
+
+  for (int time = 0; time < 2; ++time) {
+    const ProgramRun live = run(live_command);
+    EXPECT_EQ(live.exit_code, 0) << live.err;
+    const ProgramRun made = run({"reconstruct", "below/frames.slip", "--anyway"});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+  }
+  for (const char* name : {"below/frames.slip", "clouds.mcap", "preview-frames.png"}) {
+    EXPECT_TRUE(fs::is_regular_file(path(name))) << name;
+  }
+}
+
+TEST_F(Rig, ItsMeshIsTheObjectOfTheVirtualScanner) {
+  copy_simulated_scan({"--camera", "64x48"}, path("scan"));
+  write_rig("mesh: statue.ply\n");
+  const WorkingFolder folder(path("rig"));
+  const ProgramRun made = run({"reconstruct", path("scan"), "--anyway", "-o", path("cloud.ply")});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_FALSE(fs::exists(path("rig/statue.ply")));
+}
+
+TEST_F(Rig, TheCommandLineIsTrusted) {
+  write_rig(
+      "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 0\nstrategy: pmp\n"
+      "record: bashrc\npublish: ['web:0.0.0.0:0']\n");
+  const WorkingFolder folder(path("rig"));
+
+  const ProgramRun live =
+      run({"live", "--frames", "20", "--headless", "--record", path("frames.slip"), "--public"});
+  EXPECT_EQ(live.exit_code, 0) << live.err;
+  EXPECT_NE((live.out + live.err).find("token="), std::string::npos) << live.out << live.err;
+  EXPECT_TRUE(fs::exists(path("frames.slip")));
 }
 
 TEST_F(Rig, TheExampleOfTheDocumentationWorks) {

@@ -21,6 +21,7 @@
 #include "app/process.h"
 #include "app/reconstruct.h"
 #include "app/scan_flags.h"
+#include "base/system_failure.h"
 #include "io/file.h"
 
 #ifdef SLIPSTREAM_ALL_COMMANDS
@@ -307,7 +308,8 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());
   } catch (const std::filesystem::filesystem_error& error) {  // e.g. name too long, circular links
-    return app::fail(output, app::bad_input,
+    const bool of_system = is_system_failure(error.code().value());
+    return app::fail(output, of_system ? app::failure_of_the_world : app::bad_input,
                      error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
     return app::fail(output, app::failure_of_the_world, "not enough memory");

@@ -8,6 +8,7 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include "base/system_failure.h"
 #include "base/throw_if-inl.h"
 
 namespace slipstream::opengl {
@@ -70,6 +71,10 @@ std::vector<GLFWmonitor*> connected_monitors() {
   GLFWmonitor** const first = glfwGetMonitors(&count);
   return {first, first + count};
 }
+
+/// The desktop's connection and the drivers of graphics need about half of these; some crash if
+/// they cannot open a file.
+constexpr std::size_t descriptors_of_drivers = 32;
 
 /// An EGL display with a current surfaceless context; null if unavailable.
 std::shared_ptr<void> egl_context() {
@@ -227,6 +232,8 @@ Image<Colour> read_pixels(Size size) {
 }
 
 WindowSystem::WindowSystem() {
+  require_descriptors(descriptors_of_drivers, "a window");
+
 #ifdef GLFW_PLATFORM  // from GLFW 3.4
   // Wayland does not let a window choose its place; without a desktop its library prints an error.
   if (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") == nullptr)
@@ -303,7 +310,9 @@ Size Window::framebuffer_size() const {
   return size;
 }
 
-OffScreenContext::OffScreenContext() : context_(egl_context()) {
+OffScreenContext::OffScreenContext() {
+  require_descriptors(descriptors_of_drivers, "drawing");
+  context_ = egl_context();
   if (context_) return;
   try {
     context_ = std::make_shared<HiddenWindow>();

@@ -14,6 +14,10 @@
 #include "frames/pattern_windows.h"
 #include "io/file_names.h"
 
+#ifdef SLIPSTREAM_VIEW
+#include "view/opengl.h"
+#endif
+
 namespace slipstream::app {
 namespace {
 
@@ -118,7 +122,8 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
     output.object("files")["model"] = file;
   }
 #ifdef SLIPSTREAM_VIEW
-  write_pictures(session.view_source(), flags.view, flags.headless, output);
+  const bool has_no_window = flags.headless || opengl::desktop_is_gone();
+  write_pictures(session.view_source(), flags.view, has_no_window, output);
 #endif
 }
 

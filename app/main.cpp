@@ -42,6 +42,7 @@
 #include "app/project.h"
 #include "app/studio.h"
 #include "app/view.h"
+#include "view/opengl.h"
 #endif
 
 namespace slipstream::app {
@@ -271,6 +272,9 @@ int run_program(std::span<char* const> arguments, Output& output) {
 
     const auto work = chosen.work;  // serve reads the flags again meanwhile
     work(output);
+#ifdef SLIPSTREAM_VIEW
+    if (opengl::desktop_is_gone()) output.warn("the desktop has ended, and with it the window");
+#endif
     output.finish();
     return output.exit_code;
   } catch (const Error& error) {

@@ -11,6 +11,7 @@
 
 #include "app/live_session.h"
 #include "app/process.h"
+#include "base/printable.h"
 #include "frames/pattern_windows.h"
 #include "io/file_names.h"
 
@@ -38,7 +39,7 @@ class SessionNews {
     const std::string state = session_.source().state();
     if (std::exchange(state_, state) == state) return;
 
-    tell_service_manager("STATUS=" + state);
+    tell_service_manager("STATUS=" + printable(state));
     state.empty() ? output_.say("the source has recovered") : output_.warn(state);
   }
 
@@ -94,7 +95,7 @@ void tell_pictures(const LiveSession& session, Output& output) {
 void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
   const LiveStatistics statistics = session.pipeline().statistics();
 
-  output.say("{}", text_of(statistics));
+  output.say_lines(text_of(statistics));
   for (const SinkStatistics& sink : session.sinks()) {
     output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
                sink.dropped == 0 ? "" : "; the others came while four waited for it");

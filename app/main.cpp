@@ -223,7 +223,7 @@ std::vector<std::string> reversed(std::span<char* const> arguments) {
 
 int print(const std::string& text) {
   Output words(false);
-  words.say("{}", text);
+  words.say_lines(text);
   words.finish();
   return 0;
 }

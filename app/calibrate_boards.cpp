@@ -326,7 +326,7 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, report);
 
-  output.say("{}", text_of(report));
+  output.say_lines(text_of(report));
   output.warn(findings);
   output.say("{}", verdict_of(findings).words);
   output.say("scanner file: {}", flags.scanner);

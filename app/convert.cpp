@@ -40,6 +40,30 @@ void require_only(bool only, const std::string& path) {
            path);
 }
 
+/// Names an input, or a window of it, that the output lacks; the other inputs go on.
+void leave_out(std::string_view what, Output& output) {
+  output.tell_failure(fmt::format("left out: {}", what));
+  output.list("left_out").push_back(what);
+  output.exit_code = 2;
+}
+
+/// Warns of a recording that was cut off, and names one that holds no complete cycle.
+std::uint64_t complete_windows(const RecordingReader& recording, const Sequence& sequence,
+                               const std::string& path, Output& output) {
+  if (!recording.finished()) {
+    output.warn(fmt::format("{}: was interrupted; {} complete frames, {} dropped", path,
+                            recording.count(), recording.dropped()));
+  }
+
+  const std::uint64_t windows = window_count(recording, sequence);
+  if (windows == 0) {
+    leave_out(fmt::format("{}: no complete cycle of {} frames; it has {}", path,
+                          cycle_length(sequence) + sequence.motion, recording.count()),
+              output);
+  }
+  return windows;
+}
+
 /// Joins frames of several inputs into one recording; each input starts with a new cycle.
 class JoinedRecording {
  public:
@@ -93,9 +117,13 @@ void add_replayed(const std::string& path, const ScanChanges& changes, JoinedRec
   Frame frame(source.format());
 
   source.start();
+  std::uint64_t damaged = 0;
   for (Arrival arrival{}; (arrival = source.next(frame, {})) != Arrival::ended;) {
     if (arrival == Arrival::frame) recording.add(frame);
+    if (arrival == Arrival::damaged) ++damaged;
   }
+
+  if (damaged > 0) leave_out(fmt::format("{}: {} damaged frames", path, damaged), output);
 }
 
 /// The attachments of an MCAP file and its topics /frames/0, /frames/1, ...
@@ -165,11 +193,12 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
     std::optional<Scanner> scanner;
     if (scan.scanner) scanner = read_scanner(*scan.scanner);
     const Sequence& sequence = scan.sequence;
-    for (std::uint64_t window = 0; window < window_count(recording, sequence); ++window) {
+    const std::uint64_t windows = complete_windows(recording, sequence, path, output);
+    for (std::uint64_t window = 0; window < windows; ++window) {
       const std::optional<FrameSet> frames = window_at(recording, sequence, window);
       const ScanName name{path, window};
       if (!frames) {
-        output.warn(fmt::format("skipped {}: frames are missing or damaged", text_of(name)));
+        leave_out(fmt::format("{}: frames are missing or damaged", text_of(name)), output);
         continue;
       }
 
@@ -274,7 +303,7 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
            topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", ")));
 }
 
-/// Reconstructs each complete cycle; skips incomplete ones.
+/// Reconstructs each complete cycle, and names those that it leaves out.
 void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& files,
                        Output& output) {
   const RecordingReader recording(path);
@@ -284,7 +313,8 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
   const double rate = (recording.header().in_colour ? 3 : 1) * recording.header().frame_rate;
   const double cycle = rate > 0 ? static_cast<double>(cycle_length(sequence)) / rate : 1;
 
-  for (std::uint64_t window = 0; window < window_count(recording, sequence); ++window) {
+  const std::uint64_t windows = complete_windows(recording, sequence, path, output);
+  for (std::uint64_t window = 0; window < windows; ++window) {
     flags.window = window;
     const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * nanoseconds);
 
@@ -292,7 +322,7 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
     try {
       stored = organised_cloud(path, flags, output);
     } catch (const Error& error) {
-      output.warn(fmt::format("skipped: {}", error.what()));
+      leave_out(error.what(), output);
       continue;
     }
 

@@ -11,7 +11,12 @@
 
 #include "app/live_session.h"
 #include "app/process.h"
+#include "base/printable.h"
 #include "frames/pattern_windows.h"
+
+#ifdef SLIPSTREAM_VIEW
+#include "view/opengl.h"
+#endif
 
 namespace slipstream::app {
 namespace {
@@ -33,7 +38,7 @@ class SessionNews {
     const std::string state = session_.source().state();
     if (std::exchange(state_, state) == state) return;
 
-    tell_service_manager("STATUS=" + state);
+    tell_service_manager("STATUS=" + printable(state));
     state.empty() ? output_.say("the source has recovered") : output_.warn(state);
   }
 
@@ -89,7 +94,7 @@ void tell_pictures(const LiveSession& session, Output& output) {
 void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
   const LiveStatistics statistics = session.pipeline().statistics();
 
-  output.say("{}", text_of(statistics));
+  output.say_lines(text_of(statistics));
   for (const SinkStatistics& sink : session.sinks()) {
     output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
                sink.dropped == 0 ? "" : "; the others came while four waited for it");
@@ -123,7 +128,8 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   for (std::string* const name : {&pictures.snapshot, &pictures.screenshot}) {
     if (!name->empty()) *name = session.file_to_write(*name);
   }
-  write_pictures(session.view_source(), pictures, flags.headless, output);
+  const bool has_no_window = flags.headless || opengl::desktop_is_gone();
+  write_pictures(session.view_source(), pictures, has_no_window, output);
 #endif
 }
 

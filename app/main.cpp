@@ -23,6 +23,7 @@
 #include "app/reconstruct.h"
 #include "app/scan_flags.h"
 #include "app/whole_program.h"
+#include "base/system_failure.h"
 #include "io/file.h"
 
 #ifdef SLIPSTREAM_ALL_COMMANDS
@@ -43,6 +44,7 @@
 #include "app/project.h"
 #include "app/studio.h"
 #include "app/view.h"
+#include "view/opengl.h"
 #endif
 
 namespace slipstream::app {
@@ -223,7 +225,7 @@ std::vector<std::string> reversed(std::span<char* const> arguments) {
 
 int print(const std::string& text) {
   Output words(false);
-  words.say("{}", text);
+  words.say_lines(text);
   words.finish();
   return 0;
 }
@@ -303,6 +305,9 @@ int run_program(std::span<char* const> arguments, Output& output) {
     }
 
     reading.chosen.work(output);
+#ifdef SLIPSTREAM_VIEW
+    if (opengl::desktop_is_gone()) output.warn("the desktop has ended, and with it the window");
+#endif
     output.finish();
     return output.exit_code;
   });
@@ -342,7 +347,8 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());
   } catch (const std::filesystem::filesystem_error& error) {  // e.g. name too long, circular links
-    return app::fail(output, app::bad_input,
+    const bool of_system = is_system_failure(error.code().value());
+    return app::fail(output, of_system ? app::failure_of_the_world : app::bad_input,
                      error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
     return app::fail(output, app::failure_of_the_world, "not enough memory");

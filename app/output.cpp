@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "app/process.h"
+#include "base/printable.h"
 #include "slipstream/error.h"
 
 namespace slipstream {
@@ -58,27 +59,6 @@ namespace {
 
 std::atomic<bool> pipe_closed = false;  // of stdout or stderr
 
-/// File contents and names may hold control characters that a terminal would obey: ASCII, and
-/// U+0080 to U+009F.
-std::string printable(std::string_view text) {
-  std::string shown;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(text[at]); };
-
-    // U+0080 to U+009F are two bytes in UTF-8: 0xc2 and the code point itself.
-    const bool in_two = byte(i) == 0xc2 && i + 1 < text.size() && byte(i + 1) < 0xa0;
-    if (in_two) ++i;
-
-    if (in_two || byte(i) == 0x7f || (byte(i) < ' ' && byte(i) != '\n')) {
-      shown += fmt::format("\\x{:02x}", byte(i));
-    } else {
-      shown += text[i];
-    }
-  }
-
-  return shown;
-}
-
 /// Whether an entry of a document holds names of files or devices, or settings as data.
 bool holds_names(std::string_view name) {
   constexpr std::array<std::string_view, 14> names{
@@ -116,7 +96,7 @@ void Output::write_line(std::FILE* stream, std::string_view line) {
   if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
 
   // finish() reports a failed stdout; a failed stderr cannot be reported.
-  const std::string shown = printable(line) + '\n';
+  const std::string shown = printable_lines(line) + '\n';
   const bool written = std::fwrite(shown.data(), 1, shown.size(), stream) == shown.size();
   if (!written && errno == EPIPE) pipe_closed = true;
   if (!written && pipe_closed && stream == stdout) end_by_closed_pipe();

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "app/flag_names.h"
+#include "base/printable.h"
 #include "slipstream/check.h"
 #include "slipstream/cloud.h"
 #include "slipstream/finding.h"
@@ -100,6 +101,16 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
+/// A text as a part of a line: printable; other values as they are.
+template <class Value>
+decltype(auto) in_line(Value&& value) {
+  if constexpr (std::is_convertible_v<Value, std::string_view>) {
+    return printable(value);
+  } else {
+    return std::forward<Value>(value);
+  }
+}
+
 /// A subcommand's output: text on stdout, or on stderr if stdout carries data. Texts are printed
 /// with_flags, and control characters as "\x1b".
 class Output {
@@ -121,16 +132,19 @@ class Output {
 
   [[nodiscard]] bool is_json() const { return json_; }
 
-  /// A line of text.
+  /// A line of text. Line breaks in texts among the values, such as names, are printed as "\x0a".
   template <class... Values>
   void say(fmt::format_string<Values...> format, Values&&... values) {
-    const std::string line = fmt::format(format, std::forward<Values>(values)...);
-    write_line(aside_ ? stderr : stdout, with_flags(line));
+    say_lines(fmt::format(fmt::runtime(fmt::string_view(format)),
+                          in_line(std::forward<Values>(values))...));
   }
+
+  /// A text of one or more lines.
+  void say_lines(std::string_view text) { write_line(aside_ ? stderr : stdout, with_flags(text)); }
 
   /// A line on stderr, prefixed with "warning:".
   void warn(std::string_view message) {
-    write_line(stderr, fmt::format("warning: {}", with_flags(message)));
+    write_line(stderr, fmt::format("warning: {}", with_flags(printable(message))));
   }
 
   void warn(const std::vector<std::string>& messages) {
@@ -143,7 +157,7 @@ class Output {
 
   /// A line on stderr, prefixed with the program's name.
   void tell_failure(std::string_view message) {
-    write_line(stderr, fmt::format("slipstream: {}", with_flags(message)));
+    write_line(stderr, fmt::format("slipstream: {}", with_flags(printable(message))));
   }
 
   /// A line before work of seconds, for who watches: only on a terminal.

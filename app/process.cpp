@@ -1,12 +1,12 @@
 #include "app/process.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string_view>
@@ -162,7 +162,7 @@ void tell_service_manager(const std::string& state) {
   if (path.size() < 2 || path.size() > sizeof address.sun_path) return;
 
   address.sun_family = AF_UNIX;
-  std::copy(path.begin(), path.end(), address.sun_path);
+  std::memcpy(address.sun_path, path.data(), path.size());
   if (path.front() == '@') address.sun_path[0] = '\0';  // not a file name
 
   const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM, 0);

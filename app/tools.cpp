@@ -76,7 +76,7 @@ void bench(const BenchFlags& flags, Output& output) {
   }
 
   BenchReport report{.machine = bench_machine()};
-  output.say("{}", text_of(report.machine));
+  output.say_lines(text_of(report.machine));
 
   if (flags.gpu) {
     const auto device = Gpu::open(std::nullopt);
@@ -90,7 +90,7 @@ void bench(const BenchFlags& flags, Output& output) {
   progress.finish();
 
   report.ratios = bench_ratios(report.rows);
-  output.say("{}", text_of(report));
+  output.say_lines(text_of(report));
   output.document = json_of(report);
 }
 
@@ -152,7 +152,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
 
     if (!flags.report.empty()) add_to(report, done, report_folder);
     progress.advance();
-    output.say("{}", text_of(done));
+    output.say_lines(text_of(done));
   }
 
   progress.finish();

@@ -8,7 +8,8 @@
 #     USES base codes frames            rooms declared before it
 #     LINKS Eigen3::Eigen               libraries that its headers include
 #     HIDES TBB::tbb                    libraries that only its sources include
-#     LEAVES_OUT some.cpp)              sources not to compile
+#     LEAVES_OUT some.cpp               sources not to compile
+#     READS_UNTRUSTED)                  checks each index, see hardening.cmake
 #
 # cmake/libraries.cmake says where to find each library. A room with sources also hides fmt::fmt.
 #
@@ -28,10 +29,13 @@ set(slipstream_precompiled_headers
   <algorithm> <array> <atomic> <chrono> <cmath> <filesystem> <functional> <map> <memory> <mutex>
   <optional> <span> <string> <thread> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
 file(CONFIGURE OUTPUT precompiled.cpp CONTENT "")
-add_library(slipstream_precompiled OBJECT ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
-target_compile_features(slipstream_precompiled PRIVATE cxx_std_20)
-target_link_libraries(slipstream_precompiled PRIVATE Eigen3::Eigen fmt::fmt slipstream_warnings)
-target_precompile_headers(slipstream_precompiled PRIVATE ${slipstream_precompiled_headers})
+foreach(target slipstream_precompiled slipstream_precompiled_checked)
+  add_library(${target} OBJECT EXCLUDE_FROM_ALL ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
+  target_compile_features(${target} PRIVATE cxx_std_20)
+  target_link_libraries(${target} PRIVATE Eigen3::Eigen fmt::fmt slipstream_warnings)
+  target_precompile_headers(${target} PRIVATE ${slipstream_precompiled_headers})
+endforeach()
+target_compile_definitions(slipstream_precompiled_checked PRIVATE ${slipstream_assertions})
 
 # Compiles several sources as one, to parse shared headers once. Sources of a target must not reuse
 # each other's file-local names. -DCMAKE_UNITY_BUILD=OFF compiles each alone.
@@ -42,7 +46,7 @@ function(slipstream_unity target batch)
 endfunction()
 
 function(slipstream_room room)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;USES;LINKS;HIDES;LEAVES_OUT")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "READS_UNTRUSTED" "" "HEADERS;USES;LINKS;HIDES;LEAVES_OUT")
   set(target slipstream_${room})
   set(folder ${PROJECT_SOURCE_DIR}/src/${room})
   file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp ${folder}/*/*.cpp)
@@ -65,9 +69,14 @@ function(slipstream_room room)
     slipstream_unity(${target} 10)
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE ${arg_HIDES} $<BUILD_INTERFACE:slipstream_warnings>)
+    set(precompiled slipstream_precompiled)
+    if(arg_READS_UNTRUSTED AND slipstream_assertions)
+      target_compile_definitions(${target} PRIVATE ${slipstream_assertions})
+      set(precompiled slipstream_precompiled_checked)
+    endif()
     # Precompiled headers require equal options; Aravis, for one, adds -pthread.
     if(NOT library_options)
-      target_precompile_headers(${target} REUSE_FROM slipstream_precompiled)
+      target_precompile_headers(${target} REUSE_FROM ${precompiled})
     endif()
   else()
     add_library(${target} INTERFACE)

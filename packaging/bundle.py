@@ -29,6 +29,10 @@ SOURCE = pathlib.Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]
 NAME = f"slipstream-{PROJECT['version']}"
 RUNTIME = re.compile(r"lib(c|m|dl|rt|pthread|stdc\+\+|gcc_s)\.so")
+# Headers of static libraries and templates that become a part of the programs and the module.
+COMPILED_IN = ["boost/version.hpp", "ceres/ceres.h", "CLI/CLI.hpp", "eigen3/Eigen/Core",
+               "glm/glm.hpp", "imgui/imgui.h", "lemon/list_graph.h", "nlohmann/json.hpp",
+               "pybind11/pybind11.h", "stb/stb_easy_font.h"]
 BUILT_AT = int(os.environ.get("SOURCE_DATE_EPOCH", "315532800"))  # 1980: the oldest a zip knows
 
 MAIN = '''"""Runs the program: python3 -m slipstream COMMAND"""
@@ -73,6 +77,9 @@ def add_binary(source, target, libraries, licences):
         seek_libraries_in(libraries, libraries / library.name)  # it may name another place itself
         real = str(library.resolve()).removeprefix("/usr")  # some packages list /lib for /usr/lib
         package = output_of("dpkg", "-S", f"*{real}").split(":")[0]
+        shutil.copy(f"/usr/share/doc/{package}/copyright", licences / package)
+    for header in COMPILED_IN:
+        package = output_of("dpkg", "-S", f"/usr/include/{header}").split(":")[0]
         shutil.copy(f"/usr/share/doc/{package}/copyright", licences / package)
     shutil.copy(SOURCE / "LICENSE", licences / "slipstream")
     for path in re.findall(r"=> (\S+)", output_of("ldd", target)):

@@ -182,9 +182,9 @@ struct ViewerSettings {
   bool keep_last = false;        ///< return the last picture
 };
 
-/// Opens a window and shows the source until it is closed; frees it before another one is made.
-/// Main thread only. Returns the last picture if requested. Throws WorldError without a desktop or
-/// OpenGL 3.3.
+/// Opens a window and shows the source until it is closed or the desktop ends; frees it before
+/// another one is made. Main thread only. Returns the last picture if requested and drawn. Throws
+/// WorldError without a desktop or OpenGL 3.3.
 std::optional<Image<Colour>> run_viewer(ViewSource source, const ViewerSettings& settings);
 
 /// Parts shown beside the cloud.

@@ -4,6 +4,7 @@
 
 #include <tbb/global_control.h>
 
+#include "base/system_failure.h"
 #include "python/bindings/calibration.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/engines.h"
@@ -24,7 +25,9 @@ namespace {
 void translate(std::exception_ptr failure) try {
   if (failure) std::rethrow_exception(failure);
 } catch (const std::filesystem::filesystem_error& error) {
-  throw Error(error.path1().string() + ": " + error.code().message());
+  const std::string message = error.path1().string() + ": " + error.code().message();
+  if (is_system_failure(error.code().value())) throw WorldError(message);
+  throw Error(message);
 } catch (const RefusedScan& refused) {
   const py::object type = py::module_::import("slipstream").attr("Error");
   const py::object error = type(refused.what());

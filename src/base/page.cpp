@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "base/printable.h"
+
 namespace slipstream {
 namespace {
 
@@ -26,7 +28,7 @@ std::string escaped(std::string_view text) {
       {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
 
   std::string safe;
-  for (const char letter : text) {
+  for (const char letter : printable_lines(text)) {
     const auto entity = entities.find(letter);
     safe += entity == entities.end() ? std::string(1, letter) : entity->second;
   }

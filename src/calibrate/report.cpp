@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "base/numbers.h"
+#include "base/printable.h"
 #include "base/statistics.h"
 #include "calibrate/board_view.h"
 #include "calibrate/opencv.h"
@@ -398,7 +399,8 @@ std::string text_of(const CalibrationReport& report) {
 
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
-    text += fmt::format("measured with {}: {}\n", report.comparison->name, described(compared));
+    text += fmt::format("measured with {}: {}\n", printable(report.comparison->name),
+                        described(compared));
   }
 
   return text + fmt::format("lens models: camera {}, projector {}",

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <exception>
@@ -19,6 +20,7 @@
 #include <arv.h>
 
 #include "base/numbers.h"
+#include "base/system_failure.h"
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
 #include "slipstream/camera.h"
@@ -33,6 +35,9 @@ struct GObjectUnref {
 template <class Object>
 using GObjectPointer = std::unique_ptr<Object, GObjectUnref>;
 
+/// GLib ends the program if it cannot open its pipes, and Aravis a socket per network interface.
+constexpr std::size_t descriptors_of_aravis = 32;
+
 /// Address of a GigE Vision camera, to find it again without searching all networks.
 struct CameraAddress {
   GObjectPointer<GInetAddress> interface, device;
@@ -45,6 +50,7 @@ class AravisConnection {
   AravisConnection(const std::string& name, const CameraSettings& settings,
                    const CameraAddress& address = {})
       : name_(name.empty() ? "(the first found)" : name) {
+    require_descriptors(descriptors_of_aravis, "camera " + name_);
     g_autoptr(GError) error = nullptr;
     if (address.interface && address.device) {
       const GObjectPointer<ArvDevice> device(

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/system_failure.h"
 #include "devices/aravis_connection-inl.h"
 #include "devices/camera_source.h"
 
@@ -215,6 +216,7 @@ std::unique_ptr<FrameSource> open_genicam_camera(const std::string& name,
 std::vector<CameraDescription> list_genicam_cameras() {
   const auto text = [](const char* value) { return std::string(value == nullptr ? "" : value); };
 
+  require_descriptors(descriptors_of_aravis, "listing GenICam cameras");
   arv_update_device_list();
   std::vector<CameraDescription> cameras;
   for (unsigned int i = 0; i < arv_get_n_devices(); ++i) {

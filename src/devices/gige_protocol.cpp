@@ -199,7 +199,7 @@ GigeStatus GigeControl::write_bytes(std::size_t address, std::span<const std::ui
   }
 
   // Writing the control privilege takes control; writing 0 there gives it up.
-  std::copy(bytes.begin(), bytes.end(), &memory_[address]);
+  std::copy(bytes.begin(), bytes.end(), memory_.data() + address);
   client_ = from;
   if (read(GigeRegister::control_privilege) == 0) let_client_go();
   return success;

@@ -153,7 +153,7 @@ std::string MonitorSink::state() const {
 
 bool MonitorSink::closed() const {
   glfwPollEvents();
-  return glfwWindowShouldClose(window_.get()) == GLFW_TRUE;
+  return glfwWindowShouldClose(window_.get()) == GLFW_TRUE || opengl::desktop_is_gone();
 }
 
 ProjectionReport project_patterns(PatternSink& sink, std::size_t count,

@@ -39,7 +39,7 @@ class MonitorSink : public PatternSink {
   [[nodiscard]] double refresh_hz() const { return refresh_hz_; }
   /// Whether the monitor has a gamma table that was set.
   [[nodiscard]] bool has_gamma_table() const { return has_gamma_table_; }
-  /// Whether Esc was pressed or the window closed. Processes window events.
+  /// Whether Esc was pressed, the window closed or the desktop ended. Processes window events.
   [[nodiscard]] bool closed() const;
 
  private:

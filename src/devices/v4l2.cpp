@@ -21,6 +21,7 @@
 
 #include <linux/videodev2.h>
 
+#include "base/system_failure.h"
 #include "base/throw_if-inl.h"
 #include "devices/camera_source.h"
 #ifdef SLIPSTREAM_IO
@@ -438,6 +439,7 @@ std::unique_ptr<FrameSource> open_v4l2_camera(
 std::vector<CameraDescription> list_v4l2_cameras() {
   constexpr int most = 64;
   std::vector<CameraDescription> cameras;
+  require_descriptors(1, "listing cameras");  // below, a device that cannot be opened is none
 
   for (int number = 0; number < most; ++number) {
     const std::string path = fmt::format("/dev/video{}", number);

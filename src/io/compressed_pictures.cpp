@@ -187,7 +187,7 @@ tmsize_t put(thandle_t handle, void* from, tmsize_t count) try {
 
   // libtiff also overwrites earlier parts.
   if (file.written.size() < file.at + bytes) file.written.resize(file.at + bytes);
-  std::memcpy(&file.written[file.at], from, bytes);
+  std::memcpy(file.written.data() + file.at, from, bytes);
   file.at += bytes;
   return count;
 } catch (const std::bad_alloc&) {

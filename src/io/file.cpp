@@ -18,6 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/system_failure.h"
 #include "base/throw_if-inl.h"
 
 namespace slipstream {
@@ -88,7 +89,11 @@ void keep_permissions(int descriptor, const fs::path& replaced) {
 
 /// Returns false, with errno, if data may not be on disk. Some file systems cannot tell.
 bool is_synced(int descriptor) {
-  return ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+  int result = 0;
+  do {
+    result = ::fsync(descriptor);
+  } while (result != 0 && errno == EINTR);
+  return result == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
 
 bool is_folder_synced(const fs::path& folder) {
@@ -116,6 +121,9 @@ InputFile::InputFile(const fs::path& path, std::uint64_t largest)
 
   struct stat status {};
   if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
+    if (is_system_failure(errno)) {
+      throw WorldError(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
+    }
     refuse(errno == ENOENT ? "no such file" : std::strerror(errno));
   }
 
@@ -247,6 +255,13 @@ OutputFile::~OutputFile() {
 void OutputFile::claim() {
   claimed_ = descriptor_ >= 0 ? ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0)
                               : ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (claimed_ < 0 && is_system_failure(errno)) {
+    // Without the lock a second recording could be written to it. Removes only a file made here.
+    const int reason = errno;
+    if (descriptor_ >= 0) discard();
+    name_.clear();
+    fail(reason);
+  }
   if (claimed_ < 0 || ::flock(claimed_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
 
   ::close(claimed_);
@@ -321,7 +336,8 @@ void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
 /// Syncs and closes.
 void OutputFile::finish() {
   if (!is_synced(descriptor_) && disk_failure_ == 0) disk_failure_ = errno;
-  const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
+  // An interrupted close has closed the file, whose data are on disk.
+  const bool closed = ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR;
 
   if (disk_failure_ != 0) fail(disk_failure_);
   if (!closed) fail(errno);

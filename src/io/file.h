@@ -60,7 +60,7 @@ class Descriptor {
 class InputFile {
  public:
   /// Throws Error with the file's name if it is missing, not a regular file, larger than `largest`
-  /// bytes or unreadable.
+  /// bytes or unreadable; WorldError if the system cannot open any file now.
   explicit InputFile(const std::filesystem::path& path, std::uint64_t largest = largest_file);
 
   /// Bytes at the time of opening.

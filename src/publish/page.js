@@ -38,6 +38,10 @@ async function connect() {
   }
 }
 
+// Control characters in names of files and cameras, as the program prints them.
+const printable = text => text.replace(/[\x00-\x1f\x7f-\x9f]/g,
+  c => '\\x' + c.charCodeAt(0).toString(16).padStart(2, '0'));
+
 async function tell() {
   showSettings(await (await fetch('/settings' + query)).json());
   const told = await (await fetch('/statistics' + query)).json();
@@ -47,7 +51,7 @@ async function tell() {
     for (const text of [name, value.toLocaleString('en')]) line.insertCell().textContent = text;
   };
   seen = seen.filter(time => time > now - 2000);
-  [at('name').textContent, at('source').textContent] = [told.source, told.source_state];
+  [at('name').textContent, at('source').textContent] = [told.source, told.source_state].map(printable);
   if (cloud) drawHistogram();
   table.replaceChildren();
   if (cloud && cloud.hasDepth) row('points', cloud.count);
@@ -59,8 +63,8 @@ async function tell() {
   const lasting = told.findings.filter(finding => finding.end === null);
   at('findings').replaceChildren(...lasting.map(finding => {
     const item = document.createElement('li'), why = document.createElement('small');
-    why.textContent = ` ${finding.likely} ${finding.try}`;
-    item.append(finding.what, why);
+    why.textContent = printable(` ${finding.likely} ${finding.try}`);
+    item.append(printable(finding.what), why);
     return item;
   }), lasting.length ? '' : 'none');
 }
@@ -72,7 +76,7 @@ function showSettings(settings, all) {
   for (const { name, help, unit, value, choices, least, most, state } of settings) {
     if (name === 'record') {
       press('record', value === 'on');
-      if (state) answer(`recording: ${state}`);
+      if (state) answer(`recording: ${printable(state)}`);
       continue;
     }
     if (choices.length === 1) continue;

@@ -20,6 +20,7 @@
 #include <sys/socket.h>
 
 #include "base/numbers.h"
+#include "base/system_failure.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
@@ -78,6 +79,9 @@ bool bind_to_loopback(const std::vector<int>& sockets) {
 class Domain {
  public:
   Domain() {
+    // Cyclone DDS crashes if it cannot open all of its sockets and pipes.
+    require_descriptors(64, "`publish ros2`");
+
     // 1. The domain's number.
     const std::string asked = variable("ROS_DOMAIN_ID");
     const auto id = number_in<std::uint32_t>(asked.empty() ? "0" : asked);

@@ -21,6 +21,7 @@
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/printable.h"
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "publish/sink_kind.h"
@@ -183,7 +184,7 @@ class WebSink final : public CloudSink {
                   const char* type = "text/plain") {
     response.result(status);
     response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
-    response.body() = std::move(body);
+    response.body() = type == std::string_view("text/plain") ? printable_lines(body) : body;
   }
 
   /// Fills the response to an authorised request, e.g. "GET /settings".

@@ -13,6 +13,8 @@
 #include <fmt/format.h>
 #include <vulkan/vulkan_raii.hpp>
 
+#include "base/system_failure.h"
+
 namespace slipstream {
 namespace {
 
@@ -440,6 +442,7 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
 
 std::vector<GpuDescription> gpu_devices() {
   std::vector<GpuDescription> devices;
+  require_descriptors(32, "the GPU's driver");  // without them it finds no device, or crashes
   try {
     for (const auto& device : loader().devices) devices.push_back(describe(device));
   } catch (const std::runtime_error&) {  // no loader or no driver: no devices

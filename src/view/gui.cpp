@@ -134,15 +134,17 @@ void Gui::begin_frame(const Screen& screen) {
   ImGui_ImplOpenGL3_NewFrame();
   set_scale(screen);
 
+  ImGuiIO& io = ImGui::GetIO();
   if (has_window_) {
     ImGui_ImplGlfw_NewFrame();
   } else {
-    ImGuiIO& io = ImGui::GetIO();
-    io.DisplaySize = {static_cast<float>(screen.window.width),
-                      static_cast<float>(screen.window.height)};
-    io.DisplayFramebufferScale = {screen.pixel_ratio(), screen.pixel_ratio()};
     io.DeltaTime = 1.0F / 60;
   }
+
+  // Not as GLFW has just told: if the desktop has ended since, that is no size.
+  io.DisplaySize = {static_cast<float>(screen.window.width),
+                    static_cast<float>(screen.window.height)};
+  io.DisplayFramebufferScale = {screen.pixel_ratio(), screen.pixel_ratio()};
 
   ImGui::NewFrame();
 }

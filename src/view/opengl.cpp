@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdlib>
+
+#ifdef __linux__
+#include <dlfcn.h>
+#endif
 
 #include <GLFW/glfw3.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include "base/system_failure.h"
 #include "base/throw_if-inl.h"
 
 namespace slipstream::opengl {
@@ -59,6 +65,38 @@ Resource compile(GLenum kind, const char* source) {
 
 int window_systems = 0;  // GLFW has one, which ends with the last
 
+std::atomic<bool> desktop_gone = false;
+
+/// When the X server goes, Xlib would end the program with exit(1), from 1.7 on unless a handler of
+/// the display returns. All calls then return without effect. Under Wayland GLFW closes the
+/// windows.
+void outlive_x_server() {
+#ifdef __linux__
+  // GLFW may load Xlib by itself, so the functions are looked up among the loaded libraries.
+  void* const xlib = ::dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  if (xlib == nullptr) return;
+
+  using GetDisplay = void* (*)();
+  using SetHandler = void* (*)(int (*)(void*));
+  using SetExit = void (*)(void*, void (*)(void*, void*), void*);
+  const auto get_display = reinterpret_cast<GetDisplay>(::dlsym(RTLD_DEFAULT, "glfwGetX11Display"));
+  const auto set_handler = reinterpret_cast<SetHandler>(::dlsym(xlib, "XSetIOErrorHandler"));
+  const auto set_exit = reinterpret_cast<SetExit>(::dlsym(xlib, "XSetIOErrorExitHandler"));
+
+  void* const display = get_display != nullptr ? get_display() : nullptr;
+  if (display == nullptr || set_handler == nullptr || set_exit == nullptr) return;
+
+  set_handler([](void*) { return 0; });  // Xlib's own prints a line
+  set_exit(
+      display, [](void*, void*) { desktop_gone = true; }, nullptr);
+#endif
+}
+
+/// Without the desktop GLFW would wait for its answers; only the context can be let go.
+void destroy_window(GLFWwindow* window) {
+  desktop_gone ? glfwMakeContextCurrent(nullptr) : glfwDestroyWindow(window);
+}
+
 std::string last_words() {
   const char* words = nullptr;
   glfwGetError(&words);
@@ -70,6 +108,10 @@ std::vector<GLFWmonitor*> connected_monitors() {
   GLFWmonitor** const first = glfwGetMonitors(&count);
   return {first, first + count};
 }
+
+/// The desktop's connection and the drivers of graphics need about half of these; some crash if
+/// they cannot open a file.
+constexpr std::size_t descriptors_of_drivers = 32;
 
 /// An EGL display with a current surfaceless context; null if unavailable.
 std::shared_ptr<void> egl_context() {
@@ -226,7 +268,14 @@ Image<Colour> read_pixels(Size size) {
   return picture;
 }
 
+bool desktop_is_gone() {
+  return desktop_gone;
+}
+
 WindowSystem::WindowSystem() {
+  if (desktop_gone) throw WorldError("no desktop to open a window on: it has ended");
+  require_descriptors(descriptors_of_drivers, "a window");
+
 #ifdef GLFW_PLATFORM  // from GLFW 3.4
   // Wayland does not let a window choose its place; without a desktop its library prints an error.
   if (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") == nullptr)
@@ -238,10 +287,11 @@ WindowSystem::WindowSystem() {
   }
 
   ++window_systems;
+  outlive_x_server();
 }
 
 WindowSystem::~WindowSystem() {
-  if (--window_systems == 0) glfwTerminate();
+  if (--window_systems == 0 && !desktop_gone) glfwTerminate();
 }
 
 std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
@@ -261,7 +311,7 @@ std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
 }
 
 Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings)
-    : window_(nullptr, glfwDestroyWindow) {
+    : window_(nullptr, destroy_window) {
   // 1. An OpenGL 3.3 core context.
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -303,7 +353,9 @@ Size Window::framebuffer_size() const {
   return size;
 }
 
-OffScreenContext::OffScreenContext() : context_(egl_context()) {
+OffScreenContext::OffScreenContext() {
+  require_descriptors(descriptors_of_drivers, "drawing");
+  context_ = egl_context();
   if (context_) return;
   try {
     context_ = std::make_shared<HiddenWindow>();

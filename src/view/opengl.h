@@ -88,6 +88,10 @@ class WindowSystem {
   [[nodiscard]] std::vector<Monitor> monitors() const;
 };
 
+/// Whether the desktop has ended while a window was open. It is no error: the window counts as
+/// closed, calls on it have no effect, and no other can be opened.
+bool desktop_is_gone();
+
 struct WindowSettings {
   std::string title = "slipstream";
   Size size{1280, 800};    ///< inner size; the monitor's if fullscreen

@@ -186,8 +186,10 @@ std::optional<Image<Colour>> run_viewer(ViewSource source, const ViewerSettings&
     open = glfwWindowShouldClose(window.get()) == GLFW_FALSE && !clouds->closed() &&
            !(settings.ends && settings.ends());
 
-    // 3. Draw, if there is something new to see; the last picture always.
+    // 3. Draw, if there is something new to see; the last picture always. Without the desktop the
+    // screen's size is not known.
     const Screen screen = screen_of(window);
+    if (opengl::desktop_is_gone()) break;
     const bool visible = screen.framebuffer.width > 0 && screen.framebuffer.height > 0;
     if (visible && (!open || pace.rested())) {
       const bool fresh = clouds->take_newest();

@@ -232,6 +232,31 @@ TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_f
   EXPECT_FALSE(fs::exists(path("a.slip")));
 }
 
+TEST_F(Convert, names_what_it_leaves_out_and_converts_the_rest) {
+  const auto whole = read_file(path("scan.slip"));
+
+  // Not even one frame, and one damaged frame in the second of three cycles.
+  write_file(path("begun.slip"), std::span(whole).first(15'000));
+  auto damaged = whole;
+  damaged[whole.size() * 2 / 5] ^= 1;
+  write_file(path("damaged.slip"), std::span(damaged));
+
+  const auto expect_left_out = [&](const std::string& input, const std::string& output,
+                                   const std::string& named) {
+    const ProgramRun told = run(
+        {"convert", path(input), path("scan.slip"), "-o", path(output), "--anyway", "--json"}, 2);
+    EXPECT_NE(told.err.find("left out: " + path(input)), std::string::npos) << told.err;
+    EXPECT_NE(told.err.find(named), std::string::npos) << told.err;
+    EXPECT_EQ(nlohmann::json::parse(told.out)["left_out"].size(), 1U);
+  };
+
+  expect_left_out("begun.slip", "begun.mcap", "no complete cycle of 4 frames; it has 0");
+  expect_left_out("begun.slip", "{name}-{window}", "no complete cycle");
+  expect_left_out("damaged.slip", "damaged.mcap", "window 1");
+  expect_left_out("damaged.slip", "joined.slip", "1 damaged frames");
+  EXPECT_EQ(RecordingReader(path("joined.slip")).count(), 27U);
+}
+
 TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <regex>
 
@@ -11,6 +12,7 @@
 #include "slipstream/recording.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/view/desktop.h"
 
 namespace slipstream::live_program_test {
 namespace fs = std::filesystem;
@@ -152,6 +154,38 @@ TEST(LiveProgram, an_interrupt_finishes_its_files) {
     EXPECT_GE(reader.count(), 10U);
     EXPECT_TRUE(fs::exists(cloud));
   }
+}
+
+TEST(LiveProgram, the_end_of_the_desktop_finishes_its_files) {
+  if (std::getenv("DISPLAY") != nullptr) GTEST_SKIP() << "there is a desktop, which goes on";
+  if (run_program({"view", "--help"}).exit_code != 0) GTEST_SKIP() << "built without viewer";
+  const Desktop desktop;
+  if (std::getenv("DISPLAY") == nullptr) GTEST_SKIP() << "Xvfb is not installed";
+
+  const TemporaryFolder folder;
+  const fs::path recording = folder.path() / "frames.slip", cloud = folder.path() / "cloud.ply",
+                 messages = folder.path() / "clouds.mcap";
+  RunningProgram program({"live", "--source", "virtual", "--world", "ideal", "--camera", "64x48",
+                          "--strategy", "pmp", "--steps", "4", "--rate", "60", "--record",
+                          recording.string(), "--publish", "mcap:" + messages.string(), "-o",
+                          cloud.string()});
+
+  // The window is open, and a few clouds have been made.
+  EXPECT_TRUE(wait_until([] {
+    return std::system("timeout 5 xdotool search --name 'slipstream live' > /dev/null 2>&1") == 0;
+  }));
+  EXPECT_TRUE(wait_until([&] {
+    std::error_code none;
+    const auto bytes = fs::file_size(recording, none);
+    return !none && bytes >= 60 * 64 * 48;
+  }));
+
+  desktop.crash();
+  EXPECT_EQ(program.wait(), 0) << program.err();
+  EXPECT_NE(program.err().find("the desktop has ended"), std::string::npos) << program.err();
+  EXPECT_TRUE(RecordingReader(recording).finished());
+  EXPECT_TRUE(contents(messages).ends_with("MCAP0\r\n"));
+  EXPECT_TRUE(fs::exists(cloud));
 }
 
 TEST(LiveProgram, a_recording_knows_the_light_of_the_virtual_scanner) {

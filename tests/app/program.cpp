@@ -30,7 +30,8 @@ void redirect(int descriptor, const fs::path& path, int flags) {
 
 }  // namespace
 
-RunningProgram::RunningProgram(const std::vector<std::string>& arguments, long largest_file) {
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments, long largest_file,
+                               int descriptors) {
   const fs::path out = folder_->path() / "out", err = folder_->path() / "err";
   std::vector<const char*> argv{SLIPSTREAM_PROGRAM};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
@@ -45,6 +46,12 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments, long l
     const rlimit limit{static_cast<rlim_t>(largest_file), static_cast<rlim_t>(largest_file)};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     ::signal(SIGXFSZ, SIG_IGN);
+  }
+  if (descriptors >= 0) {
+    // None but the standard streams stay open, of the test's and of those redirected.
+    for (int descriptor = 3; descriptor < 1024; ++descriptor) ::close(descriptor);
+    const rlimit limit{static_cast<rlim_t>(descriptors), static_cast<rlim_t>(descriptors)};
+    ::setrlimit(RLIMIT_NOFILE, &limit);
   }
   ::execv(argv[0], const_cast<char* const*>(argv.data()));
   ::_exit(127);
@@ -87,8 +94,9 @@ bool RunningProgram::wait_for_words(const std::string& wanted) const {
   return wait_until([&] { return words().find(wanted) != std::string::npos; });
 }
 
-ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file) {
-  RunningProgram program(arguments, largest_file);
+ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file,
+                       int descriptors) {
+  RunningProgram program(arguments, largest_file, descriptors);
   const int exit_code = program.wait();
   return {exit_code, program.out(), program.err()};
 }

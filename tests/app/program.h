@@ -17,7 +17,9 @@ namespace slipstream {
 class RunningProgram {
  public:
   /// `largest_file`: limit on each file it writes, bytes, to simulate a full disk; negative: none.
-  explicit RunningProgram(const std::vector<std::string>& arguments, long largest_file = -1);
+  /// `descriptors`: limit on open files, with the three standard streams; negative: none.
+  explicit RunningProgram(const std::vector<std::string>& arguments, long largest_file = -1,
+                          int descriptors = -1);
   RunningProgram(RunningProgram&& other) noexcept;
   RunningProgram& operator=(RunningProgram&&) = delete;
   ~RunningProgram();
@@ -48,7 +50,8 @@ struct ProgramRun {
   std::string err;
 };
 
-ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file = -1);
+ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file = -1,
+                       int descriptors = -1);
 
 /// Copies a scan simulated with these flags to `folder`. Each set of flags is simulated once per
 /// process.

@@ -1,9 +1,12 @@
 """The versions that the files for packages say are the project's, and what they name is there."""
 
 import ast
+import importlib.util
+import io
 import json
 import pathlib
 import re
+import tarfile
 
 SOURCES = pathlib.Path(__file__).parents[2]
 CMAKE = (SOURCES / "CMakeLists.txt").read_text()
@@ -58,3 +61,31 @@ def test_workflows_call_commands_of_dev():
         for commands in re.findall(r"command: \[(.*)\]", text):
             called |= {command.split()[0] for command in commands.split(", ")}
     assert called and called <= known
+
+
+def test_the_bill_names_each_package_of_a_bundle_and_its_licences(tmp_path):
+    spec = importlib.util.spec_from_file_location("bill", SOURCES / "packaging/bill.py")
+    bill = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(bill)
+    files = {
+        "libplain1": "Format: 1\n\nFiles: *\nLicense: Expat\n\nFiles: debian/*\nLicense: GPL-3+\n",
+        "libcholmod9": "Format: 1\n\nFiles: *\nLicense: LGPL-2.1+\n\nFiles: a/*\nLicense: GPL-2+\n",
+        "libodd2": "All rights are explained here.",
+        "slipstream": "Apache"}
+    archive = tmp_path / "slipstream-1-linux-any.tar.xz"
+    with tarfile.open(archive, "w:xz") as opened:
+        for name, text in files.items():
+            entry = tarfile.TarInfo(f"slipstream-1/licences/{name}")
+            entry.size = len(text)
+            opened.addfile(entry, io.BytesIO(text.encode()))
+
+    bill.main(tmp_path)
+    told = json.loads((tmp_path / f"{archive.name}.spdx.json").read_text())
+    declared = {package["name"]: package["licenseDeclared"] for package in told["packages"]}
+    assert declared == {archive.name: "Apache-2.0", "libplain1": "MIT",
+                        "libcholmod9": "GPL-2.0-or-later AND LGPL-2.1-or-later",
+                        "libodd2": "LicenseRef-libodd2"}
+    assert [text["licenseId"] for text in told["hasExtractedLicensingInfos"]] == [
+        "LicenseRef-libodd2"]
+    assert "GPL" in next(p for p in told["packages"] if p["name"] == "libcholmod9")["comment"]
+    assert len(told["relationships"]) == 4

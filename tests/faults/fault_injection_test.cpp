@@ -1,11 +1,12 @@
-// Every command on a small scan while one call of the world's fails: the program ends with a code
-// and a line, and what it was to write is there whole, as it was, or, where there was nothing, not
-// at all; nor is memory leaked, where the leak sanitizer of the compiler is there to tell. By
-// default some of the calls fail, spread evenly. SLIPSTREAM_FAULTS=100 tries about so many of each
-// kind in each command, so that 1000000 are all; SLIPSTREAM_FAULTS=all every one, but of malloc, of
-// each place in the code (see fault_protocol.h) that no command before has tried, the first call
-// and one of those after it; SLIPSTREAM_FAULTS=@500 the 500th call alone.
-// SLIPSTREAM_FAULTS_OF=malloc leaves the other kinds out.
+// Every command on a small scan while one call of the world's fails, or with few file descriptors:
+// the program ends with a code and a line, and what it was to write is there whole, as it was, or,
+// where there was nothing, not at all; nor is memory leaked, where the leak sanitizer of the
+// compiler is there to tell. By default some of the calls fail, spread evenly.
+// SLIPSTREAM_FAULTS=100 tries about so many of each kind in each command, so that 1000000 are all;
+// SLIPSTREAM_FAULTS=all every one, but of malloc, of each place in the code (see fault_protocol.h)
+// that no command before has tried, the first call and one of those after it;
+// SLIPSTREAM_FAULTS=@500 the 500th call alone. SLIPSTREAM_FAULTS_OF=malloc leaves the other kinds
+// out.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -207,19 +208,35 @@ class FaultInjection : public testing::TestWithParam<Case> {
   }
 
   /// `old`: outputs hold something before.
-  Outcome run(FaultedProgram& program, FaultRequest request, bool old) const {
+  void lay_out(bool old) const {
     fs::remove_all(output());
     fs::create_directory(output());
     if (fs::exists(before())) fs::copy(before(), output(), fs::copy_options::recursive);
     for (const std::string& name : GetParam().outputs) {
       if (is_old(name, old)) std::ofstream(output() / name) << "old";
     }
+  }
+
+  Outcome run(FaultedProgram& program, FaultRequest request, bool old) const {
+    lay_out(old);
     return run_over(program, request);
   }
 
   /// Over what the run before left.
   Outcome run_over(FaultedProgram& program, FaultRequest request) const {
-    Outcome outcome{program.run(request), program.err()};
+    const int code = program.run(request);
+    return outcome_of(code, program.err());
+  }
+
+  /// With at most so many open files; negative: as many as it wants.
+  Outcome run_with(int descriptors, bool old) const {
+    lay_out(old);
+    const ProgramRun run = run_program(placed(GetParam().arguments), -1, descriptors);
+    return outcome_of(run.exit_code, run.err);
+  }
+
+  [[nodiscard]] Outcome outcome_of(int code, const std::string& err) const {
+    Outcome outcome{code, err};
     for (const std::string& name : GetParam().outputs) {
       if (fs::exists(output() / name)) outcome.written[name] = essence(output() / name);
     }
@@ -303,6 +320,21 @@ TEST_P(FaultInjection, EndsAsPromised) {
   for (std::uint64_t call = 0; call < fault_calls; ++call) {
     std::cout << GetParam().name << ": " << call_names[call] << ": " << calls[call] << " calls, "
               << tried[call] << " failed, " << kept[call] << " as promised\n";
+  }
+}
+
+TEST_P(FaultInjection, EndsAsPromisedWithFewDescriptors) {
+  const Outcome whole = run_with(-1, false);
+  ASSERT_EQ(whole.written.size(), GetParam().outputs.size()) << whole.err;
+
+  for (const int descriptors : {3, 4, 5, 6, 7, 8, 10, 12, 15, 20, 30}) {
+    const bool old = descriptors % 2 == 0;
+    const Outcome outcome = run_with(descriptors, old);
+
+    // Then not a line of the program has run.
+    if (outcome.err.find("error while loading shared libraries") != std::string::npos) continue;
+    EXPECT_EQ(broken_promise(outcome, whole, old), "")
+        << descriptors << " descriptors, exit code " << outcome.code << ": " << outcome.err;
   }
 }
 

@@ -1,5 +1,6 @@
 // What is no scan, and a world that does not take what is written: one line and an exit code.
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -264,6 +266,40 @@ TEST_F(HostileInput, ControlCharactersDoNotReachTheTerminal) {
     EXPECT_EQ(run.exit_code, 2);
     for (const char c : {'\x1b', '\a', '\x9b'}) {
       EXPECT_EQ((run.err + run.out).find(c), std::string::npos) << run.err;
+    }
+  }
+}
+
+TEST_F(HostileInput, NamesWithControlCharactersStayOnTheirLine) {
+  const std::string scan = path("a\x1b[31mb\nQZ");
+  fs::rename(path("scan"), scan);
+  ASSERT_EQ(run_program({"reconstruct", scan, "--anyway", "-o", path("e\nQZ.pcd")}).exit_code, 0);
+
+  const std::vector<std::vector<std::string>> commands{
+      {"check", scan},
+      {"reconstruct", scan, "--anyway", "-o", path("f\nQZ.ply"), "--depth", path("g\nQZ.tiff")},
+      {"reconstruct", scan, path("missing\nQZ"), "--anyway"},
+      {"measure", path("e\nQZ.pcd"), "--plane", "all"},
+      {"convert", path("e\nQZ.pcd"), "-o", path("h\nQZ.mcap")},
+      {"convert", scan, "--anyway", "-o", path("i\nQZ.slip")},
+      {"batch", "plan", scan, "--tasks", "1", "--anyway", "-o", path("{name}.ply"), "--plan",
+       path("plan\nQZ")},
+      {"simulate", path("j\nQZ"), "--camera", "16x12"},
+      {"live", "--source", "replay:" + scan, "--headless"}};
+
+  for (std::vector<std::string> arguments : commands) {
+    for (const bool json : {false, true}) {
+      if (json) arguments.emplace_back("--json");
+      const ProgramRun run = run_program(arguments);
+      const std::string words = run.err + run.out;
+
+      // After the break of a name would come "QZ", which begins no other line.
+      EXPECT_EQ(std::ranges::count_if(words, [](char c) { return c != '\n' && std::iscntrl(c); }),
+                0)
+          << words;
+      EXPECT_EQ(words.find("\nQZ"), std::string::npos) << words;
+      EXPECT_GE(run.exit_code, 0) << words;
+      EXPECT_TRUE(!json || nlohmann::json::accept(run.out)) << run.out;
     }
   }
 }

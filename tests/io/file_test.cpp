@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <fcntl.h>
@@ -270,6 +271,39 @@ TEST(OutputFile, FullDiskLeavesWhatWasThere) {
     EXPECT_THROW(write_file(path, std::string(1000, 'x')), WorldError);
   }
   EXPECT_EQ(read_text(path), "first");
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(ReadFile, FailureToOpenAnyFileIsTheSystems) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "note";
+  write_file(path, "first");
+
+  const FewDescriptors none(0);
+  EXPECT_THROW(read_file(path), WorldError);
+  EXPECT_THROW(write_file(path, "second"), WorldError);
+}
+
+TEST(OutputFile, WithoutItsLockLeavesWhatWasThere) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "before", "first");
+
+  // A new file takes the only free number; an existing one has none to be opened for its lock.
+  int lowest = -1;
+  {
+    const Descriptor free(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+    lowest = free;
+  }
+  {
+    const FewDescriptors one(static_cast<rlim_t>(lowest + 1));
+    EXPECT_THROW(OutputFile(folder.path() / "new", FileWriting::over_time), WorldError);
+  }
+  {
+    const FewDescriptors none(static_cast<rlim_t>(lowest));
+    EXPECT_THROW(OutputFile(folder.path() / "before", FileWriting::over_time), WorldError);
+  }
+
+  EXPECT_EQ(read_text(folder.path() / "before"), "first");
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 

@@ -26,4 +26,20 @@ class SmallDisk {
   void (*handler_)(int);
 };
 
+/// Limits the numbers of files opened during its lifetime to those below `end`.
+class FewDescriptors {
+ public:
+  explicit FewDescriptors(rlim_t end) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit few{end, before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+  }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+  ~FewDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
 }  // namespace slipstream

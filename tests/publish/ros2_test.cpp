@@ -25,6 +25,7 @@
 #include "ros2_messages.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/error.h"
+#include "tests/io/small_disk.h"
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 
@@ -306,6 +307,18 @@ TEST(Ros2, only_this_machine_reaches_the_sockets_of_ROS_LOCALHOST_ONLY) {
   const auto sink = open_sink("ros2:scanner", {});
   EXPECT_EQ(sockets(false), others);
   EXPECT_GT(sockets(true), 1);
+}
+
+TEST(Ros2, says_that_descriptors_are_missing_before_any_is_needed) {
+  choose_domain();
+  const FewDescriptors few(32);
+  try {
+    open_sink("ros2:scanner", {});
+    FAIL();
+  } catch (const WorldError& error) {
+    EXPECT_NE(std::string(error.what()).find("needs 64 file descriptors"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Ros2, says_why_there_is_no_network) {

@@ -34,6 +34,10 @@ class Desktop {
     ::close(ends[0]);
     if (!number.empty()) ::setenv("DISPLAY", (":" + number).c_str(), 1);
   }
+  /// Ends the Xvfb display as a crash of its server would.
+  void crash() const {
+    if (server_ > 0) ::kill(server_, SIGKILL);
+  }
   Desktop(const Desktop&) = delete;
   Desktop& operator=(const Desktop&) = delete;
   ~Desktop() {

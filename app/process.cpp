@@ -1,5 +1,6 @@
 #include "app/process.h"
 
+#include <initializer_list>
 #include <atomic>
 #include <cmath>
 #include <cstddef>

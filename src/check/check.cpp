@@ -117,6 +117,14 @@ void judge(JudgedScan scan, std::vector<Finding> of_scanner, ScanFindings& resul
   append(result.findings, std::move(of_scanner));
 
   ScanFindings explained = explain(scan, fit);
+
+  // Frames that are not of the patterns they are taken for have no modulation either.
+  if (any_wrong(explained.findings)) {
+    std::erase_if(result.findings, [](const Finding& finding) {
+      return finding.kind == FindingKind::low_modulation;
+    });
+  }
+
   append(result.findings, std::move(explained.findings));
   result.order = std::move(explained.order);
   result.median_depth = explained.median_depth;

@@ -127,31 +127,35 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
 
 /// Evidence about the light of a scan; grey levels of 255.
 struct LightEvidence {
-  double modulation = 0;  ///< median of the lit pixels, scaled to a sinusoid with all the light
-  double mean = 0;        ///< median of the lit pixels' means over their frames
+  /// Medians of the lit pixels, of the weakest and the strongest band, scaled to a sinusoid with
+  /// all the light.
+  double modulation = 0, strongest = 0;
+  double mean = 0;  ///< median of the lit pixels' means over their frames
 };
 
 LightEvidence light_of(const FrameModel& model, const ScanSamples& samples) {
   LightEvidence light;
   const FrameOrder order = model.identity();
-  std::vector<double> modulations, means;
+  std::vector<double> modulations, strongest, means;
   SampleReading reading;
 
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels = samples.levels(g, ScanSamples::middle);
     means.push_back(std::accumulate(levels, levels + samples.frames(), 0.0) / samples.frames());
 
-    // The weakest band counts, scaled to a sinusoid with all the light.
     model.read(levels, order, reading);
-    double modulation = std::numeric_limits<double>::infinity();
     for (std::size_t b = 0; b < reading.modulation.size(); ++b) {
-      modulation = std::min(modulation, reading.modulation[b] / model.layout().bands[b].share);
+      reading.modulation[b] /= model.layout().bands[b].share;
     }
-    modulations.push_back(modulation);
+
+    const auto [weakest, best] = std::ranges::minmax(reading.modulation);
+    modulations.push_back(weakest);
+    strongest.push_back(best);
   }
 
   if (!means.empty()) {
     light.modulation = quantile(modulations, 0.5);
+    light.strongest = quantile(strongest, 0.5);
     light.mean = quantile(means, 0.5);
   }
 
@@ -303,12 +307,24 @@ Finding saturated(const ScanSamples& samples) {
 }
 
 Finding dim_light(const LightEvidence& light, double least_modulation) {
-  return {.kind = FindingKind::low_modulation,
-          .what = "too dark: the lit pixels' median modulation is below the minimum",
-          .evidence = {{.name = "modulation", .value = light.modulation, .limit = least_modulation},
-                       {"least modulation", least_modulation}},
-          .causes = {{CauseKind::underexposure, "far too little light for this surface"}},
-          .remedies = {{"lengthen the exposure, open the iris or darken the room"}}};
+  Finding finding{
+      .kind = FindingKind::low_modulation,
+      .what = "too dark: the lit pixels' median modulation is below the minimum",
+      .evidence = {{.name = "modulation", .value = light.modulation, .limit = least_modulation},
+                   {"least modulation", least_modulation}},
+      .causes = {{CauseKind::underexposure, "far too little light for this surface"}},
+      .remedies = {{"lengthen the exposure, open the iris or darken the room"}}};
+
+  // With enough light in the other bands, more of it would hardly help the weakest.
+  constexpr double ample = 1.5;
+  if (light.strongest < ample * least_modulation) return finding;
+
+  finding.what = "the lit pixels' median modulation is below the minimum in one of the bands";
+  finding.evidence.push_back({"of the strongest band", light.strongest});
+  finding.causes = {
+      {CauseKind::blur, "fringes blurred by a lens, or too narrow for the camera's pixels"}};
+  finding.remedies = {{"focus both lenses, use larger pictures or fewer periods"}};
+  return finding;
 }
 
 Finding dim_scene(const ScanSamples& samples, double least_modulation) {

@@ -52,8 +52,10 @@ double phase_error_of_gamma(const JudgedScan& scan) {
   return std::sqrt(squares / places) / static_cast<double>(little);
 }
 
-/// Factors of the surface's ambient light, the camera's offset and gamma - 1, then the sum.
-using LightRow = Eigen::Vector4d;
+/// Factors of the surface's ambient light, of its change along the picture's width and height, of
+/// the camera's offset and gamma - 1, then the sum.
+constexpr int light_factors = 5;
+using LightRow = Eigen::Vector<double, light_factors + 1>;
 
 /// Appends the frames of a group, without all that changes of modulations and coordinate explain.
 void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
@@ -70,7 +72,12 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
   const auto unknowns = static_cast<Eigen::Index>(bands.size());
   // A column per band's modulation and one for the coordinate.
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(scan.samples.frames(), unknowns + 1);
-  Eigen::MatrixXd causes = Eigen::MatrixXd::Zero(scan.samples.frames(), 4);
+  Eigen::MatrixXd causes = Eigen::MatrixXd::Zero(scan.samples.frames(), light_factors + 1);
+
+  // The pixel's place in the picture, -1 to 1.
+  const Size size = scan.samples.size();
+  const double right = 2.0 * scan.samples.column(group) / size.width - 1;
+  const double down = 2.0 * scan.samples.row(group) / size.height - 1;
 
   for (int n = 0; n < scan.samples.frames(); ++n) {
     const auto band = std::ranges::find_if(
@@ -87,8 +94,8 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
     moved(n, unknowns) = alpha * (light(h) - light(-h)) / h;
 
     // The derivative of u^gamma at gamma = 1 is u log u.
-    causes.row(n) << alpha, 255 * scan.samples.gain(group), alpha * u * std::log(std::max(u, 1e-9)),
-        levels[n];
+    causes.row(n) << alpha, alpha * right, alpha * down, 255 * scan.samples.gain(group),
+        alpha * u * std::log(std::max(u, 1e-9)), levels[n];
   }
 
   // Rows beyond the rank are orthogonal to modulations and coordinate.
@@ -103,15 +110,18 @@ void add_rows(const JudgedScan& scan, std::size_t group, SampleReading& reading,
 /// negative ambient light or a large offset would imitate gamma: both are bounded.
 std::pair<double, double> fitted_gamma(const std::vector<LightRow>& rows, double most_offset) {
   constexpr double any = std::numeric_limits<double>::infinity();
-  const Eigen::Array3d least(0, 0, -any), most(any, most_offset, any);
+  constexpr int gamma = light_factors - 1;
 
-  LightRow factors(0, 0, 0, -1);
+  LightRow factors = LightRow::Zero();
+  factors[light_factors] = -1;
   double scale = any, error = 0;
 
   for (int round = 0; round < 5; ++round) {
-    // Weighted normal equations; three fitted factors reduce the degrees of freedom.
-    Eigen::Matrix4d sums = 1e-9 * Eigen::Matrix4d::Identity();
-    double weights = -3;
+    // Weighted normal equations; the fitted factors reduce the degrees of freedom.
+    Eigen::Matrix<double, light_factors + 1, light_factors + 1> sums;
+    sums.setIdentity();
+    sums *= 1e-9;
+    double weights = -light_factors;
     std::vector<double> sizes;
 
     for (const LightRow& row : rows) {
@@ -121,22 +131,27 @@ std::pair<double, double> fitted_gamma(const std::vector<LightRow>& rows, double
     }
 
     // One factor after another, 200 times around, each within its bounds.
-    for (int i = 0; i < 600; ++i) {
-      const int k = i % 3;
+    for (int i = 0; i < 200 * light_factors; ++i) {
+      const int k = i % light_factors;
+
+      // Ambient light is nowhere negative, so that it changes by no more than its mean.
+      const double ambient = factors[0];
+      const LightRow least{0, -ambient, -ambient, 0, -any, 0};
+      const LightRow most{any, ambient, ambient, most_offset, any, 0};
       factors[k] =
           std::clamp(factors[k] - sums.row(k).dot(factors) / sums(k, k), least[k], most[k]);
     }
 
-    // Standard error of the third factor.
+    // Standard error of gamma.
     error = std::sqrt(factors.dot(sums * factors) / std::max(1.0, weights) *
-                      sums.topLeftCorner<3, 3>().inverse()(2, 2));
+                      sums.topLeftCorner<light_factors, light_factors>().inverse()(gamma, gamma));
 
     // A robust standard deviation of the rest scales the next round's weights.
     for (const LightRow& row : rows) sizes.push_back(std::abs(row.dot(factors)));
     scale = std::max(deviation_from_median(quantile(sizes, 0.5)), 1e-6);
   }
 
-  return {factors[2], error};
+  return {factors[gamma], error};
 }
 
 /// A warning if no response is known, a usual gamma would distort the phase by more than its noise,

@@ -39,6 +39,7 @@ class ScanSamples {
 
   [[nodiscard]] int frames() const { return frames_; }
   /// Number of lit pixels without a saturated frame.
+  [[nodiscard]] Size size() const { return size_; }
   [[nodiscard]] std::size_t groups() const { return lit_.size(); }
   /// Intensities of the frames, in order.
   [[nodiscard]] const float* levels(std::size_t group, Place place) const {

@@ -1,0 +1,85 @@
+#include "check/fit.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/check.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_world.h"
+#include "tests/check/mistakes.h"
+
+namespace slipstream::fit_test {
+
+/// A scan by a code alone.
+Scan code_scan(const char* scene, const char* reference, int bits) {
+  VirtualWorld world{.scanner = example_scanner({320, 240})};
+  world.scene = scene_named(scene, world.scanner);
+  world.photometry = {.ambient = 3, .noise_variance = 1.5};
+
+  const Strategy strategy = make_strategy("gray", {{"bits", bits}, {"reference", reference}});
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
+  return {.frames = taken.frames,
+          .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+          .scanner = as_calibrated(world)};
+}
+
+std::string told(const ScanFindings& found) {
+  std::string text;
+  for (const Finding& finding : found.findings) text += text_of(finding) + "\n";
+  return text;
+}
+
+bool blames(const ScanFindings& found, CauseKind cause) {
+  return std::ranges::any_of(found.findings, [&](const Finding& finding) {
+    return std::ranges::count(finding.causes, cause, &Cause::kind) > 0;
+  });
+}
+
+/// Sets, each with a scan of its own: a code's coordinate changes by whole stripes.
+class CodeInSpace : public testing::TestWithParam<const char*> {
+ protected:
+  static void for_each_code(auto use) {
+    for (const char* const reference : {"inverse", "white-black"}) {
+      for (const int bits : {7, 8, 10}) use(code_scan(GetParam(), reference, bits), bits);
+    }
+  }
+};
+
+TEST_P(CodeInSpace, IsLeftInPeaceAsItIs) {
+  for_each_code([](const Scan& scan, int bits) { EXPECT_EQ(told(check_scan(scan)), "") << bits; });
+}
+
+TEST_P(CodeInSpace, IsRefusedIfMirrored) {
+  for_each_code([](Scan scan, int bits) {
+    resampled([](double x, double y, Size size) { return std::pair(size.width - 1 - x, y); })(scan);
+    const ScanFindings found = check_scan(scan);
+    EXPECT_TRUE(any_wrong(found.findings)) << bits << ": " << told(found);
+    EXPECT_TRUE(blames(found, CauseKind::picture_orientation)) << bits << ": " << told(found);
+  });
+}
+
+TEST_P(CodeInSpace, IsRefusedAlongTheOtherAxis) {
+  for_each_code([](Scan scan, int bits) {
+    scan.sequence.axis = Axis::y;
+    const ScanFindings found = check_scan(scan);
+    EXPECT_TRUE(any_wrong(found.findings)) << bits << ": " << told(found);
+    EXPECT_TRUE(blames(found, CauseKind::axis)) << bits << ": " << told(found);
+  });
+}
+
+TEST_P(CodeInSpace, IsRefusedWithItsFirstFrameBlack) {
+  for_each_code([](Scan scan, int bits) {
+    pixels({0}, [](double, int, int) { return 3; })(scan);
+    const ScanFindings found = check_scan(scan);
+    EXPECT_TRUE(any_wrong(found.findings)) << bits << ": " << told(found);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CodeInSpace, testing::Values("statue", "board", "boxes"));
+
+}  // namespace slipstream::fit_test

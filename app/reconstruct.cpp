@@ -14,9 +14,9 @@
 #include "base/parallel_rows.h"
 #include "base/stopwatch.h"
 #include "decode/frame_motion.h"
+#include "geometry/map_form.h"
 #include "io/depth_truth.h"
 #include "io/file.h"
-#include "reconstruct/coordinate_map.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/surface.h"
 
@@ -137,12 +137,7 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
   // 1. The results, and what there is to say of them.
   ScanJob& job =
       reused.jobs.try_emplace(scan.output, job_settings(flags, scan.output)).first->second;
-  try {
-    scan.result = job(checked, name);
-  } catch (const RefusedScan& refused) {
-    output.document["findings"] = refused.findings();
-    throw;
-  }
+  scan.result = job(checked, name);
   const ScanResult& result = scan.result;
   const double minimum = flags.cloud.settings.minimum_modulation;
   if (result.least_modulation > minimum) {
@@ -162,6 +157,15 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
   if (result.uncertainty) scan.median_sigma = median_depth(*result.uncertainty);
 }
 
+void reconstruct_map_file(LoadedScan& loaded, const ReconstructFlags& flags) {
+  ReconstructedScan& scan = loaded.scan;
+  const std::size_t printed = loaded.job.checked.findings.size();
+  scan.result =
+      reconstruct_map(loaded.coordinates, loaded.job.setup, loaded.modulation, loaded.job.checked);
+  if (!flags.cloud.anyway) require_right(scan.result.checked, text_of(scan.name), printed);
+  judge(flags, printed, scan);
+}
+
 ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags, Reused& reused) {
   ReconstructedScan& scan = loaded.scan;
   if (scan.done_before || !scan.failure.empty()) return std::move(scan);
@@ -170,9 +174,11 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
     if (flags.from.empty()) {
       reconstruct_scan(loaded.job, scan, flags, reused);
     } else {
-      scan.result = reconstruct_map(loaded.coordinates, loaded.job.setup, loaded.modulation);
-      judge(flags, 0, scan);
+      reconstruct_map_file(loaded, flags);
     }
+  } catch (const RefusedScan& refused) {
+    scan.words.document["findings"] = refused.findings();
+    scan.failure = with_flags(refused.what());
   } catch (const Error& error) {
     scan.failure = with_flags(error.what());
   }
@@ -320,7 +326,8 @@ void add_reconstruct(const Commands& program) {
   // Maps of another program replace the frames, so flags about frames do not apply.
   command.add("--from", flags.from,
               fmt::format("read maps of another program, .tiff or .npy, NaN where invalid, instead "
-                          "of scans: {}",
+                          "of scans: {}; --origin is the value at the edge of the field, and "
+                          "--backwards says that values fall across it",
                           map_forms));
   command
       .add_file("--from-modulation", flags.modulation,

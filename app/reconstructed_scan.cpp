@@ -1,16 +1,20 @@
 #include "app/reconstructed_scan.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "app/process.h"
+#include "base/numbers.h"
 #include "base/stopwatch.h"
+#include "check/map_check.h"
+#include "geometry/map_form.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "reconstruct/coordinate_map.h"
 #include "reconstruct/engine_setup.h"
 #include "slipstream/scan_files.h"
 
@@ -39,24 +43,74 @@ std::array<std::tuple<const char*, const char*, double>, 6> times_of(
            {"write", "to write", scan.written}}};
 }
 
-void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
+/// The form of the maps: the patterns' origin and direction are of their values.
+MapForm map_form_in(const ReconstructFlags& flags) {
+  MapForm form = map_form_named(flags.from);
+  const auto& settings = flags.cloud.sequence.settings;
+
+  const auto origin = settings.find("origin"), backwards = settings.find("backwards");
+  if (origin != settings.end() && origin->second) {
+    form.origin = SettingValue(*origin->second).number();
+  }
+  if (backwards != settings.end() && backwards->second) {
+    SettingValue(*backwards->second).read(form.backwards);
+  }
+  return form;
+}
+
+/// The setup for maps of that size.
+EngineSetup setup_for_map(const ReconstructFlags& flags, Size size) {
   const ScanFlags& given = flags.cloud;
   throw_if(!given.scanner, "--from needs the scanner's file: --scanner");
-  const std::string& path = loaded.scan.name.path;
-  const Image<double> map = read_map(path);
-  EngineSetup& setup = loaded.job.setup;
-  setup.sequence = changed({}, given.sequence);
+
+  // No strategy made the map.
+  SequenceChanges changes = given.sequence;
+  changes.settings.erase("origin");
+  changes.settings.erase("backwards");
+
+  EngineSetup setup;
+  setup.sequence = changed({}, changes);
   setup.settings = flags.cloud.settings;
-  setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), map.size(),
+  setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), size,
                             setup.sequence.projector);
+  return setup;
+}
 
-  loaded.coordinates =
-      naming(path, [&] { return coordinates_of_map(map, flags.from, projector_length(setup)); });
+/// The coordinates whose pixels are bright enough.
+Image<double> lit_coordinates(const LoadedScan& loaded) {
+  Image<double> lit = loaded.coordinates;
+  if (loaded.modulation.size() != lit.size()) return lit;
 
+  const double least = loaded.job.setup.settings.minimum_modulation;
+  for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
+    if (!(loaded.modulation.begin()[i] >= least)) lit.begin()[i] = nan;
+  }
+  return lit;
+}
+
+void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   throw_if(flags.modulation && flags.scans.size() > 1, "--from-modulation needs a single map");
   throw_if(!flags.modulation && flags.command->count("--min-modulation") > 0,
            "with --from, --min-modulation needs --from-modulation");
+
+  // 1. Read the map, without pixels that were invalid to the program that made it.
+  const std::string& path = loaded.scan.name.path;
+  const MapForm form = map_form_in(flags);
+  Image<double> map = read_map(path);
+  EngineSetup& setup = loaded.job.setup;
+  setup = setup_for_map(flags, map.size());
+
+  std::vector<Finding> shared = leave_out_shared_values(map);
+  loaded.coordinates = naming(
+      path, [&] { return coordinates_of_map(std::move(map), form, projector_length(setup)); });
   if (flags.modulation) loaded.modulation = converted<float>(read_map(*flags.modulation));
+
+  // 2. Check it.
+  require_valid(setup);
+  CheckedScan& checked = loaded.job.checked;
+  checked = check_map(lit_coordinates(loaded), form, setup.scanner, setup.sequence.axis);
+  checked.findings.insert(checked.findings.begin(), shared.begin(), shared.end());
+  refuse_or_warn(checked, text_of(loaded.scan.name), flags.cloud.anyway, loaded.scan.words);
 }
 
 /// Reads the scan, and chooses its kind of result.
@@ -115,7 +169,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       if (result.done_before) return loaded;
     }
 
-    // 2. A map of another program needs no check.
+    // 2. A map of another program has no frames.
     if (!flags.from.empty()) {
       load_map(flags, loaded);
       result.read = watch.lap();

@@ -27,7 +27,7 @@ struct ReconstructedScan {
 
 /// A scan or a map that was read, and its results so far.
 struct LoadedScan {
-  CheckedJob job;             ///< of a map only the setup
+  CheckedJob job;             ///< of a map only the setup and the check
   Image<double> coordinates;  ///< of a map, 0 to 1
   Image<float> modulation;    ///< of a map, if given
   ReconstructedScan scan;

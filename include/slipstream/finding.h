@@ -66,6 +66,10 @@ enum class FindingKind {
   cameras_disagree,
   camera_orders_disagree,
   few_points,
+  // Maps of other programs.
+  shared_map_value,
+  impossible_map_values,
+  light_ends_elsewhere,
   // Calibration.
   phase_ripple,
   blurred_print,
@@ -119,6 +123,9 @@ enum class CauseKind {
   blur,
   noise,
   rejected_pixels,
+  // Maps of other programs.
+  map_unit,
+  invalid_pixels,
   // Calibration.
   few_poses,
   few_tilts,

@@ -115,8 +115,9 @@ class ScanJob {
 ScanResult reconstruct(Scan scan, const ScanJobSettings& settings = {});
 
 /// Points of a map of projector coordinates, 0 to 1, made by any instrument: see
-/// cloud_of_coordinates. `modulation`: grey levels of 255; empty: all pixels are lit.
+/// cloud_of_coordinates. `modulation`: grey levels of 255; empty: all pixels are lit. `checked`:
+/// findings of a check of the map, to which those of the reconstruction are added.
 ScanResult reconstruct_map(const Image<double>& coordinates, const EngineSetup& setup,
-                           const Image<float>& modulation = {});
+                           const Image<float>& modulation = {}, CheckedScan checked = {});
 
 }  // namespace slipstream

@@ -21,9 +21,6 @@
 namespace slipstream {
 namespace {
 
-const Cause beyond_the_boards{CauseKind::depth_range,
-                              "a scene nearer or farther than the calibration boards"};
-
 /// The symptom of a code that exceeds its limit most, relative to it.
 const CodeSymptom& worst_symptom(const CodeEvidence& code) {
   return *std::ranges::max_element(code_symptoms, {}, [&](const CodeSymptom& symptom) {
@@ -96,26 +93,6 @@ Finding coordinate_jumps(const FrameEvidence& frames) {
       {{.name = "share of the pixels near it", .value = frames.seams, .limit = limit}});
 }
 
-Finding geometry_mismatch(const GeometryEvidence& geometry) {
-  return symptom(
-      FindingKind::geometry_mismatch,
-      fmt::format("frames and scanner do not fit together: slope outside {:g} to {:g}, or over "
-                  "{:g} % of the points impossible",
-                  FitLimits::least_slope, FitLimits::most_slope, 100 * FitLimits::most_outside),
-      {{"slope of the coordinate", geometry.slope},
-       {"share outside the projector's light", geometry.outside},
-       {"share without a point", geometry.without_point}});
-}
-
-Finding depths_beyond_boards(const GeometryEvidence& geometry) {
-  constexpr double limit = FitLimits::most_out_of_range;
-  return symptom(
-      FindingKind::depths_beyond_boards,
-      fmt::format("over {:g} % of the points lie outside the calibrated depths", 100 * limit),
-      {{.name = "share", .value = geometry.out_of_range, .limit = limit},
-       {"median depth", geometry.median_depth, "mm"}});
-}
-
 /// The clearest symptom of a scan that does not fit: of the first test that fails, the most basic
 /// one first.
 Finding seen(const Fit& fit) {
@@ -124,7 +101,7 @@ Finding seen(const Fit& fit) {
   if (!fit.bands_alike()) return unrelated_modulations(fit.frames);
   if (!fit.bands_agree()) return fringe_orders_disagree(fit);
   if (!fit.no_seam()) return coordinate_jumps(fit.frames);
-  if (!fit.geometry_fits()) return geometry_mismatch(*fit.geometry);
+  if (!fit.geometry_fits()) return geometry_mismatch(*fit.geometry, "frames");
   return depths_beyond_boards(*fit.geometry);
 }
 
@@ -203,7 +180,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
           "projector that moved since calibration");
     finding.remedies = {{"check the scanner file; if the rig moved, run `calibrate_geometry()`"}};
   } else {
-    finding.causes = {beyond_the_boards};
+    finding.causes = {beyond_the_boards()};
     blame(CauseKind::other_rig, "a scanner file of another rig");
     finding.remedies = {{"calibrate with boards at those depths, or check the frame order"}};
   }
@@ -244,7 +221,7 @@ std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
                   .remedies = std::move(better->remedies),
                   .remark = std::move(better->remark)};
 
-  if (by_depths_alone) finding.causes.push_back(beyond_the_boards);
+  if (by_depths_alone) finding.causes.push_back(beyond_the_boards());
   if (fit.geometry) finding.evidence.push_back({"median depth", fit.geometry->median_depth, "mm"});
 
   return finding;
@@ -278,7 +255,7 @@ void name_mistake(Explanation explanation, bool only_depths,
                   ScanFindings& result, Finding& finding) {
   if (only_depths) {
     explanation.severity = Severity::doubtful;
-    explanation.causes.push_back(beyond_the_boards);
+    explanation.causes.push_back(beyond_the_boards());
   }
 
   finding.causes = std::move(explanation.causes);
@@ -350,6 +327,31 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
 }
 
 }  // namespace
+
+Finding geometry_mismatch(const GeometryEvidence& geometry, std::string_view measured) {
+  return symptom(
+      FindingKind::geometry_mismatch,
+      fmt::format("{} and scanner do not fit together: slope outside {:g} to {:g}, or over "
+                  "{:g} % of the points impossible",
+                  measured, FitLimits::least_slope, FitLimits::most_slope,
+                  100 * FitLimits::most_outside),
+      {{"slope of the coordinate", geometry.slope},
+       {"share outside the projector's light", geometry.outside},
+       {"share without a point", geometry.without_point}});
+}
+
+Finding depths_beyond_boards(const GeometryEvidence& geometry) {
+  constexpr double limit = FitLimits::most_out_of_range;
+  return symptom(
+      FindingKind::depths_beyond_boards,
+      fmt::format("over {:g} % of the points lie outside the calibrated depths", 100 * limit),
+      {{.name = "share", .value = geometry.out_of_range, .limit = limit},
+       {"median depth", geometry.median_depth, "mm"}});
+}
+
+Cause beyond_the_boards() {
+  return {CauseKind::depth_range, "a scene nearer or farther than the calibration boards"};
+}
 
 ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   ScanFindings result;

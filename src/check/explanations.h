@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "check/fit.h"
@@ -16,5 +17,14 @@ namespace slipstream {
 /// flicker, flipped pictures, or a scanner file that is inverted, for another picture size or of
 /// another rig. `fit`: the result of fit_of.
 ScanFindings explain(const JudgedScan& scan, const Fit& fit);
+
+/// The symptom of a geometry that does not fit, without a cause. `measured`: "frames" or "map".
+Finding geometry_mismatch(const GeometryEvidence& geometry, std::string_view measured);
+
+/// The symptom of depths that do not fit, without a cause.
+Finding depths_beyond_boards(const GeometryEvidence& geometry);
+
+/// The cause of such depths that is no mistake.
+Cause beyond_the_boards();
 
 }  // namespace slipstream

@@ -72,6 +72,11 @@ constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
     {FindingKind::camera_orders_disagree, "camera-orders-disagree"},
     {FindingKind::few_points, "few-points"},
 
+    // Maps of other programs.
+    {FindingKind::shared_map_value, "shared-map-value"},
+    {FindingKind::impossible_map_values, "impossible-map-values"},
+    {FindingKind::light_ends_elsewhere, "light-ends-elsewhere"},
+
     // Calibration.
     {FindingKind::phase_ripple, "phase-ripple"},
     {FindingKind::blurred_print, "blurred-print"},
@@ -128,6 +133,10 @@ constexpr std::array named_causes = std::to_array<Named<CauseKind>>({
     {CauseKind::blur, "blur"},
     {CauseKind::noise, "noise"},
     {CauseKind::rejected_pixels, "rejected-pixels"},
+
+    // Maps of other programs.
+    {CauseKind::map_unit, "map-unit"},
+    {CauseKind::invalid_pixels, "invalid-pixels"},
 
     // Calibration.
     {CauseKind::few_poses, "few-poses"},

@@ -6,7 +6,6 @@
 
 #include "base/numbers.h"
 #include "base/statistics.h"
-#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -14,32 +13,8 @@ namespace {
 using Complex = std::complex<double>;
 using Place = ScanSamples::Place;
 
-Complex turned(double periods) {
+Complex direction_of(double periods) {
   return std::polar(1.0, two_pi * periods);
-}
-
-/// Position of a point in the projector's picture, share of the field along and across the axis.
-struct FieldPlace {
-  double along = 0, across = 0;
-  bool in_front = false;
-};
-
-FieldPlace place_in_field(const Scanner& scanner, Axis axis, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d p = in_projector_frame(scanner, point);
-  const Eigen::Vector3d pixel = scanner.projector.intrinsic * p / p.z();
-  const double x = pixel.x() / scanner.projector.size.width;
-  const double y = pixel.y() / scanner.projector.size.height;
-  return axis == Axis::x ? FieldPlace{x, y, p.z() > 0} : FieldPlace{y, x, p.z() > 0};
-}
-
-/// Depth at which the ray meets the stripe with this coordinate.
-double depth_of_stripe(const Scanner& scanner, Axis axis, const Eigen::Vector3d& ray,
-                       double coordinate) {
-  const Eigen::Matrix3d& K = scanner.projector.intrinsic;
-  const double pixel = coordinate * length_along(axis, scanner.projector.size);
-  // All points of the projector's frame on this stripe satisfy plane . X = 0.
-  const Eigen::RowVector3d plane = K.row(axis == Axis::x ? 0 : 1) - pixel * K.row(2);
-  return -plane.dot(scanner.translation) / plane.dot(scanner.rotation * ray);
 }
 
 // Of fringes blurred in camera and projector.
@@ -87,7 +62,7 @@ void FrameJudge::add_pair(double variation) {
 
   // Neighbours share their relation, so that only noise is left in the difference.
   for (std::size_t i = 0; i < between_.size(); ++i) {
-    between_[i] += turned(here_.relations[i] - next_.relations[i]);
+    between_[i] += direction_of(here_.relations[i] - next_.relations[i]);
   }
 
   // Noise averages out of the products, a misfit of the patterns does not.
@@ -182,11 +157,11 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
     origin_square_ += here_.origin_square;
 
     // Relations as directions in the complex plane: their mean shows how well they agree.
-    for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += turned(here_.relations[i]);
+    for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += direction_of(here_.relations[i]);
     // Damped fringes move the cue's coordinate away from the middle of the field.
     for (std::size_t i = 0; i < damped_.size(); ++i) {
       const double f = model_.layout().bands[model_.bands().front()].periods;
-      damped_[i] += turned(here_.relations.front() - f * dampings[i] * (here_.coarse - 0.5));
+      damped_[i] += direction_of(here_.relations.front() - f * dampings[i] * (here_.coarse - 0.5));
     }
 
     // Adjacent pixels separate signal from noise.
@@ -216,204 +191,6 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   // 2. Sums to evidence.
   sum_up(groups);
   return evidence_;
-}
-
-namespace {
-
-/// Compares the points of the sampled pixels with a scanner.
-class GeometryJudge {
- public:
-  GeometryJudge(const FrameModel& model, const ScanSamples& samples, const Scanner& scanner,
-                Axis axis, const FrameOrder& order, const PictureTurn& turn)
-      : model_(model),
-        samples_(samples),
-        scanner_(scanner),
-        axis_(axis),
-        order_(order),
-        turn_(turn),
-        band_(model.measuring_band()),
-        periods_(model.layout().bands[band_].periods),
-        is_code_(model.layout().unwrapping->whole_stripes) {}
-
-  GeometryEvidence operator()() {
-    for (std::size_t g = 0; g < samples_.groups(); ++g) {
-      const std::optional<SeenPoint> point = point_of(g);
-
-      if (!point) {
-        ++without_;
-        continue;
-      }
-
-      compare_with_bounds(*point);
-      depths_.push_back(point->z);
-      if (is_inside_surface(g)) add_slope(g, *point);
-    }
-
-    return samples_.groups() == 0 ? GeometryEvidence() : summed_up();
-  }
-
- private:
-  /// A pixel's point: where its ray meets the plane of its stripe.
-  struct SeenPoint {
-    Eigen::Vector2d pixel;
-    Eigen::Vector3d ray;
-    double z;        ///< depth, mm
-    FieldPlace lit;  ///< its place in the projector's field
-  };
-
-  /// nullopt if ray and stripe meet behind a device, or are parallel. Leaves the pixel's reading in
-  /// `here_`.
-  std::optional<SeenPoint> point_of(std::size_t g) {
-    const Size size = scanner_.camera.size;
-    const Eigen::Vector2d pixel(
-        turn_.columns ? size.width - 1 - samples_.column(g) : samples_.column(g),
-        turn_.rows ? size.height - 1 - samples_.row(g) : samples_.row(g));
-
-    model_.read(samples_.levels(g, Place::middle), order_, here_);
-    const Eigen::Vector3d ray = ray_through(scanner_.camera, pixel);
-    const double z = depth_of_stripe(scanner_, axis_, ray, here_.coordinate);
-    const FieldPlace lit = place_in_field(scanner_, axis_, z * ray);
-
-    if (!(z > 0 && std::isfinite(z)) || !lit.in_front) return std::nullopt;
-    return SeenPoint{pixel, ray, z, lit};
-  }
-
-  /// Counts points outside the projector's light, and beyond the calibrated depths.
-  void compare_with_bounds(const SeenPoint& point) {
-    // Ignoring distortion may move a point this far outside the field.
-    constexpr double margin = 0.05;
-    const auto is_lit = [](double place) { return place >= -margin && place <= 1 + margin; };
-    if (!is_lit(point.lit.across) || !is_lit(point.lit.along)) ++outside_;
-
-    const auto& range = scanner_.calibrated_depths;
-    if (!range) return;
-
-    // Scenes exceed the boards' depths: allow this share of the range on either side.
-    constexpr double further = 0.5, slightly = 0.1;
-    const auto is_outside = [&](double share) {
-      const double more = share * (range->farthest - range->nearest);
-      return point.z < range->nearest - more || point.z > range->farthest + more;
-    };
-    if (is_outside(further)) ++out_of_range_;
-    if (is_outside(slightly)) ++beyond_;
-  }
-
-  /// On things of a few pixels, blur mixes the coordinates of both sides.
-  [[nodiscard]] bool is_inside_surface(std::size_t g) const {
-    return std::ranges::all_of(
-        std::array{Place::right, Place::below, Place::far_right, Place::far_below},
-        [&](Place place) { return samples_.lit(g, place); });
-  }
-
-  /// Adds the change of the coordinate to the next pixels, relative to a surface at this depth that
-  /// faces the camera.
-  void add_slope(std::size_t g, const SeenPoint& point) {
-    const auto expected = [&](const Eigen::Vector2d& step) {
-      const Eigen::Vector3d beside = ray_through(scanner_.camera, point.pixel + step);
-      return place_in_field(scanner_, axis_, point.z * beside).along - point.lit.along;
-    };
-    const Eigen::Vector2d flat(expected({turn_.columns ? -1 : 1, 0}),
-                               expected({0, turn_.rows ? -1 : 1}));
-
-    // The phase is exact, but wraps between pixels that are a good part of a period apart. A code
-    // alone has none.
-    const bool coarse = is_code_ || periods_ * flat.cwiseAbs().maxCoeff() > 0.25;
-    const auto change = [&](Place place) {
-      model_.read(samples_.levels(g, place), order_, next_);
-      if (coarse) return next_.coordinate - here_.coordinate;
-
-      const double phases = next_.phase[band_] - here_.phase[band_];
-      return std::remainder(phases, two_pi) / (two_pi * periods_);
-    };
-
-    // Least squares over both directions.
-    const Eigen::Vector2d seen(change(Place::right), change(Place::below));
-    const double slope = seen.dot(flat) / flat.squaredNorm();
-    if (!std::isfinite(slope)) return;
-
-    // A code alone changes by whole stripes. Steps of more are an edge of a surface.
-    if (is_code_) {
-      const double stripe = 1 / model_.layout().code->stripes;
-      const double most = 1.5 * stripe + FitLimits::most_slope * flat.cwiseAbs().maxCoeff();
-      if (seen.cwiseAbs().maxCoeff() > most) return;
-    }
-
-    slopes_.push_back(slope);
-  }
-
-  /// The mean slope of a code alone, of which most are 0: between pixels of one stripe.
-  void sum_up_steps(GeometryEvidence& result) const {
-    const auto count = static_cast<double>(slopes_.size());
-    double sum = 0, squares = 0, falling = 0, sizes = 0;
-
-    for (const double slope : slopes_) {
-      sum += slope;
-      squares += slope * slope;
-      sizes += std::abs(slope);
-      if (slope < 0) falling -= slope;
-    }
-
-    result.slope = sum / count;
-    result.slope_doubt =
-        3 * std::sqrt(std::max(0.0, squares / count - result.slope * result.slope) / count);
-    if (sizes > 0) result.falling = falling / sizes;
-  }
-
-  /// Shares of the pixels, with or without a point, and medians.
-  GeometryEvidence summed_up() {
-    GeometryEvidence result;
-    result.without_point = without_ / static_cast<double>(samples_.groups());
-
-    if (!depths_.empty()) {
-      const auto points = static_cast<double>(depths_.size());
-      result.outside = outside_ / points;
-      result.out_of_range = out_of_range_ / points;
-      result.beyond = beyond_ / points;
-      result.median_depth = quantile(depths_, 0.5);
-    }
-
-    // The scatter of fewer says too little about their median.
-    constexpr std::size_t fewest_slopes = 16;
-    if (slopes_.size() < fewest_slopes) return result;
-    if (is_code_) {
-      sum_up_steps(result);
-      return result;
-    }
-
-    result.slope = quantile(slopes_, 0.5);
-
-    // From here on the slopes are deviations from their median.
-    for (double& slope : slopes_) slope = std::abs(slope - result.slope);
-
-    // Standard error of the median; 1.25 is sqrt(pi / 2), for Gaussian scatter.
-    const double error = 1.25 * deviation_from_median(quantile(slopes_, 0.5)) /
-                         std::sqrt(static_cast<double>(slopes_.size()));
-    result.slope_doubt = 3 * error;
-    return result;
-  }
-
-  const FrameModel& model_;
-  const ScanSamples& samples_;
-  const Scanner& scanner_;
-  Axis axis_;
-  const FrameOrder& order_;
-  const PictureTurn& turn_;
-
-  std::size_t band_;
-  double periods_;  ///< of the measuring band
-  bool is_code_;    ///< a code alone, which changes by whole stripes
-
-  SampleReading here_, next_;
-  std::vector<double> depths_, slopes_;
-  int without_ = 0, outside_ = 0, out_of_range_ = 0, beyond_ = 0;
-};
-
-}  // namespace
-
-GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
-                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
-                                   const PictureTurn& turn) {
-  return GeometryJudge(model, samples, scanner, axis, order, turn)();
 }
 
 bool Fit::has_evidence() const {

@@ -10,6 +10,7 @@
 
 #include "check/code_evidence.h"
 #include "check/frame_model.h"
+#include "check/geometry_evidence.h"
 #include "check/waveform.h"
 #include "slipstream/finding.h"
 
@@ -118,34 +119,6 @@ class FrameJudge {
   double residual_ = 0, variation_ = 0, by_origin_ = 0, origin_square_ = 0;
   int pairs_ = 0, seams_ = 0, far_pairs_ = 0;
 };
-
-/// Evidence about frames and scanner.
-struct GeometryEvidence {
-  double without_point = 0;  ///< share whose ray does not meet its stripe in front of both devices
-  double outside = 0;        ///< share of points outside the projector's field
-  double median_depth = 0;   ///< mm
-  double out_of_range = 0;   ///< share of points outside the calibrated depths, with a margin
-  double beyond = 0;         ///< the same with a tenth of the range as margin
-  /// Median over the pixels inside of surfaces of the coordinate's change to the next pixel,
-  /// divided by the change on a surface that faces the camera: about 1 if all is right, negative if
-  /// the stripes run the other way, near 0 if they run along the other axis. The mean for a code
-  /// alone. 1 if there are few such pixels.
-  double slope = 1;
-  double slope_doubt = 0;  ///< three standard errors of `slope`, from the scatter of the pixels
-  /// Of a code alone: of all changes of the coordinate, the share that runs the other way.
-  double falling = 0;
-};
-
-/// How pictures were flipped before they were saved.
-struct PictureTurn {
-  bool columns = false;  ///< the right side is on the left
-  bool rows = false;     ///< the top is at the bottom
-};
-
-/// Ignores the projector's lens distortion: it moves points by less than these limits.
-GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
-                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
-                                   const PictureTurn& turn = {});
 
 /// Evidence compared with FitLimits.
 struct Fit {

@@ -226,24 +226,6 @@ std::optional<Finding> stripes_along_baseline(const JudgedScan& scan, double dep
                  .remedies = {{fmt::format("scan with `axis {}`", other)}}};
 }
 
-/// A warning if baseline or depth is smaller than lenses allow.
-std::optional<Finding> small_scale(const JudgedScan& scan, double median_depth) {
-  // mm: a C-mount is 25.4 wide, so that two lenses are not closer; nor do they focus closer than
-  // 100.
-  constexpr double least_baseline = 25.4, least_depth = 100;
-
-  const double baseline = scan.scanner->translation.norm();
-  if (baseline >= least_baseline && median_depth >= least_depth) return std::nullopt;
-
-  return Finding{.kind = FindingKind::small_scale,
-                 .what = fmt::format("the baseline is below {:g} mm or the depth below {:g} mm",
-                                     least_baseline, least_depth),
-                 .evidence = {{"baseline", baseline, "mm", least_baseline},
-                              {"median depth", median_depth, "mm", least_depth}},
-                 .causes = {{CauseKind::scanner_file, "a scanner file in centimetres or inches"}},
-                 .remedies = {{"write its translation in mm, or calibrate with `spacing` in mm"}}};
-}
-
 /// A warning if neighbouring pixels differ by much more than noise and the projector's pixels make
 /// them.
 std::optional<Finding> unexplained_noise(const JudgedScan& scan, const PhaseNoise& noise) {
@@ -292,6 +274,23 @@ std::optional<Finding> unexplained_noise(const JudgedScan& scan, const PhaseNois
 
 }  // namespace
 
+std::optional<Finding> small_scale(const Scanner& scanner, double median_depth) {
+  // mm: a C-mount is 25.4 wide, so that two lenses are not closer; nor do they focus closer than
+  // 100.
+  constexpr double least_baseline = 25.4, least_depth = 100;
+
+  const double baseline = scanner.translation.norm();
+  if (baseline >= least_baseline && median_depth >= least_depth) return std::nullopt;
+
+  return Finding{.kind = FindingKind::small_scale,
+                 .what = fmt::format("the baseline is below {:g} mm or the depth below {:g} mm",
+                                     least_baseline, least_depth),
+                 .evidence = {{"baseline", baseline, "mm", least_baseline},
+                              {"median depth", median_depth, "mm", least_depth}},
+                 .causes = {{CauseKind::scanner_file, "a scanner file in centimetres or inches"}},
+                 .remedies = {{"write its translation in mm, or calibrate with `spacing` in mm"}}};
+}
+
 std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit) {
   std::vector<Finding> findings;
   const FrameModel& model = scan.model;
@@ -312,7 +311,7 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit) {
   if (fit.geometry) {
     add(stripes_along_baseline(scan, fit.geometry->median_depth,
                                noise.typical / two_pi / band.periods));
-    add(small_scale(scan, fit.geometry->median_depth));
+    add(small_scale(*scan.scanner, fit.geometry->median_depth));
   }
 
   // 3. Limits of the patterns, which motion and whole stripes hide.

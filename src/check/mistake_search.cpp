@@ -20,13 +20,6 @@
 namespace slipstream {
 namespace {
 
-/// A mistake undone, and how the scan fits then.
-struct Attempt {
-  PossibleMistake mistake;
-  Fit fit;
-  double misfit = 0;
-};
-
 /// Takes out of the residual what a waveform explains that hardly bends the phase.
 void excuse_waveform(const JudgedScan& scan, const FrameModel& model, const FrameOrder& order,
                      Fit& fit) {
@@ -160,8 +153,8 @@ std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
   return found;
 }
 
-/// Words for the likeliest, and for others that fit about as well. A far-fetched one is named only
-/// if nothing else fits.
+}  // namespace
+
 Explanation explanation_from(const std::vector<Attempt>& attempts, const FrameOrder& in_force) {
   constexpr double nearly = 1.2;
   constexpr std::size_t most_named = 3;
@@ -216,8 +209,6 @@ Explanation explanation_from(const std::vector<Attempt>& attempts, const FrameOr
 
   return result;
 }
-
-}  // namespace
 
 Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {

@@ -25,6 +25,17 @@ struct Explanation {
   double median_depth = 0;  ///< in that order
 };
 
+/// A mistake undone, and how the scan fits then.
+struct Attempt {
+  PossibleMistake mistake;
+  Fit fit;
+  double misfit = 0;
+};
+
+/// Words for the likeliest, and for others that fit about as well. A far-fetched one is named only
+/// if nothing else fits. `attempts`: not empty, likeliest first. `in_force`: order of the frames.
+Explanation explanation_from(const std::vector<Attempt>& attempts, const FrameOrder& in_force = {});
+
 /// The likeliest of the common mistakes, and others that explain the scan about as
 /// well. Returns nullopt if none explains it, or fits far better than a scan that fits.
 /// `as_given`: the result of fit_of.

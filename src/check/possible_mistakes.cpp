@@ -13,6 +13,7 @@
 
 #include "base/numbers.h"
 #include "check/frame_orders.h"
+#include "check/geometric_mistakes.h"
 #include "slipstream/error.h"
 #include "slipstream/strategy.h"
 
@@ -44,7 +45,9 @@ class Mistakes {
 
     // 2. Mistakes of the scanner, if the frames are right.
     const std::size_t of_frames = list.size();
-    if (scan.scanner != nullptr && frames_fit && !as_given.all()) add_geometry();
+    if (scan.scanner != nullptr && frames_fit && !as_given.all()) {
+      std::ranges::move(geometric_mistakes(*scan.scanner, scan.sequence), std::back_inserter(list));
+    }
     if (scan.scanner != nullptr && frames_fit && is_off_centre(scan.scanner->camera)) add_crop();
     for (std::size_t i = of_frames; i < list.size(); ++i) list[i].geometric = true;
 
@@ -356,34 +359,6 @@ class Mistakes {
     for (std::size_t i = usual; i < list.size(); ++i) list[i].far_fetched = true;
   }
 
-  /// Another axis, turned pictures, and scanner files that are inverted, swapped or of another
-  /// size.
-  void add_geometry() {
-    // 1. The other axis.
-    const Axis axis = scan_.sequence.axis, other = across(axis);
-    Sequence turned = scan_.sequence;
-    turned.axis = other;
-
-    add(CauseKind::axis,
-        fmt::format("patterns that vary along {}, not {}", name_of(other), name_of(axis)),
-        {try_setting("axis", std::string(name_of(other)))})
-        .sequence = std::move(turned);
-
-    // 2. Pictures saved another way round.
-    const auto pictures = [&](const PictureTurn& turn, const char* how, const char* advice) {
-      add(CauseKind::picture_orientation, fmt::format("pictures {} since the calibration", how),
-          {{advice}})
-          .turn = turn;
-    };
-
-    pictures({.columns = true, .rows = true}, "turned upside down",
-             "rotate them by 180 degrees, or calibrate with pictures in this orientation");
-    pictures({.columns = true}, "mirrored left to right", "mirror them back");
-    pictures({.rows = true}, "mirrored top to bottom", "mirror them back");
-
-    add_scanner_files();
-  }
-
   /// Pictures that are the middle of the calibrated ones, or nearly.
   void add_crop() {
     Scanner cropped = *scan_.scanner;
@@ -395,56 +370,6 @@ class Mistakes {
         "a scanner file for larger camera pictures, of which these are a part",
         {{"say which part they are with `camera_region`, or use pictures of the calibrated size"}})
         .scanner = std::move(cropped);
-  }
-
-  /// Scanner files, each with its mistake mended.
-  void add_scanner_files() {
-    const auto file = [&](std::string_view what, const char* advice, const auto& mend,
-                          CauseKind kind = CauseKind::scanner_file) {
-      Scanner mended = *scan_.scanner;
-      mend(mended);
-      add(kind, fmt::format("a scanner file {}", what), {{advice}}).scanner = mended;
-    };
-
-    const auto invert = [](Scanner& scanner) {
-      scanner.rotation.transposeInPlace();
-      scanner.translation = (-scanner.rotation * scanner.translation).eval();
-    };
-
-    const auto swap = [](Scanner& scanner) {
-      std::swap(scanner.camera.intrinsic, scanner.projector.intrinsic);
-      std::swap(scanner.camera.distortion, scanner.projector.distortion);
-    };
-
-    file("whose rotation and translation go from the projector to the camera",
-         "invert them: they must go from the camera's frame to the projector's", invert);
-
-    file("whose rotation is inverted",
-         "transpose it: it must go from the camera's frame to the projector's",
-         [](Scanner& scanner) { scanner.rotation.transposeInPlace(); });
-
-    file("whose translation has the wrong sign",
-         "negate it: it is the camera's position in the projector's frame",
-         [](Scanner& scanner) { scanner.translation *= -1; });
-
-    file("with camera and projector swapped", "swap their matrices", swap);
-    file("with camera and projector swapped",
-         "swap their matrices, and invert rotation and translation", [&](Scanner& scanner) {
-           swap(scanner);
-           invert(scanner);
-         });
-
-    for (const double scale : {0.5, 2.0}) {
-      const char* const large = scale < 1 ? "twice as large" : "half as large";
-      const auto larger = [scale](Lens& lens) { lens.intrinsic.topRows<2>() *= scale; };
-
-      file(
-          fmt::format("for camera pictures {}", large), "use pictures of the calibrated size",
-          [&](Scanner& scanner) { larger(scanner.camera); }, CauseKind::picture_size);
-      file(
-          fmt::format("for projector pictures {}", large), "set `projector` to the calibrated size",
-          [&](Scanner& scanner) { larger(scanner.projector); }, CauseKind::projector_size);
-    }
   }
 
   const JudgedScan& scan_;

@@ -18,6 +18,7 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/matrix_files.h"
 #include "io/unique_keys.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
@@ -205,9 +206,9 @@ std::string with_xml_entries(const std::string& text, const StoredEntries& entri
   return changed.str();
 }
 
-/// The file's text; for a recording, its scanner's; for two files, their scanner's.
+/// The file's text; for a recording, two files and matrices by themselves, their scanner's.
 std::string text_in(const fs::path& path) {
-  if (scanner_files(path).size() == 2) return text_of(read_scanner(path));
+  if (scanner_files(path).size() == 2 || has_matrices(path)) return text_of(read_scanner(path));
 
   if (is_recording(path)) {
     const RecordingReader recording(path);

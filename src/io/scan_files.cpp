@@ -12,6 +12,7 @@
 #include "io/file.h"
 #include "io/file_names.h"
 #include "io/image_file.h"
+#include "io/matrix_files.h"
 #include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "slipstream/recording.h"
@@ -415,7 +416,11 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   if (scan.white) files.push_back(*scan.white);
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
   if (scan.scanner) {
-    for (const fs::path& file : scanner_files(*scan.scanner)) files.push_back(file);
+    const bool is_of_matrices = has_matrices(*scan.scanner);
+    for (const fs::path& file :
+         is_of_matrices ? matrix_files(*scan.scanner) : scanner_files(*scan.scanner)) {
+      files.push_back(file);
+    }
   }
 
   for (const fs::path& file : files) {  // of recordings the header

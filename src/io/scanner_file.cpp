@@ -14,6 +14,7 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/matrix_files.h"
 #include "io/opencv_storage.h"
 #include "io/photometry_entries.h"
 #include "io/scanner_layouts.h"
@@ -278,6 +279,8 @@ StoredEntries joined(StoredEntries first, const StoredEntries& second) {
 }
 
 StoredEntries entries_in(const fs::path& path) {
+  if (has_matrices(path)) return read_matrices(path);
+
   const std::vector<fs::path> files = scanner_files(path);
   const StoredEntries first = read_opencv_storage(files[0]);
   if (files.size() == 1) return first;

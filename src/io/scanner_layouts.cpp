@@ -21,7 +21,7 @@ std::array<std::string_view, 10> names_of(const ScannerLayout& layout) {
 
 }  // namespace
 
-constinit const std::array<ScannerLayout, 12> scanner_layouts{{
+constinit const std::array<ScannerLayout, 14> scanner_layouts{{
     // slipstream's own, which is also written.
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
@@ -42,6 +42,9 @@ constinit const std::array<ScannerLayout, 12> scanner_layouts{{
     {{"cameraMatrix1", "distCoeffs1", "", ""}, {"cameraMatrix2", "distCoeffs2", "", ""}, "R", "T"},
     // OpenCV's stereo_calib.
     {{"M1", "D1", "", ""}, {"M2", "D2", "", ""}, "R", "T"},
+    // Scripts that call OpenCV's stereoCalibrate.
+    {{"K1", "D1", "", ""}, {"K2", "D2", "", ""}, "R", "T"},
+    {{"mtx1", "dist1", "", ""}, {"mtx2", "dist2", "", ""}, "R", "T"},
     // kamino410/procam-calibration.
     {{"cam_int", "cam_dist", "", "img_shape"},
      {"proj_int", "proj_dist", "", ""},

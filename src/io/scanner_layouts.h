@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 2> projection_entries{"camera_proj
                                                                     "projector_projection"};
 
 /// The layouts of all known tools; slipstream's own, which is also written, comes first.
-extern const std::array<ScannerLayout, 12> scanner_layouts;
+extern const std::array<ScannerLayout, 14> scanner_layouts;
 
 /// Whether a layout's second device is a camera or, with `if_either`, only numbered as the second.
 bool is_camera_pair(const ScannerLayout& layout, bool if_either);

@@ -327,9 +327,9 @@ ScanResult reconstruct(Scan scan, const ScanJobSettings& settings) {
 }
 
 ScanResult reconstruct_map(const Image<double>& coordinates, const EngineSetup& setup,
-                           const Image<float>& modulation) {
+                           const Image<float>& modulation, CheckedScan checked) {
   Stopwatch watch;
-  ScanResult result{.setup = setup, .backend = "reference"};
+  ScanResult result{.setup = setup, .checked = std::move(checked), .backend = "reference"};
   result.cloud = cloud_of_coordinates(coordinates, setup, modulation);
   result.maps.coordinate = converted<float>(coordinates);
   count(result, setup.settings, ScanOutput::points);

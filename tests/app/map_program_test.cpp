@@ -117,9 +117,9 @@ class CloudOfMap : public MapProgram {
     return run({"reconstruct", path(map), "--from", form, "--scanner", path("scan/scanner.yaml")},
                more);
   }
-  void write_scaled(const std::string& name, double scale) const {
+  void write_scaled(const std::string& name, double scale, double shift = 0) const {
     Image<double> map = read_map(path("coordinate.tiff"));
-    for (double& value : map) value *= scale;
+    for (double& value : map) value = scale * value + shift;
     write_map(path(name), map);
   }
 };
@@ -216,5 +216,94 @@ TEST_P(RefusedMap, IsOneThatCannotBe) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, RefusedMap, testing::Values(Words{}));
+
+/// A map of scale y + shift that is taken for another form.
+struct MistakenMap {
+  const char* name;
+  double scale = 1, shift = 0;
+  const char* form = "";
+  int exit_code = 2;
+};
+
+class MistakenMaps : public CloudOfMap {
+ protected:
+  /// Flags that follow a remedy; the form becomes `form`.
+  static Words flags_of(const nlohmann::json& remedy, std::string& form) {
+    Words flags;
+    for (const auto& [name, value] : remedy["settings"].items()) {
+      if (name == "from") {
+        form = value;
+      } else {
+        flags.push_back("--" + name);
+        if (value != "true") flags.push_back(value);
+      }
+    }
+    return flags;
+  }
+};
+
+TEST_P(MistakenMaps, AreRightOnceTheirRemedyIsFollowed) {
+  simulate({});
+  ASSERT_EQ(
+      reconstruct({"--raw", "--depth", path("depth.tiff"), "--coordinate", path("coordinate.tiff")})
+          .exit_code,
+      0);
+  const Image<double> depth = read_map(path("depth.tiff"));
+
+  constexpr double turn = 2 * std::numbers::pi;
+  for (const MistakenMap& map : {MistakenMap{"from -pi", 16 * turn, -turn / 2, "phase:16", 0},
+                                 {"a period high", 16 * turn, turn, "phase:16"},
+                                 {"other periods", 16 * turn, 0, "phase:8"},
+                                 {"pixels", 1280, 0, "phase:16"},
+                                 {"falling", -1280, 1279, "pixels"}}) {
+    // 1. The program warns, or refuses the map.
+    write_scaled("map.npy", map.scale, map.shift);
+    const ProgramRun told = from(map.form, "map.npy", {"--raw", "--json"});
+    ASSERT_EQ(told.exit_code, map.exit_code) << map.name << told.err;
+    EXPECT_NE(told.err, "") << map.name;
+
+    const auto document = nlohmann::json::parse(told.out);
+    const nlohmann::json& findings =
+        map.exit_code == 0 ? document["scans"][0]["findings"] : document["findings"];
+    ASSERT_EQ(findings.size(), 1U) << map.name << told.out;
+
+    // 2. With the first remedy the depths are right.
+    std::string form = map.form;
+    Words flags = flags_of(findings[0]["remedies"][0], form);
+    flags.insert(flags.end(), {"--raw", "--depth", path("again.tiff")});
+    const ProgramRun made = from(form, "map.npy", flags);
+    ASSERT_EQ(made.exit_code, 0) << map.name << made.err;
+    EXPECT_EQ(made.err, "") << map.name;
+
+    const Image<double> again = read_map(path("again.tiff"));
+    int points = 0, other = 0;
+    for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+      const double a = depth.begin()[i], b = again.begin()[i];
+      points += std::isnan(a) ? 0 : 1;
+      other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
+    }
+    EXPECT_GT(points, 1000);
+    EXPECT_LT(other, points / 200) << map.name;
+  }
+}
+
+TEST_P(MistakenMaps, LeaveOutPixelsThatShareAValue) {
+  simulate({});
+  ASSERT_EQ(reconstruct({"--raw", "--coordinate", path("coordinate.tiff")}).exit_code, 0);
+  Image<double> map = read_map(path("coordinate.tiff"));
+  for (double& value : map) value = std::isnan(value) ? 0 : 1280 * value;
+  write_map(path("map.npy"), map);
+
+  const ProgramRun made = from("pixels", "map.npy", {"--raw", "--json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.err.find("exactly the value 0"), std::string::npos) << made.err;
+
+  const auto scan = nlohmann::json::parse(made.out)["scans"][0];
+  ASSERT_EQ(scan["findings"].size(), 1U);
+  EXPECT_EQ(scan["findings"][0]["kind"], "shared-map-value");
+  EXPECT_GT(scan["counts"]["too dark"], 500);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, MistakenMaps, testing::Values(Words{}));
 
 }  // namespace slipstream::map_program_test

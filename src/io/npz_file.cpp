@@ -1,0 +1,166 @@
+// NumPy's .npz: a ZIP file of .npy files.
+#include "io/npz_file.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <libdeflate.h>
+
+#include "base/numbers.h"
+#include "base/throw_if-inl.h"
+#include "io/file.h"
+
+namespace slipstream {
+namespace {
+
+using NpzBytes = std::span<const std::uint8_t>;
+
+std::string_view characters_in(NpzBytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// `length` bytes at `at`. Throws Error if they are not there.
+NpzBytes part_of(NpzBytes bytes, std::size_t at, std::size_t length) {
+  throw_if(at > bytes.size() || length > bytes.size() - at, "not a complete .npz file");
+  return bytes.subspan(at, length);
+}
+
+/// The bytes of a file in the ZIP file, from its entry in the directory.
+std::vector<std::uint8_t> unpacked_file(NpzBytes bytes, NpzBytes entry) {
+  constexpr std::size_t local_header = 30;
+  constexpr int stored = 0, deflated = 8;
+  const auto method = number_at<std::uint16_t>(entry, 10);
+  const std::size_t packed_size = number_at<std::uint32_t>(entry, 20);
+  const std::size_t size = number_at<std::uint32_t>(entry, 24);
+
+  // 1. The data follow a header of their own.
+  const std::size_t at = number_at<std::uint32_t>(entry, 42);
+  const NpzBytes header = part_of(bytes, at, local_header);
+  const std::size_t names =
+      std::size_t{number_at<std::uint16_t>(header, 26)} + number_at<std::uint16_t>(header, 28);
+  const NpzBytes packed = part_of(bytes, at + local_header + names, packed_size);
+
+  // 2. Unpack.
+  if (method == stored) return {packed.begin(), packed.end()};
+  throw_if(method != deflated, "is packed in an unknown way; write it with numpy.savez");
+
+  std::vector<std::uint8_t> unpacked(size);
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> unpacker(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  const bool good =
+      unpacker != nullptr &&
+      libdeflate_deflate_decompress(unpacker.get(), packed.data(), packed.size(), unpacked.data(),
+                                    size, nullptr) == LIBDEFLATE_SUCCESS;
+  throw_if(!good, "not a complete .npz file");
+  return unpacked;
+}
+
+/// The text between `begin` and `end`; empty without them.
+std::string_view text_between(std::string_view text, std::string_view begin, std::string_view end) {
+  const std::size_t at = text.find(begin);
+  if (at == text.npos) return {};
+  text.remove_prefix(at + begin.size());
+  return text.substr(0, std::min(text.find(end), text.size()));
+}
+
+/// Rows and columns of a shape such as "3, 3" or "5,"; a list is a row. Nullopt for other shapes.
+std::optional<Size> size_of_shape(std::string_view shape) {
+  std::vector<int> lengths;
+  while (!shape.empty()) {
+    std::string_view word = take_until(shape, ',');
+    word.remove_prefix(std::min(word.find_first_not_of(' '), word.size()));
+    if (word.empty()) continue;
+
+    constexpr int most = 4096;
+    const int length = number_in<int>(word).value_or(0);
+    if (length < 1 || length > most) return std::nullopt;
+    lengths.push_back(length);
+  }
+
+  if (lengths.size() > 2) return std::nullopt;
+  const int columns = lengths.empty() ? 1 : lengths.back();
+  return Size{columns, lengths.size() == 2 ? lengths.front() : 1};
+}
+
+/// Number `i` of an array of that type; nullopt for other types.
+std::optional<double> number_of_type(NpzBytes numbers, std::string_view type, std::size_t i) {
+  const auto as = [&]<class Number>(Number) -> std::optional<double> {
+    if (numbers.size() / sizeof(Number) <= i) return std::nullopt;
+    return static_cast<double>(number_at<Number>(numbers, i * sizeof(Number)));
+  };
+
+  if (type == "<f8") return as(double{});
+  if (type == "<f4") return as(float{});
+  if (type == "<i8") return as(std::int64_t{});
+  if (type == "<i4") return as(std::int32_t{});
+  if (type == "<u2") return as(std::uint16_t{});
+  return std::nullopt;
+}
+
+/// The matrix of an .npy file; empty if it is none.
+StoredMatrix matrix_of_npy(NpzBytes file) {
+  constexpr std::string_view magic = "\x93NUMPY";
+  constexpr std::size_t preamble = 10;  // of version 1.0: the length of the header ends it
+  if (file.size() < preamble || !characters_in(file).starts_with(magic) || file[6] != 1) return {};
+
+  const std::size_t length = number_at<std::uint16_t>(file, 8);
+  const std::string_view header = characters_in(part_of(file, preamble, length));
+  const NpzBytes numbers = file.subspan(preamble + length);
+
+  const std::string_view type = text_between(header, "'descr': '", "'");
+  const bool by_columns = text_between(header, "'fortran_order': ", ",") == "True";
+  const auto size = size_of_shape(text_between(header, "'shape': (", ")"));
+  if (!size) return {};
+
+  StoredMatrix matrix{size->height, size->width};
+  for_each_pixel_in_order(*size, [&](int column, int row) {
+    const int i = by_columns ? column * size->height + row : row * size->width + column;
+    if (const auto number = number_of_type(numbers, type, static_cast<std::size_t>(i))) {
+      matrix.numbers.push_back(*number);
+    }
+  });
+
+  const auto count = static_cast<std::size_t>(size->width) * static_cast<std::size_t>(size->height);
+  return matrix.numbers.size() == count ? matrix : StoredMatrix();
+}
+
+}  // namespace
+
+StoredEntries npz_arrays(NpzBytes bytes) {
+  // 1. The end of the file names the place of the directory.
+  constexpr std::size_t end_size = 22, entry_size = 46;
+  const std::size_t end = characters_in(bytes).rfind("PK\x05\x06");
+  throw_if(end == std::string_view::npos, "not a complete .npz file");
+
+  const NpzBytes ending = part_of(bytes, end, end_size);
+  const std::size_t count = number_at<std::uint16_t>(ending, 10);
+  std::size_t at = number_at<std::uint32_t>(ending, 16);
+
+  // 2. The files that the directory lists.
+  constexpr std::size_t most = 256;
+  throw_if(count > most, "has {} arrays; a calibration has at most {}", count, most);
+  StoredEntries arrays;
+  for (std::size_t i = 0; i < count; ++i) {
+    const NpzBytes entry = part_of(bytes, at, entry_size);
+    throw_if(!characters_in(entry).starts_with("PK\x01\x02"), "not a complete .npz file");
+
+    const std::size_t name_size = number_at<std::uint16_t>(entry, 28);
+    std::string name(characters_in(part_of(bytes, at + entry_size, name_size)));
+    if (name.ends_with(".npy")) name.resize(name.size() - 4);
+
+    // Larger arrays are no calibration's, such as the corners of its boards.
+    const bool is_small = number_at<std::uint32_t>(entry, 24) <= largest_text;
+    arrays[name] = is_small ? matrix_of_npy(unpacked_file(bytes, entry)) : StoredMatrix();
+
+    at += entry_size + name_size + number_at<std::uint16_t>(entry, 30) +
+          number_at<std::uint16_t>(entry, 32);
+  }
+  return arrays;
+}
+
+}  // namespace slipstream

@@ -27,6 +27,7 @@
 #include "io/file.h"
 #include "io/pictures.h"
 #include "io/plain_png.h"
+#include "io/tiff_directories.h"
 
 namespace slipstream {
 namespace {
@@ -35,6 +36,7 @@ namespace {
 struct FileInMemory {
   std::span<const std::uint8_t> read{};
   const InputFile* input = nullptr;    ///< instead of `read`
+  std::vector<std::uint8_t> header{};  ///< instead of the first bytes of `input`
   std::exception_ptr input_failure{};  ///< if reading `input` threw
   std::vector<std::uint8_t> written{};
   std::uint64_t at = 0;
@@ -172,6 +174,10 @@ tmsize_t take(thandle_t handle, void* to, tmsize_t count) try {
     if (taken > 0) std::memcpy(to, file.written.data() + file.at, taken);
   } else if (!file.input->read(file.at, {{static_cast<std::uint8_t*>(to), taken}})) {
     return -1;
+  }
+
+  for (std::uint64_t at = file.at; at < std::min(file.at + taken, file.header.size()); ++at) {
+    static_cast<std::uint8_t*>(to)[at - file.at] = file.header[at];
   }
 
   file.at += taken;
@@ -316,30 +322,6 @@ bool hides_pages(TIFF* tiff) {
          std::string_view(text).find("\nimages=") != std::string_view::npos;
 }
 
-std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
-  constexpr int most = 10'000;
-  constexpr std::uint32_t secondary = FILETYPE_REDUCEDIMAGE | FILETYPE_MASK;
-
-  std::vector<int> pages;
-  const bool hidden = hides_pages(tiff);
-  int directory = 0;
-
-  // Directories of reduced copies and masks do not count as pages.
-  do {
-    throw_if(directory == most, "has more than {} pages", most);
-    if ((field<std::uint32_t>(tiff, TIFFTAG_SUBFILETYPE) & secondary) == 0) {
-      pages.push_back(directory);
-    }
-    ++directory;
-  } while (TIFFReadDirectory(tiff) == 1);
-
-  require(memory.fault.front() == 0, memory);
-  throw_if(hidden && directory == 1,
-           "an ImageJ stack with one directory for all pages; save each page as a file");
-
-  return pages;
-}
-
 /// Out of memory: closing must not continue to write.
 [[noreturn]] void give_up(TIFF* tiff) {
   TIFFSetMode(tiff, O_RDONLY);
@@ -372,27 +354,16 @@ std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture
   return png_of_depth(picture, 1);
 }
 
-std::vector<int> tiff_pages(const InputFile& file) {
-  FileInMemory memory{.input = &file};
-  const Tiff tiff = open_tiff(memory, "rm");
-  require(tiff != nullptr, memory);
-  return pages_of(tiff.get(), memory);
-}
-
-Picture read_tiff(const InputFile& file, std::optional<int> page, std::size_t frames) {
-  // 1. The page.
-  FileInMemory memory{.input = &file};
+Picture read_tiff(const InputFile& file, const TiffDirectories& directories,
+                  std::optional<int> page, std::size_t frames) {
+  // 1. The page, which libtiff takes for the first.
+  const std::uint64_t directory = directory_of_page(directories, page);
+  FileInMemory memory{.input = &file, .header = header_naming(file, directory)};
   const Tiff tiff = open_tiff(memory, "rm");
   require(tiff != nullptr, memory);
 
-  if (!page) {
-    const std::vector<int> pages = pages_of(tiff.get(), memory);
-    throw_if(pages.size() > 1, "has {} pages, expected one picture; name a page, as in FILE[0]",
-             pages.size());
-    page = pages.empty() ? 0 : pages.front();
-  }
-
-  throw_if(TIFFSetDirectory(tiff.get(), static_cast<tdir_t>(*page)) != 1, "has no page {}", *page);
+  throw_if(!page && directories.offsets.size() == 1 && hides_pages(tiff.get()),
+           "an ImageJ stack with one directory for all pages; save each page as a file");
 
   // 2. Its size and pixels.
   const Size size = size_of(tiff.get(), TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, frames);

@@ -3,6 +3,7 @@
 
 #include "publish/cdr.h"
 #include "publish/mcap.h"
+#include "publish/mcap_reader.h"
 #include "publish/ros_parameters.h"
 #include "slipstream/ros_messages.h"
 #include "tests/fuzz/target.h"

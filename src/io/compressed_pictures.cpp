@@ -89,7 +89,7 @@ struct PngReader {
 };
 
 /// False if libpng fails: it jumps back here, skipping no destructors.
-bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
+bool read_png_rows(png_structp png, png_infop info, std::size_t file_bytes, std::size_t frames,
                    std::optional<Picture>& picture) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
 
@@ -100,6 +100,7 @@ bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
   const std::uint64_t columns = png_get_image_width(png, info);
   const std::uint64_t rows = png_get_image_height(png, info);
   require_readable(columns * rows, frames);
+  require_held(png_get_rowbytes(png, info) * rows, file_bytes, deflate_factor);
 
   // Samples of at least 8 bits in the machine's byte order, without palette and alpha.
   png_set_palette_to_rgb(png);
@@ -239,6 +240,24 @@ Number field(TIFF* tiff, std::uint32_t tag) {
   return value;
 }
 
+/// Most bytes that a picture's compression packs into one; any number for rare ones.
+std::uint64_t factor_of(TIFF* tiff) {
+  constexpr std::uint64_t packed_bits = 64, lzw = 4096;
+  switch (field<std::uint16_t>(tiff, TIFFTAG_COMPRESSION)) {
+    case COMPRESSION_NONE:
+      return 1;
+    case COMPRESSION_PACKBITS:
+      return packed_bits;
+    case COMPRESSION_LZW:
+      return lzw;
+    case COMPRESSION_DEFLATE:
+    case COMPRESSION_ADOBE_DEFLATE:
+      return deflate_factor;
+    default:
+      return largest_picture * 64;
+  }
+}
+
 /// The layout of a picture of that size. Throws Error for other sample types.
 PictureKind kind_of(TIFF* tiff, Size size) {
   const auto samples = field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL);
@@ -339,8 +358,8 @@ Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames) {
   if (reader.info == nullptr) throw std::bad_alloc();
 
   std::optional<Picture> picture;
-  throw_if(!read_png_rows(reader.png, reader.info, frames, picture), "incomplete PNG file: {}",
-           memory.fault.data());
+  throw_if(!read_png_rows(reader.png, reader.info, bytes.size(), frames, picture),
+           "incomplete PNG file: {}", memory.fault.data());
 
   return *std::move(picture);
 }
@@ -368,7 +387,11 @@ Picture read_tiff(const InputFile& file, const TiffDirectories& directories,
   // 2. Its size and pixels.
   const Size size = size_of(tiff.get(), TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, frames);
   require(size.width >= 1 && size.height >= 1, memory);
-  Picture picture(kind_of(tiff.get(), size));
+  const PictureKind kind = kind_of(tiff.get(), size);
+  const std::uint64_t pixels = std::uint64_t{1} * size.width * size.height;
+  require_readable(pixels, frames, kind.bits);
+  require_held(kind.row_bytes() * size.height, file.size(), factor_of(tiff.get()));
+  Picture picture(kind);
 
   require(TIFFIsTiled(tiff.get()) != 0 ? read_tiles(tiff.get(), picture, frames)
                                        : read_lines(tiff.get(), picture),

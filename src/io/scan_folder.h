@@ -33,7 +33,7 @@ void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 /// missing window of pictures and an invalid order.
 void amend(ScanFiles& files, const ScanChanges& changes);
 
-/// Number of windows in so many pictures, each a cycle with its motion frames.
+/// Number of windows in that many pictures, each a cycle with its motion frames.
 std::uint64_t window_count(std::size_t pictures, const Sequence& sequence);
 
 /// The description of a recording's scan; opens it unless `recording` is set.

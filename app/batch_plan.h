@@ -6,7 +6,7 @@
 
 namespace slipstream::app {
 
-/// What a batch.json says: the number of shards, and the arguments of every run.
+/// Contents of a batch.json: the number of shards, and the arguments of every run.
 struct BatchPlan {
   std::uint64_t tasks = 0;
   std::vector<std::string> arguments{};

@@ -8,6 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "app/batch_plan.h"
 #include "app/manifest.h"
 #include "app/reconstruct.h"
 #include "base/parallel_rows.h"
@@ -104,28 +105,18 @@ struct Batch {
 Batch batch_in(const std::string& folder) {
   const std::string name = folder + "/batch.json";
   Batch batch;
-  std::vector<std::string> arguments;
 
-  // 1. Read the plan. Another version may reconstruct differently, so shards would not match.
-  try {
-    const nlohmann::json plan = nlohmann::json::parse(read_text(name));
-    throw_if(plan.at("version") != SLIPSTREAM_VERSION,
-             "{}: planned by version {}, but this program is version {}; run slipstream batch plan "
-             "again",
-             name, plan.at("version").dump(), SLIPSTREAM_VERSION);
-    plan.at("tasks").get_to(batch.tasks);
-    plan.at("arguments").get_to(arguments);
-  } catch (const nlohmann::json::exception&) {
-    throw Error(fmt::format("{}: not a plan of slipstream batch", name));
-  }
+  // 1. Read the plan.
+  BatchPlan plan = batch_plan_from(read_text(name), name);
+  batch.tasks = plan.tasks;
 
   // 2. Parse its arguments, as if given on the command line; CLI11 takes the last word first.
   CLI::App command;
   add_reconstruct_flags(command, batch.flags);
-  std::reverse(arguments.begin(), arguments.end());
+  std::reverse(plan.arguments.begin(), plan.arguments.end());
 
   try {
-    command.parse(arguments);
+    command.parse(plan.arguments);
   } catch (const CLI::ParseError& error) {
     throw Error(fmt::format("{}: {}", name, error.what()));
   }

@@ -15,6 +15,7 @@
 #include "io/result_files.h"
 #include "io/scan_folder.h"
 #include "publish/mcap.h"
+#include "publish/mcap_reader.h"
 #include "slipstream/recording.h"
 #include "slipstream/ros_messages.h"
 #include "slipstream/scan_files.h"

@@ -158,6 +158,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     ScanFlags input = flags.cloud;
     input.window = name.window;
     input.recording = opened.at(name.path);
+    if (input.window && !input.recording) input.folder = opened.folder_at(name.path);
 
     // 1. Skip the scan if the manifest lists it as done with the same input, settings and outputs.
     if (before != nullptr) {

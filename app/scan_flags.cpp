@@ -215,6 +215,15 @@ std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& pa
   return reader_;
 }
 
+std::shared_ptr<const ListedFolder> OpenedRecording::folder_at(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  if (folder_ != nullptr && path == folder_path_) return folder_;
+  folder_ = std::make_shared<const ListedFolder>(listed_folder(path));
+
+  folder_path_ = path;
+  return folder_;
+}
+
 Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
                     Output& output) {
   Scan scan = all_cameras ? load_scan(path, flags) : load_scan(scan_files_in(path, flags));

@@ -57,10 +57,16 @@ class OpenedRecording {
   /// Null if the path is not a recording. Throws Error like RecordingReader.
   std::shared_ptr<const RecordingReader> at(const std::string& path);
 
+  /// A folder of many windows. Throws Error like listed_folder.
+  std::shared_ptr<const ListedFolder> folder_at(const std::string& path);
+
  private:
   std::mutex mutex_;
   std::string path_;
   std::shared_ptr<const RecordingReader> reader_;
+
+  std::string folder_path_;
+  std::shared_ptr<const ListedFolder> folder_;
 };
 
 /// Loads a scan folder or recording with its scanner, which may be unknown, and the flags'

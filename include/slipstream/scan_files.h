@@ -41,6 +41,12 @@ struct ScanFiles {
   std::optional<std::filesystem::path> second_camera{};
 };
 
+/// A scan folder as read once for all its windows: its description without frames, and these.
+struct ListedFolder {
+  ScanFiles description{};
+  std::vector<std::filesystem::path> frames{};
+};
+
 /// Overrides of a folder's or recording's description.
 struct ScanChanges {
   SequenceChanges sequence{};
@@ -51,6 +57,9 @@ struct ScanChanges {
 
   /// The recording, if already open, e.g. for another window.
   std::shared_ptr<const RecordingReader> recording{};
+
+  /// The folder, if already listed, for a window of it.
+  std::shared_ptr<const ListedFolder> folder{};
 
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
@@ -63,6 +72,10 @@ struct ScanChanges {
 
 /// Number of windows: of the recording, or of the pictures, each cycle with its motion frames.
 std::uint64_t window_count(const ScanFiles& files);
+
+/// Lists a scan folder of many windows, so that each can be read without listing it again. Throws
+/// Error if it is not a folder of pictures.
+ListedFolder listed_folder(const std::filesystem::path& path);
 
 /// The scan in a folder, described by its scan.yaml or its picture names, or in a recording, with
 /// `changes`. Throws Error if `path` is neither, and as amend.

@@ -27,6 +27,7 @@
 #include "io/file.h"
 #include "io/pictures.h"
 #include "io/plain_png.h"
+#include "io/tiff_directories.h"
 
 namespace slipstream {
 namespace {
@@ -35,6 +36,7 @@ namespace {
 struct FileInMemory {
   std::span<const std::uint8_t> read{};
   const InputFile* input = nullptr;    ///< instead of `read`
+  std::vector<std::uint8_t> header{};  ///< instead of the first bytes of `input`
   std::exception_ptr input_failure{};  ///< if reading `input` threw
   std::vector<std::uint8_t> written{};
   std::uint64_t at = 0;
@@ -87,7 +89,7 @@ struct PngReader {
 };
 
 /// False if libpng fails: it jumps back here, skipping no destructors.
-bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
+bool read_png_rows(png_structp png, png_infop info, std::size_t file_bytes, std::size_t frames,
                    std::optional<Picture>& picture) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
 
@@ -98,6 +100,7 @@ bool read_png_rows(png_structp png, png_infop info, std::size_t frames,
   const std::uint64_t columns = png_get_image_width(png, info);
   const std::uint64_t rows = png_get_image_height(png, info);
   require_readable(columns * rows, frames);
+  require_held(png_get_rowbytes(png, info) * rows, file_bytes, deflate_factor);
 
   // Samples of at least 8 bits in the machine's byte order, without palette and alpha.
   png_set_palette_to_rgb(png);
@@ -174,6 +177,10 @@ tmsize_t take(thandle_t handle, void* to, tmsize_t count) try {
     return -1;
   }
 
+  for (std::uint64_t at = file.at; at < std::min(file.at + taken, file.header.size()); ++at) {
+    static_cast<std::uint8_t*>(to)[at - file.at] = file.header[at];
+  }
+
   file.at += taken;
   return static_cast<tmsize_t>(taken);
 } catch (...) {
@@ -231,6 +238,24 @@ Number field(TIFF* tiff, std::uint32_t tag) {
   Number value = 0;
   TIFFGetFieldDefaulted(tiff, tag, &value);
   return value;
+}
+
+/// Most bytes that a picture's compression packs into one; any number for rare ones.
+std::uint64_t factor_of(TIFF* tiff) {
+  constexpr std::uint64_t packed_bits = 64, lzw = 4096;
+  switch (field<std::uint16_t>(tiff, TIFFTAG_COMPRESSION)) {
+    case COMPRESSION_NONE:
+      return 1;
+    case COMPRESSION_PACKBITS:
+      return packed_bits;
+    case COMPRESSION_LZW:
+      return lzw;
+    case COMPRESSION_DEFLATE:
+    case COMPRESSION_ADOBE_DEFLATE:
+      return deflate_factor;
+    default:
+      return largest_picture * 64;
+  }
 }
 
 /// The layout of a picture of that size. Throws Error for other sample types.
@@ -316,30 +341,6 @@ bool hides_pages(TIFF* tiff) {
          std::string_view(text).find("\nimages=") != std::string_view::npos;
 }
 
-std::vector<int> pages_of(TIFF* tiff, const FileInMemory& memory) {
-  constexpr int most = 10'000;
-  constexpr std::uint32_t secondary = FILETYPE_REDUCEDIMAGE | FILETYPE_MASK;
-
-  std::vector<int> pages;
-  const bool hidden = hides_pages(tiff);
-  int directory = 0;
-
-  // Directories of reduced copies and masks do not count as pages.
-  do {
-    throw_if(directory == most, "has more than {} pages", most);
-    if ((field<std::uint32_t>(tiff, TIFFTAG_SUBFILETYPE) & secondary) == 0) {
-      pages.push_back(directory);
-    }
-    ++directory;
-  } while (TIFFReadDirectory(tiff) == 1);
-
-  require(memory.fault.front() == 0, memory);
-  throw_if(hidden && directory == 1,
-           "an ImageJ stack with one directory for all pages; save each page as a file");
-
-  return pages;
-}
-
 /// Out of memory: closing must not continue to write.
 [[noreturn]] void give_up(TIFF* tiff) {
   TIFFSetMode(tiff, O_RDONLY);
@@ -357,8 +358,8 @@ Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames) {
   if (reader.info == nullptr) throw std::bad_alloc();
 
   std::optional<Picture> picture;
-  throw_if(!read_png_rows(reader.png, reader.info, frames, picture), "incomplete PNG file: {}",
-           memory.fault.data());
+  throw_if(!read_png_rows(reader.png, reader.info, bytes.size(), frames, picture),
+           "incomplete PNG file: {}", memory.fault.data());
 
   return *std::move(picture);
 }
@@ -372,32 +373,25 @@ std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture
   return png_of_depth(picture, 1);
 }
 
-std::vector<int> tiff_pages(const InputFile& file) {
-  FileInMemory memory{.input = &file};
-  const Tiff tiff = open_tiff(memory, "rm");
-  require(tiff != nullptr, memory);
-  return pages_of(tiff.get(), memory);
-}
-
-Picture read_tiff(const InputFile& file, std::optional<int> page, std::size_t frames) {
-  // 1. The page.
-  FileInMemory memory{.input = &file};
+Picture read_tiff(const InputFile& file, const TiffDirectories& directories,
+                  std::optional<int> page, std::size_t frames) {
+  // 1. The page, which libtiff takes for the first.
+  const std::uint64_t directory = directory_of_page(directories, page);
+  FileInMemory memory{.input = &file, .header = header_naming(file, directory)};
   const Tiff tiff = open_tiff(memory, "rm");
   require(tiff != nullptr, memory);
 
-  if (!page) {
-    const std::vector<int> pages = pages_of(tiff.get(), memory);
-    throw_if(pages.size() > 1, "has {} pages, expected one picture; name a page, as in FILE[0]",
-             pages.size());
-    page = pages.empty() ? 0 : pages.front();
-  }
-
-  throw_if(TIFFSetDirectory(tiff.get(), static_cast<tdir_t>(*page)) != 1, "has no page {}", *page);
+  throw_if(!page && directories.offsets.size() == 1 && hides_pages(tiff.get()),
+           "an ImageJ stack with one directory for all pages; save each page as a file");
 
   // 2. Its size and pixels.
   const Size size = size_of(tiff.get(), TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, frames);
   require(size.width >= 1 && size.height >= 1, memory);
-  Picture picture(kind_of(tiff.get(), size));
+  const PictureKind kind = kind_of(tiff.get(), size);
+  const std::uint64_t pixels = std::uint64_t{1} * size.width * size.height;
+  require_readable(pixels, frames, kind.bits);
+  require_held(kind.row_bytes() * size.height, file.size(), factor_of(tiff.get()));
+  Picture picture(kind);
 
   require(TIFFIsTiled(tiff.get()) != 0 ? read_tiles(tiff.get(), picture, frames)
                                        : read_lines(tiff.get(), picture),

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,7 @@
 #include "io/file.h"
 #include "io/pictures.h"
 #include "io/plain_pictures.h"
+#include "io/tiff_directories.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -88,13 +90,21 @@ PicturePlace place_of(const fs::path& path) {
   return page && *page >= 0 ? PicturePlace{text.substr(0, bracket), page} : PicturePlace{path};
 }
 
-/// The pages of a TIFF file; empty for other endings and unreadable files.
-std::vector<int> pages_in(const fs::path& path) try {
+/// The pages of a TIFF file; empty for other endings and unreadable files. Throws Error if there
+/// are too many.
+std::vector<int> pages_in(const fs::path& path) {
   const std::string ending = lower_case_extension(path);
   if (ending != ".tif" && ending != ".tiff") return {};
-  return tiff_pages(InputFile(path, largest_picture_file));
-} catch (const Error&) {
-  return {};
+
+  std::shared_ptr<const TiffDirectories> directories;
+  try {
+    directories = tiff_directories(path, InputFile(path, largest_picture_file));
+  } catch (const Error&) {
+    return {};
+  }
+
+  throw_if(directories->too_many, "{}: {}", path.string(), directories->fault);
+  return directories->fault.empty() ? directories->pages : std::vector<int>();
 }
 
 /// Reads one picture of a scan with `frames` pictures.
@@ -103,7 +113,7 @@ Picture read_picture(const fs::path& path, std::size_t frames = 1) {
   const InputFile file(name, largest_picture_file);
 
   return naming(path.string(), [&, page = page] {
-    if (is_tiff(file)) return read_tiff(file, page, frames);
+    if (is_tiff(file)) return read_tiff(file, *tiff_directories(name, file), page, frames);
     throw_if(page.has_value(), "{} is not a TIFF file, which alone has pages", name.string());
 
     const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());

@@ -20,7 +20,7 @@ bool is_jpeg_file(const std::filesystem::path& path);
 
 /// The paths, with each TIFF file of several pages replaced by FILE[0], FILE[1] and so on: one for
 /// each of its pictures, which all functions below read. Unreadable files stay; reading reports
-/// why.
+/// why. Throws Error for a file of too many pages.
 std::vector<std::filesystem::path> with_pages(const std::vector<std::filesystem::path>& paths);
 
 /// The file that has the page FILE[N]; any other path unchanged.

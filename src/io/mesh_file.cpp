@@ -8,9 +8,11 @@
 #include <cstring>
 #include <filesystem>
 #include <iterator>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -248,16 +250,28 @@ std::vector<std::array<float, components>> numbers_of(const json& document, cons
 
 StoredPoints points_in(const json& document, std::span<const std::uint8_t> binary) {
   StoredPoints stored;
+  std::set<std::size_t> taken;
+
   for (const json& mesh : document.at("meshes")) {
     for (const json& primitive : mesh.at("primitives")) {
+      // Primitives may share their vertices, which are taken once.
       const json& attributes = primitive.at("attributes");
-      const auto positions = numbers_of<3>(document, attributes.at("POSITION"), binary);
+      const json& vertices = attributes.at("POSITION");
+      if (!taken.insert(count_of(vertices)).second) continue;
 
-      std::vector<std::array<float, 1>> intensity;
+      const auto positions = numbers_of<3>(document, vertices, binary);
+      std::vector<std::array<float, 1>> intensity(positions.size());
       if (attributes.contains("_INTENSITY")) {
         intensity = numbers_of<1>(document, attributes["_INTENSITY"], binary);
       }
-      intensity.resize(positions.size());
+      throw_if(intensity.size() != positions.size(),
+               "a primitive has {} vertices, but {} intensities", positions.size(),
+               intensity.size());
+
+      // Vertices of their own take at least their bytes in the file.
+      const std::size_t count = stored.points.size() + positions.size();
+      throw_if(count > binary.size() / sizeof(positions[0]),
+               "its vertices overlap; they are more than its {} bytes hold", binary.size());
 
       for (std::size_t i = 0; i < positions.size(); ++i) {
         const auto& [x, y, z] = positions[i];
@@ -285,6 +299,52 @@ std::string glb_file(const Surface& surface) {
   file += text;
   append_numbers(file, size_of(binary.bytes.size()), binary_chunk);
   return file + binary.bytes;
+}
+
+/// The number of the vertex at a corner of an OBJ face, such as 7 of "7/3/2".
+std::string_view vertex_of(std::string_view corner) {
+  constexpr std::size_t longest = 20;
+  const std::string_view vertex = corner.substr(0, corner.find('/'));
+  throw_if(vertex.size() > longest, "'{}' is not the number of a vertex",
+           vertex.substr(0, longest));
+  return vertex;
+}
+
+/// Appends an OBJ face whose corners are these words.
+void append_face(std::string& lines, std::span<const std::string_view> corners) {
+  lines += 'f';
+  for (const std::string_view corner : corners) lines.append(" ").append(vertex_of(corner));
+  lines += '\n';
+}
+
+/// The lines of an OBJ file with vertices and faces. Cutting a face into triangles takes time in
+/// the cube of its corners, so those of many corners are cut here, as if convex. Other lines are
+/// left out: groups and tags together would take time in their square.
+std::string vertices_and_faces(std::string_view text) {
+  constexpr std::size_t most_corners = 32;
+
+  std::string lines;
+  while (!text.empty()) {
+    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    if (line.starts_with("v ") || line.starts_with("v\t")) lines.append(line).push_back('\n');
+    if (!line.starts_with("f ") && !line.starts_with("f\t")) continue;
+
+    // The first word is the f.
+    const std::vector<std::string_view> words = words_of(line);
+    if (words.size() - 1 <= most_corners) {
+      append_face(lines, std::span(words).subspan(1));
+      continue;
+    }
+
+    for (std::size_t n = 3; n < words.size(); ++n) {  // triangle fan
+      append_face(lines, std::array{words[1], words[n - 1], words[n]});
+    }
+  }
+
+  return lines;
 }
 
 }  // namespace
@@ -316,7 +376,8 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
 }
 
 StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
-  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::istringstream stream(vertices_and_faces(text));
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;

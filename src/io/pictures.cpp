@@ -22,9 +22,16 @@ std::uint8_t* Picture::row(int row) {
                     samples);
 }
 
-void require_readable(std::uint64_t pixels, std::size_t frames) {
+void require_readable(std::uint64_t pixels, std::size_t frames, int bits) {
   throw_if(pixels > largest_picture, "declares {} pixels; limit {}", pixels, largest_picture);
-  require_scan_fits(frames, std::max<std::uint64_t>(pixels, 1));
+  const std::uint64_t bytes = pixels * static_cast<std::uint64_t>(bits / 8);
+  require_scan_fits(frames, std::max<std::uint64_t>(bytes, 1));
+}
+
+void require_held(std::uint64_t pixel_bytes, std::uint64_t file_bytes, std::uint64_t factor) {
+  throw_if(pixel_bytes / factor > file_bytes,
+           "incomplete file: its {} bytes are too few for {} bytes of pixels", file_bytes,
+           pixel_bytes);
 }
 
 }  // namespace slipstream

@@ -55,7 +55,13 @@ struct PictureView {
   std::ptrdiff_t stride;  ///< bytes
 };
 
-/// Throws Error if `pixels` exceeds the limit of one picture, or of `frames` frames.
-void require_readable(std::uint64_t pixels, std::size_t frames);
+/// Throws Error if `pixels` exceeds the limit of one picture, or of `frames` frames of `bits`.
+void require_readable(std::uint64_t pixels, std::size_t frames, int bits = 8);
+
+/// Most bytes that deflate packs into one.
+inline constexpr std::uint64_t deflate_factor = 1032;
+
+/// Throws Error if a file is too short for its pixels, packed at most by this factor.
+void require_held(std::uint64_t pixel_bytes, std::uint64_t file_bytes, std::uint64_t factor);
 
 }  // namespace slipstream

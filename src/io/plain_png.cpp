@@ -117,13 +117,17 @@ std::optional<Picture> read_plain_png(std::span<const std::uint8_t> file, std::s
   // For 0 columns or rows, the difference is the largest number.
   if (!is_plain || columns - 1 >= largest_side || rows - 1 >= largest_side) return std::nullopt;
 
-  require_readable(columns * rows, frames);
+  const PictureKind kind{
+      {static_cast<int>(columns), static_cast<int>(rows)}, colour == 0 ? 1 : 3, bits};
+  const std::size_t row_bytes = kind.row_bytes();
+  require_readable(columns * rows, frames, bits);
+  require_held(row_bytes * rows, file.size(), deflate_factor);
+
   const std::optional<std::vector<std::uint8_t>> packed = packed_samples(file);
   if (!packed) return std::nullopt;
 
   // 2. Unpacks the samples. Each row begins with the number of its filter.
-  Picture picture({{static_cast<int>(columns), static_cast<int>(rows)}, colour == 0 ? 1 : 3, bits});
-  const std::size_t row_bytes = picture.kind.row_bytes();
+  Picture picture(kind);
   auto* const unfilter = colour == 0 ? (bits == 8 ? undo_filter<1> : undo_filter<2>)
                                      : (bits == 8 ? undo_filter<3> : undo_filter<6>);
 

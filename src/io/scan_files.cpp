@@ -224,7 +224,23 @@ BoardScans pose_in(const fs::path& folder, const ScanChanges& changes, Axis firs
   return scans_of(folder, std::move(x), one_axis(scan_along(folder, Axis::y), changes, Axis::y));
 }
 
+/// The scan in a folder, with or without a scan.yaml.
+ScanFiles folder_files(const fs::path& path) {
+  throw_if(!fs::is_directory(path), "{}: {}; expected a scan folder or a recording", path.string(),
+           fs::exists(path) ? "is neither" : "no such folder or file");
+
+  const fs::path description = path / "scan.yaml";
+  if (fs::exists(description)) return read_scan_files(description);
+  return {.path = path, .frames = images_in_folder(path)};
+}
+
 }  // namespace
+
+ListedFolder listed_folder(const fs::path& path) {
+  ListedFolder folder{.description = folder_files(path)};
+  folder.frames.swap(folder.description.frames);
+  return folder;
+}
 
 ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files;
@@ -232,14 +248,10 @@ ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
   if (changes.recording || is_recording(path)) {
     files = recorded_files(path, changes.recording ? changes.recording
                                                    : std::make_shared<const RecordingReader>(path));
-  } else if (!fs::is_directory(path)) {
-    throw Error(fmt::format("{}: {}; expected a scan folder or a recording", path.string(),
-                            fs::exists(path) ? "is neither" : "no such folder or file"));
-  } else if (fs::exists(path / "scan.yaml")) {
-    files = read_scan_files(path / "scan.yaml");
+  } else if (changes.folder && changes.window) {
+    files = changes.folder->description;  // the frames of the window follow
   } else {
-    files.path = path;
-    files.frames = images_in_folder(path);
+    files = folder_files(path);
   }
 
   amend(files, changes);
@@ -249,11 +261,7 @@ ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
 std::uint64_t window_count(const ScanFiles& files) {
   if (files.recording) return window_count(*files.recording, files.sequence);
 
-  // The last cycle counts only if its motion frames follow.
-  const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(files.sequence)));
-  const auto motion = static_cast<std::uint64_t>(files.sequence.motion);
-
-  return files.frames.size() < motion ? 0 : (files.frames.size() - motion) / cycle;
+  return window_count(files.frames.size(), files.sequence);
 }
 
 bool is_in_colour(const ScanFiles& files) {

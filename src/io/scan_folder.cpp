@@ -252,15 +252,15 @@ std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
 }
 
 /// Keeps only the pictures of the window.
-void keep_window(ScanFiles& files) {
-  const std::uint64_t count = window_count(files);
+void keep_window(ScanFiles& files, const std::vector<fs::path>& pictures) {
+  const std::uint64_t count = window_count(pictures.size(), files.sequence);
   throw_if(*files.window >= count,
            "{}: the recording has {} windows, counted from 0; window {} does not exist",
            files.path.string(), count, *files.window);
 
   // Windows begin one cycle apart; with motion frames, each reaches into the next one.
-  const auto first = files.frames.begin() + static_cast<std::ptrdiff_t>(*files.window) *
-                                                frame_count(cycle_of(files.sequence));
+  const auto first = pictures.begin() + static_cast<std::ptrdiff_t>(*files.window) *
+                                            frame_count(cycle_of(files.sequence));
   files.frames = std::vector<fs::path>(first, first + frame_count(files.sequence));
 }
 
@@ -399,7 +399,9 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   files.sequence = changed(files.sequence, changes.sequence);
   if (!changes.order.empty()) files.order = order_from(changes.order, files.sequence);
   files.window = changes.window;
-  if (files.window && !files.recording) keep_window(files);
+  if (files.window && !files.recording) {
+    keep_window(files, changes.folder ? changes.folder->frames : files.frames);
+  }
 
   files.bits = changes.bits.value_or(files.bits);
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
@@ -408,6 +410,14 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   if (changes.scanner) files.scanner = changes.scanner;
   if (changes.camera_region) files.camera_region = changes.camera_region;
   if (changes.second_camera) files.second_camera = changes.second_camera;
+}
+
+std::uint64_t window_count(std::size_t pictures, const Sequence& sequence) {
+  const auto cycle = static_cast<std::uint64_t>(frame_count(cycle_of(sequence)));
+  const auto motion = static_cast<std::uint64_t>(sequence.motion);
+
+  // The last cycle counts only if its motion frames follow.
+  return pictures < motion ? 0 : (pictures - motion) / cycle;
 }
 
 ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -36,6 +37,9 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence);
 /// Applies the changes. Throws Error if the sequence remains unknown, for unsupported bits, a
 /// missing window of pictures and an invalid order.
 void amend(ScanFiles& files, const ScanChanges& changes);
+
+/// Number of windows in that many pictures, each a cycle with its motion frames.
+std::uint64_t window_count(std::size_t pictures, const Sequence& sequence);
 
 /// The description of a recording's scan; opens it unless `recording` is set.
 ScanFiles recorded_files(const std::filesystem::path& path,

@@ -9,10 +9,11 @@
 namespace slipstream {
 namespace {
 
-/// `left`: nodes to visit. Aliases may expand without end; a text without them has fewer nodes than
-/// bytes.
+/// `left`: nodes to visit. Aliases may expand without end; a text without them has no more nodes
+/// than bytes.
 void require_unique_keys(const YAML::Node& node, std::size_t& left, int depth = 0) {
-  if (left == 0 || depth == 64) return;
+  if (depth == 64) return;
+  if (left == 0) throw YAML::ParserException(node.Mark(), "its aliases repeat more than its text");
   --left;
 
   std::set<std::string> keys;
@@ -62,7 +63,7 @@ YAML::Node yaml_document(const std::string& text) {
   }
 
   YAML::Node document = YAML::Load(text);
-  std::size_t left = text.size();
+  std::size_t left = text.size() + 1;  // an empty text is a node, too
   require_unique_keys(document, left);
   return document;
 }

@@ -24,6 +24,7 @@
 #include <gtest/gtest.h>
 
 #include "publish/mcap.h"
+#include "publish/mcap_reader.h"
 #include "slipstream/error.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"

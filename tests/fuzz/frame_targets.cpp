@@ -166,7 +166,8 @@ void locate(std::span<const std::uint8_t> input) {
 
 const bool knows_frame_targets =
     add_fuzz_target({"alignment", [] { return noise(200); }, align_frames}) &&
-    add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4}) &&
+    add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4}, 1000,
+                    std::uint64_t{1} << 30) &&  // tables of two engines
     add_fuzz_target({"locate", [] { return noise(400); }, locate, 4});
 
 }  // namespace

@@ -45,7 +45,10 @@ class Fuzz : public testing::TestWithParam<std::string> {
 
 TEST_P(Fuzz, TakesOrRefuses) {
   const std::vector<Bytes> seeds = target().seeds();
-  for (const Bytes& seed : seeds) EXPECT_NO_THROW(target().run(seed));
+  for (const Bytes& seed : seeds) {
+    EXPECT_NO_THROW(target().run(seed));
+    EXPECT_TRUE(is_taken_or_refused(target(), seed));
+  }
   const fs::path kept = fs::path(SLIPSTREAM_SOURCE_FOLDER) / "tests/fuzz/regressions" / GetParam();
   if (fs::exists(kept)) {
     for (const auto& file : fs::directory_iterator(kept)) {
@@ -57,6 +60,18 @@ TEST_P(Fuzz, TakesOrRefuses) {
     const Bytes& seed = seeds[random() % seeds.size()];
     ASSERT_TRUE(is_taken_or_refused(target(), mutated(seed, random)));
   }
+}
+
+TEST(FuzzTarget, CostsNoMoreThanInProportionToItsInput) {
+  const auto square = [](std::span<const std::uint8_t> input) {
+    const std::vector<std::uint8_t> memory(input.size() * input.size());
+    if (memory.capacity() < input.size()) throw std::logic_error("no memory");
+  };
+  const FuzzTarget target{
+      .name = "square", .run = square, .bytes_each = 100, .bytes_besides = 5000};
+
+  EXPECT_NO_THROW(run_fuzz_target(target, Bytes(100)));
+  EXPECT_THROW(run_fuzz_target(target, Bytes(1000)), std::logic_error);
 }
 
 std::vector<std::string> names() {

@@ -1,14 +1,17 @@
-// Packets to the served camera, and the answers of a driver.
+// Packets to the served camera, and the answers of a driver and of a projector.
 #include <cerrno>
 #include <cstring>
 #include <list>
 
 #include <linux/videodev2.h>
 
+#include "devices/dlp.h"
 #include "devices/gige_protocol.h"
 #include "devices/v4l2.h"
 #include "slipstream/camera.h"
 #include "slipstream/error.h"
+#include "slipstream/frame_source.h"
+#include "tests/devices/dlp_double.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 
@@ -137,8 +140,59 @@ std::vector<Bytes> drivers() {
   return {Bytes(400, 0x10), Bytes(400, 0x80)};
 }
 
-const bool knows_network_targets = add_fuzz_target({"gvcp", conversations, answer_packets}) &&
-                                   add_fuzz_target({"v4l2", drivers, hear_driver});
+/// A monitor on which nothing is to be seen.
+class StillMonitor : public PatternSink {
+ public:
+  explicit StillMonitor(Size size) : size_(size) {}
+  [[nodiscard]] std::optional<Size> size() const override { return size_; }
+  void load(std::vector<Image<std::uint8_t>>) override {}
+  void show(std::size_t) override { ++shown_; }
+  [[nodiscard]] std::uint64_t shown() const override { return shown_; }
+  [[nodiscard]] std::string state() const override { return {}; }
+
+ private:
+  Size size_;
+  std::uint64_t shown_ = 0;
+};
+
+/// A controller on which an input changes answers, or leaves them out.
+void hear_projector(std::span<const std::uint8_t> input) {
+  InputNumbers changes(input);
+  constexpr std::uint8_t smallest_chip = 5;
+  const auto which =
+      changes.next<std::uint8_t>() % 2 == 0 ? dlp::Controller::dlpc350 : dlp::Controller::dlpc900;
+  dlp::ControllerDouble device(which, smallest_chip);
+
+  device.answers = [&](const dlp::Report& usual) -> std::optional<dlp::Report> {
+    const auto how = changes.next<std::uint8_t>();
+    if (how >= 240) return std::nullopt;
+    dlp::Report answer = usual;
+    if (how >= 128) answer[how % answer.size()] = changes.next<std::uint8_t>();
+    return answer;
+  };
+
+  // A DLPC350 shows pictures of a monitor, a DLPC900 patterns that it stores.
+  StillMonitor monitor({912, 1140});
+  const bool has_monitor = which == dlp::Controller::dlpc350;
+  try {
+    dlp::DlpSink sink(
+        {which, device.port()}, has_monitor ? &monitor : nullptr,
+        {.timeout = std::chrono::milliseconds(0), .poll = std::chrono::milliseconds(0)});
+    sink.load({Image<std::uint8_t>({1024, 768})});
+    sink.show(0);
+    sink.give_back();
+  } catch (const WorldError&) {  // it does not answer, or wrongly
+  }
+}
+
+std::vector<Bytes> projectors() {
+  return {Bytes(100, 0), Bytes(100, 1), Bytes{0, 0, 0, 0, 130, 7, 0, 250}, Bytes{1, 0, 131, 9}};
+}
+
+const bool knows_network_targets =
+    add_fuzz_target({"gvcp", conversations, answer_packets}) &&
+    add_fuzz_target({"v4l2", drivers, hear_driver}, 1000, std::uint64_t{4} << 30) &&
+    add_fuzz_target({"dlp", projectors, hear_projector, 10});
 
 }  // namespace
 }  // namespace slipstream

@@ -50,11 +50,17 @@ std::vector<Bytes> jpegs() {
   return {bytes};
 }
 
-bool add_picture_target(const std::string& ending) {
+/// Bytes of one that is unpacked, a few times over, and of the largest picture.
+constexpr std::uint64_t bytes_of_png = 10'000, bytes_of_tiff = 40'000;
+constexpr std::uint64_t bytes_of_largest = std::uint64_t{4} << 30;
+
+bool add_picture_target(const std::string& ending, std::uint64_t bytes_each,
+                        std::uint64_t bytes_besides = 64 << 20) {
   return add_fuzz_target({"frame" + ending, [=] { return pictures(ending); },
                           [=](std::span<const std::uint8_t> input) {
                             (void)read_frames({file_of(input, "frame" + ending)});
-                          }});
+                          }},
+                         bytes_each, bytes_besides);
 }
 
 template <class Number>
@@ -157,12 +163,13 @@ void unpack_pixels(std::span<const std::uint8_t> input) {
 }
 
 const bool knows_picture_targets =
-    add_picture_target(".png") && add_picture_target(".pgm") && add_picture_target(".bmp") &&
-    add_picture_target(".tiff") &&
-    add_fuzz_target({"frame.jpg", jpegs,
-                     [](std::span<const std::uint8_t> input) {
-                       (void)read_frames({file_of(input, "f.jpg")});
-                     }}) &&
+    add_picture_target(".png", bytes_of_png) && add_picture_target(".pgm", 1000) &&
+    add_picture_target(".bmp", 1000) &&
+    add_picture_target(".tiff", bytes_of_tiff, bytes_of_largest) &&
+    add_fuzz_target(
+        {"frame.jpg", jpegs,
+         [](std::span<const std::uint8_t> input) { (void)read_frames({file_of(input, "f.jpg")}); }},
+        1000, bytes_of_largest) &&
     add_fuzz_target(
         {"map.npy", number_files,
          [](std::span<const std::uint8_t> input) { (void)read_map(file_of(input, "map.npy")); }}) &&
@@ -177,7 +184,8 @@ const bool knows_picture_targets =
     add_fuzz_target({"frame.png.repaired", [] { return pictures(".png"); },
                      [](std::span<const std::uint8_t> input) {
                        (void)read_frames({file_of(repaired_png(input), "frame.png")});
-                     }}) &&
+                     }},
+                    bytes_of_png) &&
     add_fuzz_target({"pixels", [] { return std::vector<Bytes>{Bytes(400, 0xa5)}; }, unpack_pixels});
 
 }  // namespace

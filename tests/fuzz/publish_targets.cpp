@@ -3,6 +3,7 @@
 
 #include "publish/cdr.h"
 #include "publish/mcap.h"
+#include "publish/mcap_reader.h"
 #include "publish/ros_parameters.h"
 #include "slipstream/ros_messages.h"
 #include "tests/fuzz/target.h"
@@ -118,12 +119,17 @@ void read_file_of_messages(std::span<const std::uint8_t> input) {
   });
 }
 
+/// Bytes of one that is unpacked, a few times over.
+constexpr std::uint64_t bytes_of_zstd = 100'000;
+
 const bool knows_publish_targets =
     add_fuzz_target({"message", clouds, read_messages}) &&
-    add_fuzz_target({"mcap", files, read_file_of_messages}) &&
-    add_fuzz_target({"mcap.repaired", files, [](std::span<const std::uint8_t> input) {
+    add_fuzz_target({"mcap", files, read_file_of_messages}, bytes_of_zstd) &&
+    add_fuzz_target({"mcap.repaired", files,
+                     [](std::span<const std::uint8_t> input) {
                        read_file_of_messages(without_checksums(input));
-                     }});
+                     }},
+                    bytes_of_zstd);
 
 }  // namespace
 }  // namespace slipstream

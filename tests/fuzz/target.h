@@ -1,10 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/file.h"
@@ -19,6 +21,10 @@ struct FuzzTarget {
   std::function<std::vector<Bytes>()> seeds;
   std::function<void(std::span<const std::uint8_t>)> run;
   int cost = 1;  ///< of an input, as many others; that much fewer are tried by the tests
+
+  /// Most bytes to allocate for an input, freed ones too: for each of its bytes, and besides.
+  std::uint64_t bytes_each = 1000;
+  std::uint64_t bytes_besides = 64 << 20;
 };
 
 std::vector<FuzzTarget>& fuzz_targets();
@@ -29,7 +35,16 @@ inline bool add_fuzz_target(FuzzTarget target) {
   return true;
 }
 
-/// Runs it; a refusal is fine if it is one line.
+/// The same, for a format whose inputs allocate more.
+inline bool add_fuzz_target(FuzzTarget target, std::uint64_t bytes_each,
+                            std::uint64_t bytes_besides = 64 << 20) {
+  target.bytes_each = bytes_each;
+  target.bytes_besides = bytes_besides;
+  return add_fuzz_target(std::move(target));
+}
+
+/// Runs it; a refusal is fine if it is one line. Throws if it takes more memory than the target
+/// allows, or ten seconds.
 void run_fuzz_target(const FuzzTarget& target, std::span<const std::uint8_t> input);
 
 Bytes bytes_of(const std::string& text);

@@ -1,9 +1,11 @@
 // Settings and calibrations: YAML and XML. Lists and manifests.
+#include "app/batch_plan.h"
 #include "app/manifest.h"
 #include "io/file.h"
 #include "io/result_files.h"
 #include "io/rig_file.h"
 #include "io/scan_folder.h"
+#include "simulate/accuracy.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/scanner.h"
 #include "slipstream/scanner_file.h"
@@ -13,6 +15,9 @@
 namespace slipstream {
 namespace {
 namespace fs = std::filesystem;
+
+/// Bytes that yaml-cpp and what follows allocate at most for one of a text.
+constexpr std::uint64_t bytes_of_yaml = 20'000;
 
 std::string matrix(const std::string& name, int rows, int columns, const std::string& data) {
   return name + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
@@ -48,7 +53,8 @@ std::vector<Bytes> scanner_files() {
 }
 
 const bool scanner_known = add_fuzz_target(
-    {"scanner", scanner_files, [](std::span<const std::uint8_t> input) {
+    {"scanner", scanner_files,
+     [](std::span<const std::uint8_t> input) {
        const Scanner read = scanner_from(text_of_bytes(input), "input");
        const auto unless_said = [](Size said, Size size) { return said == Size{} ? size : said; };
        const Scanner scanner = completed(read, "input", unless_said(read.camera.size, {640, 480}),
@@ -59,7 +65,8 @@ const bool scanner_known = add_fuzz_target(
        if (!(again == scanner)) {
          throw std::logic_error("a scanner that is written reads as another");
        }
-     }});
+     }},
+    bytes_of_yaml);
 
 std::vector<Bytes> calibrations_of_light() {
   const std::array values{0.0, 0.25, 0.5, 0.75, 1.0}, light{0.0, 0.1, 0.3, 0.6, 1.0};
@@ -77,12 +84,13 @@ std::vector<Bytes> calibrations_of_light() {
   return seeds;
 }
 
-const bool photometry_known =
-    add_fuzz_target({"photometry", calibrations_of_light, [](std::span<const std::uint8_t> input) {
-                       const fs::path file = file_of(input, "light.yaml");
-                       (void)read_photometric_calibration(file);
-                       (void)response_named(file.string(), "--gamma");
-                     }});
+const bool photometry_known = add_fuzz_target({"photometry", calibrations_of_light,
+                                               [](std::span<const std::uint8_t> input) {
+                                                 const fs::path file = file_of(input, "light.yaml");
+                                                 (void)read_photometric_calibration(file);
+                                                 (void)response_named(file.string(), "--gamma");
+                                               }},
+                                              bytes_of_yaml);
 
 std::vector<Bytes> scan_yamls() {
   std::vector<Strategy> strategies = every_phase_strategy();
@@ -101,10 +109,12 @@ std::vector<Bytes> scan_yamls() {
 }
 
 const bool scan_known =
-    add_fuzz_target({"scan.yaml", scan_yamls, [](std::span<const std::uint8_t> input) {
+    add_fuzz_target({"scan.yaml", scan_yamls,
+                     [](std::span<const std::uint8_t> input) {
                        const ScanFiles scan = scan_files_from(text_of_bytes(input), "input", ".");
                        (void)scan_files_from(scan_yaml_of(scan, "."), "again", ".");
-                     }});
+                     }},
+                    bytes_of_yaml);
 
 const bool rig_known = add_fuzz_target(
     {"rig",
@@ -113,7 +123,36 @@ const bool rig_known = add_fuzz_target(
            bytes_of(std::string("camera:\n  source: virtual\n  exposure: 8\nscanner: s.yaml\n"
                                 "cleaning:\n  low_steps: [1, 2, three]\n"))};
      },
-     [](std::span<const std::uint8_t> input) { (void)rig_from(text_of_bytes(input), "input"); }});
+     [](std::span<const std::uint8_t> input) { (void)rig_from(text_of_bytes(input), "input"); }},
+    bytes_of_yaml);
+
+const bool artefacts_known = add_fuzz_target(
+    {"verify",
+     [] {
+       return std::vector<Bytes>{
+           bytes_of(std::string("diameters: [40.002, 40.001]\ndistance: 100.005\n"
+                                "spheres: [bar1, bar2]\nplanes: [plane1]\n"
+                                "repeated: [still1, still2]\ndiagonal: 380\n")),
+           bytes_of(std::string("planes: &all [plane1, plane2]\nrepeated: *all\n"))};
+     },
+     [](std::span<const std::uint8_t> input) {
+       (void)read_artefacts(file_of(input, "artefacts.yaml"));
+     }},
+    bytes_of_yaml);
+
+const bool batch_plan_known =
+    add_fuzz_target({"batch.plan",
+                     [] {
+                       const nlohmann::json plan{{"slipstream", 1},
+                                                 {"version", SLIPSTREAM_VERSION},
+                                                 {"tasks", 8},
+                                                 {"scans", 24},
+                                                 {"arguments", {"--depth={name}.tiff", "--raw"}}};
+                       return std::vector<Bytes>{bytes_of(plan.dump(2) + '\n')};
+                     },
+                     [](std::span<const std::uint8_t> input) {
+                       (void)app::batch_plan_from(text_of_bytes(input), "input");
+                     }});
 
 const bool list_known = add_fuzz_target(
     {"list",
@@ -132,7 +171,8 @@ const bool list_known = add_fuzz_target(
          listed.cost = std::max(listed.cost, 1UL);
        }
        if (count < 9999) (void)scan_names(cut_into_shards(scans, 3, 7), 3);
-     }});
+     }},
+    40'000);  // each of the scans has its path
 
 const bool manifest_known = add_fuzz_target(
     {"manifest",

@@ -1,6 +1,8 @@
 // Frames as other programs store them: pages of a TIFF, PGM of few bits, JPEG.
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -148,6 +150,25 @@ TEST(TiffStack, HasWindows) {
   changes.window = 1;
   changes.order = "2,3,0,1";
   expect_same_frames(load_frames(scan_files_in(folder.path(), changes)).frames, frames);
+}
+
+TEST(TiffStack, IsListedOnceForAllItsWindows) {
+  const TemporaryFolder folder;
+  const FrameSet frames = frames_of_bits(8);
+  write_stack(folder.path() / "a.tif", frames);
+  write_stack(folder.path() / "b.tif", reordered(FrameSet(frames), {2, 3, 0, 1}));
+
+  ScanChanges changes = shown(four_steps);
+  changes.folder = std::make_shared<const ListedFolder>(listed_folder(folder.path()));
+  EXPECT_EQ(changes.folder->frames.size(), 8U);
+
+  // A picture that comes first later would move the windows.
+  write_stack(folder.path() / "0.tif", frames, {.pages = 1}, 3);
+  for (const auto& [window, order] : {std::pair{0, ""}, {1, "2,3,0,1"}}) {
+    changes.window = window;
+    changes.order = order;
+    expect_same_frames(load_frames(scan_files_in(folder.path(), changes)).frames, frames);
+  }
 }
 
 TEST(TiffStack, IsNoSinglePicture) {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <random>
+#include <span>
 #include <type_traits>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -144,6 +147,66 @@ TEST(Frames, BadOnesAreNamed) {
   expect_error([&] { read_frames({path("empty.png")}); }, {"empty.png"});
   write_file(path("jpeg.png"), "\xff\xd8\xff\xe0");
   expect_error([&] { read_frames({path("jpeg.png")}); }, {"jpeg.png", "not a complete JPEG"});
+}
+
+/// A file that declares 10000x10000 pixels, but has only some of them.
+void write_short_png(const fs::path& path, std::uint8_t bits) {
+  write_image(path, random_image<std::uint8_t>({64, 48}, 255));
+  std::vector<std::uint8_t> bytes = read_file(path);
+  for (const std::size_t side : {16U, 20U}) {  // their two lower bytes
+    bytes[side + 2] = 10000 >> 8;
+    bytes[side + 3] = 10000 & 255;
+  }
+  bytes[24] = bits;
+
+  // Its header's checksum, big-endian.
+  const std::uint32_t sum = checksum(std::span(bytes).subspan(12, 17));
+  for (std::size_t i = 0; i < 4; ++i)
+    bytes[29 + i] = static_cast<std::uint8_t>(sum >> (24 - 8 * i));
+  write_file(path, bytes);
+}
+
+void write_short_tiff(const fs::path& path, int compression) {
+  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+  const auto set = [&](std::uint32_t tag, int value) { TIFFSetField(tiff, tag, value); };
+  set(TIFFTAG_IMAGEWIDTH, 10000);
+  set(TIFFTAG_IMAGELENGTH, 10000);
+  set(TIFFTAG_BITSPERSAMPLE, 8);
+  set(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  set(TIFFTAG_COMPRESSION, compression);
+  set(TIFFTAG_ROWSPERSTRIP, 5000);
+  std::vector<std::uint8_t> line(10000);
+  TIFFWriteScanline(tiff, line.data(), 0, 0);
+  TIFFClose(tiff);
+}
+
+TEST(Frames, FileIsLongEnoughForItsPixels) {
+  const TemporaryFolder folder;
+  const auto png = folder.path() / "short.png", tiff = folder.path() / "short.tiff";
+  for (const int bits : {1, 8}) {  // by libpng and without
+    write_short_png(png, static_cast<std::uint8_t>(bits));
+    expect_error([&] { read_frames({png}); }, {"short.png", "too few for"});
+  }
+
+  for (const int compression : {COMPRESSION_NONE, COMPRESSION_PACKBITS, COMPRESSION_LZW}) {
+    write_short_tiff(tiff, compression);
+    expect_error([&] { read_frames({tiff}); }, {"short.tiff", "too few for"});
+  }
+}
+
+TEST(Frames, BlackOneIsReadHoweverSmallItsFile) {
+  const TemporaryFolder folder;
+  for (const char* name : {"black.png", "black.tiff"}) {
+    const Image<std::uint8_t> black({2000, 1500});
+    write_image(folder.path() / name, black);
+    EXPECT_LT(fs::file_size(folder.path() / name), black.pixel_count() / 100);
+    EXPECT_EQ(read_frames({folder.path() / name}).frames.size(), black.size());
+  }
+
+  // At the best that deflate can do.
+  const auto best = folder.path() / "best.png";
+  cv::imwrite(best.string(), cv::Mat::zeros(1500, 2000, CV_8UC1), {cv::IMWRITE_PNG_COMPRESSION, 9});
+  EXPECT_EQ(read_frames({best}).frames.size(), (Size{2000, 1500}));
 }
 
 TEST(Frames, PngOfEveryKindComesBackAsOpenCvReadsIt) {

@@ -1,8 +1,11 @@
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string>
 
+#include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "io/file.h"
@@ -68,6 +71,99 @@ TEST(MeshFile, ReadsBinaryPlyOfTheOtherByteOrderAndPassesOverTheRest) {
   ASSERT_EQ(mesh.vertices.size(), 3U);
   EXPECT_EQ(mesh.vertices[2], Eigen::Vector3d(1, 1.25, -600));
   EXPECT_EQ(mesh.triangles.at(0), (std::array{0, 1, 2}));
+}
+
+/// A binary glTF file of that description, with `points` points at (1, 1, 1) m.
+std::string glb_file(std::string json, int points) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string binary;
+  for (int i = 0; i < 3 * points; ++i) binary += std::string("\0\0\x80\x3f", 4);
+
+  std::string file = "glTF";
+  const auto append = [&](std::size_t number) {
+    for (int bits = 0; bits < 32; bits += 8) file += static_cast<char>(number >> bits & 0xFF);
+  };
+  for (const std::size_t number : {std::size_t{2}, json.size() + binary.size() + 28, json.size()}) {
+    append(number);
+  }
+  file += "JSON" + json;
+  append(binary.size());
+  return file + std::string("BIN\0", 4) + binary;
+}
+
+/// A mesh of that many primitives. Each has the same vertices, by its own accessor or by one.
+std::string repeated_vertices(int primitives, int points, bool own_accessors) {
+  std::string accessors, parts;
+  for (int n = 0; n < primitives; ++n) {
+    const std::string comma = n == 0 ? "" : ",";
+    parts += fmt::format(R"({}{{"attributes":{{"POSITION":{}}}}})", comma, own_accessors ? n : 0);
+    accessors +=
+        fmt::format(R"({}{{"bufferView":0,"componentType":5126,"count":{}}})", comma, points);
+  }
+
+  return glb_file(fmt::format(R"({{"accessors":[{}],"bufferViews":[{{"byteLength":{}}}],)"
+                              R"("meshes":[{{"primitives":[{}]}}]}})",
+                              accessors, 12 * points, parts),
+                  points);
+}
+
+TEST(MeshFile, VerticesSharedByPrimitivesAreTakenOnce) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "shared.glb";
+  write_file(path, repeated_vertices(200, 50, false));
+  EXPECT_EQ(read_points(path).points.size(), 50U);
+}
+
+TEST(MeshFile, HasNoMorePointsThanItsBytesHold) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "overlapping.glb";
+  write_file(path, repeated_vertices(200, 50, true));
+  expect_error([&] { (void)read_points(path); }, {"overlapping.glb", "600 bytes"});
+}
+
+TEST(MeshFile, IntensitiesAreAsManyAsVertices) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "few.glb";
+  write_file(path, glb_file(R"({"accessors":[{"bufferView":0,"componentType":5126,"count":2},)"
+                            R"({"bufferView":0,"componentType":5126,"count":1}],)"
+                            R"("bufferViews":[{"byteLength":24}],"meshes":[{"primitives":)"
+                            R"([{"attributes":{"POSITION":0,"_INTENSITY":1}}]}]})",
+                            2));
+  expect_error([&] { (void)read_points(path); }, {"few.glb", "2 vertices", "1 intensities"});
+}
+
+TEST(MeshFile, FaceOfManyCornersIsAFan) {
+  constexpr int corners = 5000;
+  std::string obj, face = "f";
+  for (int i = 0; i < corners; ++i) {
+    obj += fmt::format("v {} {} 5\n", std::cos(i * 2e-4), std::sin(i * 2e-4));
+    face += fmt::format(" {}/1", i - corners);  // counted from the last vertex
+  }
+
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "disc.obj";
+  write_file(path, obj + "vt 0 0\n" + face + "\n");
+
+  // An exact cut, which takes the square of the corners, has other triangles.
+  const Mesh mesh = read_mesh(path);
+  ASSERT_EQ(mesh.triangles.size(), std::size_t{corners - 2});
+  for (int n = 0; n < corners - 2; ++n) {
+    ASSERT_EQ(mesh.triangles[static_cast<std::size_t>(n)], (std::array{0, n + 1, n + 2}));
+  }
+}
+
+TEST(MeshFile, ConcaveFaceOfFewCornersIsCutInside) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "crown.obj";
+  write_file(path, "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\n");
+
+  double area = 0;
+  const Mesh mesh = read_mesh(path);
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const auto at = [&](int n) { return mesh.vertices[static_cast<std::size_t>(n)]; };
+    area += (at(j) - at(i)).cross(at(k) - at(i)).norm() / 2;
+  }
+  EXPECT_NEAR(area, 10, 1e-9);
 }
 
 TEST(MeshFile, BadOnesAreNamed) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -26,6 +27,24 @@ TEST(RigFile, GivesSettingsOfAllHeadingsInTheirOrder) {
   EXPECT_EQ(settings[3].name, "low-steps");
   EXPECT_EQ(settings[3].line, 5);
   EXPECT_EQ(settings[4].values, std::vector<std::string>{"true"});
+}
+
+/// A rig file of one list of that many values, which as many settings repeat.
+std::string repeated_list(int count) {
+  std::string text = "first: &all [1";
+  for (int i = 1; i < count; ++i) text += ",1";
+  text += "]\n";
+  for (int i = 0; i < count; ++i) text += fmt::format("s{}: *all\n", i);
+  return text;
+}
+
+TEST(RigFile, AliasesRepeatNoMoreThanTheText) {
+  const std::vector<RigSetting> few = rig_from(repeated_list(3), "rig.yaml");
+  ASSERT_EQ(few.size(), 4U);
+  EXPECT_EQ(few.back().values.size(), 3U);
+
+  // Otherwise the values are the square of the text.
+  expect_error([] { (void)rig_from(repeated_list(200), "rig.yaml"); }, {"rig.yaml", "aliases"});
 }
 
 TEST(RigFile, RefusesWhatIsNoRigFileInOneLine) {

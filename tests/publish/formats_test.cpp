@@ -6,22 +6,27 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <zstd.h>
 
 #include "io/file.h"
+#include "publish/mcap.h"
+#include "publish/mcap_reader.h"
 #include "publish/web_content.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/error.h"
 #include "slipstream/ros_messages.h"
 #include "slipstream/strategy.h"
+#include "tests/io/expect_error.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"
 
 namespace slipstream::formats_test {
+using namespace std::string_view_literals;
 
 /// Reads consecutive little-endian values.
 struct Reader {
@@ -302,6 +307,50 @@ TEST(Mcap, is_given_clouds_that_share_no_frame) {
     if (sink->wants(*any_cloud(i))) wanted.push_back(i);
   }
   EXPECT_EQ(wanted, (std::vector<std::uint64_t>{3, 7, 13, 17, 2}));
+}
+
+/// An MCAP file of that many zstd chunks, which hold zeros of no message each.
+std::vector<std::uint8_t> packed_zeros(int chunks) {
+  constexpr std::size_t size = std::size_t{64} << 20, record_head = 1 + 8;
+  constexpr std::uint8_t metadata = 0x0c;
+  std::vector<std::uint8_t> zeros{metadata}, packed(ZSTD_compressBound(size));
+  mcap::append(zeros, std::uint64_t{size - record_head});
+  zeros.resize(size);
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), zeros.data(), zeros.size(), 1));
+
+  std::vector<std::uint8_t> content, file(mcap::magic.begin(), mcap::magic.end());
+  mcap::append(content, std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{size}, std::uint32_t{0},
+               "zstd"sv, std::uint64_t{packed.size()}, packed);
+
+  for (int n = 0; n < chunks; ++n) {
+    mcap::append(file, std::uint8_t{mcap::chunk}, std::uint64_t{content.size()}, content);
+  }
+  return file;
+}
+
+TEST(Mcap, unpacks_no_more_than_its_size_allows) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "zeros.mcap";
+  const auto read = [&] { (void)slipstream::read_mcap(path, [](const McapMessage&) {}); };
+
+  write_file(path, packed_zeros(2));
+  EXPECT_NO_THROW(read());
+
+  // More than 1 GiB, of 100 kB.
+  write_file(path, packed_zeros(18));
+  ASSERT_LT(std::filesystem::file_size(path), 200'000U);
+  expect_error(read, {"zeros.mcap", "200 times its size"});
+}
+
+TEST(Mcap, names_of_channels_are_short) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "long.mcap";
+  std::vector<std::uint8_t> content, file(mcap::magic.begin(), mcap::magic.end());
+  mcap::append(content, std::uint16_t{1}, std::uint16_t{1}, std::string(5000, 'a'), "cdr"sv);
+  mcap::append(file, std::uint8_t{mcap::channel}, std::uint64_t{content.size()}, content);
+  write_file(path, file);
+  expect_error([&] { (void)slipstream::read_mcap(path, [](const McapMessage&) {}); },
+               {"long.mcap", "5000 letters; limit 4096"});
 }
 
 TEST(WebCloud, gives_back_each_point_within_half_a_step) {

@@ -55,12 +55,14 @@ double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) 
 }
 
 /// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see the
-/// surface with a part of its area alone, whose centre is up to half a pixel off the pixel's.
+/// surface with a part of its area alone, whose centre is up to half a pixel off the pixel's. A
+/// small step from surface to surface looks like a steep slope, on which a pixel sees both.
 /// `noise`: standard deviation of the depth, mm.
 double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column, int row,
                   double noise) {
   // As where clouds are cleaned: distances between pixels, standard deviations.
   constexpr double steepest = 8, deviations = 5.5;
+  constexpr double steep = 3;  // 72 degrees
   constexpr double off_centre = 0.29;  // pixels: uniform between -0.5 and 0.5
 
   // The eight neighbours: those on the same surface give the change of the coordinate, the others
@@ -73,9 +75,10 @@ double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column
     if (i == 4 || x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
 
     const Eigen::Vector3d there = position_at(cloud, x, y);
-    if (!on_one_surface(here, there, steepest)) {
+    if (!on_one_surface(here, there, steep)) {
       at_edge |= !((there - here).norm() < deviations * noise);  // also without a point
-    } else {
+    }
+    if (on_one_surface(here, there, steepest)) {
       most = std::max(most, std::abs(coordinate(x, y) - coordinate(column, row)));
     }
   }

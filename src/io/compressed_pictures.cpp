@@ -93,6 +93,10 @@ bool read_png_rows(png_structp png, png_infop info, std::size_t file_bytes, std:
                    std::optional<Picture>& picture) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
 
+  // Texts and colour profiles may unpack a thousandfold, for nothing.
+  constexpr std::array<png_byte, 25> unread{"tEXt\0zTXt\0iTXt\0iCCP\0sPLT"};
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, unread.data(), 5);
+
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_read_info(png, info);
 

@@ -93,6 +93,10 @@ bool read_png_rows(png_structp png, png_infop info, std::size_t file_bytes, std:
                    std::optional<Picture>& picture) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
 
+  // Texts and colour profiles may unpack a thousandfold, for nothing.
+  constexpr std::array<png_byte, 25> unread{"tEXt\0zTXt\0iTXt\0iCCP\0sPLT"};
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, unread.data(), 5);
+
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_read_info(png, info);
 
@@ -291,8 +295,13 @@ bool read_tiles(TIFF* tiff, Picture& picture, std::size_t frames) {
   const auto [width, height] = size_of(tiff, TIFFTAG_TILEWIDTH, TIFFTAG_TILELENGTH, frames);
   if (width < 1 || height < 1) return false;
 
-  const PictureKind tile_kind{{width, height}, picture.kind.channels, picture.kind.bits};
+  // Each tile is unpacked whole, so tiles may not reach far beyond the picture.
   const Size size = picture.kind.size;
+  const double tile_pixels = 1.0 * width * height, pixels = 1.0 * size.width * size.height;
+  throw_if(tile_pixels > std::max(4 * pixels, 0x1p20),
+           "its tiles of {} are larger than the picture", text_of(Size{width, height}));
+
+  const PictureKind tile_kind{{width, height}, picture.kind.channels, picture.kind.bits};
   const std::size_t line = tile_kind.row_bytes(), pixel = line / static_cast<std::size_t>(width);
   if (TIFFTileSize64(tiff) != line * static_cast<std::size_t>(height)) return false;
 

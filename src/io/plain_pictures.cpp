@@ -69,6 +69,16 @@ Size size_in(Bytes bytes, const Decoder& decoder) {
   return failed == 0 ? size : Size{};
 }
 
+/// Number of scans of a JPEG file, small copies in it included. Its samples contain no such mark.
+int scans_in(Bytes bytes) {
+  constexpr std::string_view mark = "\xff\xda";
+  const std::string_view text = text_in(bytes);
+
+  int scans = 0;
+  for (std::size_t at = text.find(mark); at != text.npos; at = text.find(mark, at + 1)) ++scans;
+  return scans;
+}
+
 constexpr auto npy_magic = "\x93NUMPY\x01\x00"sv;  // with version 1.0
 constexpr std::size_t npy_preamble = npy_magic.size() + 2;
 
@@ -301,6 +311,11 @@ Picture read_jpeg(Bytes bytes, std::size_t frames) {
   const Size size = size_in(bytes, Decoder(tjInitDecompress(), tjDestroy));
   require_readable(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),
                    frames);
+
+  // A scan of a progressive JPEG passes over the whole picture, and may take a few bytes.
+  constexpr int most_scans = 100;
+  const int scans = scans_in(bytes);
+  throw_if(scans > most_scans, "has {} scans; limit {}", scans, most_scans);
 
   Picture picture({size});
   picture.lossy = true;

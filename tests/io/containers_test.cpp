@@ -289,6 +289,17 @@ TEST(Jpeg, OfCodesNeedsNoWarning) {
   EXPECT_TRUE(load_frames(scan_files_in(folder.path(), shown(gray))).warnings.empty());
 }
 
+TEST(Jpeg, HasNoMoreScansThanTheLimit) {
+  const TemporaryFolder folder;
+  write_jpegs(folder.path(), frames_of_bits(8), 95);
+  const fs::path jpeg = folder.path() / "0.jpg";
+
+  std::string bytes = read_text(jpeg);
+  for (int n = 0; n < 120; ++n) bytes += "\xff\xda";
+  write_file(jpeg, bytes);
+  expect_error([&] { (void)read_frames({jpeg}); }, {"0.jpg", "121 scans; limit 100"});
+}
+
 TEST(Jpeg, IsNoMapNoColourScanAndNoneBesideOthers) {
   const TemporaryFolder folder;
   const FrameSet frames = frames_of_bits(8);

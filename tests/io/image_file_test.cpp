@@ -166,15 +166,20 @@ void write_short_png(const fs::path& path, std::uint8_t bits) {
   write_file(path, bytes);
 }
 
-void write_short_tiff(const fs::path& path, int compression) {
+/// A TIFF file of 8 bits to be written.
+TIFF* open_tiff(const fs::path& path, int side, int compression) {
   TIFF* tiff = TIFFOpen(path.c_str(), "w");
-  const auto set = [&](std::uint32_t tag, int value) { TIFFSetField(tiff, tag, value); };
-  set(TIFFTAG_IMAGEWIDTH, 10000);
-  set(TIFFTAG_IMAGELENGTH, 10000);
-  set(TIFFTAG_BITSPERSAMPLE, 8);
-  set(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  set(TIFFTAG_COMPRESSION, compression);
-  set(TIFFTAG_ROWSPERSTRIP, 5000);
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, side);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, side);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  TIFFSetField(tiff, TIFFTAG_COMPRESSION, compression);
+  return tiff;
+}
+
+void write_short_tiff(const fs::path& path, int compression) {
+  TIFF* tiff = open_tiff(path, 10000, compression);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 5000);
   std::vector<std::uint8_t> line(10000);
   TIFFWriteScanline(tiff, line.data(), 0, 0);
   TIFFClose(tiff);
@@ -191,6 +196,25 @@ TEST(Frames, FileIsLongEnoughForItsPixels) {
   for (const int compression : {COMPRESSION_NONE, COMPRESSION_PACKBITS, COMPRESSION_LZW}) {
     write_short_tiff(tiff, compression);
     expect_error([&] { read_frames({tiff}); }, {"short.tiff", "too few for"});
+  }
+}
+
+TEST(Frames, TilesReachNotFarBeyondThePicture) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "tiled.tiff";
+  for (const int side : {256, 2048}) {
+    TIFF* tiff = open_tiff(path, 8, COMPRESSION_LZW);
+    TIFFSetField(tiff, TIFFTAG_TILEWIDTH, side);
+    TIFFSetField(tiff, TIFFTAG_TILELENGTH, side);
+    std::vector<std::uint8_t> tile(static_cast<std::size_t>(side * side), 7);
+    TIFFWriteTile(tiff, tile.data(), 0, 0, 0, 0);
+    TIFFClose(tiff);
+
+    if (side == 256) {
+      EXPECT_EQ(read_frames({path}).frames.size(), (Size{8, 8}));
+    } else {
+      expect_error([&] { read_frames({path}); }, {"tiled.tiff", "2048x2048"});
+    }
   }
 }
 

@@ -63,7 +63,7 @@ CodeBits code_bits(const Code& code, std::span<const double> intensities, double
 /// The stripe from the bits shown in the frames, most significant first.
 int stripe_of(const Code& code, unsigned shown);
 
-/// The first pixel of a stripe if the projector has `pixels` across the field, of which pixel x
+/// The first pixel of a stripe if the projector has `pixels` across the field and its pixel x
 /// shows y = x / pixels. Stripes need not be whole pixels wide: a stripe then has a pixel more or
 /// less than its neighbours. Of stripes past the field: at most 2 `pixels`.
 int first_pixel(const Code& code, int stripe, int pixels);

@@ -25,7 +25,7 @@ bool is_system_failure(int error_number) {
 void require_descriptors(std::size_t count, std::string_view what) {
   // Opens as many for a moment: neither the process's limit nor the system's may be reached.
   std::vector<int> opened;
-  opened.reserve(count);  // without memory none is left open
+  opened.reserve(count);  // without memory all are closed
   int reason = 0;
   while (opened.size() < count && reason == 0) {
     const int descriptor = ::open("/dev/null", O_RDONLY | O_CLOEXEC);

@@ -134,7 +134,7 @@ class GeometryJudge {
     slopes_.push_back(slope);
   }
 
-  /// The mean slope of a code alone, of which most are 0: between pixels of one stripe.
+  /// The mean slope of a code alone. Most of its changes are 0: between pixels of one stripe.
   void sum_up_steps(GeometryEvidence& result) const {
     const auto count = static_cast<double>(slopes_.size());
     double sum = 0, squares = 0, falling = 0, sizes = 0;

@@ -20,7 +20,7 @@
 namespace slipstream {
 namespace {
 
-/// Takes out of the residual what a waveform explains that hardly bends the phase.
+/// Leaves the part of a waveform that hardly bends the phase out of the residual.
 void excuse_waveform(const JudgedScan& scan, const FrameModel& model, const FrameOrder& order,
                      Fit& fit) {
   fit.waveform = waveform_of(model, scan, order);

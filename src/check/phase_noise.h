@@ -12,7 +12,7 @@ struct PhaseNoise {
   double by_pixel = 0;  ///< as the light may be constant over each of the projector's pixels
 };
 
-/// By a few groups of samples, of which there must be some.
+/// By a few groups of samples; at least one is needed.
 PhaseNoise phase_noise(const FrameModel& model, const JudgedScan& scan);
 
 }  // namespace slipstream

@@ -367,7 +367,7 @@ class Mistakes {
     cropped.camera.intrinsic(1, 2) = (size.height - 1) / 2.0;
 
     add(CauseKind::picture_size,
-        "a scanner file for larger camera pictures, of which these are a part",
+        "a scanner file for larger camera pictures: these are a part of them",
         {{"say which part they are with `camera_region`, or use pictures of the calibrated size"}})
         .scanner = std::move(cropped);
   }

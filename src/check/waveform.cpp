@@ -15,7 +15,7 @@ constexpr int first_harmonic = 2;
 /// A cosine and a sine for each harmonic.
 constexpr int unknowns = 2 * (Waveform::most_harmonic - first_harmonic + 1);
 
-/// What each harmonic adds to a pixel's frames, as far as the patterns do not explain it.
+/// The part of each harmonic in a pixel's frames that the patterns do not explain.
 class HarmonicParts {
  public:
   HarmonicParts(const FrameModel& model, std::vector<StepRun> runs)
@@ -132,7 +132,7 @@ std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& s
     waveform.harmonics[first_harmonic + i / 2] = {found[i], -found[i + 1]};
   }
 
-  // 4. What they leave.
+  // 4. The rest.
   const double left = all - found.dot(2 * right - normal * found);
   waveform.residual = std::sqrt(std::max(0.0, left / variation));
   waveform.phase_error = phase_error(waveform, steps);

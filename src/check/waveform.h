@@ -10,13 +10,13 @@ namespace slipstream {
 
 /// The light over a period of the patterns, which is not quite a sinusoid: g(a) = cos(a) + the sum
 /// of Re(h_k exp(i k a)) over k > 1. The response of projector and camera makes it, and stripes of
-/// one bit. It is the same in all pixels and bands, unlike what a mistake leaves.
+/// one bit. It is the same in all pixels and bands, unlike the rest that a mistake leaves.
 struct Waveform {
   static constexpr int most_harmonic = 5;
 
-  /// h_k by k. 0 for those that these numbers of steps cannot show.
+  /// h_k by k; 0 where these numbers of steps cannot show it.
   std::array<std::complex<double>, most_harmonic + 1> harmonics{};
-  double residual = 0;     ///< as FrameEvidence::residual, of what it does not explain
+  double residual = 0;     ///< as FrameEvidence::residual, of the part that it does not explain
   double phase_error = 0;  ///< of the measuring band, RMS, rad: by harmonics that N steps let pass
 
   /// As of stripes of one bit.

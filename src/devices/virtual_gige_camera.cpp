@@ -195,7 +195,7 @@ const Image<std::uint8_t>* VirtualGigeCamera::picture(std::size_t shown) {
 }
 
 /// Sends frame k since the client's start, numbered from 1. Clients enlarge their buffers at the
-/// first packet, so the rest of the first frame waits for that.
+/// first packet, so the rest of the first frame waits until then.
 void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k, std::size_t shown) {
   constexpr std::size_t largest_number = 65535;
   const auto number = static_cast<std::uint16_t>(1 + k % largest_number);

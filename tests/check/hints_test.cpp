@@ -151,6 +151,40 @@ TEST(Hints, ProposeNoOriginForStripesOfAnotherWidth) {
       << text_of(findings.front());
 }
 
+/// The scan as of a region of the sensor that was set after the calibration.
+Scan cropped_scan(const Strategy& strategy, int left, int top) {
+  Scan scan = right_scan("board", strategy);
+  Pictures pictures = pictures_of(scan);
+  constexpr Size size{440, 320};
+  for (Image<std::uint8_t>& picture : pictures) {
+    Image<std::uint8_t> part(size);
+    for (int row = 0; row < size.height; ++row) {
+      std::copy_n(picture.row(row + top) + left, size.width, part.row(row));
+    }
+    picture = std::move(part);
+  }
+  scan.frames = FrameSet(std::move(pictures));
+  scan.scanner->camera.size = size;
+  return scan;
+}
+
+// Frames that fit by themselves are right, whatever a scanner file for other pictures says.
+TEST(Hints, ProposeNoSettingsForCroppedPictures) {
+  for (const auto& [left, top] : {std::pair{100, 80}, std::pair{0, 0}, std::pair{190, 150}}) {
+    for (const char* const name : {"dual-frequency", "gray-phase", "multi-frequency"}) {
+      const Scan scan = cropped_scan(make_strategy(name, {}), left, top);
+      EXPECT_EQ(advice_for(scan).find("try `"), std::string::npos)
+          << name << ", " << left << ": " << advice_for(scan);
+    }
+  }
+}
+
+// Bands whose fringes the camera cannot see say nothing of the light.
+TEST(Hints, ProposeNoMoreLightForNarrowFringes) {
+  Scan scan = right_scan("board", DualFrequency{.steps = 3, .high = 240});
+  EXPECT_EQ(advice_for(scan).find("exposure"), std::string::npos) << advice_for(scan);
+}
+
 TEST(Hints, EvidenceIsBeyondItsLimit) {
   Scan scan = right_scan("statue", GrayPhase{});
   copied(0, 1)(scan);

@@ -63,6 +63,33 @@ TEST(Decoder, FringeOrderIsRightUnderNoiseUpToTheEndsOfTheField) {
   }
 }
 
+// Of a projector's pixels, which stripes need not be whole.
+TEST(Decoder, GivesTheMiddleOfTheStripesPixels) {
+  constexpr int length = 500;
+  for (const double stripes : {500.0, 400.0, 333.3, 256.0, 125.0, 40.0}) {
+    const Code& code = *Strategy(GrayCode{.bits = 9, .stripes = stripes}).layout().code;
+    const auto pixel = [](int i) { return static_cast<double>(i) / length; };
+    const BasicMaps<double> decoded = Decoder(
+        Strategy(GrayCode{.bits = 9, .stripes = stripes}).layout(), length,
+        PhaseMethod::equation)(frames_of(GrayCode{.bits = 9, .stripes = stripes}, length, pixel));
+
+    for (int i = 0; i < length; ++i) {
+      const auto in_same_stripe = [&](int other) {
+        return std::floor(pixel(other) * code.stripes + 1e-9) ==
+               std::floor(pixel(i) * code.stripes + 1e-9);
+      };
+      int first = i, last = i;
+      while (first > 0 && in_same_stripe(first - 1)) --first;
+      while (last + 1 < length && in_same_stripe(last + 1)) ++last;
+
+      // The last stripe may reach beyond the field.
+      if (last + 1 < length) {
+        EXPECT_NEAR(decoded.coordinate(i, 0) * length, (first + last) / 2.0, 1e-9) << stripes;
+      }
+    }
+  }
+}
+
 TEST(Decoder, RefusesAnotherNumberOfFrames) {
   const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
   const FrameSet three =

@@ -68,6 +68,21 @@ TEST(Lens, IsNanWhereTheModelFoldsOver) {
   EXPECT_FALSE(undistort(barrel, {0.4, 0}).hasNaN());
 }
 
+// Pictures of a region of the sensor show what the whole picture shows there.
+TEST(Lens, OfAPartSeesTheSameRays) {
+  const Lens whole = lens_with(8);
+  const Lens part = part_of(whole, {100, 50, {640, 480}});
+  EXPECT_EQ(part.size, (Size{640, 480}));
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), Eigen::Vector2d(639, 479)}) {
+    const Eigen::Vector2d in_whole = pixel + Eigen::Vector2d(100, 50);
+    EXPECT_TRUE(ray_through(part, pixel).isApprox(ray_through(whole, in_whole), 1e-12));
+  }
+
+  EXPECT_THROW(part_of(whole, {700, 0, {640, 480}}), Error);
+  EXPECT_THROW(part_of(whole, {-1, 0, {640, 480}}), Error);
+  EXPECT_THROW(part_of(whole, {0, 0, {0, 480}}), Error);
+}
+
 TEST(Lens, RefusesWhatIsNoLens) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(make_distortion(std::vector<double>{1, 2, 3}), Error);

@@ -124,12 +124,18 @@ void name_drift(const CodeEvidence& code, Finding& finding) {
        "right only where code and phase differ by less than a quarter of a period"}};
 }
 
+/// Whether too few points can be right: most lie outside the light, or the coordinate runs back.
+bool is_hopeless(const GeometryEvidence& geometry) {
+  constexpr double most_outside = 0.6;
+  return geometry.slope + geometry.slope_doubt < 0 ||
+         geometry.outside + geometry.without_point > most_outside;
+}
+
 /// Names a broad cause if no common mistake explains the misfit.
 void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   const auto& geometry = fit.geometry;
   // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
-  constexpr double hopeless_outside = 0.6;
   // More would have been explained by a gamma.
   constexpr double most_by_gamma = 0.2;
 
@@ -173,8 +179,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     if (fit.frames.residual <= most_by_gamma) blame_gamma();
     finding.remedies = {{"compare the frames with the output of `patterns()`"}};
   } else if (!fit.geometry_fits()) {
-    if (geometry->outside + geometry->without_point > hopeless_outside)
-      finding.severity = Severity::wrong;
+    if (is_hopeless(*geometry)) finding.severity = Severity::wrong;
     blame(CauseKind::unclear,
           "a scanner file of another rig, pictures cropped or of another size, or a camera or "
           "projector that moved since calibration");
@@ -289,13 +294,17 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
     return;
   }
 
-  // Frames that show stripes of one bit are the right ones.
+  // Frames that show stripes of one bit, or an S-curve, are the right ones.
   const bool of_stripes =
       fit.waveform && fit.waveform->is_odd() && fit.waveform->residual <= FitLimits::most_residual;
   if (of_stripes && !fit.patterns_made() && fit.bands_agree()) {
     finding.severity = Severity::doubtful;
     finding.causes = {{CauseKind::noise, "one-bit patterns in focus"}};
     finding.remedies = {{"defocus the projector or show 8-bit patterns"}};
+    if (!response_known) {
+      finding.causes.push_back({CauseKind::gamma, "an S-curve of the response"});
+      finding.remedies.push_back({"measure it with `calibrate_gamma()`"});
+    }
     result.findings.push_back(std::move(finding));
     return;
   }

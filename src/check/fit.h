@@ -124,7 +124,7 @@ class FrameJudge {
 struct Fit {
   /// Its residual is without the waveform's if that does no harm.
   FrameEvidence frames{};
-  /// Of frames that do not match the patterns; nullopt if it cannot be found.
+  /// Of frames that do not match the patterns, if it explains why.
   std::optional<Waveform> waveform{};
   CodeEvidence code{};
   bool moving = false;                         ///< CheckSettings::moving

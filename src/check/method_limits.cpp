@@ -322,6 +322,9 @@ std::vector<Finding> method_limits(const JudgedScan& scan, const Fit& fit) {
   // One-bit patterns are not proportional to grey levels pixel by pixel, nor are blurred carriers.
   if ((scattered && scan.sequence.binary) || band.carrier > 0) return findings;
 
+  // The frames have shown a waveform that hardly bends the phase.
+  if (fit.waveform) return findings;
+
   add(unknown_response(scan, std::hypot(noise.typical, noise.by_pixel)));
   return findings;
 }

@@ -23,12 +23,13 @@ namespace {
 /// Leaves the part of a waveform that hardly bends the phase out of the residual.
 void excuse_waveform(const JudgedScan& scan, const FrameModel& model, const FrameOrder& order,
                      Fit& fit) {
-  fit.waveform = waveform_of(model, scan, order);
-  if (!fit.waveform || fit.waveform->residual > FitLimits::most_residual) return;
+  const auto waveform = waveform_of(model, scan, order);
+  if (!waveform || !waveform->explains(fit.frames.residual)) return;
+  fit.waveform = waveform;
 
   const PhaseNoise noise = phase_noise(model, scan);
-  const bool is_harmless = fit.waveform->phase_error <= std::hypot(noise.typical, noise.by_pixel);
-  if (is_harmless) fit.frames.residual = fit.waveform->residual;
+  const bool is_harmless = waveform->phase_error <= std::hypot(noise.typical, noise.by_pixel);
+  if (is_harmless) fit.frames.residual = waveform->residual;
 }
 
 /// Calls `use` with the model and the order of the frames after the mistake is undone.

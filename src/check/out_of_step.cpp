@@ -268,8 +268,8 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
 
   // Near a share of one half, noise remains of a code's frames; at one half none can be undone.
   const bool by_code = in_code > most_in_code, is_half = in_code == half;
-  if (!is_half && (!then.patterns_made() || !then.bands_agree() || !then.geometry_fits() ||
-                   (!by_code && then.misfit() >= fit.misfit()))) {
+  if (!is_half && (!then.patterns_made() || !then.bands_agree() ||
+                   (!by_code && (!then.geometry_fits() || then.misfit() >= fit.misfit())))) {
     return std::nullopt;
   }
 

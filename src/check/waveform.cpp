@@ -78,6 +78,17 @@ double phase_error(const Waveform& waveform, int steps) {
 
 }  // namespace
 
+bool Waveform::explains(double residual_without) const {
+  // Right scans leave up to a quarter: real stripes of one bit, whose blur differs with depth.
+  constexpr double most_left = 0.35, most_lopsided = 0.02, most_lopsided_share = 0.1;
+
+  const bool is_even = std::ranges::all_of(harmonics, [](const std::complex<double>& harmonic) {
+    return std::abs(harmonic.imag()) <=
+           most_lopsided + most_lopsided_share * std::abs(harmonic.real());
+  });
+  return is_even && residual <= most_left * residual_without;
+}
+
 std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& scan,
                                     const FrameOrder& order) {
   // 1. The runs of the bands.

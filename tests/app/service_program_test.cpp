@@ -153,8 +153,8 @@ class Service {
     write(
         fmt::format("source: virtual\nworld: ideal\ncamera: 64x48\nrate: 60\n"
                     "strategy: dual-frequency\nsteps: {}\nhigh: {}\nmin-modulation: {}\n"
-                    "save-to: {}\npublish: [web:0]\n",
-                    settings.steps, settings.high, settings.least_modulation, saved().string()));
+                    "publish: [web:0]\n",
+                    settings.steps, settings.high, settings.least_modulation));
     return settings;
   }
 
@@ -243,7 +243,8 @@ class Service {
   std::set<std::string> folders_;  ///< of saves
 
   std::optional<RigSettings> file_ = write(shown_);  ///< nullopt while the rig file is invalid
-  RunningProgram program_{{"serve", (folder_.path() / "rig.yaml").string()}};
+  RunningProgram program_{
+      {"serve", (folder_.path() / "rig.yaml").string(), "--save-to", saved().string()}};
 };
 
 /// A few services, each of which takes a sequence of up to `most_steps` steps.

@@ -74,7 +74,7 @@ TEST_P(CodeInSpace, IsRefusedAlongTheOtherAxis) {
 
 TEST_P(CodeInSpace, IsRefusedWithItsFirstFrameBlack) {
   for_each_code([](Scan scan, int bits) {
-    pixels({0}, [](double, int, int) { return 3; })(scan);
+    pixels({0}, [](double, int, int) { return 1; })(scan);
     const ScanFindings found = check_scan(scan);
     EXPECT_TRUE(any_wrong(found.findings)) << bits << ": " << told(found);
   });

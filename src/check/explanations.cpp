@@ -302,8 +302,9 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
     finding.causes = {{CauseKind::noise, "one-bit patterns in focus"}};
     finding.remedies = {{"defocus the projector or show 8-bit patterns"}};
     if (!response_known) {
-      finding.causes.push_back({CauseKind::gamma, "an S-curve of the response"});
-      finding.remedies.push_back({"measure it with `calibrate_gamma()`"});
+      finding.causes.insert(finding.causes.begin(),
+                            {CauseKind::gamma, "an S-curve of the response"});
+      finding.remedies.insert(finding.remedies.begin(), {"measure it with `calibrate_gamma()`"});
     }
     result.findings.push_back(std::move(finding));
     return;

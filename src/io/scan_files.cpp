@@ -231,7 +231,10 @@ ScanFiles folder_files(const fs::path& path) {
 
   const fs::path description = path / "scan.yaml";
   if (fs::exists(description)) return read_scan_files(description);
-  return {.path = path, .frames = images_in_folder(path)};
+
+  // Named first: GCC 12 destroys `path` twice if an initializer after it throws.
+  std::vector<fs::path> frames = images_in_folder(path);
+  return {.path = path, .frames = std::move(frames)};
 }
 
 }  // namespace

@@ -57,29 +57,33 @@ double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) 
 /// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see the
 /// surface with a part of its area alone, whose centre is up to half a pixel off the pixel's. A
 /// small step from surface to surface looks like a steep slope, on which a pixel sees both.
-/// `noise`: standard deviation of the depth, mm.
+/// `depth_by_y`: change of the depth with the coordinate, mm per field; `noise`: standard deviation
+/// of the coordinate.
 double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column, int row,
-                  double noise) {
-  // As where clouds are cleaned: distances between pixels, standard deviations.
-  constexpr double steepest = 8, deviations = 5.5;
-  constexpr double steep = 3;  // 72 degrees
+                  double depth_by_y, double noise) {
+  // Of a step, in distances between pixels: 79 degrees and more may be an edge. Across the largest
+  // ones a mixture of both surfaces would lack modulation, and be rejected.
+  constexpr double steep = 5, largest = 20;
+  constexpr double deviations = 5.5;   // as where clouds are cleaned
   constexpr double off_centre = 0.29;  // pixels: uniform between -0.5 and 0.5
 
   // The eight neighbours: those on the same surface give the change of the coordinate, the others
   // make an edge.
   const Eigen::Vector3d here = position_at(cloud, column, row);
   bool at_edge = false;
-  float most = 0;
+  double most = 0;
   for (int i = 0; i < 9; ++i) {
     const int x = column + i % 3 - 1, y = row + i / 3 - 1;
     if (i == 4 || x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
 
     const Eigen::Vector3d there = position_at(cloud, x, y);
     if (!on_one_surface(here, there, steep)) {
-      at_edge |= !((there - here).norm() < deviations * noise);  // also without a point
+      at_edge |=
+          !((there - here).norm() < deviations * noise * depth_by_y);  // also without a point
     }
-    if (on_one_surface(here, there, steepest)) {
-      most = std::max(most, std::abs(coordinate(x, y) - coordinate(column, row)));
+    if (on_one_surface(here, there, largest)) {
+      const double change = std::abs(coordinate(x, y) - coordinate(column, row));
+      most = std::max({most, change, std::abs(there.z() - here.z()) / depth_by_y});
     }
   }
 
@@ -273,7 +277,7 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
     const Eigen::Vector3d point = position_at(cloud, column, row);
     const Eigen::Vector3d by_y = point.cwiseAbs() / change_along_ray(point, setup);
     const double at_edge =
-        edge_sigma(cloud, maps.coordinate, column, row, std::abs(by_y.z()) * random);
+        edge_sigma(cloud, maps.coordinate, column, row, std::abs(by_y.z()), random);
     const double sigma_y = std::hypot(random, at_edge);
 
     const Eigen::Vector3d sigma_point = sigma_y * by_y;

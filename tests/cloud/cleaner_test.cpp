@@ -440,7 +440,7 @@ TEST(CleanScans, LowTrustIsThatOfThePredictedSigma) {
         bool inside = column > 0 && row > 0 && column < 319 && row < 239;
         for (int k = 0; inside && k < 9; ++k) {
           inside = on_one_surface(position_at(all, column, row),
-                                  position_at(all, column + k % 3 - 1, row + k / 3 - 1), 3);
+                                  position_at(all, column + k % 3 - 1, row + k / 3 - 1), 5);
         }
         if (!inside) continue;
         const double ratio = sigma.z.begin()[i] / *settings.largest_sigma;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,10 +13,12 @@
 #include "app/calibrate_boards.h"
 #include "app/process.h"
 #include "calibrate/pose_guide.h"
+#include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
 #include "io/image_file.h"
 #include "live/cyclic_scans.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/scan_job.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
@@ -94,8 +97,20 @@ NamedSource virtual_boards(const CaptureFlags& flags, const SourceRequest& reque
   return boards;
 }
 
+/// The guard of a scan whose patterns this program shows in grey, if a folder can hold it.
+std::optional<Sequence> chosen_guard(const CaptureFlags& flags, const NamedSource& opened,
+                                     const PatternSink* projector) {
+  const bool is_possible = projector != nullptr && !flags.poses && !opened.in_colour &&
+                           lower_case_extension(flags.output) != ".slip" &&
+                           can_be_guarded(opened.sequence);
+  if (!is_possible || flags.no_guard) return std::nullopt;
+  return guard_sequence(opened.sequence);
+}
+
+/// `guard`: patterns to show after those of a scan.
 std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSource& opened,
-                                        PatternSink* projector) {
+                                        PatternSink* projector,
+                                        const std::optional<Sequence>& guard) {
   const Sequence& sequence = opened.sequence;
 
   // The projector loops the patterns by itself, and the camera finds where a cycle begins.
@@ -110,8 +125,9 @@ std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSo
     for (const double ms : sequence.exposures) steps.exposures.push_back(ms / 1e3);
   }
 
-  return std::make_unique<ShownScans>(*projector, *opened.frames,
-                                      pictures_of(sequence, flags.poses.has_value()), steps);
+  auto pictures = pictures_of(sequence, flags.poses.has_value());
+  if (guard) pictures.push_back(pictures_to_show(*guard));
+  return std::make_unique<ShownScans>(*projector, *opened.frames, std::move(pictures), steps);
 }
 
 /// Warns if the source's state has changed since the last call.
@@ -145,7 +161,7 @@ view::Guide guide_of(const PoseProgress& progress, int wanted) {
 std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
                        const std::function<void(view::Guide)>& show,
                        const std::function<bool()>& ends, Output& output) {
-  const auto& [projector, opened, camera] = rig;
+  const auto& [projector, opened, camera, guard] = rig;
   throw_if(opened.sequence.projector == Size{},
            "--projector is missing: give the projector's size in pixels, e.g. 1280x800");
 
@@ -197,9 +213,9 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   return output.document["verdict"];
 }
 
-/// The frames of one scan, taken once the scene is still.
-FrameSet still_frames(const CaptureRig& rig, Output& output) {
-  const auto& [projector, opened, camera] = rig;
+/// The frames of one scan, and those of its guard, taken once the scene is still.
+std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
+  const auto& [projector, opened, camera, guard] = rig;
   constexpr double patience = 10;  // s
   const RunEnd end(patience);
   const auto tell_news = news_of(*opened.frames, output);
@@ -211,7 +227,7 @@ FrameSet still_frames(const CaptureRig& rig, Output& output) {
     seen |= glimpse.has_value();
 
     if (!glimpse || !glimpse->still) continue;
-    if (auto frames = camera->take()) return std::move(frames->front());
+    if (auto frames = camera->take()) return *std::move(frames);
   }
 
   // The patience is 10 s: either the scene moves, or no whole cycle of patterns arrives.
@@ -223,12 +239,29 @@ FrameSet still_frames(const CaptureRig& rig, Output& output) {
                                      opened.scanner_name, patience));
 }
 
+/// Writes the guard beside a saved scan and compares both; its findings are added.
+void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& guard,
+               CheckedScan& checked, Output& output) {
+  save_guard(files, frames, guard);
+  if (!scan.scanner || any_wrong(checked.findings)) return;
+
+  try {
+    scan.guard.push_back(merged({.frames = std::move(frames), .sequence = guard}));
+    GuardResult result = compare_with_guard(scan);
+    if (result.epipolar) tell_guard(*result.epipolar, "", output);
+    std::ranges::move(result.findings, std::back_inserter(checked.findings));
+  } catch (const Error& error) {  // the scan is saved, and may be read with other settings
+    output.warn(fmt::format("the guard is not compared: {}", error.what()));
+  }
+}
+
 void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output) {
   const NamedSource& opened = rig.opened;
 
-  // 1. Take the frames of one scan.
+  // 1. Take the frames of one scan, and of its guard.
+  std::vector<FrameSet> taken = still_frames(rig, output);
   Scan scan{
-      .frames = still_frames(rig, output), .sequence = opened.sequence, .scanner = opened.scanner};
+      .frames = std::move(taken.front()), .sequence = opened.sequence, .scanner = opened.scanner};
   opened.frames->stop();
 
   scan.sequence.marker = false;  // null: not among the frames
@@ -245,12 +278,15 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
   }
   if (several) whole = merged(std::move(whole));
 
-  const CheckedScan checked = check_and_repair(whole);
+  CheckedScan checked = check_and_repair(whole);
 
   // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
-  if (!several && !opened.in_colour) scan = std::move(whole);  // its frames are in order
-  save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt, opened.in_colour,
-            opened.white);
+  if (!several && !opened.in_colour) scan = whole;  // its frames are in order
+  ScanFiles files = save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt,
+                              opened.in_colour, opened.white);
+  if (rig.guard) {
+    add_guard(files, std::move(whole), std::move(taken.back()), *rig.guard, checked, output);
+  }
 
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),
              text_of(scan.frames.size()), scan.sequence.strategy.name());
@@ -272,7 +308,8 @@ CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
   rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
   rig.opened.frames->start();
 
-  rig.camera = scan_camera(flags, rig.opened, projector);
+  rig.guard = chosen_guard(flags, rig.opened, projector);
+  rig.camera = scan_camera(flags, rig.opened, projector, rig.guard);
   return rig;
 }
 
@@ -353,6 +390,9 @@ void add_capture(const Commands& program) {
   command.add("--monitor", flags.monitor,
               "show the patterns on this monitor, numbered as in `project --list`; default: the "
               "projector loops them by itself");
+  command.add("--no-guard", flags.no_guard,
+              "with --monitor: do not take the guard, six frames along the other axis by which "
+              "reconstruct and check see whether the rig has moved since calibration");
   command.add("--settle", flags.settle,
               "with --monitor: delay from showing a pattern to taking its frame, ms");
 

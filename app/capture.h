@@ -12,6 +12,7 @@
 #include "app/source_flags.h"
 #include "frames/scan_camera.h"
 #include "slipstream/named_source.h"
+#include "slipstream/sequence.h"
 #include "slipstream/viewer.h"
 
 namespace slipstream::app {
@@ -19,6 +20,7 @@ namespace slipstream::app {
 struct CaptureFlags {
   std::string output;
   SourceFlags source;
+  bool no_guard = false;
   std::optional<int> monitor;
   double settle = 100;  ///< ms
   std::optional<int> poses;
@@ -33,6 +35,7 @@ struct CaptureRig {
   MonitorProjector projector{};
   NamedSource opened{};
   std::unique_ptr<ScanCamera> camera{};
+  std::optional<Sequence> guard{};  ///< taken after each scan
 };
 
 /// Guided poses of a board, and the calibration from them, on a thread of its own, so that a window

@@ -17,6 +17,27 @@ struct CheckFlags {
   CheckSettings settings;
 };
 
+/// Compares the scan with its guard, unless it is refused already.
+GuardResult guarded(Scan scan, const CheckFlags& flags, const GammaChoice& gamma,
+                    const CheckedScan& checked) {
+  if (!scan.scanner || scan.guard.empty() || any_wrong(checked.findings)) return {};
+  scan.scanner->photometry.response = gamma.response;
+
+  ReconstructSettings settings;
+  settings.minimum_modulation = flags.settings.minimum_modulation;
+  return compare_with_guard(scan, settings);
+}
+
+/// Prints the scale of the scan's scanner, and how it fits the guard, if any.
+void tell_scanner(const std::string& folder, const Scan& scan, const GuardResult& guard,
+                  double depth, Output& output) {
+  const double baseline = scan.scanner->translation.norm();
+  output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
+  if (guard.epipolar) tell_guard(*guard.epipolar, folder + ": ", output);
+  describe(output.list("scans").back(), "baseline_mm", baseline, "median_depth_mm", depth, "guard",
+           guard.epipolar);
+}
+
 void check(const CheckFlags& flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
   Progress progress("scans", flags.folders.size());
@@ -29,7 +50,9 @@ void check(const CheckFlags& flags, Output& output) {
     settings.blind = gamma.blind;
 
     const CheckedScan checked = check_and_repair(scan, settings);
-    const std::vector<Finding>& findings = checked.findings;
+    std::vector<Finding> findings = checked.findings;
+    const GuardResult guard = guarded(scan, flags, gamma, checked);
+    findings.insert(findings.end(), guard.findings.begin(), guard.findings.end());
     if (any_wrong(findings)) output.exit_code = 2;
     output.add_to("scans", "scan", folder, "findings", findings);
 
@@ -42,9 +65,7 @@ void check(const CheckFlags& flags, Output& output) {
     }
 
     if (scan.scanner) {
-      const double baseline = scan.scanner->translation.norm(), depth = checked.median_depth;
-      output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
-      describe(output.list("scans").back(), "baseline_mm", baseline, "median_depth_mm", depth);
+      tell_scanner(folder, scan, guard, checked.median_depth, output);
     } else if (!scan.further_cameras.empty()) {
       output.say("{}: two cameras, no projector: the calibration is not checked", folder);
     }

@@ -46,6 +46,19 @@ void to_json(nlohmann::json& json, const Finding& finding) {
   }
 }
 
+void to_json(nlohmann::json& json, const EpipolarCheck& check) {
+  json = {{"median_px", check.median},
+          {"median_length_px", check.median_length},
+          {"median_sigma_px", check.median_sigma},
+          {"common_px", check.common},
+          {"constant_px", check.constant},
+          {"linear_px", check.linear},
+          {"quadratic_px", check.quadratic},
+          {"own_px", check.own},
+          {"points", check.points},
+          {"doubted", check.doubted}};
+}
+
 void to_json(nlohmann::json& json, const LiveFinding& finding) {
   json = finding.finding;
   json["begin"] = finding.begin;

@@ -19,6 +19,7 @@
 #include "base/printable.h"
 #include "slipstream/check.h"
 #include "slipstream/cloud.h"
+#include "slipstream/engine.h"
 #include "slipstream/finding.h"
 #include "slipstream/live_pipeline.h"
 
@@ -27,6 +28,8 @@ namespace slipstream {
 /// A finding in JSON: `kind`, `what`, `evidence` by name, `likely`, `try`, `refused`, and as data
 /// `quantities`, `causes`, `remedies`; `subject` and `frames` if it is about a part of the scan.
 void to_json(nlohmann::json& json, const Finding& finding);
+/// Both axes or a guard, compared by the epipolar lines: sizes in projector pixels, and counts.
+void to_json(nlohmann::json& json, const EpipolarCheck& check);
 /// A live diagnostic: adds `begin` and `end`, the frame sequence numbers at which it appeared and
 /// disappeared; null while it lasts.
 void to_json(nlohmann::json& json, const LiveFinding& finding);

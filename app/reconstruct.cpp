@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/process.h"
@@ -109,7 +110,19 @@ struct Reused {
   /// A job for each kind of result.
   std::map<ScanOutput, ScanJob> jobs;
   bool fallback_printed = false;
+  bool unguarded_printed = false;
 };
+
+/// Says once that nothing shows whether the rig has moved.
+void tell_unguarded(const ReconstructedScan& scan, const Scan& taken, Reused& reused,
+                    Output& output) {
+  const bool is_unguarded = scan.output == ScanOutput::points && taken.scanner &&
+                            taken.further_cameras.empty() && taken.other_axis.empty() &&
+                            taken.guard.empty();
+  if (!is_unguarded || std::exchange(reused.unguarded_printed, true)) return;
+  output.say("{}: no guard: a camera or projector that moved since calibration would not show",
+             text_of(scan.name));
+}
 
 /// Refuses what these flags ask of this scan and it cannot give.
 void require_possible(const ReconstructFlags& flags, const CheckedJob& job, bool two_cameras,
@@ -150,6 +163,8 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
     const bool chosen = result.setup.settings.engine != EngineKind::automatic;
     reused.fallback_printed = tell_fallback(result.fallback_reason, chosen, output);
   }
+
+  tell_unguarded(scan, checked.scan, reused, output);
 
   // 2. Files, and the error of a virtual scan against its truth.
   judge(flags, checked.checked.findings.size(), scan);

@@ -201,13 +201,6 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json seconds;
   for (const auto& [name, words, time] : times_of(scan)) seconds[name] = time;
 
-  std::optional<nlohmann::json> epipolar;
-  if (const auto& check = result.epipolar) {
-    epipolar = described("median_px", check->median, "median_length_px", check->median_length,
-                         "median_sigma_px", check->median_sigma, "common_px", check->common,
-                         "doubted", check->doubted);
-  }
-
   const std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
   nlohmann::json document = described(
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
@@ -215,8 +208,9 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       "least_modulation", result.least_modulation, "gamma", json_of(result.gamma), "baseline_mm",
       result.setup.scanner.translation.norm(), "median_depth_mm", result.checked.median_depth,
       "files", scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms,
-      "predicted_mm", scan.predicted, "epipolar", epipolar, "warnings", scan.warnings, "findings",
-      result.checked.findings, "repairs", result.checked.repairs, "seconds", seconds);
+      "predicted_mm", scan.predicted, "epipolar", result.epipolar, "guard", result.guard,
+      "warnings", scan.warnings, "findings", result.checked.findings, "repairs",
+      result.checked.repairs, "seconds", seconds);
 
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(result.checked.findings)) document["doubted"] = true;
@@ -265,6 +259,7 @@ void tell(const ReconstructedScan& scan, Output& output) {
         result.epipolar->median, result.epipolar->median_length, result.epipolar->common,
         result.epipolar->median_sigma, result.epipolar->doubted);
   }
+  if (result.guard) tell_guard(*result.guard, "  ", output);
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }

@@ -254,6 +254,13 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
   return job;
 }
 
+void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& output) {
+  output.say(
+      "{}guard: distance from epipolar lines common to all {} points {:.3f} projector pixels, of "
+      "single points from that {:.3f}",
+      prefix, guard.points, guard.common, guard.own);
+}
+
 StoredCloud loaded_cloud(const std::string& path, Output& output) {
   constexpr double harmless = 0.001;  // mm
   StoredCloud stored = read_cloud(path);

@@ -82,6 +82,9 @@ ScanJobSettings job_settings(const CloudFlags& flags, ScanOutput output = ScanOu
 CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSettings& settings,
                         Output& output);
 
+/// Prints how well a scan and its guard meet, after `prefix`.
+void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& output);
+
 /// read_cloud; warns if rounding to 32 bits moves points by more than a micrometre.
 StoredCloud loaded_cloud(const std::string& path, Output& output);
 

@@ -8,6 +8,7 @@
 #include "app/process.h"
 #include "app/source_flags.h"
 #include "base/stopwatch.h"
+#include "codes/guard_sequence.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"
@@ -26,6 +27,7 @@ struct SimulateFlags {
   std::optional<int> boards;  ///< poses of a board; empty: a scene
   BoardFlags board;
   bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
+  bool guard = false;
   double paint = 0;
 };
 
@@ -77,6 +79,15 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
                               scanner.camera.size.width, "height", scanner.camera.size.height);
 }
 
+/// Takes a guard of the same scene after the scan, with other noise.
+void add_simulated_guard(ScanFiles& files, const Sequence& sequence, VirtualWorld world) {
+  const Sequence guard = guard_sequence(sequence);
+  ++world.photometry.seed;
+  save_guard(files,
+             take_scan(world.scanner, world.scene, pattern_set(guard), world.photometry).frames,
+             guard);
+}
+
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
@@ -85,11 +96,13 @@ void simulate(const SimulateFlags& flags, Output& output) {
 
   throw_if(flags.paint != 0 && !flags.in_colour && !flags.primaries,
            "--paint needs --colour or --primaries");
-  throw_if((flags.boards || flags.primaries || flags.second_camera) &&
+  throw_if((flags.boards || flags.primaries || flags.second_camera || flags.guard) &&
                lower_case_extension(flags.folder) == ".slip",
-           "{}: --boards, --primaries and --second-camera need a folder; a recording holds one "
-           "scan",
+           "{}: --boards, --primaries, --second-camera and --guard need a folder; a recording "
+           "holds one scan",
            flags.folder);
+  throw_if(flags.guard && !can_be_guarded(sequence),
+           "--guard needs patterns along one axis, and a projector of 64 pixels or more across it");
 
   if (flags.boards) {
     throw_if(flags.second_camera, "--second-camera needs a scene; it does not work with --boards");
@@ -123,6 +136,8 @@ void simulate(const SimulateFlags& flags, Output& output) {
     write_scan_files(folder / "scan.yaml", files);
   }
 
+  if (flags.guard) add_simulated_guard(files, sequence, world);
+
   output.say("took {} frames of {} ({}) in {:.2f} s, into {}", virtual_scan.frames.count(),
              text_of(world.scanner.camera.size),
              flags.devices.mesh.value_or(flags.devices.scene).string(), seconds, folder.string());
@@ -141,9 +156,9 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
   boards->group("Board");
 
   // The board takes the scene's place, and each pose is scanned along both axes, in grey.
-  FlagGroup{simulate}.exclude(
-      "--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move", "--turn",
-                   "--vibrate", "--breathe", "--axis", "--colour", "--primaries", "--paint"});
+  FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
+                                           "--move", "--turn", "--vibrate", "--breathe", "--axis",
+                                           "--colour", "--primaries", "--paint", "--guard"});
 
   add_board_flags(simulate, flags.board);
 
@@ -166,8 +181,12 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
 
   group.add("--primaries", flags.primaries,
             "take colour pictures of the scene under black, red, green and blue instead");
-  group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries"});
-  group.exclude("--primaries", {"--second-camera", "--unquantised"});
+  group.add("--guard", flags.guard,
+            "also take a guard: six frames along the other axis, by which reconstruct and check "
+            "see whether the rig has moved since calibration; into guard/");
+  group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries", "--guard"});
+  group.exclude("--primaries", {"--second-camera", "--unquantised", "--guard"});
+  group.exclude("--guard", {"--second-camera"});
 
   group.add("--paint", flags.paint,
             "with --colour or --primaries: coloured surfaces that absorb up to this share of a "

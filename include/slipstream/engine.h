@@ -251,22 +251,30 @@ struct EpipolarCheck {
   double median_length = 0;  ///< of their absolute values
   double median_sigma = 0;   ///< of their standard deviations due to noise
   double common = 0;         ///< of the absolute values of the common part, the 90 % quantile
-  std::size_t points = 0;    ///< compared
-  std::size_t doubted = 0;   ///< points farther off than the common part and noise explain
+  /// Its sizes: at the picture's centre, and its linear and quadratic terms from there to the
+  /// edges.
+  double constant = 0, linear = 0, quadratic = 0;
+  double own = 0;           ///< of the absolute values of the points' own parts, the median
+  std::size_t points = 0;   ///< compared
+  std::size_t doubted = 0;  ///< points farther off than the common part and noise explain
 
   /// The largest doubted share of the points of a scan whose axes agree.
   static constexpr double most_doubted = 1.0 / 3;
   [[nodiscard]] double doubted_share() const;
 
   /// The largest common part, pixels, that noise and a good calibration explain: half a pixel, or
-  /// if more, three standard deviations or twice `calibration_rms`, 0 if unknown: see Scanner.
+  /// if more, twice `calibration_rms`, 0 if unknown, see Scanner, or a quarter of the points' own
+  /// parts, of few points more.
   [[nodiscard]] double most_common(double calibration_rms) const;
 
   /// Whether the common part exceeds that.
   [[nodiscard]] bool is_off(double calibration_rms) const;
 
+  /// Whether it exceeds 3 pixels and five times `calibration_rms`: the scanner is another one.
+  [[nodiscard]] bool is_far_off(double calibration_rms) const;
+
   /// Whether the axes contradict each other, so that no point is sure: too many points are doubted,
-  /// or the common part exceeds 3 pixels and five times `calibration_rms`.
+  /// or the common part is far off.
   [[nodiscard]] bool contradicts(double calibration_rms) const;
 };
 

@@ -25,6 +25,9 @@ struct Scan {
 
   /// With patterns along both axes: the scan along y.
   std::vector<Scan> other_axis{};
+  /// A few frames along the other axis, at most one scan, which show whether camera and projector
+  /// still stand as in the scanner's calibration. Makes no point.
+  std::vector<Scan> guard{};
   /// Scans of further cameras, taken at the same time with the same projector, each with its own
   /// scanner. World coordinates are in the frame of this scan's camera.
   std::vector<Scan> further_cameras{};

@@ -39,6 +39,9 @@ struct ScanFiles {
 
   /// The scan folder of a second camera for the same projector and time.
   std::optional<std::filesystem::path> second_camera{};
+
+  /// The scan folder of the guard, see Scan::guard.
+  std::optional<std::filesystem::path> guard{};
 };
 
 /// A scan folder as read once for all its windows: its description without frames, and these.
@@ -91,8 +94,8 @@ Scan load_frames(const ScanFiles& files);
 bool is_in_colour(const ScanFiles& files);
 
 /// Loads one camera's frames, sequence and, if `files` names it, scanner, completed and validated
-/// against the frames. Throws Error if a part cannot be read or does not fit; the scanner is
-/// optional.
+/// against the frames, with its guard, if any. Throws Error if a part cannot be read or does not
+/// fit; the scanner is optional.
 Scan load_scan(const ScanFiles& files);
 
 /// The same for colour pictures, neither separated nor merged; `white` receives the channels of the
@@ -123,12 +126,16 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
                     bool in_colour = false, const FrameSet& white = {});
 
+/// Writes a guard into the folder of a saved scan, as a scan of its own in guard/, and names it in
+/// the scan's scan.yaml.
+void save_guard(ScanFiles& scan, const FrameViews& frames, const Sequence& guard);
+
 /// A free path in `parent`, named by the time: "WHAT-20260131-142530ENDING".
 std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,
                                          std::string_view ending);
 
-/// Checksum over all files of a scan: scan.yaml, frames, scanner file and a second camera's; for a
-/// recording, its header and the frames of the window. Throws Error if one is missing.
+/// Checksum over all files of a scan: scan.yaml, frames, scanner file, guard and a second camera's;
+/// for a recording, its header and the frames of the window. Throws Error if one is missing.
 std::uint32_t checksum_of(const ScanFiles& scan);
 
 }  // namespace slipstream

@@ -58,6 +58,17 @@ struct CheckedJob {
 CheckedJob checked_job(Scan scan, const ScanJobSettings& settings,
                        const std::string& name = "the scan");
 
+/// Whether camera and projector stand as in the scanner, by a scan's guard.
+struct GuardResult {
+  std::optional<EpipolarCheck> epipolar{};  ///< nullopt if nothing was compared
+  std::vector<Finding> findings{};
+};
+
+/// Compares a scan of one camera, which was checked, with its guard: see Scan::guard. Does nothing
+/// without a guard or scanner, or if the frames alone give no coordinate. Throws Error as
+/// setup_for and Engine do.
+GuardResult compare_with_guard(const Scan& scan, const ReconstructSettings& settings = {});
+
 /// The results of one scan, in the first camera's picture and frame.
 struct ScanResult {
   Cloud cloud{};            ///< with ScanOutput::maps only the validity of its pixels
@@ -66,6 +77,7 @@ struct ScanResult {
   Maps maps{};
   std::optional<Uncertainty> uncertainty{};
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes
+  std::optional<EpipolarCheck> guard{};     ///< with a guard
 
   EngineSetup setup{};
   GammaChoice gamma{};
@@ -89,8 +101,9 @@ class ScanJob {
 
   /// Two cameras match their phases (with a calibrated projector) or their coordinates (a camera
   /// pair); one camera meets the projector's light. Patterns along both axes check each other by
-  /// the epipolar lines. `name`: of the scan in messages. Throws Error as checked_job, and
-  /// RefusedScan if the scan is refused and ScanJobSettings::keep_refused is off.
+  /// the epipolar lines, and so does a guard, which rejects no point. `name`: of the scan in
+  /// messages. Throws Error as checked_job, and RefusedScan if the scan is refused and
+  /// ScanJobSettings::keep_refused is off.
   [[nodiscard]] ScanResult operator()(Scan scan, const std::string& name = "the scan");
 
   /// The same for a scan that was checked before, with these settings.

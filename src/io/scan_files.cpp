@@ -151,6 +151,26 @@ void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& fi
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
+/// Adds the guard. One along the scan's own axis, as after a change of the axis, shows nothing.
+void add_guard(Scan& scan, const ScanFiles& files) {
+  if (!files.guard || !scan.other_axis.empty()) return;
+
+  ScanChanges changes;
+  if (files.bits != 0) changes.bits = files.bits;  // of the same camera
+  Scan guard = load_frames(scan_files_in(*files.guard, changes));
+
+  if (guard.sequence.axis == scan.sequence.axis || !guard.other_axis.empty()) {
+    scan.warnings.push_back(
+        fmt::format("{}: not used: its patterns must vary along {} alone, across the scan's",
+                    files.guard->string(), name_of(across(scan.sequence.axis))));
+    return;
+  }
+  throw_if(guard.frames.size() != scan.frames.size(),
+           "{}: its pictures are not as large as the scan's; both must be the camera's whole ones",
+           files.guard->string());
+  scan.guard.push_back(std::move(guard));
+}
+
 /// The scan along `axis` in a pose's folder: x or x.slip, or an empty path.
 fs::path scan_along(const fs::path& folder, Axis axis) {
   for (const char* ending : {"", ".slip"}) {
@@ -286,6 +306,7 @@ Scan load_scan(const ScanFiles& files) {
   Scan scan = merged(read_scan(files, scanner ? scanner->photometry.colour_mixture : std::nullopt));
 
   add_scanner(scan, std::move(scanner), files);
+  add_guard(scan, files);
   return scan;
 }
 
@@ -406,6 +427,12 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   return files;
 }
 
+void save_guard(ScanFiles& scan, const FrameViews& frames, const Sequence& guard) {
+  scan.guard = scan.path / "guard";
+  save_scan(*scan.guard, frames, guard, std::nullopt, scan.scanner);
+  write_scan_files(scan.path / "scan.yaml", scan);
+}
+
 fs::path path_named_by_time(const fs::path& parent, std::string_view what,
                             std::string_view ending) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -416,6 +443,13 @@ fs::path path_named_by_time(const fs::path& parent, std::string_view what,
 std::uint32_t checksum_of(const ScanFiles& scan) {
   std::uint32_t sum =
       scan.second_camera ? checksum_of(scan_files_in(*scan.second_camera)) : std::uint32_t{0};
+  if (scan.guard) {
+    const ScanFiles guard = scan_files_in(*scan.guard);
+    sum ^= checksum_of(ScanFiles{.path = guard.path,
+                                 .sequence = guard.sequence,
+                                 .frames = guard.frames,
+                                 .recording = guard.recording});
+  }
   if (scan.recording) sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
 
   // Each file once, though it may have several pages.

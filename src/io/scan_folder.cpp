@@ -117,10 +117,11 @@ class YamlMap {
 };
 
 /// The optional files named in scan.yaml, except the frames.
-constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 3>
+constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 4>
     named_files{{{"scanner", "a file", &ScanFiles::scanner},
                  {"white", "a picture", &ScanFiles::white},
-                 {"second_camera", "a folder", &ScanFiles::second_camera}}};
+                 {"second_camera", "a folder", &ScanFiles::second_camera},
+                 {"guard", "a folder", &ScanFiles::guard}}};
 
 /// Keys of Sequence::lengths, and the settings that they replace.
 constexpr std::array<std::pair<const char*, const char*>, 2> lengths{
@@ -183,7 +184,7 @@ Sequence read_sequence(const YamlMap& map) {
 
 ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
-                          "scanner", "white", "second_camera"});
+                          "scanner", "white", "second_camera", "guard"});
 
   // Read only to refuse other versions of the file's layout.
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Core>
+
 #include "geometry/triangulator.h"
 #include "slipstream/engine.h"
 #include "slipstream/scan.h"
@@ -24,5 +28,23 @@ EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d
 /// twice the calibration's own error. Throws Error if the frames of `other` do not fit the setup or
 /// do not give coordinates by themselves.
 EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps, Cloud& cloud);
+
+/// A camera pixel, and the projector coordinates that it sees.
+struct SeenPixel {
+  Eigen::Vector2d camera;
+  double x = 0, y = 0;
+};
+
+/// Comparison of a scan with its guard.
+struct GuardCheck {
+  EpipolarCheck epipolar{};
+  std::vector<SeenPixel> pixels{};  ///< up to a thousand that the common part fits
+};
+
+/// Compares a cloud and its maps, along either axis, with the scan's guard, see Scan::guard, as
+/// check_epipolar does; rejects no point. Also compares pixels whose point lies out of range, as a
+/// scanner file of another rig leaves few others. Throws Error as check_epipolar.
+GuardCheck check_guard(const EngineSetup& setup, const Scan& guard, const Maps& maps,
+                       const Cloud& cloud);
 
 }  // namespace slipstream

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <future>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/epipolar.h"
 #include "reconstruct/phase_matcher.h"
+#include "scan_job/axis_findings.h"
 
 namespace slipstream {
 namespace {
@@ -50,43 +52,30 @@ EngineSetup setup_for_maps(const Scan& scan, const ScanJobSettings& settings,
   return setup;
 }
 
-/// Coordinates along x and y that do not meet in one projector pixel: in over a third of the
-/// points, so that none is sure, or by a common distance, which is an error of the calibration.
-std::optional<Finding> axes_that_disagree(const EpipolarCheck& check, double calibration_rms) {
-  const bool contradicts = check.contradicts(calibration_rms);
-  if (!contradicts && !check.is_off(calibration_rms)) return std::nullopt;
+/// Compares a cloud and its maps with the scan's guard.
+GuardResult judged_guard(const EngineSetup& setup, Scan guard, const Maps& maps,
+                         const Cloud& cloud) {
+  GuardResult result;
 
-  Finding finding{.kind = FindingKind::axes_disagree,
-                  .severity = contradicts ? Severity::wrong : Severity::doubtful,
-                  .what = "the coordinates along x and y do not meet in one projector pixel"};
-  finding.evidence = {
-      {"median distance from the epipolar lines", check.median_length, "projector pixels"},
-      {"common to all points", check.common, "projector pixels",
-       check.most_common(calibration_rms)},
-      {"expected sigma", check.median_sigma, "projector pixels"},
-      {"share of points too far from the rest", check.doubted_share(), "",
-       EpipolarCheck::most_doubted}};
-
-  if (check.doubted_share() > EpipolarCheck::most_doubted) {
-    finding.causes = {{CauseKind::frame_order, "frames are in the wrong order"},
-                      {CauseKind::pattern_settings, "other patterns along one of the axes"},
-                      {CauseKind::rig_moved, "the camera or projector moved since calibration"}};
-    finding.remedies = {{"compare the frames along y with the output of `patterns()`"}};
-  } else if (contradicts) {
-    finding.causes = {{CauseKind::rig_moved, "the camera or projector moved since calibration"},
-                      {CauseKind::other_rig, "a scanner file of another rig"}};
-    finding.remedies = {
-        {"calibrate again with `calibrate_geometry()`; scans along x alone do not "
-         "show this"}};
-  } else {
-    finding.causes = {
-        {CauseKind::scanner_file, "the calibration's own error, as of a principal point"},
-        {CauseKind::rig_moved, "a camera or projector that moved a little since"}};
-    finding.remedies = {
-        {"keep the points if an error of this size does not matter; else calibrate "
-         "again with `calibrate_geometry()`, with more poses"}};
+  // 1. A guard whose own frames do not fit would blame the rig.
+  const CheckedScan checked =
+      check_and_repair(guard, {.minimum_modulation = setup.settings.minimum_modulation,
+                               .photometry = setup.scanner.photometry});
+  for (Finding finding : checked.findings) {
+    if (finding.severity != Severity::wrong) continue;
+    finding.severity = Severity::doubtful;
+    finding.subject = "guard";
+    result.findings.push_back(std::move(finding));
   }
-  return finding;
+  if (!result.findings.empty()) return result;
+
+  // 2. The comparison.
+  const GuardCheck check = check_guard(setup, guard, maps, cloud);
+  result.epipolar = check.epipolar;
+  if (auto finding = rig_that_moved(setup.scanner, check)) {
+    result.findings.push_back(*std::move(finding));
+  }
+  return result;
 }
 
 /// The cameras do not agree on the fringe order where one band of many periods leaves it open.
@@ -247,7 +236,8 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
     result.epipolar =
         check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
-  } else if (settings_.maps || settings_.uncertainty || settings_.sure_coordinates) {
+  } else if (settings_.maps || settings_.uncertainty || settings_.sure_coordinates ||
+             !scan.guard.empty()) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
   } else {
     engine.cloud(scan.frames, result.cloud);
@@ -255,11 +245,18 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
 
   result.backend = engine.backend_for(scan.frames);
   result.fallback_reason = engine.fallback_reason();
-  if (!result.epipolar) return;
+  if (settings_.output == ScanOutput::maps) return;
 
-  const double calibration_rms = engine.setup().scanner.calibration_rms;
-  if (auto finding = axes_that_disagree(*result.epipolar, calibration_rms)) {
-    result.checked.findings.push_back(*std::move(finding));
+  // Both axes, or the guard, against the scanner.
+  std::vector<Finding>& findings = result.checked.findings;
+  if (result.epipolar) {
+    const double calibration_rms = engine.setup().scanner.calibration_rms;
+    auto finding = axes_that_disagree(*result.epipolar, calibration_rms);
+    if (finding) findings.push_back(*std::move(finding));
+  } else if (!scan.guard.empty()) {
+    GuardResult guard = judged_guard(engine.setup(), scan.guard.front(), result.maps, result.cloud);
+    result.guard = guard.epipolar;
+    std::ranges::move(guard.findings, std::back_inserter(findings));
   }
 }
 
@@ -313,6 +310,18 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
         converted<float>(measured_coordinates(*engine_, job.scan.frames, result.maps));
   }
   return result;
+}
+
+GuardResult compare_with_guard(const Scan& scan, const ReconstructSettings& settings) {
+  const bool is_possible = !scan.guard.empty() && scan.other_axis.empty() && scan.scanner &&
+                           has_coordinate(scan.sequence.strategy);
+  if (!is_possible) return {};
+
+  Engine engine(setup_for(scan, settings));
+  Cloud cloud;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, cloud, maps);
+  return judged_guard(engine.setup(), scan.guard.front(), maps, cloud);
 }
 
 Uncertainty ScanJob::uncertainty_of(const ScanResult& result, const FrameViews& frames) {

@@ -12,6 +12,7 @@
 
 #include "check/changing_light.h"
 #include "check/code_evidence.h"
+#include "check/contradicting_frame.h"
 #include "check/dark_frames.h"
 #include "check/frame_faults.h"
 #include "check/method_limits.h"
@@ -242,6 +243,8 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   if (light) return {std::move(light->finding)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
 
+  if (auto odd = contradicting_frame(scan, fit)) return {std::move(*odd)};
+
   std::vector<Finding> findings = method_limits(scan, fit);
   if (auto of_code = changed_light_of_code(scan)) findings.push_back(std::move(*of_code));
   return findings;
@@ -325,6 +328,8 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
     return;
   } else {
     name_broadly(fit, response_known, finding);
+    auto odd = fit.patterns_made() ? std::nullopt : contradicting_frame(scan, fit);
+    if (odd) finding = std::move(*odd);
   }
 
   result.findings.push_back(std::move(finding));

@@ -7,7 +7,7 @@
 namespace slipstream {
 namespace {
 
-/// Correlation of the lit pixels' frames with those of their neighbours at that place.
+/// Correlation between the frames of lit pixels and of their neighbours at that place.
 double correlation_with(const ScanSamples& samples, ScanSamples::Place place) {
   double product = 0, square_here = 0, square_there = 0;
 
@@ -29,7 +29,7 @@ double correlation_with(const ScanSamples& samples, ScanSamples::Place place) {
     square_there += samples.variation(there);
   }
 
-  // Without neighbours nothing is shown.
+  // Lit pixels without lit neighbours prove no noise.
   const double squares = square_here * square_there;
   return squares > 0 ? product / std::sqrt(squares) : 1;
 }

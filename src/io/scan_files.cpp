@@ -90,8 +90,8 @@ Scan taken_scan(const ScanFiles& files) {
 
   // Grey pictures; the order may leave out some of the folder's.
   const std::string what = files.sequence.strategy.name() + " with these steps and exposures";
-  LoadedFrames loaded =
-      read_frames(pattern_pictures(files, frame_count(files.sequence), what), files.bits);
+  LoadedFrames loaded = read_frames(pattern_pictures(files, frame_count(files.sequence), what),
+                                    files.bits, files.channel);
 
   scan.frames = std::move(loaded.frames);
   scan.warnings = std::move(loaded.warnings);
@@ -305,6 +305,7 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   ScanFiles second = scan_files_in(*files.second_camera, {.sequence = changes.sequence,
                                                           .order = changes.order,
                                                           .window = changes.window,
+                                                          .channel = changes.channel,
                                                           .scanner = changes.second_scanner});
 
   // A file that calibrates both cameras has no projector, so it is neither scan's own scanner.

@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
 #include "io/image_file.h"
+#include "slipstream/error.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::frame_pictures_test {
@@ -82,6 +84,46 @@ TEST(FramePictures, OfRealNumbersHaveTheRangeOfTheCamera) {
     EXPECT_NEAR(level_of(loaded, 7), 70, 1e-3) << step;
     EXPECT_EQ(loaded.warnings.size(), warnings) << step;
   }
+}
+
+/// Three pictures of 40, 120 and 200 grey levels, in that colour, 1 for all of a channel.
+std::vector<fs::path> pictures_under(const fs::path& folder, double red, double green,
+                                     double blue) {
+  std::vector<fs::path> paths;
+  for (const int level : {40, 120, 200}) {
+    const auto of = [level](double share) { return static_cast<std::uint8_t>(share * level); };
+    paths.push_back(folder / fmt::format("frame_{:03}.png", level));
+    write_image(paths.back(), Image<Colour>({40, 30}, Colour{of(red), of(green), of(blue)}));
+  }
+  return paths;
+}
+
+TEST(FramePictures, InColourAreReadByTheChannelThatTheLightReaches) {
+  const TemporaryFolder folder;
+
+  const LoadedFrames blue = read_frames(pictures_under(folder.path(), 0.05, 0.2, 1));
+  EXPECT_EQ(level_of(blue, 7), 40);
+  ASSERT_EQ(blue.warnings.size(), 1U) << "one for all pictures";
+  EXPECT_NE(blue.warnings.front().find("blue channel"), std::string::npos);
+
+  const LoadedFrames amber = read_frames(pictures_under(folder.path(), 1, 0.2, 0.05));
+  EXPECT_EQ(level_of(amber, 7), 40);
+
+  // White light, of a camera whose channels have other gains.
+  const LoadedFrames white = read_frames(pictures_under(folder.path(), 1, 0.9, 0.75));
+  EXPECT_NEAR(level_of(white, 7), 36.5, 1);
+  ASSERT_EQ(white.warnings.size(), 1U);
+  EXPECT_NE(white.warnings.front().find("converted to grey"), std::string::npos);
+}
+
+TEST(FramePictures, InColourAreReadByTheChosenChannelWithoutAWarning) {
+  const TemporaryFolder folder;
+  const std::vector<fs::path> paths = pictures_under(folder.path(), 0.5, 1, 0.25);
+
+  const LoadedFrames red = read_frames(paths, 0, grey_channel_named("red"));
+  EXPECT_EQ(level_of(red, 7), 20);
+  EXPECT_TRUE(red.warnings.empty());
+  EXPECT_THROW(grey_channel_named("infrared"), Error);
 }
 
 }  // namespace slipstream::frame_pictures_test

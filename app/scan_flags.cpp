@@ -156,7 +156,8 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
   };
   options.add_read<>("--camera-region", cut,
                      "part of the calibrated picture that the frames show, width x height + x + y, "
-                     "if the camera's region was set or the pictures were cropped since");
+                     "if the camera's region was set or the pictures were cropped since; frames of "
+                     "a half or a third of that size are taken for binned ones");
 
   add_scan_flags(subcommand, flags);
 }

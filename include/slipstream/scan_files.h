@@ -47,7 +47,8 @@ struct ScanFiles {
   std::optional<std::uint64_t> window{};
 
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
-  /// The part of the calibrated picture that the frames show; nullopt: all.
+  /// The part of the calibrated picture that the frames show; nullopt: all. If they are a whole
+  /// fraction of its size, their pixels join several (binning).
   std::optional<Rectangle> camera_region{};
 
   /// For colour pictures: a picture under uniform grey light, see unmixed.

@@ -17,10 +17,10 @@ struct LoadedFrames {
 };
 
 /// Reads frames: 8- or 16-bit grey, or TIFF of float (unquantised), whose levels are of 255, of
-/// `bits` or, with a warning, shares of 1. Converts colour to grey by `channel`, of which a warning
-/// tells unless it was chosen, except JPEG. `bits`: of the camera, for 16-bit files with fewer
-/// bits; 0: as the files declare. Throws Error with the file's name if one is missing, truncated,
-/// of another size or kind, or has several pages.
+/// `bits` or, with a warning, shares of 1. Converts colour to grey by `channel`, with a warning
+/// unless it was chosen; of JPEG reads the luminance. `bits`: of the camera, for 16-bit files with
+/// fewer bits; 0: as the files declare. Throws Error with the file's name if one is missing,
+/// truncated, of another size or kind, or has several pages.
 LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bits = 0,
                          GreyChannel channel = GreyChannel::by_light);
 

@@ -16,6 +16,7 @@
 #include "check/mistake_search.h"
 #include "check/scanner_faults.h"
 #include "check/unrelated_pixels.h"
+#include "check/wrapped_levels.h"
 
 namespace slipstream {
 namespace {
@@ -139,6 +140,11 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
 
   // Of noise, all other findings would mislead.
   if (auto noise = unrelated_pixels(samples)) return {.findings = {std::move(*noise)}, .order = {}};
+
+  if (auto wrapped = wrapped_levels(model.layout(), samples)) {
+    result.findings.push_back(std::move(*wrapped));
+    return result;
+  }
 
   // 3. Whether frames, sequence and scanner fit together, and if not, why.
   const Scanner* const known = scanner ? &*scanner : nullptr;

@@ -350,10 +350,11 @@ void add_reconstruct(const Commands& program) {
                 "cleaning")
       ->needs("--from");
 
-  command.exclude("--from", {"--windows", "--strategy", "--steps", "--high", "--low", "--frequency",
-                             "--periods", "--order", "--exposures", "--motion", "--gamma",
-                             "--camera-bits", "--keep-saturated", "--uncertainty", "--phase",
-                             "--modulation", "--mean", "--epipolar", "--motion-map"});
+  command.exclude(
+      "--from", {"--windows",   "--strategy",    "--steps",   "--high",           "--low",
+                 "--frequency", "--periods",     "--order",   "--exposures",      "--motion",
+                 "--gamma",     "--camera-bits", "--channel", "--keep-saturated", "--uncertainty",
+                 "--phase",     "--modulation",  "--mean",    "--epipolar",       "--motion-map"});
 
   command.common({"--output", "--mesh", "--depth", "--preview", "--scanner", "--strategy",
                   "--steps", "--high", "--low", "--projector"});

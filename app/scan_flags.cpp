@@ -117,6 +117,13 @@ void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
   group.add("--order", changes.order,
             "frame index of each pattern, from 0, e.g. 2,0,1; or 'code,sinusoids' if the code "
             "comes first");
+
+  const auto choose = [&changes](const std::string& name) {
+    changes.channel = grey_channel_named(name);
+  };
+  FlagGroup{subcommand}.add_read<>(
+      "--channel", choose,
+      "grey levels of colour pictures: auto (by the light), grey, red, green or blue");
 }
 
 bool is_pattern_switch(const std::string& word) {
@@ -149,7 +156,8 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
   };
   options.add_read<>("--camera-region", cut,
                      "part of the calibrated picture that the frames show, width x height + x + y, "
-                     "if the camera's region was set or the pictures were cropped since");
+                     "if the camera's region was set or the pictures were cropped since; frames of "
+                     "a half or a third of that size are taken for binned ones");
 
   add_scan_flags(subcommand, flags);
 }

@@ -15,12 +15,28 @@ namespace slipstream {
 
 class RecordingReader;
 
+/// The channel of colour pictures that becomes their grey levels.
+enum class GreyChannel {
+  by_light,  ///< grey, or the channel whose levels change clearly more: of coloured light
+  grey,      ///< by the weights of ITU-R BT.601
+  red,
+  green,
+  blue,
+};
+
+/// "red"; "auto" for by_light.
+std::string_view name_of(GreyChannel channel);
+
+/// Throws Error for any other name.
+GreyChannel grey_channel_named(std::string_view name);
+
 /// Description of a scan, from a scan.yaml or a recording, and its files.
 struct ScanFiles {
   std::filesystem::path path{};  ///< the folder or the recording
   bool described = false;        ///< whether the sequence is known
   Sequence sequence{};
   int bits = 0;                                 ///< of the camera; 0 if unknown
+  GreyChannel channel = GreyChannel::by_light;  ///< of colour pictures that show one pattern each
   std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
 
@@ -31,7 +47,8 @@ struct ScanFiles {
   std::optional<std::uint64_t> window{};
 
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
-  /// The part of the calibrated picture that the frames show; nullopt: all.
+  /// The part of the calibrated picture that the frames show; nullopt: all. If they are a whole
+  /// fraction of its size, their pixels join several (binning).
   std::optional<Rectangle> camera_region{};
 
   /// For colour pictures: a picture under uniform grey light, see unmixed.
@@ -66,6 +83,7 @@ struct ScanChanges {
 
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
+  std::optional<GreyChannel> channel{};
   std::optional<std::filesystem::path> scanner{};
   std::optional<Rectangle> camera_region{};
 

@@ -1,6 +1,7 @@
 #include "slipstream/board_capture.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 
 #include "base/throw_if-inl.h"
@@ -157,6 +158,21 @@ std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const Cali
   }
 }
 
+/// Reports light that changed within scans once: it is one camera's, and often in all of them.
+void join_changing_light(std::vector<Finding>& findings) {
+  const auto is_light = [](const Finding& finding) {
+    return finding.kind == FindingKind::changing_light;
+  };
+
+  const auto count = std::ranges::count_if(findings, is_light);
+  const auto first = std::ranges::find_if(findings, is_light);
+  if (count < 2) return;
+
+  first->subject += fmt::format(" and {} more scans", count - 1);
+  first->remark = "then capture the poses again";
+  findings.erase(std::remove_if(std::next(first), findings.end(), is_light), findings.end());
+}
+
 }  // namespace
 
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board, Scan along_x,
@@ -251,6 +267,8 @@ PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardSca
       report("");
     }
   }
+
+  join_changing_light(captures.findings);
   return captures;
 }
 

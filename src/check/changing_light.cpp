@@ -2,39 +2,53 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "base/statistics.h"
+#include "check/mistake_search.h"
+
 namespace slipstream {
 namespace {
 
-/// Relative gain of each frame, estimated from the unexplained components; the mean is 0.
+/// Inverse gains: frame n without the change is (1 - gains[n]) I_n. The mean is 0.
 struct FrameGains {
   /// The part of `all` that `others`, gains from other pixels, explain.
   [[nodiscard]] double explained_by(const Eigen::VectorXd& others) const {
     return others.dot(2 * right - normal * others);
   }
 
+  [[nodiscard]] double residual() const {
+    return variation > 0 ? std::sqrt(std::max(0.0, all / variation)) : 0;
+  }
+
   std::vector<int> frames{};  ///< of each gain
   Eigen::VectorXd gains;
   Eigen::MatrixXd normal;  ///< normal * gains = right, with residual `all`
   Eigen::VectorXd right;
-  double all = 0;
+  double all = 0, variation = 0;
 };
 
-/// A frame and its gain, relative to the mean of all.
+/// A frame and how much brighter it is than the usual one, a share, or a level of it.
 struct FrameGain {
   int frame = 0;
   double gain = 0;
 };
 
+double brightness_of(double inverse_gain) {
+  constexpr double largest = 0.95;
+  return 1 / (1 - std::min(inverse_gain, largest));
+}
+
 /// The frame whose gain alone explains nearly all, and more than any other's.
 std::optional<FrameGain> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
-  const auto& [frames, unused, normal, right, all] = gains;
+  const auto& [frames, unused, normal, right, all, variation] = gains;
   std::optional<FrameGain> best;
 
   double most = 0, second = 0;
@@ -44,88 +58,182 @@ std::optional<FrameGain> odd_frame(const FrameGains& gains) {
     second = std::max(second, std::min(share, most));
     if (share <= most) continue;
     most = share;
-    best = FrameGain{frames[n], right[n] / normal(n, n)};
+    best = FrameGain{frames[n], brightness_of(right[n] / normal(n, n)) - 1};
   }
 
   // The clearest frame must stand out from the second.
   return most >= least_share && most >= second + least_lead ? best : std::nullopt;
 }
 
+/// Whether frames contradict each other only at the coordinate that they give: their shapes explain
+/// any intensities if each may lie anywhere.
+bool is_compared_by_place(const FrameModel& model) {
+  const Layout& layout = model.layout();
+  const Band& band = measuring_band(layout);
+  return model.unexplained_count() == 0 && model.has_coordinate() && !layout.code &&
+         band.carrier == 0 && !band.cycle;
+}
+
 /// The frames that an unexplained component contains: not a code's whose bits are all there is.
-std::vector<int> compared_frames(const FrameModel& model) {
+std::vector<int> compared_frames(const FrameModel& model, bool by_place) {
   constexpr double least = 1e-6;
 
   std::vector<int> frames;
   for (int n = 0; n < model.layout().frames; ++n) {
-    if (model.unexplained_by(n, 1).norm() > least) frames.push_back(n);
+    if (by_place || model.unexplained_by(n, 1).norm() > least) frames.push_back(n);
   }
   return frames;
 }
 
-/// The gains from every other group, from `first` (0 or 1) on.
-FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
-  const std::vector<int> frames = compared_frames(model);
+/// The residual of a pixel's frames, and its derivative by the inverse gain of each: columns.
+struct PixelResidual {
+  Eigen::VectorXd left;
+  Eigen::MatrixXd by_gains;
+  double coordinate = 0;
+};
+
+/// Replaces `residual`. P I is 0 for true frames, so that gains leave P diag(I) gain.
+void read_residual(const FrameModel& model, const float* levels, const std::vector<int>& frames,
+                   SampleReading& reading, PixelResidual& residual) {
+  model.read(levels, model.identity(), reading);
+  residual.coordinate = reading.coordinate;
   const auto count = static_cast<Eigen::Index>(frames.size());
 
-  // P I is 0 for true frames, so gains leave P diag(I) gain. Both factors of each product come from
-  // different neighbours, which share no noise.
-  const FrameOrder order = model.identity();
+  if (is_compared_by_place(model)) {
+    residual.by_gains = model.unexplained_at(reading);
+    for (Eigen::Index i = 0; i < count; ++i) residual.by_gains.col(i) *= double{levels[i]};
+    residual.left = residual.by_gains.rowwise().sum();
+    return;
+  }
+
+  const auto rows = static_cast<Eigen::Index>(model.unexplained_count());
+  residual.left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
+  residual.by_gains.resize(rows, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    residual.by_gains.col(i) = model.unexplained_by(frames[i], double{levels[frames[i]]});
+  }
+}
+
+/// The gains from every other group, from `first` (0 or 1) on.
+FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
+  // Fields: pixels farther apart lie beside an edge, or have another fringe order.
+  constexpr double most_apart = 0.03;
+
+  const bool by_place = is_compared_by_place(model);
+  const std::vector<int> frames = compared_frames(model, by_place);
+  const auto count = static_cast<Eigen::Index>(frames.size());
+
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  double all = 0;
+  double all = 0, variation = 0;
 
   SampleReading reading;
-  const auto rows = static_cast<Eigen::Index>(model.unexplained_count());
-  const auto by_gains = [&](const float* levels, Eigen::MatrixXd& changes, Eigen::VectorXd& left) {
-    model.read(levels, order, reading);
-    left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      changes.col(i) = model.unexplained_by(frames[i], levels[frames[i]]);
-    }
-  };
+  PixelResidual a, b;
 
-  Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
-  Eigen::VectorXd left_a(rows), left_b(rows);
-
-  // Normal equations, each pair of neighbours used both ways round.
+  // Normal equations. Both factors of each product come from different neighbours, which share no
+  // noise; each pair is used both ways round.
   for (std::size_t g = first; g < samples.groups(); g += 2) {
     if (!samples.lit(g, ScanSamples::right)) continue;
 
-    by_gains(samples.levels(g, ScanSamples::middle), changes_a, left_a);
-    by_gains(samples.levels(g, ScanSamples::right), changes_b, left_b);
-    normal += changes_a.transpose() * changes_b + changes_b.transpose() * changes_a;
-    right += changes_a.transpose() * left_b + changes_b.transpose() * left_a;
-    all += 2 * left_a.dot(left_b);
+    const float* const levels = samples.levels(g, ScanSamples::middle);
+    read_residual(model, levels, frames, reading, a);
+    read_residual(model, samples.levels(g, ScanSamples::right), frames, reading, b);
+    if (by_place && std::abs(a.coordinate - b.coordinate) > most_apart) continue;
+
+    normal += a.by_gains.transpose() * b.by_gains + b.by_gains.transpose() * a.by_gains;
+    right += a.by_gains.transpose() * b.left + b.by_gains.transpose() * a.left;
+    all += 2 * a.left.dot(b.left);
+    variation += 2 * samples.variation(levels);
   }
 
   // A common gain is unobservable: fix the mean at 0.
-  const double held = normal.trace() / static_cast<double>(count);
+  const double held = normal.trace() / static_cast<double>(std::max<Eigen::Index>(1, count));
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
 
-  return {frames, gains, normal, right, all};
+  return {frames, gains, normal, right, all, variation};
 }
 
-}  // namespace
+/// Of frames that differ from the usual one; `limit`: of their gains.
+Finding finding_of(const std::vector<FrameGain>& gains, double limit) {
+  const auto [darkest, brightest] = std::ranges::minmax_element(gains, {}, &FrameGain::gain);
 
-std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
+  Finding finding{
+      .kind = FindingKind::changing_light,
+      .what =
+          fmt::format("frames are over {:.2g} % brighter or darker than the patterns", 100 * limit),
+      .causes = {{CauseKind::flicker,
+                  "light that flickers, or automatic exposure, gain or white balance"}},
+      .remedies = {{"switch off automatic exposure, gain and white balance; expose for whole "
+                    "periods of the mains and the projector"}}};
+
+  const auto add = [&](const FrameGain& of) {
+    finding.evidence.push_back(
+        {fmt::format("frame {}", of.frame), 100 * of.gain, "percent", 100 * limit});
+  };
+  if (std::abs(darkest->gain) > limit) add(*darkest);
+  if (std::abs(brightest->gain) > limit && brightest != darkest) add(*brightest);
+
+  for (const FrameGain& of : gains) {
+    if (std::abs(of.gain) > limit) finding.frames.push_back(of.frame);
+  }
+
+  return finding;
+}
+
+/// How much brighter each frame is than the median one.
+std::vector<FrameGain> relative_gains(const FrameGains& gains, const FrameGains& others) {
+  std::vector<FrameGain> relative;
+  std::vector<double> all;
+
+  for (Eigen::Index i = 0; i < gains.gains.size(); ++i) {
+    all.push_back(brightness_of((gains.gains[i] + others.gains[i]) / 2));
+    relative.push_back({gains.frames[i], all.back()});
+  }
+
+  const double usual = quantile(all, 0.5);
+  for (FrameGain& of : relative) of.gain = of.gain / usual - 1;
+  return relative;
+}
+
+/// The misfit of the scan without these gains; infinite if it does not fit.
+double misfit_without(const JudgedScan& scan, const std::vector<FrameGain>& gains) {
+  ScanSamples samples = scan.samples;
+  samples.change(samples.groups(), [&](float* I, double) {
+    for (const auto& [frame, gain] : gains) I[frame] /= static_cast<float>(1 + gain);
+  });
+
+  const Fit fit =
+      fit_of({scan.model, samples, scan.sequence, scan.scanner, scan.photometry, scan.settings});
+  return fit.all() ? fit.misfit() : std::numeric_limits<double>::infinity();
+}
+
+/// Light that changed by more than frames that redundancy compares allow.
+std::optional<ChangedLight> by_redundancy(const JudgedScan& scan, const Fit& fit) {
   // Correct scans sometimes leave more (a real skull: 0.0085), but gains explain at most 0.62 of
-  // it, at half a percent. Lamps and exposures do not change by more than most_gain.
-  constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
-  constexpr double most_gain = 0.3;
-  if (fit.frames.residual < least_residual) return std::nullopt;
+  // it, at half a percent. At their places frames are compared less exactly.
+  constexpr double least_residual = 0.003, least_gain = 0.025;
+  const bool by_place = is_compared_by_place(scan.model);
+  const double least_explained = by_place ? 0.6 : 0.7;
+
+  // Other faults look like larger gains, but these do not explain all of them.
+  constexpr double large_gain = 0.3, all_explained = 0.95;
+  if (!by_place && fit.frames.residual < least_residual) return std::nullopt;
 
   // Noise may look like gains: those of one half of the pixels must explain the other half.
   const FrameGains gains = frame_gains(scan.model, scan.samples, 0);
   const FrameGains others = frame_gains(scan.model, scan.samples, 1);
+  if (gains.frames.empty() || gains.residual() < least_residual) return std::nullopt;
 
   // The largest gain, its standard error from the two halves, and the share they explain.
-  const double size = (gains.gains + others.gains).cwiseAbs().maxCoeff() / 2;
+  std::vector<FrameGain> relative = relative_gains(gains, others);
+  double size = 0;
+  for (const FrameGain& of : relative) size = std::max(size, std::abs(of.gain));
+
   const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
   const double explained = (gains.explained_by(others.gains) + others.explained_by(gains.gains)) /
                            (gains.all + others.all);
-  if (!(explained >= least_explained && size >= least_gain && size <= most_gain &&
-        size >= 4 * error)) {
+  if (!(explained >= least_explained && size >= least_gain && size >= 4 * error)) {
     return std::nullopt;
   }
 
@@ -133,23 +241,181 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   // Motion may resemble flicker, but rarely of a single frame.
   if (scan.settings.moving && !odd) return std::nullopt;
 
-  Finding finding{
-      .kind = FindingKind::changing_light,
-      .what = fmt::format("frames are over {:g} % brighter or darker than the patterns",
-                          100 * least_gain),
-      .evidence = {{"the most", 100 * size, "percent", 100 * least_gain}},
-      .causes = {{CauseKind::flicker,
-                  "light that flickers, or an exposure or gain that changed between frames"}},
-      .remedies = {
-          {"fix exposure and gain; expose for whole periods of the mains and the projector"}}};
-
-  if (odd) {
-    finding.frames = {odd->frame};
-    finding.evidence = {
-        {fmt::format("frame {}", odd->frame), 100 * odd->gain, "percent", 100 * least_gain}};
+  const double misfit = misfit_without(scan, relative);
+  if (size > large_gain && (explained < all_explained || !std::isfinite(misfit))) {
+    return std::nullopt;
   }
 
-  return finding;
+  if (odd && std::abs(odd->gain) > least_gain) relative = {*odd};
+  ChangedLight changed{misfit, finding_of(relative, least_gain)};
+  if (size > large_gain) changed.finding.severity = Severity::wrong;
+  return changed;
+}
+
+/// The mean of each step over its pixels' means, and the standard error.
+struct StepMeans {
+  std::vector<double> means{};
+  double error = 0;
+  double periods = 0;  ///< of the part of the field where the pixels lie
+};
+
+StepMeans step_means(const JudgedScan& scan, const StepRun& run, double periods) {
+  StepMeans result{.means = std::vector<double>(run.steps)};
+  const FrameModel& model = scan.model;
+  const auto count = static_cast<double>(scan.samples.groups());
+  std::vector<double> squares(run.steps), coordinates;
+  SampleReading reading;
+
+  for (std::size_t g = 0; g < scan.samples.groups(); ++g) {
+    const float* const I = scan.samples.levels(g, ScanSamples::middle);
+    model.read(I, model.identity(), reading);
+    coordinates.push_back(reading.coordinate);
+
+    double sum = 0;
+    for (int n = 0; n < run.steps; ++n) sum += double{I[run.first + n]};
+    for (int n = 0; n < run.steps; ++n) {
+      const double ratio = run.steps * double{I[run.first + n]} / sum;
+      result.means[n] += ratio / count;
+      squares[n] += ratio * ratio / count;
+    }
+  }
+
+  for (int n = 0; n < run.steps; ++n) {
+    const double variance = squares[n] - result.means[n] * result.means[n];
+    result.error = std::max(result.error, std::sqrt(std::max(0.0, variance) / count));
+  }
+
+  result.periods = periods * (quantile(coordinates, 0.95) - quantile(coordinates, 0.05));
+  return result;
+}
+
+/// Of steps without redundancy: over several periods their frames have the same mean.
+std::optional<ChangedLight> by_means(const JudgedScan& scan) {
+  constexpr double least_gain = 0.1, deviations = 3, fewest_periods = 6;
+
+  // 1. Steps of plain sinusoids.
+  const Layout& layout = scan.model.layout();
+  const Band& band = measuring_band(layout);
+  const auto run = step_run(band);
+  const bool has_equal_means = run && !layout.cue && band.carrier == 0 && !band.cycle;
+  if (!has_equal_means || scan.model.unexplained_count() > 0 || !scan.model.has_coordinate() ||
+      scan.settings.moving || scan.samples.groups() == 0) {
+    return std::nullopt;
+  }
+
+  // 2. Parts of a period at either end of the visible field change the means, as chance does.
+  StepMeans found = step_means(scan, *run, band.periods);
+  if (found.periods < fewest_periods) return std::nullopt;
+  const double limit =
+      std::max(least_gain, 2 / (std::numbers::pi * found.periods) + deviations * found.error);
+
+  // 3. The frames that differ by more.
+  std::vector<double> means = found.means;
+  const double usual = quantile(means, 0.5);
+  std::vector<FrameGain> gains;
+  double most = 0;
+  for (int n = 0; n < run->steps; ++n) {
+    gains.push_back({run->first + n, found.means[n] / usual - 1});
+    most = std::max(most, std::abs(gains.back().gain));
+  }
+
+  if (most < limit) return std::nullopt;
+  return ChangedLight{misfit_without(scan, gains), finding_of(gains, limit)};
+}
+
+/// Whether a bit is brighter than half way between dark and bright as a ratio, by which a darker
+/// frame stays bright where it is.
+bool is_bright_in(const Code& code, const float* I, int frame) {
+  float least = I[code.frames.front()], greatest = least;
+  for (const int n : code.frames) {
+    least = std::min(least, I[n]);
+    greatest = std::max(greatest, I[n]);
+  }
+  return I[frame] >= std::sqrt(std::max(1.0F, least) * greatest);
+}
+
+/// Of a bit and its inverse, the difference as a share of the sum.
+double pair_contrast(const Code& code, const float* I, std::size_t bit) {
+  const double shown = I[code.frames[bit]], inverse = I[code.inverses[bit]];
+  return std::abs(shown - inverse) / std::max(1.0, shown + inverse);
+}
+
+/// The bright frame of each bit at a pixel, if it has one, and its level. With inverses the level
+/// is the sum of the pair, which blur leaves; a response does not, so that blurred bits are left
+/// out.
+std::vector<FrameGain> bright_frames(const Code& code, const float* I, std::size_t bits) {
+  constexpr double least_contrast = 0.8;  // of the pixel's sharpest bit
+  std::vector<FrameGain> bright;
+
+  if (code.inverses.empty()) {
+    for (std::size_t bit = 0; bit < bits; ++bit) {
+      const int shown = code.frames[bit];
+      if (is_bright_in(code, I, shown)) bright.push_back({shown, double{I[shown]}});
+    }
+    return bright;
+  }
+
+  double sharpest = 0;
+  for (std::size_t bit = 0; bit < bits; ++bit) {
+    sharpest = std::max(sharpest, pair_contrast(code, I, bit));
+  }
+
+  for (std::size_t bit = 0; bit < bits; ++bit) {
+    if (pair_contrast(code, I, bit) < least_contrast * sharpest) continue;
+    const int shown = code.frames[bit], inverse = code.inverses[bit];
+    bright.push_back({I[inverse] > I[shown] ? inverse : shown, double{I[shown]} + I[inverse]});
+  }
+
+  return bright;
+}
+
+}  // namespace
+
+std::optional<ChangedLight> changed_light(const JudgedScan& scan, const Fit& fit) {
+  // Brightness that changes between frames moves no bit that is compared with its inverse.
+  if (fit.code.bits_are_sure()) return std::nullopt;
+
+  auto changed = by_redundancy(scan, fit);
+  return changed ? changed : by_means(scan);
+}
+
+std::optional<Finding> changed_light_of_code(const JudgedScan& scan) {
+  // Without inverses, blur and light between surfaces change a bit's brightness as well.
+  constexpr double most = 0.2, most_without_inverses = 0.3;
+  constexpr std::size_t fewest_pixels = 32, too_fine = 2;
+
+  const auto& code = scan.model.layout().code;
+  if (!code) return std::nullopt;
+
+  const bool has_inverses = !code->inverses.empty();
+  std::size_t bits = code->frames.size();
+  if (!has_inverses) bits -= std::min(too_fine, bits);
+
+  // 1. Of each frame, its bright pixels over the usual brightness of each.
+  std::vector<std::vector<double>> ratios(scan.samples.frames());
+  for (std::size_t g = 0; g < scan.samples.groups(); ++g) {
+    const std::vector<FrameGain> bright =
+        bright_frames(*code, scan.samples.levels(g, ScanSamples::middle), bits);
+    if (bright.size() < 2) continue;
+
+    std::vector<double> levels;
+    for (const FrameGain& of : bright) levels.push_back(of.gain);
+    const double usual = quantile(levels, 0.5);
+    for (const auto& [frame, level] : bright) ratios[frame].push_back(level / usual);
+  }
+
+  // 2. The frames that differ.
+  const double limit = has_inverses ? most : most_without_inverses;
+  std::vector<FrameGain> gains;
+  double largest = 0;
+  for (int n = 0; n < scan.samples.frames(); ++n) {
+    if (ratios[n].size() < fewest_pixels) continue;
+    gains.push_back({n, quantile(ratios[n], 0.5) - 1});
+    largest = std::max(largest, std::abs(gains.back().gain));
+  }
+
+  if (largest <= limit) return std::nullopt;
+  return finding_of(gains, limit);
 }
 
 }  // namespace slipstream

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "check/fit.h"
@@ -8,8 +9,19 @@
 
 namespace slipstream {
 
-/// Detects light that changed between frames: one gain for each frame explains the residual.
-/// nullopt if it did not. `fit`: the result of fit_of.
-std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit);
+struct ChangedLight {
+  /// Misfit of the scan without the change; infinite if it does not fit then either.
+  double misfit = std::numeric_limits<double>::infinity();
+  Finding finding;
+};
+
+/// Detects light that changed between frames, as by flicker or automatic exposure: one gain for
+/// each frame explains the residual. nullopt if it did not, or for a code whose bits are sure.
+/// `fit`: the result of fit_of.
+std::optional<ChangedLight> changed_light(const JudgedScan& scan, const Fit& fit);
+
+/// Detects the same in the frames of a code, whose bright pixels are about as bright in every bit.
+/// A code tolerates most of it. nullopt without a code.
+std::optional<Finding> changed_light_of_code(const JudgedScan& scan);
 
 }  // namespace slipstream

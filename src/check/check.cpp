@@ -15,6 +15,8 @@
 #include "check/judged_scan.h"
 #include "check/mistake_search.h"
 #include "check/scanner_faults.h"
+#include "check/unrelated_pixels.h"
+#include "check/wrapped_levels.h"
 
 namespace slipstream {
 namespace {
@@ -135,6 +137,14 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   CheckSettings with_motion = settings;
   with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
   if (samples.groups() < ScanSamples::fewest_groups) return result;
+
+  // Of noise, all other findings would mislead.
+  if (auto noise = unrelated_pixels(samples)) return {.findings = {std::move(*noise)}, .order = {}};
+
+  if (auto wrapped = wrapped_levels(model.layout(), samples)) {
+    result.findings.push_back(std::move(*wrapped));
+    return result;
+  }
 
   // 3. Whether frames, sequence and scanner fit together, and if not, why.
   const Scanner* const known = scanner ? &*scanner : nullptr;

@@ -12,6 +12,7 @@
 
 #include "check/changing_light.h"
 #include "check/code_evidence.h"
+#include "check/contradicting_frame.h"
 #include "check/dark_frames.h"
 #include "check/frame_faults.h"
 #include "check/method_limits.h"
@@ -235,7 +236,7 @@ std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
 /// Of a scan that fits.
 std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
                                       std::optional<MixedFrames> mixed,
-                                      std::optional<Finding> flickering) {
+                                      std::optional<ChangedLight> light) {
   if (mixed) return {std::move(mixed->finding)};
 
   // With redundancy, a dark frame would not have fitted.
@@ -244,10 +245,14 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   }
 
   // Then the mistakes that are harder to see, and last the limits of the method.
-  // Brightness that changes between frames moves no bit that is compared with its inverse.
-  if (flickering && !fit.code.bits_are_sure()) return {std::move(*flickering)};
+  if (light) return {std::move(light->finding)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
-  return method_limits(scan, fit);
+
+  if (auto odd = contradicting_frame(scan, fit)) return {std::move(*odd)};
+
+  std::vector<Finding> findings = method_limits(scan, fit);
+  if (auto of_code = changed_light_of_code(scan)) findings.push_back(std::move(*of_code));
+  return findings;
 }
 
 /// Two explanations whose misfits differ by less explain a scan about as well.
@@ -281,7 +286,7 @@ void name_mistake(Explanation explanation, bool only_depths,
 /// Of a scan that does not fit: its symptom, and the likeliest cause, or a broad one if no specific
 /// one explains it.
 void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedFrames> mixed,
-                    std::optional<Finding> flickering, ScanFindings& result) {
+                    std::optional<ChangedLight> light, ScanFindings& result) {
   Finding finding = seen(fit);
   const bool only_depths = fit.frames_fit() && fit.geometry_fits();
   const bool response_known = scan.photometry.response.has_value();
@@ -320,17 +325,21 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
   std::vector<Finding> dark = dark_frames(scan, is_lost);
 
   // 3. The likeliest of all.
+  const bool by_light =
+      light && dark.empty() && (!explanation || light->misfit < explanation->misfit - nearly);
   if (mixed && dark.empty() && (!explanation || mixed->misfit < explanation->misfit - nearly)) {
     finding = std::move(mixed->finding);
+  } else if (by_light) {
+    finding = std::move(light->finding);
   } else if (explanation) {
     name_mistake(*std::move(explanation), only_depths, mixed, std::move(dark), result, finding);
   } else if (!dark.empty()) {
     result.findings = std::move(dark);
     return;
-  } else if (flickering) {
-    finding = std::move(*flickering);
   } else {
     name_broadly(fit, response_known, finding);
+    auto odd = fit.patterns_made() ? std::nullopt : contradicting_frame(scan, fit);
+    if (odd) finding = std::move(*odd);
   }
 
   result.findings.push_back(std::move(finding));
@@ -368,15 +377,15 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
   if (fit.geometry) result.median_depth = fit.geometry->median_depth;
 
   // 1. Causes that leave the settings right: changing light, and exposures out of step.
-  auto flickering = flicker(scan, fit);
+  auto light = changed_light(scan, fit);
 
   // A single brighter frame may resemble a share of another.
-  const bool one_frame = flickering && !flickering->frames.empty();
+  const bool one_frame = light && light->finding.frames.size() == 1;
   auto mixed = one_frame ? std::nullopt : mixed_frames(scan, fit);
 
   // 2. A scan that fits may still hide a fault.
   if (fit.all()) {
-    result.findings = remaining_faults(scan, fit, std::move(mixed), std::move(flickering));
+    result.findings = remaining_faults(scan, fit, std::move(mixed), std::move(light));
     return result;
   }
 
@@ -385,7 +394,7 @@ ScanFindings explain(const JudgedScan& scan, const Fit& fit) {
 
   // 4. Otherwise the symptom and its likeliest cause.
   if (result.findings.empty()) {
-    explain_misfit(scan, fit, std::move(mixed), std::move(flickering), result);
+    explain_misfit(scan, fit, std::move(mixed), std::move(light), result);
   }
 
   return result;

@@ -269,6 +269,26 @@ void FrameModel::fit_origin(SampleReading& reading) const {
   reading.origin_square = by.squaredNorm();
 }
 
+Eigen::MatrixXd FrameModel::unexplained_at(const SampleReading& reading) const {
+  constexpr double step = 1e-5;
+  SampleReading before = reading, after = reading;
+  before.coordinate -= step;
+  after.coordinate += step;
+
+  const auto shown = [&](int n, const SampleReading& at) {
+    return light_.empty() ? shape(n, at) : light(n, at);
+  };
+
+  // Columns: mean, modulation, coordinate.
+  Eigen::MatrixX3d known(layout_.frames, 3);
+  for (int n = 0; n < layout_.frames; ++n) {
+    known.row(n) << 1, shown(n, reading), (shown(n, after) - shown(n, before)) / (2 * step);
+  }
+
+  return Eigen::MatrixXd::Identity(layout_.frames, layout_.frames) -
+         known * (known.transpose() * known).ldlt().solve(known.transpose());
+}
+
 void FrameModel::explain(const float* levels, const FrameOrder& order,
                          SampleReading& reading) const {
   reading.unexplained.assign(unexplained_count(), 0);

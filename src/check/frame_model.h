@@ -88,6 +88,10 @@ class FrameModel {
     return complement_ * frames;
   }
 
+  /// Projection of a pixel's frames, in order, that removes its mean, its modulation and a small
+  /// change of the coordinate.
+  [[nodiscard]] Eigen::MatrixXd unexplained_at(const SampleReading& reading) const;
+
   /// Derivative of the unexplained components by the gain of frame n, from its intensity: a column.
   [[nodiscard]] Eigen::VectorXd unexplained_by(int n, double level) const {
     return level * complement_.col(n);

@@ -80,9 +80,10 @@ bool explains(const Fit& fit, const Fit& before, const PossibleMistake& mistake)
 
   // A large misfit of the patterns is a gamma's only if correcting that removes most of it. The
   // camera's response curve leaves some harmonics.
-  constexpr double large = 0.2, most_left = 0.6;
+  constexpr double large = 0.2, most_left = 0.6, most_left_of_small = 0.8;
   const double residual = before.frames.residual;
   if (residual > large && fit.frames.residual > most_left * residual) return false;
+  if (!before.patterns_made() && fit.frames.residual > most_left_of_small * residual) return false;
 
   return fit.bands_agree() && fit.code_agrees() && fit.no_seam() && fit.geometry_fits() &&
          fit.depths_fit() && fit.frames.residual <= before.frames.residual &&

@@ -50,6 +50,27 @@ struct Mixture {
 
 constexpr double half = 0.5;  // hides what alternates from frame to frame
 
+/// Of each frame, how bright its bright pixels are as a share of the brightest frame there; 1 if it
+/// has hardly any. A frame that differs has another exposure.
+std::vector<float> bright_levels(const ScanSamples& samples, std::size_t groups) {
+  constexpr double nearly_all = 0.95;
+  constexpr float darkest = 0.3F;
+
+  std::vector<float> levels;
+  for (int n = 0; n < samples.frames(); ++n) {
+    std::vector<float> shares;
+    for (std::size_t g = 0; g < groups; ++g) {
+      const float* const I = samples.levels(g, ScanSamples::middle);
+      shares.push_back(I[n] / *std::max_element(I, I + samples.frames()));
+    }
+
+    const float bright = shares.empty() ? 1.0F : quantile(shares, nearly_all);
+    levels.push_back(bright < darkest ? 1.0F : bright);
+  }
+
+  return levels;
+}
+
 /// The share in the frames of a code, 0 if unknown: bits unlike the bit before lose contrast, all
 /// of it at one half.
 double share_in_code(const FrameModel& model, const ScanSamples& samples) {
@@ -61,13 +82,16 @@ double share_in_code(const FrameModel& model, const ScanSamples& samples) {
   double sum = 0, weights = 0, without = 0, wide = 0;
   if (!code || code->base) return 0;  // edges of a common base are in all frames
 
+  const std::size_t groups = std::min(samples.groups(), most_groups);
+  const std::vector<float> bright = bright_levels(samples, groups);
+
   for (std::size_t bit = 1; bit < code->frames.size(); ++bit) {
     const int n = code->frames[bit], before = n - 1;
     if (before != code->frames[bit - 1]) continue;
 
     // Contrast of this bit where it is like the bit before and where it is not.
     double alike = 0, unlike = 0, alike_count = 0, unlike_count = 0;
-    for (std::size_t g = 0; g < std::min(samples.groups(), most_groups); ++g) {
+    for (std::size_t g = 0; g < groups; ++g) {
       const float* const I = samples.levels(g, ScanSamples::middle);
       const auto [least, greatest] = std::minmax_element(I, I + samples.frames());
 
@@ -81,7 +105,8 @@ double share_in_code(const FrameModel& model, const ScanSamples& samples) {
       // The coarser half of the bits has wide stripes.
       if (2 * bit > code->frames.size()) continue;
       wide += 1;
-      without += contrast < no_contrast ? 1 : 0;
+      const double exposed = std::abs(I[n] / bright[n] - middle) / (*greatest - *least);
+      without += std::max(contrast, exposed) < no_contrast ? 1 : 0;
     }
 
     // A share s of the bit before takes 2 s of the contrast where the bits differ.

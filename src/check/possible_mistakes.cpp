@@ -110,6 +110,9 @@ class Mistakes {
     }
 
     for (double gamma = 0.5; gamma < 3.05; gamma += 0.1) {
+      constexpr double least_off = 0.05;
+      if (std::abs(gamma - 1) < least_off) continue;
+
       PossibleMistake& mistake = add(
           CauseKind::gamma,
           fmt::format("the projector's gamma (with the camera's, about {:.1f}) is not corrected",

@@ -11,12 +11,15 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <fcntl.h>
@@ -262,15 +265,20 @@ std::uint64_t factor_of(TIFF* tiff) {
   }
 }
 
+std::uint16_t photometric_of(TIFF* tiff) {
+  std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
+  TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+  return photometric;
+}
+
 /// The layout of a picture of that size. Throws Error for other sample types.
 PictureKind kind_of(TIFF* tiff, Size size) {
   const auto samples = field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL);
   const auto format = field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT);
 
-  std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
-  TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
-
-  const bool grey = samples == 1 && photometric == PHOTOMETRIC_MINISBLACK;
+  const std::uint16_t photometric = photometric_of(tiff);
+  const bool inverted = photometric == PHOTOMETRIC_MINISWHITE;
+  const bool grey = samples == 1 && (photometric == PHOTOMETRIC_MINISBLACK || inverted);
   const bool coloured = photometric == PHOTOMETRIC_RGB && (samples == 3 || samples == 4) &&
                         field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_CONTIG;
 
@@ -278,8 +286,20 @@ PictureKind kind_of(TIFF* tiff, Size size) {
   const bool whole = format == SAMPLEFORMAT_UINT && (kind.bits == 8 || kind.bits == 16);
   const bool real = format == SAMPLEFORMAT_IEEEFP && (kind.bits == 32 || kind.bits == 64);
 
-  if ((whole && (grey || coloured)) || (real && grey)) return kind;
+  if ((whole && (grey || coloured)) || (real && grey && !inverted)) return kind;
   throw Error("unsupported pixel type; expected grey of 8 or 16 bits, or float");
+}
+
+/// Inverts a picture of whole numbers whose 0 is white.
+void invert_levels(Picture& picture) {
+  std::visit(
+      []<class Sample>(Image<Sample>& samples) {
+        if constexpr (std::is_integral_v<Sample>) {
+          constexpr Sample white = std::numeric_limits<Sample>::max();
+          for (Sample& sample : samples) sample = static_cast<Sample>(white - sample);
+        }
+      },
+      picture.samples);
 }
 
 /// Checks the size of a picture or tile before allocating memory.
@@ -406,6 +426,7 @@ Picture read_tiff(const InputFile& file, const TiffDirectories& directories,
                                        : read_lines(tiff.get(), picture),
           memory);
 
+  if (photometric_of(tiff.get()) == PHOTOMETRIC_MINISWHITE) invert_levels(picture);
   return picture;
 }
 

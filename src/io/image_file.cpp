@@ -2,25 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
-#include <exception>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 #include <variant>
 #include <vector>
 
-#include "base/numbers.h"
-#include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
 #include "io/compressed_pictures.h"
 #include "io/file.h"
+#include "io/picture_file.h"
 #include "io/pictures.h"
 #include "io/plain_pictures.h"
 #include "io/tiff_directories.h"
@@ -29,66 +24,8 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-using namespace std::string_view_literals;
-using Bytes = std::span<const std::uint8_t>;
-
 /// The number of floats in a HeightCurve.
 constexpr int members = sizeof(HeightCurve) / sizeof(float);
-
-using ReadPicture = Picture (*)(Bytes bytes, std::size_t frames);
-
-/// Readers by the files' first bytes.
-constexpr std::array<std::pair<std::string_view, ReadPicture>, 4> picture_formats{
-    {{"\x89PNG\r\n\x1a\n"sv, read_png},
-     {"\xff\xd8\xff"sv, read_jpeg},
-     {"BM"sv, read_bmp},
-     {"P"sv, read_pgm}}};
-
-/// Null if the bytes are not a picture.
-ReadPicture reader_of(Bytes bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto* const format = std::ranges::find_if(
-      picture_formats, [&](const auto& known) { return text.starts_with(known.first); });
-  if (format == picture_formats.end()) return nullptr;
-
-  // The first byte P alone is too little: a digit from 1 to 6 and a blank must follow.
-  const bool is_pgm = text.size() > 2 && text[1] >= '1' && text[1] <= '6' &&
-                      std::isspace(static_cast<unsigned char>(text[2])) != 0;
-
-  return format->second == read_pgm && !is_pgm ? nullptr : format->second;
-}
-
-/// The first bytes of a TIFF file, which is read page by page.
-bool is_tiff(const InputFile& file) {
-  std::array<char, 4> first{};
-  const bool read = file.size() > first.size() &&
-                    file.read(0, {{reinterpret_cast<std::uint8_t*>(first.data()), first.size()}});
-
-  // The byte order, II (little-endian) or MM, and then 42 ('*'), or 43 ('+') for BigTIFF.
-  const std::string_view magic(first.data(), first.size());
-  return read &&
-         (magic == "II*\0"sv || magic == "II+\0"sv || magic == "MM\0*"sv || magic == "MM\0+"sv);
-}
-
-/// A picture's file, and its page if the path names one.
-struct PicturePlace {
-  fs::path file;
-  std::optional<int> page{};
-};
-
-PicturePlace place_of(const fs::path& path) {
-  const std::string text = path.string();
-  const std::size_t bracket = text.rfind('[');
-  std::error_code unknown;
-
-  // A file whose name ends in brackets is that file.
-  if (!text.ends_with(']') || bracket == text.npos || fs::exists(path, unknown)) return {path};
-
-  const auto page =
-      number_in<int>(std::string_view(text).substr(bracket + 1, text.size() - bracket - 2));
-
-  return page && *page >= 0 ? PicturePlace{text.substr(0, bracket), page} : PicturePlace{path};
-}
 
 /// The pages of a TIFF file; empty for other endings and unreadable files. Throws Error if there
 /// are too many.
@@ -105,84 +42,6 @@ std::vector<int> pages_in(const fs::path& path) {
 
   throw_if(directories->too_many, "{}: {}", path.string(), directories->fault);
   return directories->fault.empty() ? directories->pages : std::vector<int>();
-}
-
-/// Reads one picture of a scan with `frames` pictures.
-Picture read_picture(const fs::path& path, std::size_t frames = 1) {
-  const auto [name, page] = place_of(path);
-  const InputFile file(name, largest_picture_file);
-
-  return naming(path.string(), [&, page = page] {
-    if (is_tiff(file)) return read_tiff(file, *tiff_directories(name, file), page, frames);
-    throw_if(page.has_value(), "{} is not a TIFF file, which alone has pages", name.string());
-
-    const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());
-    const std::span bytes(memory.get(), file.size());
-    if (!file.read(0, {bytes})) throw Error("became shorter while it was read");
-
-    const ReadPicture read = reader_of(bytes);
-    if (read == nullptr)
-      throw Error("not a picture; expected a complete PNG, TIFF, BMP, PGM or JPEG file");
-
-    return read(bytes, frames);
-  });
-}
-
-/// Applies `value` to the channels of each pixel of 8 or 16 bits; the result has the same bits.
-template <class Value>
-Picture each_pixel(const Picture& picture, const Value& value) {
-  Picture pixels({picture.kind.size, 1, picture.kind.bits});
-  pixels.used_bits = picture.used_bits;
-
-  std::visit(
-      [&]<class Sample>(Image<Sample>& image) {
-        if constexpr (std::is_integral_v<Sample>) {
-          const Sample* channels = std::get<Image<Sample>>(picture.samples).begin();
-          for (Sample& pixel : image) {
-            pixel = static_cast<Sample>(value(channels));
-            channels += picture.kind.channels;
-          }
-        }
-      },
-      pixels.samples);
-
-  return pixels;
-}
-
-/// A grey frame, or the red, green and blue frames of a colour picture. `count`: pictures of the
-/// scan.
-std::vector<Picture> frames_in(const fs::path& path, std::size_t count, bool in_colour,
-                               std::vector<std::string>& warnings) {
-  Picture picture = read_picture(path, count);
-  const PictureKind kind = picture.kind;
-  std::vector<Picture> frames;
-
-  naming(path.string(), [&] {
-    throw_if(in_colour && picture.lossy, "a JPEG, which blurs the colours; use PNG, TIFF or BMP");
-    throw_if(in_colour && kind.channels < 3,
-             "a grey picture; so few pictures must be in colour, with one frame in each channel");
-    if (kind.bits == 32) throw Error("unsupported pixels; frames are grey of 8 or 16 bits");
-
-    for (int channel = 0; in_colour && channel < 3; ++channel) {
-      frames.push_back(each_pixel(picture, [&](const auto* rgb) { return rgb[channel]; }));
-    }
-
-    if (!in_colour && kind.channels > 1) {
-      warnings.push_back(fmt::format("{}: a colour picture, converted to grey", path.string()));
-      picture = each_pixel(picture, [](const auto* rgb) {  // the weights of ITU-R BT.601
-        // 0.299, 0.587 and 0.114 in units of 2^-15, rounded by half a unit of the sum.
-        constexpr std::uint32_t half = 1U << 14;
-        return (9798U * rgb[0] + 19235U * rgb[1] + 3735U * rgb[2] + half) >> 15;
-      });
-    }
-
-    if (!in_colour) frames.push_back(std::move(picture));
-
-    require_scan_fits(count, frames.size() * frames.front().kind.row_bytes() *
-                                 static_cast<std::size_t>(kind.size.height));
-  });
-
-  return frames;
 }
 
 using PictureWriter = std::vector<std::uint8_t> (*)(const PictureView& picture);
@@ -231,80 +90,6 @@ Image<double> wide_image(const Picture& picture) {
                     picture.samples);
 }
 
-FrameSet frame_set_from(std::vector<Picture> frames, int bits) {
-  return std::visit(
-      [&]<class Pixel>(const Image<Pixel>&) -> FrameSet {
-        std::vector<Image<Pixel>> images;
-        for (Picture& frame : frames) {
-          images.push_back(std::get<Image<Pixel>>(std::move(frame.samples)));
-        }
-
-        if constexpr (!std::is_same_v<Pixel, float>) return {std::move(images), bits};
-        return {};  // frames are never 32-bit float
-      },
-      frames.front().samples);
-}
-
-/// A picture's frames, or the error.
-struct ReadFrames {
-  std::vector<Picture> frames;
-  std::vector<std::string> warnings;
-  std::exception_ptr failure;
-};
-
-/// Reads pictures on all threads.
-std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in_colour) {
-  std::vector<ReadFrames> pictures(paths.size());
-
-  for_each_row(static_cast<int>(paths.size()), [&](int n) {
-    const auto place = static_cast<std::size_t>(n);
-    auto& [frames, warnings, failure] = pictures[place];
-
-    try {
-      frames = frames_in(paths[place], paths.size(), in_colour, warnings);
-    } catch (...) {
-      failure = std::current_exception();
-    }
-  });
-
-  return pictures;
-}
-
-/// Reads all frames, in order; they must have one size and kind.
-LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour) {
-  LoadedFrames loaded;
-  std::vector<Picture> frames;
-  int used_bits = 0;
-
-  std::vector<ReadFrames> pictures = read_at_once(paths, in_colour);
-  for (std::size_t n = 0; n < paths.size(); ++n) {
-    auto& [read, warnings, failure] = pictures[n];
-    // The first failure in the order of the paths, whichever thread came first.
-    if (failure) std::rethrow_exception(failure);
-
-    std::move(read.begin(), read.end(), std::back_inserter(frames));
-    loaded.warnings.insert(loaded.warnings.end(), warnings.begin(), warnings.end());
-
-    const PictureKind &kind = frames.back().kind, &first = frames.front().kind;
-    loaded.lossy += frames.back().lossy ? 1 : 0;
-    used_bits = std::max(used_bits, frames.back().used_bits);
-
-    throw_if(kind.size != first.size,
-             "{} is {}, but {} is {}; all frames of a scan must have one size", paths[n].string(),
-             text_of(kind.size), paths.front().string(), text_of(first.size));
-    throw_if(kind.bits != first.bits,
-             "{} and {} have different pixel types; a scan must have one type", paths[n].string(),
-             paths.front().string());
-  }
-
-  if (frames.empty()) return loaded;
-  throw_if(bits > 8 && frames.front().kind.bits == 8,
-           "{}: an 8-bit picture, but the camera bits are set to {}", paths.front().string(), bits);
-
-  loaded.frames = frame_set_from(std::move(frames), bits == 0 ? used_bits : bits);
-  return loaded;
-}
-
 std::string in_base64(const std::vector<std::uint8_t>& bytes) {
   constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -350,14 +135,6 @@ std::vector<fs::path> with_pages(const std::vector<fs::path>& paths) {
 
 fs::path file_of_page(const fs::path& path) {
   return place_of(path).file;
-}
-
-LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
-  return read_alike(paths, bits, false);
-}
-
-FrameSet read_colour_frames(const std::vector<fs::path>& paths, int bits) {
-  return read_alike(paths, bits, true).frames;
 }
 
 void write_image(const fs::path& path, const Image<std::uint8_t>& image) {

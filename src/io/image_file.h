@@ -7,6 +7,7 @@
 
 #include "base/page.h"
 #include "geometry/height_calibration.h"
+#include "io/frame_pictures.h"
 #include "slipstream/frame_set.h"
 #include "slipstream/image.h"
 
@@ -25,23 +26,6 @@ std::vector<std::filesystem::path> with_pages(const std::vector<std::filesystem:
 
 /// The file that has the page FILE[N]; any other path unchanged.
 std::filesystem::path file_of_page(const std::filesystem::path& path);
-
-/// Frames read from files, and warnings, one line each.
-struct LoadedFrames {
-  FrameSet frames;
-  std::vector<std::string> warnings;
-  int lossy = 0;  ///< how many of the pictures are JPEG; no warning tells of them
-};
-
-/// Reads frames: 8- or 16-bit grey, or 64-bit float (unquantised) TIFF. Converts colour to grey
-/// with a warning, except of JPEG. `bits`: of the camera, for 16-bit files with fewer bits; 0: as
-/// the files declare. Throws Error with the file's name if one is missing, truncated, of another
-/// size or kind, or has several pages.
-LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
-
-/// Reads colour pictures as frames, three channels each: see colour_channels.h. Throws Error as
-/// read_frames, and for a grey picture or a JPEG.
-FrameSet read_colour_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
 
 /// Throws Error unless the ending supports colour: png, tif, tiff, bmp.
 void require_colour_ending(const std::filesystem::path& path);

@@ -90,8 +90,8 @@ Scan taken_scan(const ScanFiles& files) {
 
   // Grey pictures; the order may leave out some of the folder's.
   const std::string what = files.sequence.strategy.name() + " with these steps and exposures";
-  LoadedFrames loaded =
-      read_frames(pattern_pictures(files, frame_count(files.sequence), what), files.bits);
+  LoadedFrames loaded = read_frames(pattern_pictures(files, frame_count(files.sequence), what),
+                                    files.bits, files.channel);
 
   scan.frames = std::move(loaded.frames);
   scan.warnings = std::move(loaded.warnings);
@@ -141,13 +141,46 @@ std::optional<Scanner> scanner_of(const ScanFiles& files) {
   return std::nullopt;
 }
 
+/// The lens for pictures whose pixels join k by k of its own; the same lens if there is no whole k.
+Lens binned(Lens lens, Size pictures) {
+  if (pictures.width < 1 || pictures.height < 1) return lens;
+
+  const int k = lens.size.width / pictures.width;
+  const Size joined{lens.size.width / std::max(1, k), lens.size.height / std::max(1, k)};
+  if (k < 2 || joined != pictures) return lens;
+
+  // Pixel i joins pixels k i to k i + k - 1, whose middle is k i + (k - 1) / 2.
+  lens.intrinsic(0, 2) -= (k - 1) / 2.0;
+  lens.intrinsic(1, 2) -= (k - 1) / 2.0;
+  lens.intrinsic.topRows<2>() /= k;
+  lens.size = pictures;
+  return lens;
+}
+
+/// Throws Error if pictures look binned since the calibration and no region says so.
+void require_unbinned(const Scanner& scanner, Size pictures, const ScanFiles& files) {
+  const Size calibrated = scanner.camera.size;
+  if (calibrated == pictures || binned(scanner.camera, pictures).size != pictures) return;
+
+  throw Error(fmt::format(
+      "{}: calibrated with pictures of {}, but the frames are {}; if the camera has joined pixels "
+      "since, give the whole picture as `camera_region {}+0+0`",
+      files.scanner->string(), text_of(calibrated), text_of(pictures), text_of(calibrated)));
+}
+
 /// Adds the scanner; it must match the frames.
 void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& files) {
   if (!scanner) return;
-  if (files.camera_region) scanner->camera = part_of(scanner->camera, *files.camera_region);
 
-  scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
-                           files.sequence.projector);
+  const Size pictures = scan.frames.size();
+  if (files.camera_region) {
+    scanner->camera = binned(part_of(scanner->camera, *files.camera_region), pictures);
+  } else {
+    require_unbinned(*scanner, pictures, files);
+  }
+
+  scan.scanner =
+      completed(*std::move(scanner), files.scanner->string(), pictures, files.sequence.projector);
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
@@ -329,6 +362,7 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   ScanFiles second = scan_files_in(*files.second_camera, {.sequence = changes.sequence,
                                                           .order = changes.order,
                                                           .window = changes.window,
+                                                          .channel = changes.channel,
                                                           .scanner = changes.second_scanner});
 
   // A file that calibrates both cameras has no projector, so it is neither scan's own scanner.

@@ -408,6 +408,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   throw_if(files.bits != 0 && (files.bits < 8 || files.bits > 16),
            "`camera_bits {}` is out of range; expected 8 to 16", files.bits);
 
+  files.channel = changes.channel.value_or(files.channel);
   if (changes.scanner) files.scanner = changes.scanner;
   if (changes.camera_region) files.camera_region = changes.camera_region;
   if (changes.second_camera) files.second_camera = changes.second_camera;

@@ -37,47 +37,63 @@ SampledPictures sampled(const std::vector<fs::path>& pictures) {
   return levels;
 }
 
+constexpr double picture_noise = 6;  // grey levels
+
+/// Places whose levels differ by more than noise between some of the pictures; empty if too few.
+std::vector<std::size_t> lit_places(const SampledPictures& levels) {
+  constexpr double least_range = 4 * picture_noise;
+  constexpr std::size_t fewest = 100;
+
+  std::vector<std::size_t> lit;
+  for (std::size_t i = 0; i < levels.front().size(); ++i) {
+    double darkest = levels.front()[i], brightest = darkest;
+    for (const std::vector<double>& picture : levels) {
+      darkest = std::min(darkest, picture[i]);
+      brightest = std::max(brightest, picture[i]);
+    }
+    if (brightest - darkest >= least_range) lit.push_back(i);
+  }
+
+  return lit.size() < fewest ? std::vector<std::size_t>() : lit;
+}
+
+/// Whether two pictures are equal at nearly all lit places.
+bool are_equal(const std::vector<double>& a, const std::vector<double>& b,
+               const std::vector<std::size_t>& lit) {
+  constexpr double nearly_all = 0.95;
+  const auto same = std::ranges::count_if(
+      lit, [&](std::size_t i) { return std::abs(a[i] - b[i]) <= picture_noise; });
+  return static_cast<double>(same) >= nearly_all * static_cast<double>(lit.size());
+}
+
 /// The pictures that are likely no pattern, by index, each with the reason: the brightest or the
 /// darkest at nearly all lit places, or a repetition.
 std::vector<std::pair<int, std::string>> likely_extra(const SampledPictures& levels) {
-  constexpr double noise = 6, least_range = 4 * noise;  // grey levels
-  constexpr double nearly_all = 0.95;
-  constexpr std::size_t fewest = 100;
+  const std::vector<std::size_t> lit = lit_places(levels);
+  if (lit.empty()) return {};
 
-  // 1. The darkest and the brightest level of each place over all pictures. A place is lit if they
-  // differ by more than noise.
-  std::vector<std::size_t> lit;
+  // 1. The darkest and the brightest level of each place over all pictures.
   std::vector<double> darkest = levels.front(), brightest = darkest;
-
-  for (std::size_t i = 0; i < darkest.size(); ++i) {
-    for (const std::vector<double>& picture : levels) {
+  for (const std::vector<double>& picture : levels) {
+    for (std::size_t i = 0; i < picture.size(); ++i) {
       darkest[i] = std::min(darkest[i], picture[i]);
       brightest[i] = std::max(brightest[i], picture[i]);
     }
-
-    if (brightest[i] - darkest[i] >= least_range) lit.push_back(i);
   }
-
-  if (lit.size() < fewest) return {};
 
   // 2. Compares the pictures at the lit places. A pattern is neither the brightest nor the darkest
   // at nearly all of them, and no two patterns are equal.
-  const auto alike = [&](const std::vector<double>& a, const std::vector<double>& b) {
-    const auto same = std::count_if(lit.begin(), lit.end(),
-                                    [&](std::size_t i) { return std::abs(a[i] - b[i]) <= noise; });
-    return static_cast<double>(same) >= nearly_all * static_cast<double>(lit.size());
-  };
-
   std::vector<std::pair<int, std::string>> extra;
   for (auto picture = levels.begin(); picture != levels.end(); ++picture) {
-    const auto first = std::find_if(levels.begin(), picture,
-                                    [&](const auto& before) { return alike(before, *picture); });
+    const auto first = std::find_if(levels.begin(), picture, [&](const auto& before) {
+      return are_equal(before, *picture, lit);
+    });
 
     const int n = static_cast<int>(picture - levels.begin());
 
-    if (alike(*picture, brightest)) {
+    if (are_equal(*picture, brightest, lit)) {
       extra.emplace_back(n, "white");
-    } else if (alike(*picture, darkest)) {
+    } else if (are_equal(*picture, darkest, lit)) {
       extra.emplace_back(n, "black");
     } else if (first != picture) {
       extra.emplace_back(n, fmt::format("repeats frame {}", first - levels.begin()));
@@ -87,10 +103,38 @@ std::vector<std::pair<int, std::string>> likely_extra(const SampledPictures& lev
   return extra;
 }
 
+/// The first picture of each pattern if each was taken several times in a row; otherwise empty.
+/// Judges the first patterns.
+std::vector<int> first_of_repeats(const std::vector<fs::path>& pictures, int wanted) {
+  constexpr int most_times = 16, judged_patterns = 3;
+  const int count = static_cast<int>(pictures.size()), times = count / wanted;
+  if (count % wanted != 0 || times < 2 || times > most_times) return {};
+
+  const int judged = std::min(count, judged_patterns * times);
+  const SampledPictures levels = sampled({pictures.begin(), pictures.begin() + judged});
+  const std::vector<std::size_t> lit = lit_places(levels);
+  if (lit.empty()) return {};
+
+  // Equal to the picture before, unless it is the first of its pattern.
+  for (std::size_t n = 1; n < levels.size(); ++n) {
+    const bool is_first = n % static_cast<std::size_t>(times) == 0;
+    if (are_equal(levels[n - 1], levels[n], lit) == is_first) return {};
+  }
+
+  std::vector<int> order;
+  for (int pattern = 0; pattern < wanted; ++pattern) order.push_back(pattern * times);
+  return order;
+}
+
 /// Which pictures are too many, and what to do.
 std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
   constexpr int most_named = 8;  // more are several scans
   const int count = static_cast<int>(pictures.size()), surplus = count - wanted;
+
+  if (const std::vector<int> first = first_of_repeats(pictures, wanted); !first.empty()) {
+    return fmt::format("{} too many: each pattern was taken {} times; try `order {}`, one of each",
+                       surplus, count / wanted, fmt::join(first, ","));
+  }
 
   const auto extra = surplus <= most_named ? likely_extra(sampled(pictures))
                                            : std::vector<std::pair<int, std::string>>();

@@ -68,6 +68,34 @@ TEST(EveryStrategy, IsLeftInPeace) {
   }
 }
 
+// The first bit of a code, and a part of each sinusoid, is dark wherever the object is.
+TEST(ObjectsInHalfOfTheLight, AreLeftInPeace) {
+  VirtualWorld world{.scanner = example_scanner({640, 480})};
+  world.scene = scene_named("statue", world.scanner);
+  world.photometry = {.ambient = 3, .noise_variance = 1.5};
+
+  for (const Strategy& strategy :
+       {make_strategy("gray", {{"bits", 9}, {"reference", "inverse"}}),
+        make_strategy("gray", {{"bits", 9}, {"reference", "white-black"}}),
+        make_strategy("gray-phase", {}), make_strategy("multi-frequency", {})}) {
+    const VirtualScan taken =
+        take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
+    const Scan whole{.frames = taken.frames,
+                     .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+                     .scanner = as_calibrated(world)};
+
+    for (const bool first : {true, false}) {
+      Scan half = whole;
+      pixels(all_frames(half.frames.count()), [&](double level, int column, int row) {
+        const double y = taken.coordinate(column, row);
+        const bool is_lit = first ? y < 0.45 : y > 0.55;
+        return is_lit ? level : 3;
+      })(half);
+      EXPECT_EQ(told(check_scan(half)), "") << label_of(strategy) << ", first: " << first;
+    }
+  }
+}
+
 /// The scan as a camera writes it that sharpens: each pixel overshoots against its neighbours.
 void sharpen(Scan& scan) {
   Pictures pictures = pictures_of(scan);

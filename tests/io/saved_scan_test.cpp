@@ -14,6 +14,7 @@
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/scanner_file.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
@@ -45,6 +46,30 @@ void expect_same_frames(const FrameSet& a, const FrameSet& b) {
   for (std::size_t i = 0; i < of_a.pixel_count(); ++i) {
     ASSERT_NEAR(of_a.begin()[i], of_b.begin()[i], 1e-2);
   }
+}
+
+// Pixel 0 of the binned pictures joins pixels 0 and 1, whose middle is 0.5.
+TEST(SavedScan, OfACameraThatJoinsPixelsSinceTheCalibrationHasItsLens) {
+  const TemporaryFolder folder;
+  Scanner calibrated = scanner;
+  calibrated.camera.size = {96, 72};
+  calibrated.camera.intrinsic.topRows<2>() *= 2;
+  calibrated.camera.intrinsic(0, 2) += 0.5;
+  calibrated.camera.intrinsic(1, 2) += 0.5;
+
+  save_scan(folder.path() / "scan", some_scan().frames, sequence, std::nullopt);
+  const fs::path file = folder.path() / "larger.yaml";
+  write_scanner(file, calibrated);
+
+  ScanChanges changes{.scanner = file};
+  expect_error([&] { load_scan(folder.path() / "scan", changes); },
+               {"96x72", "48x36", "`camera_region 96x72+0+0`"});
+
+  changes.camera_region = Rectangle{0, 0, {96, 72}};
+  const Scan read = load_scan(folder.path() / "scan", changes);
+  ASSERT_TRUE(read.scanner);
+  EXPECT_TRUE(read.scanner->camera.intrinsic.isApprox(scanner.camera.intrinsic, 1e-9));
+  EXPECT_EQ(read.scanner->camera.size, scanner.camera.size);
 }
 
 TEST(SavedScan, ComesBackWhole) {

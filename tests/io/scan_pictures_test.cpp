@@ -104,6 +104,16 @@ TEST_F(ScanPictures, ARepeatedOneIsToo) {
   expect_error([&] { load("gray-phase"); }, {"1 too many, likely frame 10 (repeats frame 0)"});
 }
 
+TEST_F(ScanPictures, OfPatternsTakenSeveralTimesAreNamedWithAnOrder) {
+  const FrameSet patterns = frames_of(DualFrequency{});
+  add(reordered(joined({patterns, patterns, patterns}),
+                {0, 6, 12, 1, 7, 13, 2, 8, 14, 3, 9, 15, 4, 10, 16, 5, 11, 17}));
+  expect_error([&] { load("dual-frequency"); },
+               {"18 frames", "has 6", "12 too many", "each pattern was taken 3 times",
+                "`order 0,3,6,9,12,15`"});
+  expect_same(load("dual-frequency", "0,3,6,9,12,15").frames, patterns);
+}
+
 TEST_F(ScanPictures, OfAPoseOfTheBoardAreToo) {
   const Strategy gray = make_strategy("gray", {{"bits", "10"}, {"reference", "inverse"}});
   add(frames_of(gray));

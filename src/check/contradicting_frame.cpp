@@ -1,0 +1,112 @@
+#include "check/contradicting_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <fmt/ranges.h>
+
+namespace slipstream {
+namespace {
+
+/// Of each frame, the direction of its residual as a unit vector; 0 for frames that the patterns
+/// never contradict.
+std::vector<Eigen::VectorXd> directions_of(const FrameModel& model) {
+  constexpr double least = 1e-6;
+
+  std::vector<Eigen::VectorXd> directions;
+  for (int n = 0; n < model.layout().frames; ++n) {
+    Eigen::VectorXd direction = model.unexplained_by(n, 1);
+    const double length = direction.norm();
+    directions.emplace_back(length > least ? Eigen::VectorXd(direction / length)
+                                           : Eigen::VectorXd(0 * direction));
+  }
+  return directions;
+}
+
+/// The share of the residual that any change of each frame alone explains. Neighbours share no
+/// noise.
+std::vector<double> explained_shares(const JudgedScan& scan,
+                                     const std::vector<Eigen::VectorXd>& directions) {
+  std::vector<double> shares(directions.size());
+  double all = 0;
+
+  SampleReading here, next;
+  const auto rows = static_cast<Eigen::Index>(scan.model.unexplained_count());
+  for (std::size_t g = 0; g < scan.samples.groups(); ++g) {
+    if (!scan.samples.lit(g, ScanSamples::right)) continue;
+
+    const FrameOrder order = scan.model.identity();
+    scan.model.read(scan.samples.levels(g, ScanSamples::middle), order, here);
+    scan.model.read(scan.samples.levels(g, ScanSamples::right), order, next);
+
+    const Eigen::Map<const Eigen::VectorXd> left(here.unexplained.data(), rows);
+    const Eigen::Map<const Eigen::VectorXd> beside(next.unexplained.data(), rows);
+    all += left.dot(beside);
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+      shares[n] += left.dot(directions[n]) * beside.dot(directions[n]);
+    }
+  }
+
+  for (double& share : shares) share = all > 0 ? share / all : 0;
+  return shares;
+}
+
+Finding finding_about(const std::vector<int>& frames, double residual, double limit) {
+  // Beyond this no pixel is right.
+  constexpr double hopeless = 0.15;
+
+  const std::string which = frames.size() == 1
+                                ? fmt::format("frame {}", frames.front())
+                                : fmt::format("one of the frames {}", fmt::join(frames, ", "));
+
+  return {.kind = FindingKind::pattern_mismatch,
+          .severity = residual > hopeless ? Severity::wrong : Severity::doubtful,
+          .what = fmt::format("{} contradicts the others: over {:g} % of the frames' variation is "
+                              "unexplained",
+                              which, 100 * limit),
+          .evidence = {{.name = "left over, share of their variation",
+                        .value = residual,
+                        .limit = limit}},
+          .causes = {{CauseKind::unclear, "a frame out of focus, shaken, or lit by other light"}},
+          .remedies = {{"capture the scan again; hold camera, projector and object still, and "
+                        "switch off automatic focus"}},
+          .frames = frames};
+}
+
+}  // namespace
+
+std::optional<Finding> contradicting_frame(const JudgedScan& scan, const Fit& fit) {
+  // Correct scans leave 0.014, real ones of twelve steps 0.07 by no single frame.
+  constexpr double least_residual = 0.02, least_share = 0.9, most_of_others = 0.8;
+  constexpr double alike = 0.99;  // cosine of the angle between two frames' directions
+
+  const double residual = fit.frames.residual;
+  if (scan.settings.moving || residual < least_residual || scan.model.unexplained_count() < 2) {
+    return std::nullopt;
+  }
+
+  // 1. The frame that explains the residual best.
+  const std::vector<Eigen::VectorXd> directions = directions_of(scan.model);
+  const std::vector<double> shares = explained_shares(scan, directions);
+  const auto best = std::ranges::max_element(shares) - shares.begin();
+  if (shares[best] < least_share) return std::nullopt;
+
+  // 2. Those that the patterns cannot tell from it; all others must explain clearly less.
+  std::vector<int> frames;
+  for (std::size_t n = 0; n < shares.size(); ++n) {
+    if (std::abs(directions[n].dot(directions[best])) > alike) {
+      frames.push_back(static_cast<int>(n));
+    } else if (shares[n] > most_of_others) {
+      return std::nullopt;
+    }
+  }
+
+  if (2 * frames.size() > shares.size()) return std::nullopt;
+  return finding_about(frames, residual, least_residual);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,121 @@
+#include "check/changing_light.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/check.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_world.h"
+#include "tests/check/mistakes.h"
+
+namespace slipstream::changing_light_test {
+
+Scan scan_of(const Strategy& strategy) {
+  VirtualWorld world{.scanner = example_scanner({320, 240})};
+  world.scene = scene_named("statue", world.scanner);
+  world.photometry = {.ambient = 3, .noise_variance = 1.5};
+
+  const Sequence sequence{
+      .strategy = strategy, .axis = Axis::x, .projector = world.scanner.projector.size};
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+  return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
+}
+
+/// Gives frame n that gain; frames beyond the list are unchanged.
+Scan with_gains(Scan scan, const std::vector<double>& gains) {
+  const int count = std::min(scan.frames.count(), static_cast<int>(gains.size()));
+  for (int n = 0; n < count; ++n) {
+    const double gain = gains[static_cast<std::size_t>(n)];
+    pixels({n}, [gain](double level, int, int) { return gain * level; })(scan);
+  }
+  return scan;
+}
+
+Scan with_gain(Scan scan, int frame, double gain) {
+  pixels({frame}, [gain](double level, int, int) { return gain * level; })(scan);
+  return scan;
+}
+
+/// The finding about light, or one of another kind.
+Finding light_of(const Scan& scan, std::string& told) {
+  Finding found;
+  for (const Finding& finding : check_scan(scan).findings) {
+    told += text_of(finding) + "\n";
+    if (finding.kind == FindingKind::changing_light) found = finding;
+  }
+  return found;
+}
+
+TEST(ChangedLight, OfOneFrameIsToldBySize) {
+  for (const Strategy& strategy :
+       {make_strategy("dual-frequency", {{"steps", 4}}), make_strategy("pmp", {{"steps", 4}}),
+        make_strategy("gray-phase", {{"steps", 4}}), make_strategy("micro", {}),
+        make_strategy("pcmp", {})}) {
+    const Scan right = scan_of(strategy);
+
+    for (const double gain : {0.9, 0.95}) {
+      for (const int frame : {0, 2}) {
+        std::string told;
+        const Finding light = light_of(with_gain(right, frame, gain), told);
+
+        EXPECT_EQ(light.kind, FindingKind::changing_light)
+            << label_of(strategy) << ", frame " << frame << ", " << gain << ": " << told;
+        EXPECT_EQ(light.frames, std::vector<int>{frame}) << label_of(strategy) << ": " << told;
+        ASSERT_FALSE(light.evidence.empty()) << label_of(strategy);
+        EXPECT_NEAR(light.evidence.front().value, 100 * (gain - 1), 2.5) << label_of(strategy);
+      }
+    }
+  }
+}
+
+// An automatic exposure changes every frame, by more than lamps do.
+TEST(ChangedLight, OfAllFramesIsNotBlamedOnThePatterns) {
+  const std::vector<double> gains{1, 0.6, 0.9, 0.5, 0.8, 0.7, 0.95, 0.55, 0.85};
+  for (const Strategy& strategy :
+       {make_strategy("dual-frequency", {{"steps", 4}}),
+        make_strategy("dual-frequency", {{"steps", 3}}), make_strategy("pmp", {{"steps", 4}}),
+        make_strategy("multi-frequency", {})}) {
+    std::string told;
+    const Finding light = light_of(with_gains(scan_of(strategy), gains), told);
+
+    EXPECT_EQ(light.kind, FindingKind::changing_light) << label_of(strategy) << ": " << told;
+    EXPECT_EQ(light.severity, Severity::wrong) << label_of(strategy);
+    EXPECT_EQ(told.find("gamma"), std::string::npos) << label_of(strategy) << ": " << told;
+    EXPECT_NE(told.find("switch off automatic exposure"), std::string::npos) << told;
+  }
+}
+
+// Three steps of many periods have the same mean, though nothing else compares them.
+TEST(ChangedLight, OfThreeStepsIsToldByTheirMeans) {
+  const Scan right = scan_of(make_strategy("gray-phase", {{"steps", 3}}));
+  std::string told;
+  EXPECT_EQ(light_of(with_gain(right, 1, 0.75), told).frames, std::vector<int>{1}) << told;
+}
+
+TEST(ChangedLight, OfACodeIsAWarningAtMost) {
+  for (const char* const reference : {"inverse", "white-black"}) {
+    const Scan right = scan_of(make_strategy("gray", {{"bits", 9}, {"reference", reference}}));
+    const std::vector<double> gains{1, 1, 0.6, 1, 0.9, 1, 0.6};
+    const ScanFindings found = check_scan(with_gains(right, gains));
+
+    ASSERT_EQ(found.findings.size(), 1U) << reference;
+    EXPECT_EQ(found.findings.front().kind, FindingKind::changing_light) << reference;
+    EXPECT_FALSE(any_wrong(found.findings)) << reference;
+  }
+}
+
+// Bits that are darker than other frames as a whole are not mixed with the bit before.
+TEST(ChangedLight, OfHalfOfTheFramesIsNotCalledOutOfStep) {
+  const Scan right = scan_of(make_strategy("gray-phase", {{"steps", 4}}));
+  std::vector<double> gains(static_cast<std::size_t>(right.frames.count()), 0.6);
+  std::fill_n(gains.begin(), 5, 1.0);
+
+  EXPECT_FALSE(any_wrong(check_scan(with_gains(right, gains)).findings));
+}
+
+}  // namespace slipstream::changing_light_test

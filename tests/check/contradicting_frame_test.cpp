@@ -1,0 +1,72 @@
+#include "check/contradicting_frame.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/check.h"
+#include "slipstream/named_scenes.h"
+#include "slipstream/strategy.h"
+#include "slipstream/virtual_world.h"
+#include "tests/check/mistakes.h"
+
+namespace slipstream::contradicting_frame_test {
+
+Scan scan_of(const Strategy& strategy) {
+  VirtualWorld world{.scanner = example_scanner({320, 240})};
+  world.scene = scene_named("statue", world.scanner);
+  world.photometry = {.ambient = 3, .noise_variance = 1.5};
+
+  const Sequence sequence{
+      .strategy = strategy, .axis = Axis::x, .projector = world.scanner.projector.size};
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+  return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
+}
+
+/// Frame n as if the camera was pushed by so many pixels.
+Scan shaken(const Scan& right, int n, int columns) {
+  Pictures pictures = pictures_of(right);
+  Image<std::uint8_t>& picture = pictures[static_cast<std::size_t>(n)];
+  for (int row = 0; row < picture.height(); ++row) {
+    std::shift_right(picture.row(row), picture.row(row) + picture.width(), columns);
+  }
+
+  Scan scan = right;
+  scan.frames = FrameSet(std::move(pictures));
+  return scan;
+}
+
+/// What is said of frame n, or of no frame.
+std::vector<int> frames_named(const Scan& scan, std::string& told) {
+  std::vector<int> frames;
+  for (const Finding& finding : check_scan(scan).findings) {
+    told += text_of(finding) + "\n";
+    if (finding.kind == FindingKind::pattern_mismatch) frames = finding.frames;
+  }
+  return frames;
+}
+
+TEST(ContradictingFrame, IsNamedIfItWasShaken) {
+  for (const Strategy& strategy :
+       {make_strategy("dual-frequency", {{"steps", 5}}), make_strategy("pmp", {{"steps", 6}})}) {
+    const Scan right = scan_of(strategy);
+    for (const int frame : {1, 4}) {
+      std::string told;
+      EXPECT_EQ(frames_named(shaken(right, frame, 2), told), std::vector<int>{frame})
+          << label_of(strategy) << ": " << told;
+      EXPECT_EQ(told.find("gamma"), std::string::npos) << told;
+    }
+  }
+}
+
+// Four steps have one redundancy: it cannot tell every other frame apart.
+TEST(ContradictingFrame, IsOneOfTwoInFourSteps) {
+  const Scan right = scan_of(make_strategy("dual-frequency", {{"steps", 4}}));
+  std::string told;
+  EXPECT_EQ(frames_named(shaken(right, 1, 2), told), (std::vector{1, 3})) << told;
+}
+
+}  // namespace slipstream::contradicting_frame_test

@@ -1,5 +1,6 @@
 #include "python/bindings/arguments.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -12,6 +13,10 @@
 
 namespace slipstream::python {
 namespace {
+
+std::string as_text(const py::object& value) {
+  return py::str(value).cast<std::string>();
+}
 
 template <class Pixel>
 FrameViews views_of(const std::vector<py::object>& frames, int bits) {
@@ -77,10 +82,22 @@ BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
     views = views_of<double>(arrays, bits.value_or(8));
   } else {
     throw Error(fmt::format("frames: type {}; expected uint8, uint16 or float64",
-                            py::str(first.attr("dtype")).cast<std::string>()));
+                            as_text(first.attr("dtype"))));
   }
 
   return {std::move(arrays), std::move(views)};
+}
+
+std::string shown(const py::handle& value) {
+  if (py::isinstance<py::array>(value)) {
+    return fmt::format("an array of shape {} and type {}", as_text(value.attr("shape")),
+                       as_text(value.attr("dtype")));
+  }
+
+  constexpr std::size_t longest = 80;
+  py::object text = py::repr(value).attr("replace")("\n", " ");
+  if (py::len(text) <= longest) return as_text(text);
+  return as_text(text[py::slice(0, longest - 3, 1)]) + "...";
 }
 
 Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {}
@@ -94,7 +111,7 @@ void Keywords::require_none_left() const {
 }
 
 void Keywords::refuse(const char* name, const py::object& given) {
-  throw py::type_error(fmt::format("{} cannot be {}", name, py::repr(given).cast<std::string>()));
+  throw py::type_error(fmt::format("{} cannot be {}", name, shown(given)));
 }
 
 void take(Keywords& keywords, CleanSettings& clean) {

@@ -27,6 +27,10 @@ struct BorrowedFrames {
 /// not contiguous or the arrays are not frames.
 BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits);
 
+/// A value in one line for messages: of an array its shape and type, of others their repr, cut
+/// short.
+std::string shown(const py::handle& value);
+
 /// Keyword arguments, taken one by one.
 class Keywords {
  public:

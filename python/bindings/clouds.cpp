@@ -36,9 +36,10 @@ void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
 }
 
 /// From points rows x columns x 3, not finite if invalid.
-std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
+std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
                                       const std::optional<ArrayOf<float>>& intensity) {
-  throw_if(points.ndim() != 3 || points.shape(2) != 3, "points: expected rows x columns x 3");
+  throw_if(points.ndim() != 3 || points.shape(2) != 3,
+           "points: {}; expected rows x columns x 3, as points[None] of N x 3", shown(points));
 
   const auto axis = [&](int i) {
     return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));

@@ -7,6 +7,7 @@
 
 #include "python/bindings/arguments.h"
 #include "python/bindings/clouds.h"
+#include "python/bindings/given.h"
 #include "python/bindings/scans.h"
 #include "python/bindings/settings_help.h"
 #include "slipstream/scan_job.h"
@@ -67,20 +68,22 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
   });
 }
 
-std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bool anyway,
+std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& gamma, bool anyway,
                                          const py::kwargs& given) {
+  const std::string& name = scan.name;
   const ScanJobSettings settings{.reconstruct = settings_from<ReconstructSettings>(given),
                                  .gamma = gamma,
                                  .keep_refused = anyway};
 
-  const CheckedJob job = unlocked([&] { return checked_job(std::move(scan), settings, "scan"); });
-  refuse_or_warn(job.checked, "scan", anyway);
+  const CheckedJob job =
+      unlocked([&] { return checked_job(std::move(scan.thing), settings, name); });
+  refuse_or_warn(job.checked, name, anyway);
 
-  ScanResult made = unlocked([&] { return ScanJob(settings)(job, "scan"); });
+  ScanResult made = unlocked([&] { return ScanJob(settings)(job, name); });
   const auto found =
       made.checked.findings.begin() + static_cast<std::ptrdiff_t>(job.checked.findings.size());
   for (auto finding = found; finding != made.checked.findings.end(); ++finding) {
-    warn_of("scan", {text_of(*finding)});
+    warn_of(name, {text_of(*finding)});
   }
 
   // The doubts about the points are remarks of the cloud's files.
@@ -90,8 +93,9 @@ std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bo
   return result;
 }
 
-std::shared_ptr<Maps> decoded(const py::object& frames, const Sequence& sequence,
+std::shared_ptr<Maps> decoded(const py::object& frames, const Given<Sequence>& patterns,
                               std::optional<int> bits, const py::kwargs& given) {
+  const Sequence& sequence = patterns.thing;
   const auto settings = settings_from<ReconstructSettings>(given);
   const BorrowedFrames of = borrowed(frames, bits);
 
@@ -105,9 +109,10 @@ std::shared_ptr<Maps> decoded(const py::object& frames, const Sequence& sequence
 
 using EngineClass = py::class_<SharedEngine>;
 
-std::unique_ptr<SharedEngine> engine_from(const Scanner& scanner, const Sequence& sequence,
+std::unique_ptr<SharedEngine> engine_from(const Given<Scanner>& scanner,
+                                          const Given<Sequence>& sequence,
                                           const py::kwargs& given) {
-  const EngineSetup setup{scanner, sequence, settings_from<ReconstructSettings>(given)};
+  const EngineSetup setup{scanner.thing, sequence.thing, settings_from<ReconstructSettings>(given)};
   return unlocked([&] { return std::make_unique<SharedEngine>(setup); });
 }
 
@@ -222,7 +227,7 @@ void bind_reconstruct(py::module_& module) {
       Checks and refuses wrong frames, and warns of doubts about the points.
 
       Args:
-          scan (Scan): frames with their sequence and scanner.
+          scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.
           gamma (str): response correction: scanner (if present), blind (from the frames), none, or
               a gamma.
           anyway (bool): turns a refusal into remarks of the cloud.
@@ -249,7 +254,7 @@ void bind_decode(py::module_& module) {
 
       Args:
           frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
-          sequence (Sequence): pattern sequence.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
           bits (int | None): bits per pixel; of uint16 frames by default 16.
           {settings}
 
@@ -275,8 +280,8 @@ void bind_engine(py::module_& module) {
       Reconstructs scans of one scanner and sequence; builds tables once. Thread-safe.
 
       Args:
-          scanner (Scanner): calibration.
-          sequence (Sequence): pattern sequence.
+          scanner (Scanner | str | PathLike): calibration, or its file.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
           {settings}
 
       Raises:

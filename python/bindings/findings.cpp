@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "python/bindings/given.h"
 #include "slipstream/check.h"
 #include "slipstream/gamma.h"
 
@@ -92,8 +93,9 @@ Finding finding_of(const py::tuple& state) {
   return finding;
 }
 
-std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool moving,
+std::vector<Finding> findings_of(Given<Scan> given, double minimum_modulation, bool moving,
                                  const std::string& gamma) {
+  Scan& scan = given.thing;
   CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
 
   // With the response, and with its estimate if gamma is measured in this scan itself.
@@ -110,7 +112,7 @@ void bind_check(py::module_& module) {
       Checks whether the frames of a scan fit its sequence, its scanner and each other.
 
       Args:
-          scan (Scan): frames with their sequence and scanner.
+          scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.
           minimum_modulation (float): least modulation of a pixel, grey levels of 255.
           moving (bool): whether the scene moves.
           gamma (str): response correction: scanner (if present), blind (from the frames), none, or

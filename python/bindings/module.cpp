@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include "base/system_failure.h"
+#include "python/bindings/arguments.h"
 #include "python/bindings/calibration.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/engines.h"
@@ -35,6 +36,12 @@ void translate(std::exception_ptr failure) try {
   PyErr_SetObject(type.ptr(), error.ptr());
 }
 
+/// False for an object whose constructor failed, which debuggers may still see.
+bool is_constructed(const py::object& of) {
+  auto* const instance = reinterpret_cast<py::detail::instance*>(of.ptr());
+  return instance->get_value_and_holder().value_ptr() != nullptr;
+}
+
 void bind_errors(py::module_& module) {
   auto& error = py::register_exception<Error>(module, "Error", PyExc_ValueError);
   error.attr("__doc__") =
@@ -60,6 +67,10 @@ PYBIND11_MODULE(_slipstream, module) {
   module.attr("__name__") = "slipstream";
 
   bind_errors(module);
+
+  // For the package's Python files.
+  module.def("_shown", &shown);
+  module.def("_is_constructed", &is_constructed);
 
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
     if (most == 0) throw slipstream::Error("threads: 1 or more");

@@ -14,6 +14,7 @@
 
 #include "base/throw_if-inl.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/given.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
@@ -39,13 +40,15 @@ FrameSet copied(const FrameViews& frames) {
 }
 
 /// The scanner must fit the frames and the sequence; its projector is the sequence's.
-void set_scanner(Scan& scan, const Scanner& scanner) {
-  scan.scanner = completed(scanner, "scanner", scan.frames.size(), scan.sequence.projector);
+void set_scanner(Scan& scan, const Given<Scanner>& scanner) {
+  scan.scanner =
+      completed(scanner.thing, scanner.name, scan.frames.size(), scan.sequence.projector);
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
-Scan scan_from(const py::object& frames, const Sequence& sequence,
-               const std::optional<Scanner>& scanner, std::optional<int> bits) {
+Scan scan_from(const py::object& frames, const Given<Sequence>& patterns,
+               const std::optional<Given<Scanner>>& scanner, std::optional<int> bits) {
+  const Sequence& sequence = patterns.thing;
   const BorrowedFrames given = borrowed(frames, bits);
 
   throw_if(given.views.count() != frame_count(sequence), "a scan of {} frames is given {}",
@@ -61,25 +64,23 @@ Scan scan_from(const py::object& frames, const Sequence& sequence,
 using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
 
 /// Given values override those of the folder or the recording.
-Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
+Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
                  std::optional<std::uint64_t> window) {
   // 1. Overrides; a scanner may be a file or an object.
   ScanChanges changes{.order = order, .window = window, .bits = bits};
-  if (sequence) changes.sequence = changes_to(*sequence);
+  if (sequence) changes.sequence = changes_to(sequence->thing);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
 
   // 2. Reads the scan without the interpreter's lock.
   const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
 
-  if (scanner && scanner->index() == 0) set_scanner(scan, std::get<Scanner>(*scanner));
+  if (scanner && scanner->index() == 0) set_scanner(scan, {std::get<Scanner>(*scanner), "scanner"});
 
   // 3. Warns, which needs the lock again.
   const py::gil_scoped_acquire acquire;
-  warn_of("", scan.warnings);
-  for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
-
+  warn_of_files(scan);
   return scan;
 }
 
@@ -138,8 +139,8 @@ void bind_scan(py::module_& module) {
 
       Args:
           frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`; copied.
-          sequence (Sequence): pattern sequence.
-          scanner (Scanner | None): calibration; None if unknown.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
+          scanner (Scanner | str | PathLike | None): calibration, or its file; None if unknown.
           bits (int | None): bits per pixel; of uint16 frames by default 16.
 
       Raises:
@@ -191,7 +192,7 @@ void bind_scan_files(py::module_& module) {
 
       Args:
           path (str | PathLike): folder or recording.
-          sequence (Sequence | None): pattern sequence.
+          sequence (Sequence | Strategy | str | None): pattern sequence, or its strategy along x.
           scanner (Scanner | str | PathLike | None): calibration, or its file.
           bits (int | None): bits per pixel; of uint16 frames by default 16.
           order (str): of the frames in the files.
@@ -260,11 +261,35 @@ void warn_of(const std::string& name, const std::vector<std::string>& lines) {
   }
 }
 
+void warn_of_files(const Scan& scan) {
+  warn_of("", scan.warnings);
+  for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
+}
+
 void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool anyway) {
   if (!anyway) require_right(checked, name);
 
   for (const Finding& finding : checked.findings) warn_of(name, {text_of(finding)});
   warn_of(name, checked.repairs);
+}
+
+std::vector<py::object> each_scan(const py::object& scans) {
+  if (py::isinstance<Scan>(scans) || is_path(scans)) return {scans};
+
+  if (!py::isinstance<py::iterable>(scans)) {
+    throw py::type_error(
+        fmt::format("scans cannot be {}; expected Scans or their paths", shown(scans)));
+  }
+
+  std::vector<py::object> each;
+  for (const py::handle scan : scans) {
+    if (!py::isinstance<Scan>(scan) && !is_path(scan)) {
+      throw py::type_error(
+          fmt::format("scans cannot have {}; expected Scans or their paths", shown(scan)));
+    }
+    each.push_back(py::reinterpret_borrow<py::object>(scan));
+  }
+  return each;
 }
 
 std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma) {

@@ -22,9 +22,11 @@ import weakref as _weakref
 
 import numpy as _numpy
 
-from . import _slipstream
+from . import _arguments, _slipstream
 from ._slipstream import *  # noqa: F403
 from ._slipstream import __version__  # noqa: F401
+
+_arguments.explain(globals())
 
 
 class Validity(_enum.IntEnum):
@@ -140,6 +142,8 @@ _TEXTS = {
 
 def _text_of(self):
     name = type(self).__name__
+    if not _slipstream._is_constructed(self):
+        return f"<slipstream.{name} not constructed>"
     return f"<slipstream.{name} {_TEXTS[name](self)}>"
 
 

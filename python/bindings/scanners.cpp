@@ -49,8 +49,8 @@ Eigen::Matrix3d matrix_from(const std::string& name, const py::object& given) {
   return matrix;
 }
 
-/// A row or a column, as OpenCV has both, or one dimension; empty for None. Throws Error for another
-/// shape.
+/// A row or a column, as OpenCV has both, or one dimension; empty for None. Throws Error for
+/// another shape.
 std::vector<double> numbers_from(const std::string& name, const py::object& given) {
   if (given.is_none()) return {};
   const Array array = array_of_numbers(name, given);

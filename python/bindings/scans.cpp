@@ -41,6 +41,7 @@ FrameSet copied(const FrameViews& frames) {
 
 /// The scanner must fit the frames and the sequence; its projector is the sequence's.
 void set_scanner(Scan& scan, const Given<Scanner>& scanner) {
+  require_upright(scan.frames.size(), scanner.thing.camera.size);
   scan.scanner =
       completed(scanner.thing, scanner.name, scan.frames.size(), scan.sequence.projector);
   scan.sequence.projector = scan.scanner->projector.size;
@@ -49,7 +50,7 @@ void set_scanner(Scan& scan, const Given<Scanner>& scanner) {
 Scan scan_from(const py::object& frames, const Given<Sequence>& patterns,
                const std::optional<Given<Scanner>>& scanner, std::optional<int> bits) {
   const Sequence& sequence = patterns.thing;
-  const BorrowedFrames given = borrowed(frames, bits);
+  const BorrowedFrames given = borrowed(frames, bits, frame_count(sequence));
 
   throw_if(given.views.count() != frame_count(sequence), "a scan of {} frames is given {}",
            frame_count(sequence), given.views.count());
@@ -117,8 +118,8 @@ void bind_frames(py::module_& module) {
       The frames of a scan: read-only views, rows x columns.
 
       Functions that take frames also take one array, frames x rows x columns, or a list of arrays,
-      rows x columns: uint8, uint16, or float64 in grey levels of 255. Pixels of a row are adjacent.
-      They are not copied.
+      rows x columns: uint8, uint16, or float64 and float32 in grey levels of 255. Pixels of a row
+      are adjacent. Only float32 is copied.
 
       Example:
           >>> len(scan.frames), scan.frames[0].shape

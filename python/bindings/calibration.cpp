@@ -13,6 +13,7 @@
 #include "io/image_file.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/given.h"
+#include "python/bindings/keyword_names.h"
 #include "python/bindings/scans.h"
 #include "response/ambient_calibration.h"
 #include "response/gamma_calibration.h"
@@ -186,6 +187,12 @@ py::dict rms_of(const HeldCalibration& of) {
   return py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo);
 }
 
+py::dict unused_of(const HeldCalibration& of) {
+  py::dict reasons;
+  for (const auto& [name, why] : of.unused) reasons[py::str(name)] = with_keywords(why);
+  return reasons;
+}
+
 void bind_report(py::module_& module) {
   py::class_<HeldCalibration> report(module, "CalibrationReport", R"(
       A calibrated scanner and how well it fits the boards.
@@ -200,15 +207,14 @@ void bind_report(py::module_& module) {
   report.def_property_readonly(
       "poses", [](const HeldCalibration& of) { return names_of(of.found.poses); },
       "list[str]: names of the poses used.");
-  report.def_property_readonly(
-      "unused", [](const HeldCalibration& of) { return dict_of(of.unused); },
-      "dict[str, str]: reason for each pose not used.");
+  report.def_property_readonly("unused", &unused_of,
+                               "dict[str, str]: reason for each pose not used.");
   report.def_property_readonly("rms", &rms_of,
                                "dict[str, float]: reprojection error of camera, projector and "
                                "stereo, pixels.");
   report.def_readonly("findings", &HeldCalibration::findings, "list[Finding]: diagnostics.");
   report.def_property_readonly(
-      "text", [](const HeldCalibration& of) { return text_of(of.report()); },
+      "text", [](const HeldCalibration& of) { return with_keywords(text_of(of.report())); },
       "str: summary of a few lines.");
 
   report.def("write", &HeldCalibration::write, "path"_a, Unlocked(), R"(

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "python/bindings/given.h"
+#include "python/bindings/keyword_names.h"
 #include "slipstream/check.h"
 #include "slipstream/gamma.h"
 
@@ -33,6 +34,12 @@ py::list remedies_as_settings(const Finding& finding) {
   }
 
   return remedies;
+}
+
+/// A text about a finding, with the module's names.
+template <auto Text>
+std::string in_words(const Finding& finding) {
+  return with_keywords(Text(finding));
 }
 
 std::vector<std::string_view> cause_names(const Finding& finding) {
@@ -141,10 +148,10 @@ void bind_findings(py::module_& module) {
   finding.def_property_readonly(
       "kind", [](const Finding& of) { return name_of(of.kind); },
       "str: stable identifier, see docs/reference/findings.md.");
-  finding.def_property_readonly("what", &symptom_of, "str: observation.");
-  finding.def_property_readonly("likely", &causes_of, "str: probable causes in words.");
+  finding.def_property_readonly("what", in_words<&symptom_of>, "str: observation.");
+  finding.def_property_readonly("likely", in_words<&causes_of>, "str: probable causes in words.");
   finding.def_property_readonly("causes", &cause_names, "list[str]: their identifiers.");
-  finding.def_property_readonly("advice", &remedies_of, "str: remedies in words.");
+  finding.def_property_readonly("advice", in_words<&remedies_of>, "str: remedies in words.");
   finding.def_property_readonly("remedies", &remedies_as_settings,
                                 "list[dict[str, str]]: the settings of each, empty if only a "
                                 "person can do it.");
@@ -155,7 +162,7 @@ void bind_findings(py::module_& module) {
                                 "dict[str, float]: measured numbers by name.");
   finding.def_readonly("frames", &Finding::frames, "list[int]: those it is about, if only some.");
 
-  finding.def("__str__", [](const Finding& of) { return text_of(of); });
+  finding.def("__str__", [](const Finding& of) { return with_keywords(text_of(of)); });
   finding.def(py::pickle(&state_of, &finding_of));
 
   bind_check(module);

@@ -10,6 +10,7 @@
 #include "python/bindings/clouds.h"
 #include "python/bindings/engines.h"
 #include "python/bindings/findings.h"
+#include "python/bindings/keyword_names.h"
 #include "python/bindings/live.h"
 #include "python/bindings/scanners.h"
 #include "python/bindings/scans.h"
@@ -21,8 +22,8 @@
 namespace slipstream::python {
 namespace {
 
-/// File names too long or circular links become bad input, reported by the next translator; a
-/// refused scan an Error with its findings.
+/// File names too long or circular links become bad input; a refused scan an Error with its
+/// findings. All messages get the module's names, and the next translator reports them.
 void translate(std::exception_ptr failure) try {
   if (failure) std::rethrow_exception(failure);
 } catch (const std::filesystem::filesystem_error& error) {
@@ -31,9 +32,13 @@ void translate(std::exception_ptr failure) try {
   throw Error(message);
 } catch (const RefusedScan& refused) {
   const py::object type = py::module_::import("slipstream").attr("Error");
-  const py::object error = type(refused.what());
+  const py::object error = type(with_keywords(refused.what()));
   error.attr("findings") = refused.findings();
   PyErr_SetObject(type.ptr(), error.ptr());
+} catch (const Error& error) {
+  throw Error(with_keywords(error.what()));
+} catch (const WorldError& error) {
+  throw WorldError(with_keywords(error.what()));
 }
 
 /// False for an object whose constructor failed, which debuggers may still see.
@@ -70,6 +75,7 @@ PYBIND11_MODULE(_slipstream, module) {
 
   // For the package's Python files.
   module.def("_shown", &shown);
+  module.def("_with_keywords", &with_keywords);
   module.def("_is_constructed", &is_constructed);
 
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {

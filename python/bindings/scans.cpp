@@ -15,6 +15,7 @@
 #include "base/throw_if-inl.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/given.h"
+#include "python/bindings/keyword_names.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
@@ -62,14 +63,26 @@ Scan scan_from(const py::object& frames, const Given<Sequence>& patterns,
   return merged(std::move(scan));
 }
 
+/// Left, top, width and height.
+using CameraRegion = std::optional<std::array<int, 4>>;
 using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
 
 /// Given values override those of the folder or the recording.
 Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
-                 std::optional<std::uint64_t> window) {
+                 std::optional<std::uint64_t> window, const CameraRegion& camera_region,
+                 const std::optional<fs::path>& second_camera,
+                 const std::optional<fs::path>& second_scanner) {
   // 1. Overrides; a scanner may be a file or an object.
-  ScanChanges changes{.order = order, .window = window, .bits = bits};
+  ScanChanges changes{.order = order,
+                      .window = window,
+                      .bits = bits,
+                      .second_camera = second_camera,
+                      .second_scanner = second_scanner};
+  if (camera_region) {
+    const auto [left, top, width, height] = *camera_region;
+    changes.camera_region = Rectangle{left, top, {width, height}};
+  }
   if (sequence) changes.sequence = changes_to(sequence->thing);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
 
@@ -77,7 +90,11 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
   const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
 
-  if (scanner && scanner->index() == 0) set_scanner(scan, {std::get<Scanner>(*scanner), "scanner"});
+  if (scanner && scanner->index() == 0) {
+    Scanner given = std::get<Scanner>(*scanner);
+    if (changes.camera_region) given.camera = part_of(given.camera, *changes.camera_region);
+    set_scanner(scan, {given, "scanner"});
+  }
 
   // 3. Warns, which needs the lock again.
   const py::gil_scoped_acquire acquire;
@@ -134,6 +151,12 @@ void bind_frames(py::module_& module) {
                                "tuple[int, int]: width and height, pixels.");
 }
 
+std::vector<std::string> warnings_of(const Scan& scan) {
+  std::vector<std::string> warnings;
+  for (const std::string& line : scan.warnings) warnings.push_back(with_keywords(line));
+  return warnings;
+}
+
 void bind_scan(py::module_& module) {
   py::class_<Scan, std::shared_ptr<Scan>> scan(module, "Scan", R"(
       A copy of frames, their sequence, and their scanner if known; several exposures are merged.
@@ -165,7 +188,7 @@ void bind_scan(py::module_& module) {
                     "list[Scan]: the scan along y of one along both axes.");
   scan.def_readonly("further_cameras", &Scan::further_cameras,
                     "list[Scan]: scans by other cameras.");
-  scan.def_readonly("warnings", &Scan::warnings, "list[str]: of the files.");
+  scan.def_property_readonly("warnings", &warnings_of, "list[str]: of the files.");
 
   const auto save = [](const Scan& of, const fs::path& path) {
     save_scan(path, of.frames, of.sequence, of.scanner);
@@ -188,7 +211,8 @@ void bind_scan(py::module_& module) {
 void bind_scan_files(py::module_& module) {
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
-             "window"_a = py::none(), R"(
+             "window"_a = py::none(), "camera_region"_a = py::none(),
+             "second_camera"_a = py::none(), "second_scanner"_a = py::none(), R"(
       Loads a scan from a folder or a recording; arguments override its contents.
 
       Args:
@@ -198,6 +222,10 @@ void bind_scan_files(py::module_& module) {
           bits (int | None): bits per pixel; of uint16 frames by default 16.
           order (str): of the frames in the files.
           window (int | None): index of a recording's scan.
+          camera_region (tuple[int, int, int, int] | None): left, top, width and height, pixels, of
+              the part of the calibrated picture that the frames show.
+          second_camera (str | PathLike | None): folder or recording of a second camera.
+          second_scanner (str | PathLike | None): its scanner file.
 
       Returns:
           Scan
@@ -257,7 +285,8 @@ void bind_recording(py::module_& module) {
 
 void warn_of(const std::string& name, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) {
-    const std::string text = name.empty() ? line : name + ": " + line;
+    const std::string words = with_keywords(line);
+    const std::string text = name.empty() ? words : name + ": " + words;
     if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
   }
 }

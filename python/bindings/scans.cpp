@@ -9,10 +9,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
+#include "io/scan_folder.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/given.h"
 #include "python/bindings/keyword_names.h"
@@ -100,6 +104,50 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
   const py::gil_scoped_acquire acquire;
   warn_of_files(scan);
   return scan;
+}
+
+/// The frames as they were shown, those along y after those along x, and their sequence.
+std::pair<FrameViews, Sequence> as_shown(const Scan& scan) {
+  if (scan.other_axis.empty()) return {scan.frames.views(), scan.sequence};
+
+  const FrameViews other = scan.other_axis.front().frames.views();
+  Sequence both = scan.sequence;
+  both.both_axes = true;
+
+  const FrameViews frames =
+      scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& along_x) -> FrameViews {
+        Frames<Pixel> all = along_x;
+        other.visit([&]<class Other>(const Frames<Other>& along_y) {
+          // Both axes have pixels of the same type.
+          if constexpr (std::is_same_v<Pixel, Other>) {
+            all.insert(all.end(), along_y.begin(), along_y.end());
+          }
+        });
+        return {all, scan.frames.bits()};
+      });
+
+  return {frames, both};
+}
+
+/// Also the other axis and a second camera.
+void save(const Scan& scan, const fs::path& path) {
+  throw_if(
+      scan.exposures.size() > 1,
+      "{}: frames merged of {} exposures cannot be written as captured; copy the original scan",
+      path.string(), scan.exposures.size());
+  throw_if(scan.camera_pair.has_value(),
+           "{}: a calibration of two cameras is not written; copy the original scan",
+           path.string());
+  throw_if(!scan.further_cameras.empty() && lower_case_extension(path) == ".slip",
+           "{}: a recording holds one camera; save a scan of two to a folder", path.string());
+
+  const auto [frames, sequence] = as_shown(scan);
+  ScanFiles files = save_scan(path, frames, sequence, scan.scanner);
+  if (scan.further_cameras.empty()) return;
+
+  files.second_camera = path / "second";
+  save(scan.further_cameras.front(), *files.second_camera);
+  write_scan_files(path / "scan.yaml", files);
 }
 
 py::object frame_at(const py::object& self, int n) {
@@ -190,17 +238,14 @@ void bind_scan(py::module_& module) {
                     "list[Scan]: scans by other cameras.");
   scan.def_property_readonly("warnings", &warnings_of, "list[str]: of the files.");
 
-  const auto save = [](const Scan& of, const fs::path& path) {
-    save_scan(path, of.frames, of.sequence, of.scanner);
-  };
-
-  scan.def("save", save, "path"_a, Unlocked(), R"(
-      Writes a folder with scan.yaml, or a recording.
+  scan.def("save", &save, "path"_a, Unlocked(), R"(
+      Writes a folder with scan.yaml, or a recording; also the other axis and a second camera.
 
       Args:
-          path (str | PathLike): folder, or recording if it ends in .slip.
+          path (str | PathLike): folder, or recording of one camera if it ends in .slip.
 
       Raises:
+          Error: if exposures were merged, or if it is a recording and the scan of two cameras.
           WorldError: if it cannot be written.
 
       Example:

@@ -52,11 +52,11 @@ auto within(Outer Owner::*outer, Inner Outer::*inner) {
   return [=](const Owner& of) -> Inner { return (of.*outer).*inner; };
 }
 
-/// Several results by their names, as a types.SimpleNamespace.
+/// Several results by their names, as a types.SimpleNamespace that prints in one line.
 template <class... Named>
 py::object results(Named&&... named) {
   static const py::handle type =
-      py::object(py::module_::import("types").attr("SimpleNamespace")).release();
+      py::object(py::module_::import("slipstream").attr("_Results")).release();
   return type(std::forward<Named>(named)...);
 }
 

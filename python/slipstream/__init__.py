@@ -18,6 +18,7 @@ import enum as _enum
 import html as _html
 import pathlib as _pathlib
 import tempfile as _tempfile
+import types as _types
 import weakref as _weakref
 
 import numpy as _numpy
@@ -149,6 +150,21 @@ def _text_of(self):
 
 for _name in _TEXTS:
     globals()[_name].__repr__ = _text_of
+
+
+def _value_text(value):
+    if not isinstance(value, _numpy.ndarray):
+        return repr(value)
+    shape = " x ".join(map(str, value.shape))
+    return f"<{shape} {value.dtype}>"
+
+
+class _Results(_types.SimpleNamespace):
+    """Several results by their names, printed in one line: arrays by their shapes."""
+
+    def __repr__(self):
+        fields = (f"{name}={_value_text(value)}" for name, value in vars(self).items())
+        return f"namespace({', '.join(fields)})"
 
 
 # Notebooks and other modules.

@@ -50,8 +50,8 @@ def refusal(title, signature, doc, given, named):
     # 1. Too many of them, or with an unknown name.
     if len(given) > len(in_order):
         names = ", ".join(f"{name}=..." for name in kinds)
-        return (f"{title}: {len(given)} arguments without a name, expected {len(in_order)} at most; "
-                f"name them: {names}")
+        advice = f"; name them: {names}" if names else ""
+        return f"{title}: takes {len(in_order)} arguments without a name, not {len(given)}{advice}"
 
     for name in named:
         if name not in in_order + only_named and not arguments.kwarg:
@@ -77,26 +77,43 @@ def refusal(title, signature, doc, given, named):
     return f"{title}: cannot take {got}; expected {expected}"
 
 
+def is_from_pybind(message):
+    return re.match(r"\w*\(\): incompatible ", message)
+
+
 def explained(call, explanation):
-    """The same function, with a TypeError of one line where pybind11 refuses its arguments."""
+    """The same function, with another TypeError where the explanation of its message has one."""
     @functools.wraps(call)
     def explaining(*given, **named):
         try:
             return call(*given, **named)
         except TypeError as error:
-            if not re.match(r"\w*\(\): incompatible ", str(error)):
+            message = explanation(str(error), given, named)
+            if message is None:
                 raise
-            raise TypeError(explanation(given, named)) from None
+            raise TypeError(message) from None
     return explaining
 
 
 def explained_call(title, call, doc):
     signature = call.__doc__.partition("\n")[0]
-    return explained(call, functools.partial(refusal, title, signature, doc))
+
+    def explanation(message, given, named):
+        if is_from_pybind(message):
+            return refusal(title, signature, doc, given, named)
+
+        # A setting of **kwargs.
+        name = message.partition(" cannot be ")[0]
+        kind = types_in(doc).get(name)
+        return f"{message}; expected {kind}" if kind and "; expected " not in message else None
+
+    return explained(call, explanation)
 
 
 def explained_property(name, member):
-    def explanation(given, _):
+    def explanation(message, given, _):
+        if not is_from_pybind(message):
+            return None
         kind = member.__doc__.partition(":")[0]
         return f"{name} cannot be {_slipstream._shown(given[1])}; expected {kind}"
 

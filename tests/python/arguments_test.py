@@ -101,6 +101,9 @@ def refusal_of(call, *arguments, **named):
     (slipstream.load_scan, (numpy.zeros((3, 4)),), {},
      "load_scan(): path cannot be an array of shape (3, 4) and type float64; expected str | "
      "PathLike"),
+    (slipstream.Sequence, ("pmp",), {"projector": "1280x800"},
+     "projector cannot be '1280x800'; expected tuple[int, int]"),
+    (slipstream.design, (), {"frames": "few"}, "frames cannot be 'few'; expected int"),
     (slipstream.Strategy, (3,), {}, "Strategy(): name cannot be 3; expected str"),
     (slipstream.Sequence, (["pmp"],), {},
      "Sequence(): strategy cannot be ['pmp']; expected Strategy | str"),
@@ -123,7 +126,9 @@ def test_the_wrong_argument_of_a_method_is_named(small):
 
 def test_arguments_without_a_name_are_counted():
     assert refusal_of(slipstream.Scanner, numpy.eye(3)).startswith(
-        "Scanner(): 1 arguments without a name, expected 0 at most; name them: camera_matrix=...")
+        "Scanner(): takes 0 arguments without a name, not 1; name them: camera_matrix=...")
+    assert refusal_of(slipstream.strategy_names, 1) == (
+        "strategy_names(): takes 0 arguments without a name, not 1")
 
 
 CALLS = [name for name, bound in vars(slipstream).items()

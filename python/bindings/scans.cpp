@@ -329,10 +329,14 @@ void bind_recording(py::module_& module) {
 }  // namespace
 
 void warn_of(const std::string& name, const std::vector<std::string>& lines) {
+  // The caller of the function of this module, which _arguments.py wraps.
+  constexpr int stack_level = 2;
+
   for (const std::string& line : lines) {
     const std::string words = with_keywords(line);
     const std::string text = name.empty() ? words : name + ": " + words;
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), stack_level) != 0)
+      throw py::error_already_set();
   }
 }
 

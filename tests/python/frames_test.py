@@ -107,6 +107,7 @@ def test_an_engine_warns_once_of_dark_frames_and_never_of_others(engine, stack):
         for frames in [stack, stack * 0, stack * 0]:
             engine.cloud_and_maps(frames)
     assert len(caught) == 1
+    assert caught[0].filename == __file__  # the line of the user
 
 
 def test_told_bits_give_the_points(engine, stack):

@@ -107,7 +107,9 @@ def explained_call(title, call, doc):
         kind = types_in(doc).get(name)
         return f"{message}; expected {kind}" if kind and "; expected " not in message else None
 
-    return explained(call, explanation)
+    explaining = explained(call, explanation)
+    explaining.__qualname__ = title.removesuffix("()")  # pickle looks for it there
+    return explaining
 
 
 def explained_property(name, member):

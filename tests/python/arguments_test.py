@@ -1,6 +1,7 @@
 """Things are also given by their paths and labels, and a wrong argument is named in one line."""
 
 import inspect
+import pickle
 
 import numpy
 import pytest
@@ -145,6 +146,11 @@ def test_every_refusal_is_one_line(name):
 
 def test_a_failed_constructor_leaves_something_to_print():
     assert repr(slipstream.Live.__new__(slipstream.Live)) == "<slipstream.Live not constructed>"
+
+
+def test_functions_go_to_other_processes():
+    for call in [slipstream.reconstruct, slipstream.Cloud.write]:
+        assert pickle.loads(pickle.dumps(call)) is call
 
 
 def test_lists_are_points():

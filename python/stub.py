@@ -133,11 +133,12 @@ class Stub:
 
     def function(self, place, member):
         name, doc = place.rpartition(".")[2], inspect.cleandoc(member.__doc__)
-        if inspect.isfunction(member):
-            signature = f"{name}{inspect.signature(member)}"
-        else:
+        if doc.startswith(f"{name}("):  # written by pybind11
             signature, _, doc = doc.partition("\n")
-        return with_docstring(self.head(place, signature, doc.strip()), doc.strip())
+        else:
+            signature = f"{name}{inspect.signature(member)}"
+        lines = with_docstring(self.head(place, signature, doc.strip()), doc.strip())
+        return ["@staticmethod", *lines] if isinstance(member, staticmethod) else lines
 
     def attribute(self, name, member):
         kind = in_full(member.__doc__.partition(":")[0])

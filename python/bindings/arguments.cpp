@@ -1,5 +1,6 @@
 #include "python/bindings/arguments.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -8,10 +9,15 @@
 
 #include "base/throw_if-inl.h"
 #include "frames/pattern_windows.h"
+#include "python/bindings/given.h"
 #include "slipstream/frame_set.h"
 
 namespace slipstream::python {
 namespace {
+
+std::string as_text(const py::object& value) {
+  return py::str(value).cast<std::string>();
+}
 
 template <class Pixel>
 FrameViews views_of(const std::vector<py::object>& frames, int bits) {
@@ -34,20 +40,59 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
   return {views, bits};
 }
 
-std::vector<py::object> arrays_in(const py::object& frames) {
-  std::vector<py::object> arrays;
-  throw_if(py::isinstance<py::array>(frames) && frames.attr("ndim").cast<int>() != 3,
-           "frames: expected one array of frames x rows x columns");
+/// Advice on an array that is not frames x rows x columns.
+std::string advice_on_stack(const py::array& stack, int count) {
+  const py::ssize_t dimensions = stack.ndim();
+  const bool is_colour = dimensions == 4 && (stack.shape(3) == 3 || stack.shape(3) == 4);
+  if (is_colour) return "; of colours give one channel, as numpy.ascontiguousarray(frames[..., 1])";
 
+  const bool has_count_last =
+      dimensions == 3 && count != 0 && stack.shape(2) == count && stack.shape(0) != count;
+  if (has_count_last) return ", as numpy.ascontiguousarray(numpy.moveaxis(frames, -1, 0))";
+  return "";
+}
+
+std::string advice_on_picture(const py::array& picture) {
+  const bool is_colour = picture.ndim() == 3 && (picture.shape(2) == 3 || picture.shape(2) == 4);
+  return is_colour ? "; of colours give one channel, as numpy.ascontiguousarray(frame[..., 1])"
+                   : "";
+}
+
+/// One array of `count` frames, if that is not 0, or several arrays of one frame.
+std::vector<py::object> arrays_in(const py::object& frames, int count) {
+  throw_if(is_path(frames), "frames: {}; expected arrays: `load_scan()` reads files",
+           shown(frames));
+
+  if (py::isinstance<py::array>(frames)) {
+    const auto stack = py::reinterpret_borrow<py::array>(frames);
+    const std::string advice = advice_on_stack(stack, count);
+    throw_if(stack.ndim() != 3 || !advice.empty(), "frames: {}; expected frames x rows x columns{}",
+             shown(stack), advice);
+  }
+
+  if (!py::isinstance<py::iterable>(frames)) {
+    throw py::type_error(fmt::format("frames cannot be {}; expected arrays", shown(frames)));
+  }
+
+  std::vector<py::object> arrays;
   for (const py::handle frame : frames) {
+    throw_if(is_path(frame), "frames: {}; expected arrays: `load_scan()` reads files",
+             shown(frame));
+
     const py::array array = py::array::ensure(frame);
     if (!array) throw py::error_already_set();
-    if (array.ndim() != 2) throw Error("frames: expected arrays of rows x columns");
+    throw_if(array.ndim() != 2, "frames: one is {}; expected rows x columns{}", shown(array),
+             advice_on_picture(array));
     arrays.push_back(array);
   }
 
   if (arrays.empty()) throw Error("frames: empty");
   return arrays;
+}
+
+bool is_narrow_float(const py::object& array) {
+  const std::string type = as_text(array.attr("dtype"));
+  return type == "float32" || type == "float16";
 }
 
 }  // namespace
@@ -61,11 +106,16 @@ Image<float> image_from(const ArrayOf<float>& array) {
   return image;
 }
 
-BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
+BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits, int count) {
   if (py::isinstance<FrameSet>(frames)) return {{frames}, frames.cast<const FrameSet&>().views()};
 
-  std::vector<py::object> arrays = arrays_in(frames);
+  std::vector<py::object> arrays = arrays_in(frames, count);
   FrameViews views;
+
+  // Real numbers are decoded with 64 bits.
+  for (py::object& array : arrays) {
+    if (is_narrow_float(array)) array = array.attr("astype")("float64");
+  }
 
   // All arrays must have the first one's type.
   const py::object& first = arrays.front();
@@ -76,11 +126,32 @@ BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
   } else if (py::isinstance<py::array_t<double>>(first)) {
     views = views_of<double>(arrays, bits.value_or(8));
   } else {
-    throw Error(fmt::format("frames: type {}; expected uint8, uint16 or float64",
-                            py::str(first.attr("dtype")).cast<std::string>()));
+    throw Error(fmt::format("frames: type {}; expected uint8, uint16, float32 or float64",
+                            as_text(first.attr("dtype"))));
   }
 
   return {std::move(arrays), std::move(views)};
+}
+
+void require_upright(Size frames, Size camera) {
+  const bool exchanged = frames.width != frames.height && frames.width == camera.height &&
+                         frames.height == camera.width;
+  throw_if(exchanged,
+           "frames: {} rows and {} columns, but the scanner's camera_size is ({}, {}): width and "
+           "height are exchanged in one of them; camera_size is (columns, rows)",
+           frames.height, frames.width, camera.width, camera.height);
+}
+
+std::string shown(const py::handle& value) {
+  if (py::isinstance<py::array>(value)) {
+    return fmt::format("an array of shape {} and type {}", as_text(value.attr("shape")),
+                       as_text(value.attr("dtype")));
+  }
+
+  constexpr std::size_t longest = 80;
+  py::object text = py::repr(value).attr("replace")("\n", " ");
+  if (py::len(text) <= longest) return as_text(text);
+  return as_text(text[py::slice(0, longest - 3, 1)]) + "...";
 }
 
 Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {}
@@ -94,7 +165,7 @@ void Keywords::require_none_left() const {
 }
 
 void Keywords::refuse(const char* name, const py::object& given) {
-  throw py::type_error(fmt::format("{} cannot be {}", name, py::repr(given).cast<std::string>()));
+  throw py::type_error(fmt::format("{} cannot be {}", name, shown(given)));
 }
 
 void take(Keywords& keywords, CleanSettings& clean) {

@@ -23,9 +23,17 @@ struct BorrowedFrames {
 };
 
 /// Takes `Frames`, one array frames x rows x columns, or a list of arrays rows x columns: uint8,
-/// uint16 of `bits` (default 16), or float64. Copies nothing. Throws Error if a row's pixels are
-/// not contiguous or the arrays are not frames.
-BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits);
+/// uint16 of `bits` (default 16), float64 or float32. Copies only float32. `count`: the expected
+/// number, to say which axis of an array has it; 0: any. Throws Error if a row's pixels are not
+/// contiguous or the arrays are not frames.
+BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits, int count = 0);
+
+/// Throws Error if the frames would fit the camera with width and height exchanged.
+void require_upright(Size frames, Size camera);
+
+/// A value in one line for messages: of an array its shape and type, of others their repr, cut
+/// short.
+std::string shown(const py::handle& value);
 
 /// Keyword arguments, taken one by one.
 class Keywords {

@@ -52,21 +52,11 @@ auto within(Outer Owner::*outer, Inner Outer::*inner) {
   return [=](const Owner& of) -> Inner { return (of.*outer).*inner; };
 }
 
-/// Pairs of a name and a value as a dict.
-template <class Pairs>
-py::dict dict_of(const Pairs& pairs) {
-  py::dict named;
-
-  // Keys from std::string or const char*.
-  for (const auto& [name, value] : pairs) named[py::str(name)] = value;
-  return named;
-}
-
-/// Several results by their names, as a types.SimpleNamespace.
+/// Several results by their names, as a types.SimpleNamespace that prints in one line.
 template <class... Named>
 py::object results(Named&&... named) {
   static const py::handle type =
-      py::object(py::module_::import("types").attr("SimpleNamespace")).release();
+      py::object(py::module_::import("slipstream").attr("_Results")).release();
   return type(std::forward<Named>(named)...);
 }
 

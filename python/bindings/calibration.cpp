@@ -12,6 +12,8 @@
 #include "decode/phase_decoder.h"
 #include "io/image_file.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/given.h"
+#include "python/bindings/keyword_names.h"
 #include "python/bindings/scans.h"
 #include "response/ambient_calibration.h"
 #include "response/gamma_calibration.h"
@@ -32,9 +34,9 @@ py::object found_gamma(const py::object& frames, int steps, int first, std::opti
                  "refusal"_a = found.accepted() ? "" : reason_of(found.refusal));
 }
 
-ScanAverage average_of(const py::iterable& scans, bool of_gamma) {
+ScanAverage average_of(const py::object& scans, bool of_gamma) {
   ScanAverage average;
-  for (const py::handle of : scans) {
+  for (const py::object& of : each_scan(scans)) {
     const auto [scan, name] = checked_scan(of, of_gamma);
     if (!of_gamma) require_ambient_measurable(scan, name);
     average.add(scan, name);
@@ -42,7 +44,7 @@ ScanAverage average_of(const py::iterable& scans, bool of_gamma) {
   return average;
 }
 
-py::object calibrated_gamma(const py::iterable& scans, double minimum_modulation) {
+py::object calibrated_gamma(const py::object& scans, double minimum_modulation) {
   const ScanAverage average = average_of(scans, true);
   const auto found = unlocked([&] { return calibrate_gamma(average, minimum_modulation); });
 
@@ -52,9 +54,9 @@ py::object calibrated_gamma(const py::iterable& scans, double minimum_modulation
                  "misfit"_a = found.misfit);
 }
 
-py::object calibrated_noise(const py::iterable& scans) {
+py::object calibrated_noise(const py::object& scans) {
   std::vector<NoiseScan> read;
-  for (const py::handle of : scans) read.emplace_back(checked_scan(of, false).first);
+  for (const py::object& of : each_scan(scans)) read.emplace_back(checked_scan(of, false).first);
 
   const std::vector<NoiseMeasurement> all = unlocked([&] { return calibrate_noise(read); });
 
@@ -72,7 +74,7 @@ py::object calibrated_noise(const py::iterable& scans) {
                  "measurements"_a = measurements);
 }
 
-py::object calibrated_ambient(const py::iterable& scans, double least_alpha,
+py::object calibrated_ambient(const py::object& scans, double least_alpha,
                               const std::optional<MeasuredResponse>& measured) {
   const ScanAverage average = average_of(scans, false);
 
@@ -140,7 +142,7 @@ HeldCalibration calibrated(const fs::path& folder, const std::optional<fs::path>
   const CalibrationBoard board = board_from(keywords);
 
   ScanChanges changes;
-  std::optional<Sequence> sequence;
+  std::optional<Given<Sequence>> sequence;
   std::string first_axis = "x";
   std::vector<std::string> excluded;
   BoardCaptureSettings capture;
@@ -153,7 +155,7 @@ HeldCalibration calibrated(const fs::path& folder, const std::optional<fs::path>
                 "print_deviation", model.print_deviation);
   keywords.require_none_left();
 
-  if (sequence) changes.sequence = changes_to(*sequence);
+  if (sequence) changes.sequence = changes_to(sequence->thing);
 
   // 2. Reads the poses and calibrates, without the interpreter's lock.
   PoseCaptures captures;
@@ -185,6 +187,12 @@ py::dict rms_of(const HeldCalibration& of) {
   return py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo);
 }
 
+py::dict unused_of(const HeldCalibration& of) {
+  py::dict reasons;
+  for (const auto& [name, why] : of.unused) reasons[py::str(name)] = with_keywords(why);
+  return reasons;
+}
+
 void bind_report(py::module_& module) {
   py::class_<HeldCalibration> report(module, "CalibrationReport", R"(
       A calibrated scanner and how well it fits the boards.
@@ -199,15 +207,14 @@ void bind_report(py::module_& module) {
   report.def_property_readonly(
       "poses", [](const HeldCalibration& of) { return names_of(of.found.poses); },
       "list[str]: names of the poses used.");
-  report.def_property_readonly(
-      "unused", [](const HeldCalibration& of) { return dict_of(of.unused); },
-      "dict[str, str]: reason for each pose not used.");
+  report.def_property_readonly("unused", &unused_of,
+                               "dict[str, str]: reason for each pose not used.");
   report.def_property_readonly("rms", &rms_of,
                                "dict[str, float]: reprojection error of camera, projector and "
                                "stereo, pixels.");
   report.def_readonly("findings", &HeldCalibration::findings, "list[Finding]: diagnostics.");
   report.def_property_readonly(
-      "text", [](const HeldCalibration& of) { return text_of(of.report()); },
+      "text", [](const HeldCalibration& of) { return with_keywords(text_of(of.report())); },
       "str: summary of a few lines.");
 
   report.def("write", &HeldCalibration::write, "path"_a, Unlocked(), R"(
@@ -255,7 +262,8 @@ void bind_gamma_calibrations(py::module_& module) {
       A scanner's response, best from scans with 8 steps or more.
 
       Args:
-          scans (Iterable[Scan | str | PathLike]): scans of one static scene, or their paths.
+          scans (Iterable[Scan | str | PathLike] | Scan | str | PathLike): scans of one static
+              scene, or their paths.
           minimum_modulation (float): least modulation of a pixel, grey levels of 255.
 
       Returns:
@@ -280,7 +288,8 @@ void bind_light_calibrations(py::module_& module) {
       A scanner's noise variance and gain.
 
       Args:
-          scans (Iterable[Scan | str | PathLike]): scans of one static scene, or their paths.
+          scans (Iterable[Scan | str | PathLike] | Scan | str | PathLike): scans of one static
+              scene, or their paths.
 
       Returns:
           SimpleNamespace: noise.
@@ -306,7 +315,8 @@ void bind_light_calibrations(py::module_& module) {
       Ambient light, from scans of a bright surface.
 
       Args:
-          scans (Iterable[Scan | str | PathLike]): scans of one static scene, or their paths.
+          scans (Iterable[Scan | str | PathLike] | Scan | str | PathLike): scans of one static
+              scene, or their paths.
           least_alpha (float): least reflectivity of a pixel.
           response (Response | None): from pattern values to light; None if unknown.
 
@@ -424,7 +434,7 @@ void bind_geometry_calibration(py::module_& module) {
               grid.
           marker_side (float, default 0.75): squares.
           marker_bits (int, default 4): of ArUco: 4 to 7 squared.
-          sequence (Sequence | None, default None): pattern sequence.
+          sequence (Sequence | Strategy | str | None, default None): pattern sequence.
           first_axis (Literal["x", "y"], default 'x'): axis of the first frames if folders do not
               tell.
           excluded (typing.Sequence[str], default []): poses to ignore.

@@ -14,6 +14,7 @@
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/scans.h"
 #include "python/bindings/settings_help.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/spatial_unwrapping.h"
@@ -36,9 +37,10 @@ void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
 }
 
 /// From points rows x columns x 3, not finite if invalid.
-std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
+std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
                                       const std::optional<ArrayOf<float>>& intensity) {
-  throw_if(points.ndim() != 3 || points.shape(2) != 3, "points: expected rows x columns x 3");
+  throw_if(points.ndim() != 3 || points.shape(2) != 3,
+           "points: {}; expected rows x columns x 3, as points[None] of N x 3", shown(points));
 
   const auto axis = [&](int i) {
     return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));
@@ -136,8 +138,17 @@ py::bytes preview_of(const HeldCloud& of) {
 }
 
 std::shared_ptr<HeldCloud> loaded_cloud(const fs::path& path) {
+  StoredCloud stored = unlocked([&] { return read_cloud(path); });
+
+  constexpr double harmless = 0.001;  // mm
+  if (stored.rounding > harmless) {
+    warn_of("", {fmt::format("{}: its coordinates are rounded to 32 bits, by up to {:.2g} mm; "
+                             "subtract a common offset from them first",
+                             path.string(), stored.rounding)});
+  }
+
   auto held = std::make_shared<HeldCloud>();
-  held->cloud = read_cloud(path).cloud;
+  held->cloud = std::move(stored.cloud);
   return held;
 }
 
@@ -299,8 +310,8 @@ void bind_cloud(py::module_& module) {
   bind_cloud_files(cloud);
   bind_cloud_previews(cloud);
 
-  module.def("load_cloud", &loaded_cloud, "path"_a, Unlocked(), R"(
-      Reads the points of a cloud or mesh file.
+  module.def("load_cloud", &loaded_cloud, "path"_a, R"(
+      Reads the points of a cloud or mesh file; warns if 32 bits are too few for its coordinates.
 
       Args:
           path (str | PathLike): file, by its ending.

@@ -1,12 +1,16 @@
 #include "python/bindings/engines.h"
 
+#include <algorithm>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "python/bindings/arguments.h"
 #include "python/bindings/clouds.h"
+#include "python/bindings/given.h"
 #include "python/bindings/scans.h"
 #include "python/bindings/settings_help.h"
 #include "slipstream/scan_job.h"
@@ -41,25 +45,103 @@ class SharedEngine {
     return made;
   }
 
-  std::string backend_for(const FrameViews& frames) { return engine()->backend_for(frames); }
+  /// True the first time: a stream of dark frames gives one warning.
+  bool warns() { return !has_warned_.exchange(true); }
 
  private:
+  std::atomic<bool> has_warned_ = false;
   const Engine first_;  // only serves as the original of copies
   Reused<Engine> engines_;
   Reused<HeldCloud> clouds_;
   Reused<Maps> maps_;
 };
 
+/// Frames for this engine.
+BorrowedFrames borrowed_for(const SharedEngine& engine, const py::object& frames,
+                            std::optional<int> bits) {
+  const EngineSetup& setup = engine.setup();
+  BorrowedFrames given = borrowed(frames, bits, frame_count(setup.sequence));
+  require_upright(given.views.size(), setup.scanner.camera.size);
+  return given;
+}
+
+// Whether no pixel gives a result. Quick otherwise, so that it costs no time of a stream.
+
+bool is_empty(const HeldCloud& of) {
+  return std::ranges::find(of.cloud.validity, Validity::valid) == of.cloud.validity.end();
+}
+
+bool is_empty(const Maps& maps, const FrameViews& frames, double minimum_modulation) {
+  const double level = ((1 << frames.bits()) - 1) / 255.;  // grey levels of the frames
+  return maps.modulation.width() != 0 &&
+         std::ranges::none_of(maps.modulation, [&](float modulation) {
+           return modulation >= minimum_modulation * level;
+         });
+}
+
+/// The check's findings about frames without a result.
+std::vector<Finding> reasons(Engine& engine, const FrameViews& frames) {
+  const EngineSetup& setup = engine.setup();
+  const Sequence sequence = merged_sequence(setup.sequence);
+  const FrameViews& merged = engine.merged(frames);
+  if (merged.count() != frame_count(sequence)) return {};
+
+  std::optional<Scanner> scanner;
+  if (has_geometry(setup.scanner)) scanner = setup.scanner;
+  return check_frames(merged, sequence, scanner,
+                      {.minimum_modulation = setup.settings.minimum_modulation,
+                       .photometry = setup.scanner.photometry})
+      .findings;
+}
+
+void warn_of_reasons(const char* what, Engine& engine, const FrameViews& frames) {
+  const std::vector<Finding> findings = unlocked([&] { return reasons(engine, frames); });
+  if (findings.empty()) warn_of("frames", {std::string(what) + "; inspect the frames"});
+  for (const Finding& finding : findings) {
+    warn_of("frames", {fmt::format("{}: {}", what, text_of(finding))});
+  }
+}
+
+constexpr const char* no_points = "no pixel became a point";
+constexpr const char* no_pattern = "no pixel shows the patterns";
+
+void warn_if_empty(SharedEngine& engine, const FrameViews& frames, const HeldCloud& cloud) {
+  if (is_empty(cloud) && engine.warns()) warn_of_reasons(no_points, *engine.engine(), frames);
+}
+
+void warn_if_empty(SharedEngine& engine, const FrameViews& frames, const Maps& maps) {
+  const double minimum = engine.setup().settings.minimum_modulation;
+  if (is_empty(maps, frames, minimum) && engine.warns()) {
+    warn_of_reasons(no_pattern, *engine.engine(), frames);
+  }
+}
+
 template <auto Compute>
 auto computed(SharedEngine& engine, const py::object& frames, std::optional<int> bits) {
-  const BorrowedFrames given = borrowed(frames, bits);
-  return unlocked([&] { return (engine.*Compute)(given.views); });
+  const BorrowedFrames given = borrowed_for(engine, frames, bits);
+  const auto made = unlocked([&] { return (engine.*Compute)(given.views); });
+
+  warn_if_empty(engine, given.views, *made);
+  return made;
+}
+
+auto cloud_and_maps(SharedEngine& engine, const py::object& frames, std::optional<int> bits) {
+  const BorrowedFrames given = borrowed_for(engine, frames, bits);
+  const auto made = unlocked([&] { return engine.cloud_and_maps(given.views); });
+
+  warn_if_empty(engine, given.views, *made.first);
+  return made;
+}
+
+std::string backend_for(SharedEngine& engine, const py::object& frames, std::optional<int> bits) {
+  const BorrowedFrames given = borrowed_for(engine, frames, bits);
+  return unlocked([&] { return engine.engine()->backend_for(given.views); });
 }
 
 std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& cloud,
                                          const Maps& maps, const py::object& frames,
                                          std::optional<int> bits) {
-  const BorrowedFrames given = borrowed(frames, bits);
+  const BorrowedFrames given = borrowed_for(engine, frames, bits);
 
   return unlocked([&] {
     return std::make_shared<Uncertainty>(
@@ -67,20 +149,22 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
   });
 }
 
-std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bool anyway,
+std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& gamma, bool anyway,
                                          const py::kwargs& given) {
+  const std::string& name = scan.name;
   const ScanJobSettings settings{.reconstruct = settings_from<ReconstructSettings>(given),
                                  .gamma = gamma,
                                  .keep_refused = anyway};
 
-  const CheckedJob job = unlocked([&] { return checked_job(std::move(scan), settings, "scan"); });
-  refuse_or_warn(job.checked, "scan", anyway);
+  const CheckedJob job =
+      unlocked([&] { return checked_job(std::move(scan.thing), settings, name); });
+  refuse_or_warn(job.checked, name, anyway);
 
-  ScanResult made = unlocked([&] { return ScanJob(settings)(job, "scan"); });
+  ScanResult made = unlocked([&] { return ScanJob(settings)(job, name); });
   const auto found =
       made.checked.findings.begin() + static_cast<std::ptrdiff_t>(job.checked.findings.size());
   for (auto finding = found; finding != made.checked.findings.end(); ++finding) {
-    warn_of("scan", {text_of(*finding)});
+    warn_of(name, {text_of(*finding)});
   }
 
   // The doubts about the points are remarks of the cloud's files.
@@ -90,24 +174,32 @@ std::shared_ptr<HeldCloud> reconstructed(Scan scan, const std::string& gamma, bo
   return result;
 }
 
-std::shared_ptr<Maps> decoded(const py::object& frames, const Sequence& sequence,
+std::shared_ptr<Maps> decoded(const py::object& frames, const Given<Sequence>& patterns,
                               std::optional<int> bits, const py::kwargs& given) {
+  const Sequence& sequence = patterns.thing;
   const auto settings = settings_from<ReconstructSettings>(given);
-  const BorrowedFrames of = borrowed(frames, bits);
+  const BorrowedFrames of = borrowed(frames, bits, frame_count(sequence));
 
-  return unlocked([&] {
-    auto maps = std::make_shared<Maps>();
-    Engine engine(without_geometry(of.views.size(), sequence.projector), sequence, settings);
-    engine.maps(of.views, *maps);
-    return maps;
+  auto maps = std::make_shared<Maps>();
+  std::optional<Engine> engine;
+  unlocked([&] {
+    engine.emplace(
+        EngineSetup{without_geometry(of.views.size(), sequence.projector), sequence, settings});
+    engine->maps(of.views, *maps);
   });
+
+  if (is_empty(*maps, of.views, settings.minimum_modulation)) {
+    warn_of_reasons(no_pattern, *engine, of.views);
+  }
+  return maps;
 }
 
 using EngineClass = py::class_<SharedEngine>;
 
-std::unique_ptr<SharedEngine> engine_from(const Scanner& scanner, const Sequence& sequence,
+std::unique_ptr<SharedEngine> engine_from(const Given<Scanner>& scanner,
+                                          const Given<Sequence>& sequence,
                                           const py::kwargs& given) {
-  const EngineSetup setup{scanner, sequence, settings_from<ReconstructSettings>(given)};
+  const EngineSetup setup{scanner.thing, sequence.thing, settings_from<ReconstructSettings>(given)};
   return unlocked([&] { return std::make_unique<SharedEngine>(setup); });
 }
 
@@ -150,8 +242,7 @@ void bind_clouds_and_maps(EngineClass& engine) {
           (120, 160)
   )");
 
-  engine.def("cloud_and_maps", &computed<&SharedEngine::cloud_and_maps>, "frames"_a, py::kw_only(),
-             bits, R"(
+  engine.def("cloud_and_maps", &cloud_and_maps, "frames"_a, py::kw_only(), bits, R"(
       Cloud and maps in one pass.
 
       Args:
@@ -193,7 +284,7 @@ void bind_judgements(EngineClass& engine) {
           (120, 160)
   )");
 
-  engine.def("backend_for", &computed<&SharedEngine::backend_for>, "frames"_a, py::kw_only(), bits,
+  engine.def("backend_for", &backend_for, "frames"_a, py::kw_only(), bits,
              R"(
       The engine that processes such frames.
 
@@ -222,7 +313,7 @@ void bind_reconstruct(py::module_& module) {
       Checks and refuses wrong frames, and warns of doubts about the points.
 
       Args:
-          scan (Scan): frames with their sequence and scanner.
+          scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.
           gamma (str): response correction: scanner (if present), blind (from the frames), none, or
               a gamma.
           anyway (bool): turns a refusal into remarks of the cloud.
@@ -249,7 +340,7 @@ void bind_decode(py::module_& module) {
 
       Args:
           frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`.
-          sequence (Sequence): pattern sequence.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
           bits (int | None): bits per pixel; of uint16 frames by default 16.
           {settings}
 
@@ -275,8 +366,8 @@ void bind_engine(py::module_& module) {
       Reconstructs scans of one scanner and sequence; builds tables once. Thread-safe.
 
       Args:
-          scanner (Scanner): calibration.
-          sequence (Sequence): pattern sequence.
+          scanner (Scanner | str | PathLike): calibration, or its file.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
           {settings}
 
       Raises:

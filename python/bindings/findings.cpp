@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "python/bindings/given.h"
+#include "python/bindings/keyword_names.h"
 #include "slipstream/check.h"
 #include "slipstream/gamma.h"
 
@@ -32,6 +34,12 @@ py::list remedies_as_settings(const Finding& finding) {
   }
 
   return remedies;
+}
+
+/// A text about a finding, with the module's names.
+template <auto Text>
+std::string in_words(const Finding& finding) {
+  return with_keywords(Text(finding));
 }
 
 std::vector<std::string_view> cause_names(const Finding& finding) {
@@ -92,8 +100,9 @@ Finding finding_of(const py::tuple& state) {
   return finding;
 }
 
-std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool moving,
+std::vector<Finding> findings_of(Given<Scan> given, double minimum_modulation, bool moving,
                                  const std::string& gamma) {
+  Scan& scan = given.thing;
   CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
 
   // With the response, and with its estimate if gamma is measured in this scan itself.
@@ -110,7 +119,7 @@ void bind_check(py::module_& module) {
       Checks whether the frames of a scan fit its sequence, its scanner and each other.
 
       Args:
-          scan (Scan): frames with their sequence and scanner.
+          scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.
           minimum_modulation (float): least modulation of a pixel, grey levels of 255.
           moving (bool): whether the scene moves.
           gamma (str): response correction: scanner (if present), blind (from the frames), none, or
@@ -139,10 +148,10 @@ void bind_findings(py::module_& module) {
   finding.def_property_readonly(
       "kind", [](const Finding& of) { return name_of(of.kind); },
       "str: stable identifier, see docs/reference/findings.md.");
-  finding.def_property_readonly("what", &symptom_of, "str: observation.");
-  finding.def_property_readonly("likely", &causes_of, "str: probable causes in words.");
+  finding.def_property_readonly("what", in_words<&symptom_of>, "str: observation.");
+  finding.def_property_readonly("likely", in_words<&causes_of>, "str: probable causes in words.");
   finding.def_property_readonly("causes", &cause_names, "list[str]: their identifiers.");
-  finding.def_property_readonly("advice", &remedies_of, "str: remedies in words.");
+  finding.def_property_readonly("advice", in_words<&remedies_of>, "str: remedies in words.");
   finding.def_property_readonly("remedies", &remedies_as_settings,
                                 "list[dict[str, str]]: the settings of each, empty if only a "
                                 "person can do it.");
@@ -153,7 +162,7 @@ void bind_findings(py::module_& module) {
                                 "dict[str, float]: measured numbers by name.");
   finding.def_readonly("frames", &Finding::frames, "list[int]: those it is about, if only some.");
 
-  finding.def("__str__", [](const Finding& of) { return text_of(of); });
+  finding.def("__str__", [](const Finding& of) { return with_keywords(text_of(of)); });
   finding.def(py::pickle(&state_of, &finding_of));
 
   bind_check(module);

@@ -12,6 +12,7 @@
 
 #include "python/bindings/arguments.h"
 #include "python/bindings/clouds.h"
+#include "python/bindings/given.h"
 #include "python/bindings/settings_help.h"
 #include "python/bindings/virtual_world.h"
 #include "slipstream/engine.h"
@@ -116,9 +117,18 @@ class Live {
   std::unique_ptr<LivePipeline> pipeline_;
 };
 
-std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence>& sequence,
-                           const std::optional<Scanner>& scanner, const py::object& on_cloud,
+/// A path is a recording's or a folder's, to replay.
+std::string source_from(const py::object& given) {
+  if (py::isinstance<py::str>(given)) return given.cast<std::string>();
+  if (is_path(given)) return "replay:" + given.cast<fs::path>().string();
+  throw py::type_error("source cannot be " + shown(given) + "; expected str | PathLike");
+}
+
+std::unique_ptr<Live> live(const py::object& of, const std::optional<Given<Sequence>>& sequence,
+                           const std::optional<Given<Scanner>>& scanner, const py::object& on_cloud,
                            const py::kwargs& given) {
+  const std::string name = source_from(of);
+
   // 1. The keywords; a virtual source also takes a virtual world's.
   Keywords keywords(given);
   SourceRequest request{.source = name};
@@ -129,7 +139,7 @@ std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence
   take_described(keywords, request);
   keywords.take("indexing", indexing, "gamma", gamma, "most_frames", settings.most_frames);
 
-  if (sequence) request.sequence = changes_to(*sequence);
+  if (sequence) request.sequence = changes_to(sequence->thing);
   if (scheme_of(name) == "virtual") request.world = world_from(keywords);
   take(keywords, points);
 
@@ -139,14 +149,15 @@ std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence
   NamedSource source = unlocked([&] { return open_source(request); });
   settings.indexing = pattern_indexing_named(source.sequence.marker ? "marker" : indexing);
 
-  if (scanner) source.scanner = *scanner;
+  if (scanner) source.scanner = scanner->thing;
+  const std::string scanner_name = scanner ? scanner->name : "scanner";
   if (!source.scanner) throw Error("no scanner is known for " + name + "; give it as scanner");
 
   // 3. The setup, with the chosen response.
-  EngineSetup setup{completed(*source.scanner, "scanner", source.frames->format().size,
+  EngineSetup setup{completed(*source.scanner, scanner_name, source.frames->format().size,
                               source.sequence.projector),
                     source.sequence, points};
-  require_ambient_known(setup, "scanner");
+  require_ambient_known(setup, scanner_name);
 
   auto& response = setup.scanner.photometry.response;
   response = choose_gamma(gamma, response).response;
@@ -187,9 +198,12 @@ void bind_live(py::module_& module) {
       Reconstructs live; iteration yields the newest cloud each time.
 
       Args:
-          source (str): virtual, replay:PATH, aravis:NAME or v4l2:NUMBER.
-          sequence (Sequence | None): None: the source's own.
-          scanner (Scanner | None): None: the source's own.
+          source (str | PathLike): virtual, replay:PATH, aravis:NAME or v4l2:NUMBER; a PathLike is
+              replayed.
+          sequence (Sequence | Strategy | str | None): pattern sequence, or its strategy along x;
+              None: the source's own.
+          scanner (Scanner | str | PathLike | None): calibration, or its file; None: the source's
+              own.
           on_cloud (Callable[[Cloud], object] | None): called with every cloud, in its own thread.
           indexing (Literal["source", "counted", "marker"], default 'source'): how frames match
               patterns.

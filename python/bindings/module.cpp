@@ -5,10 +5,12 @@
 #include <tbb/global_control.h>
 
 #include "base/system_failure.h"
+#include "python/bindings/arguments.h"
 #include "python/bindings/calibration.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/engines.h"
 #include "python/bindings/findings.h"
+#include "python/bindings/keyword_names.h"
 #include "python/bindings/live.h"
 #include "python/bindings/scanners.h"
 #include "python/bindings/scans.h"
@@ -20,8 +22,8 @@
 namespace slipstream::python {
 namespace {
 
-/// File names too long or circular links become bad input, reported by the next translator; a
-/// refused scan an Error with its findings.
+/// File names too long or circular links become bad input; a refused scan an Error with its
+/// findings. All messages get the module's names, and the next translator reports them.
 void translate(std::exception_ptr failure) try {
   if (failure) std::rethrow_exception(failure);
 } catch (const std::filesystem::filesystem_error& error) {
@@ -30,9 +32,19 @@ void translate(std::exception_ptr failure) try {
   throw Error(message);
 } catch (const RefusedScan& refused) {
   const py::object type = py::module_::import("slipstream").attr("Error");
-  const py::object error = type(refused.what());
+  const py::object error = type(with_keywords(refused.what()));
   error.attr("findings") = refused.findings();
   PyErr_SetObject(type.ptr(), error.ptr());
+} catch (const Error& error) {
+  throw Error(with_keywords(error.what()));
+} catch (const WorldError& error) {
+  throw WorldError(with_keywords(error.what()));
+}
+
+/// False for an object whose constructor failed, which debuggers may still see.
+bool is_constructed(const py::object& of) {
+  auto* const instance = reinterpret_cast<py::detail::instance*>(of.ptr());
+  return instance->get_value_and_holder().value_ptr() != nullptr;
 }
 
 void bind_errors(py::module_& module) {
@@ -60,6 +72,11 @@ PYBIND11_MODULE(_slipstream, module) {
   module.attr("__name__") = "slipstream";
 
   bind_errors(module);
+
+  // For the package's Python files.
+  module.def("_shown", &shown);
+  module.def("_with_keywords", &with_keywords);
+  module.def("_is_constructed", &is_constructed);
 
   py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
     if (most == 0) throw slipstream::Error("threads: 1 or more");

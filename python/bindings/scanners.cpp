@@ -10,6 +10,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/operators.h>
 
+#include "base/throw_if-inl.h"
 #include "codes/design.h"
 #include "decode/phase_decoder.h"
 #include "io/pattern_pictures.h"
@@ -22,13 +23,68 @@
 namespace slipstream::python {
 namespace {
 
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+Array array_of_numbers(const std::string& name, const py::object& given) {
+  Array array = Array::ensure(given);
+  if (!array)
+    throw py::type_error(fmt::format("{} cannot be {}; expected numbers", name, shown(given)));
+  return array;
+}
+
+/// 3 x 3. Throws Error for another shape.
+Eigen::Matrix3d matrix_from(const std::string& name, const py::object& given) {
+  const Array array = array_of_numbers(name, given);
+
+  if (array.ndim() != 2 || array.shape(0) != 3 || array.shape(1) != 3) {
+    const bool is_vector = name == "rotation" && array.size() == 3;
+    throw Error(fmt::format("{}: {}; expected shape (3, 3){}", name, shown(array),
+                            is_vector ? ", as cv2.Rodrigues(rotation)[0]" : ""));
+  }
+
+  Eigen::Matrix3d matrix;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) matrix(row, column) = array.at(row, column);
+  }
+  return matrix;
+}
+
+/// A row or a column, as OpenCV has both, or one dimension; empty for None. Throws Error for
+/// another shape.
+std::vector<double> numbers_from(const std::string& name, const py::object& given) {
+  if (given.is_none()) return {};
+  const Array array = array_of_numbers(name, given);
+
+  const bool is_vector =
+      array.ndim() == 1 || (array.ndim() == 2 && (array.shape(0) == 1 || array.shape(1) == 1));
+  throw_if(!is_vector, "{}: {}; expected shape (N,), (N, 1) or (1, N)", name, shown(array));
+  return {array.data(), array.data() + array.size()};
+}
+
+Distortion distortion_from(const std::string& name, const py::object& given) {
+  const std::vector<double> coefficients = numbers_from(name, given);
+  try {
+    return make_distortion(coefficients);
+  } catch (const Error& error) {
+    throw Error(name + ": " + error.what());
+  }
+}
+
+Eigen::Vector3d translation_from(const py::object& given) {
+  const std::vector<double> numbers = numbers_from("translation", given);
+  throw_if(numbers.size() != 3, "translation: {}; expected 3 numbers", shown(given));
+  return Eigen::Vector3d(numbers.data());
+}
+
 void take(Keywords& keywords, Lens& lens, const std::string& device) {
-  std::vector<double> distortion;
-  keywords.need((device + "_matrix").c_str(), lens.intrinsic);
+  py::object matrix;
+  py::object distortion = py::none();
+  keywords.need((device + "_matrix").c_str(), matrix);
   keywords.take((device + "_distortion").c_str(), distortion);
   keywords.need((device + "_size").c_str(), lens.size);
 
-  lens.distortion = make_distortion(distortion);
+  lens.intrinsic = matrix_from(device + "_matrix", matrix);
+  lens.distortion = distortion_from(device + "_distortion", distortion);
 }
 
 Scanner scanner_from(const py::kwargs& given) {
@@ -37,12 +93,28 @@ Scanner scanner_from(const py::kwargs& given) {
   take(keywords, scanner.camera, "camera");
   take(keywords, scanner.projector, "projector");
 
-  keywords.need("rotation", scanner.rotation);
-  keywords.need("translation", scanner.translation);
+  py::object rotation, translation;
+  keywords.need("rotation", rotation);
+  keywords.need("translation", translation);
   keywords.require_none_left();
+
+  scanner.rotation = matrix_from("rotation", rotation);
+  scanner.translation = translation_from(translation);
 
   require_valid(scanner);
   return scanner;
+}
+
+/// In the order of cv2.stereoCalibrate's results.
+Scanner scanner_from_opencv(const py::object& camera_matrix, const py::object& camera_distortion,
+                            const py::object& projector_matrix,
+                            const py::object& projector_distortion, const py::object& rotation,
+                            const py::object& translation, Size camera_size, Size projector_size) {
+  return scanner_from(py::dict(
+      "camera_matrix"_a = camera_matrix, "camera_distortion"_a = camera_distortion,
+      "projector_matrix"_a = projector_matrix, "projector_distortion"_a = projector_distortion,
+      "rotation"_a = rotation, "translation"_a = translation, "camera_size"_a = camera_size,
+      "projector_size"_a = projector_size));
 }
 
 template <auto Device>
@@ -139,6 +211,42 @@ void bind_scanner_properties(py::class_<Scanner>& scanner) {
                         "str: how and when it was calibrated, as text.");
 }
 
+void bind_opencv(py::class_<Scanner>& scanner) {
+  scanner.def_static("from_opencv", &scanner_from_opencv, "camera_matrix"_a, "camera_distortion"_a,
+                     "projector_matrix"_a, "projector_distortion"_a, "rotation"_a, "translation"_a,
+                     py::kw_only(), "camera_size"_a, "projector_size"_a, R"(
+      A scanner from the results of `cv2.stereoCalibrate`, with the camera as its first device.
+
+      If the projector was the first device, exchange both and give `R.T` and `-R.T @ T`. The board
+      must have been described in mm.
+
+      Args:
+          camera_matrix (ArrayLike): 3 x 3, pixels.
+          camera_distortion (ArrayLike | None): 4, 5, 8, 12 or 14 coefficients in a row or column;
+              None: without distortion.
+          projector_matrix (ArrayLike): 3 x 3, pixels.
+          projector_distortion (ArrayLike | None): as `camera_distortion`.
+          rotation (ArrayLike): R, 3 x 3.
+          translation (ArrayLike): T, mm, 3 x 1.
+          camera_size (tuple[int, int]): width and height, pixels.
+          projector_size (tuple[int, int]): width and height, pixels.
+
+      Returns:
+          Scanner
+
+      Raises:
+          Error: if an array has the wrong shape, or a value is out of range.
+
+      Example:
+          >>> of = scan.scanner
+          >>> results = (of.camera_matrix, of.camera_distortion, of.projector_matrix,
+          ...            of.projector_distortion, of.rotation, of.translation)
+          >>> slipstream.Scanner.from_opencv(*results, camera_size=(160, 120),
+          ...                                projector_size=(1280, 800)).camera_size
+          (160, 120)
+  )");
+}
+
 void bind_scanner(py::module_& module) {
   py::class_<Scanner> scanner(module, "Scanner", R"(
       Calibration of a camera and a projector; the world frame is the camera's, in mm.
@@ -149,10 +257,10 @@ void bind_scanner(py::module_& module) {
           projector_matrix (ArrayLike): 3 x 3, pixels.
           projector_size (tuple[int, int]): width and height, pixels.
           rotation (ArrayLike): to the projector's frame, 3 x 3.
-          translation (ArrayLike): to the projector's frame, mm.
-          camera_distortion (typing.Sequence[float], default []): OpenCV's coefficients: 0, 1, 2,
-              4, 5, 8 or 12.
-          projector_distortion (typing.Sequence[float], default []): as `camera_distortion`.
+          translation (ArrayLike): to the projector's frame, mm, 3, 3 x 1 or 1 x 3.
+          camera_distortion (ArrayLike | None, default None): OpenCV's 4, 5, 8, 12 or 14
+              coefficients in a row or column; None: without distortion.
+          projector_distortion (ArrayLike | None, default None): as `camera_distortion`.
 
       Example:
           >>> slipstream.example_scanner((320, 240)).camera_size
@@ -162,6 +270,7 @@ void bind_scanner(py::module_& module) {
   scanner.def(py::init(&scanner_from));
   scanner.def(py::self == py::self);
   bind_scanner_properties(scanner);
+  bind_opencv(scanner);
 
   const auto write = [](const Scanner& of, const fs::path& path) { write_scanner(path, of); };
 

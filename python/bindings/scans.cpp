@@ -9,11 +9,17 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
+#include "io/scan_folder.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/given.h"
+#include "python/bindings/keyword_names.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/gamma.h"
 #include "slipstream/named_scenes.h"
@@ -39,14 +45,17 @@ FrameSet copied(const FrameViews& frames) {
 }
 
 /// The scanner must fit the frames and the sequence; its projector is the sequence's.
-void set_scanner(Scan& scan, const Scanner& scanner) {
-  scan.scanner = completed(scanner, "scanner", scan.frames.size(), scan.sequence.projector);
+void set_scanner(Scan& scan, const Given<Scanner>& scanner) {
+  require_upright(scan.frames.size(), scanner.thing.camera.size);
+  scan.scanner =
+      completed(scanner.thing, scanner.name, scan.frames.size(), scan.sequence.projector);
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
-Scan scan_from(const py::object& frames, const Sequence& sequence,
-               const std::optional<Scanner>& scanner, std::optional<int> bits) {
-  const BorrowedFrames given = borrowed(frames, bits);
+Scan scan_from(const py::object& frames, const Given<Sequence>& patterns,
+               const std::optional<Given<Scanner>>& scanner, std::optional<int> bits) {
+  const Sequence& sequence = patterns.thing;
+  const BorrowedFrames given = borrowed(frames, bits, frame_count(sequence));
 
   throw_if(given.views.count() != frame_count(sequence), "a scan of {} frames is given {}",
            frame_count(sequence), given.views.count());
@@ -58,29 +67,87 @@ Scan scan_from(const py::object& frames, const Sequence& sequence,
   return merged(std::move(scan));
 }
 
+/// Left, top, width and height.
+using CameraRegion = std::optional<std::array<int, 4>>;
 using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
 
 /// Given values override those of the folder or the recording.
-Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
+Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
-                 std::optional<std::uint64_t> window) {
+                 std::optional<std::uint64_t> window, const CameraRegion& camera_region,
+                 const std::optional<fs::path>& second_camera,
+                 const std::optional<fs::path>& second_scanner) {
   // 1. Overrides; a scanner may be a file or an object.
-  ScanChanges changes{.order = order, .window = window, .bits = bits};
-  if (sequence) changes.sequence = changes_to(*sequence);
+  ScanChanges changes{.order = order,
+                      .window = window,
+                      .bits = bits,
+                      .second_camera = second_camera,
+                      .second_scanner = second_scanner};
+  if (camera_region) {
+    const auto [left, top, width, height] = *camera_region;
+    changes.camera_region = Rectangle{left, top, {width, height}};
+  }
+  if (sequence) changes.sequence = changes_to(sequence->thing);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
 
   // 2. Reads the scan without the interpreter's lock.
   const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
 
-  if (scanner && scanner->index() == 0) set_scanner(scan, std::get<Scanner>(*scanner));
+  if (scanner && scanner->index() == 0) {
+    Scanner given = std::get<Scanner>(*scanner);
+    if (changes.camera_region) given.camera = part_of(given.camera, *changes.camera_region);
+    set_scanner(scan, {given, "scanner"});
+  }
 
   // 3. Warns, which needs the lock again.
   const py::gil_scoped_acquire acquire;
-  warn_of("", scan.warnings);
-  for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
-
+  warn_of_files(scan);
   return scan;
+}
+
+/// The frames as they were shown, those along y after those along x, and their sequence.
+std::pair<FrameViews, Sequence> as_shown(const Scan& scan) {
+  if (scan.other_axis.empty()) return {scan.frames.views(), scan.sequence};
+
+  const FrameViews other = scan.other_axis.front().frames.views();
+  Sequence both = scan.sequence;
+  both.both_axes = true;
+
+  const FrameViews frames =
+      scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& along_x) -> FrameViews {
+        Frames<Pixel> all = along_x;
+        other.visit([&]<class Other>(const Frames<Other>& along_y) {
+          // Both axes have pixels of the same type.
+          if constexpr (std::is_same_v<Pixel, Other>) {
+            all.insert(all.end(), along_y.begin(), along_y.end());
+          }
+        });
+        return {all, scan.frames.bits()};
+      });
+
+  return {frames, both};
+}
+
+/// Also the other axis and a second camera.
+void save(const Scan& scan, const fs::path& path) {
+  throw_if(
+      scan.exposures.size() > 1,
+      "{}: frames merged of {} exposures cannot be written as captured; copy the original scan",
+      path.string(), scan.exposures.size());
+  throw_if(scan.camera_pair.has_value(),
+           "{}: a calibration of two cameras is not written; copy the original scan",
+           path.string());
+  throw_if(!scan.further_cameras.empty() && lower_case_extension(path) == ".slip",
+           "{}: a recording holds one camera; save a scan of two to a folder", path.string());
+
+  const auto [frames, sequence] = as_shown(scan);
+  ScanFiles files = save_scan(path, frames, sequence, scan.scanner);
+  if (scan.further_cameras.empty()) return;
+
+  files.second_camera = path / "second";
+  save(scan.further_cameras.front(), *files.second_camera);
+  write_scan_files(path / "scan.yaml", files);
 }
 
 py::object frame_at(const py::object& self, int n) {
@@ -116,8 +183,8 @@ void bind_frames(py::module_& module) {
       The frames of a scan: read-only views, rows x columns.
 
       Functions that take frames also take one array, frames x rows x columns, or a list of arrays,
-      rows x columns: uint8, uint16, or float64 in grey levels of 255. Pixels of a row are adjacent.
-      They are not copied.
+      rows x columns: uint8, uint16, or float64 and float32 in grey levels of 255. Pixels of a row
+      are adjacent. Only float32 is copied.
 
       Example:
           >>> len(scan.frames), scan.frames[0].shape
@@ -132,14 +199,20 @@ void bind_frames(py::module_& module) {
                                "tuple[int, int]: width and height, pixels.");
 }
 
+std::vector<std::string> warnings_of(const Scan& scan) {
+  std::vector<std::string> warnings;
+  for (const std::string& line : scan.warnings) warnings.push_back(with_keywords(line));
+  return warnings;
+}
+
 void bind_scan(py::module_& module) {
   py::class_<Scan, std::shared_ptr<Scan>> scan(module, "Scan", R"(
       A copy of frames, their sequence, and their scanner if known; several exposures are merged.
 
       Args:
           frames (Frames | NDArray | typing.Sequence[NDArray]): see `Frames`; copied.
-          sequence (Sequence): pattern sequence.
-          scanner (Scanner | None): calibration; None if unknown.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
+          scanner (Scanner | str | PathLike | None): calibration, or its file; None if unknown.
           bits (int | None): bits per pixel; of uint16 frames by default 16.
 
       Raises:
@@ -163,19 +236,16 @@ void bind_scan(py::module_& module) {
                     "list[Scan]: the scan along y of one along both axes.");
   scan.def_readonly("further_cameras", &Scan::further_cameras,
                     "list[Scan]: scans by other cameras.");
-  scan.def_readonly("warnings", &Scan::warnings, "list[str]: of the files.");
+  scan.def_property_readonly("warnings", &warnings_of, "list[str]: of the files.");
 
-  const auto save = [](const Scan& of, const fs::path& path) {
-    save_scan(path, of.frames, of.sequence, of.scanner);
-  };
-
-  scan.def("save", save, "path"_a, Unlocked(), R"(
-      Writes a folder with scan.yaml, or a recording.
+  scan.def("save", &save, "path"_a, Unlocked(), R"(
+      Writes a folder with scan.yaml, or a recording; also the other axis and a second camera.
 
       Args:
-          path (str | PathLike): folder, or recording if it ends in .slip.
+          path (str | PathLike): folder, or recording of one camera if it ends in .slip.
 
       Raises:
+          Error: if exposures were merged, or if it is a recording and the scan of two cameras.
           WorldError: if it cannot be written.
 
       Example:
@@ -186,16 +256,21 @@ void bind_scan(py::module_& module) {
 void bind_scan_files(py::module_& module) {
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
-             "window"_a = py::none(), R"(
+             "window"_a = py::none(), "camera_region"_a = py::none(),
+             "second_camera"_a = py::none(), "second_scanner"_a = py::none(), R"(
       Loads a scan from a folder or a recording; arguments override its contents.
 
       Args:
           path (str | PathLike): folder or recording.
-          sequence (Sequence | None): pattern sequence.
+          sequence (Sequence | Strategy | str | None): pattern sequence, or its strategy along x.
           scanner (Scanner | str | PathLike | None): calibration, or its file.
           bits (int | None): bits per pixel; of uint16 frames by default 16.
           order (str): of the frames in the files.
           window (int | None): index of a recording's scan.
+          camera_region (tuple[int, int, int, int] | None): left, top, width and height, pixels, of
+              the part of the calibrated picture that the frames show.
+          second_camera (str | PathLike | None): folder or recording of a second camera.
+          second_scanner (str | PathLike | None): its scanner file.
 
       Returns:
           Scan
@@ -254,10 +329,20 @@ void bind_recording(py::module_& module) {
 }  // namespace
 
 void warn_of(const std::string& name, const std::vector<std::string>& lines) {
+  // The caller of the function of this module, which _arguments.py wraps.
+  constexpr int stack_level = 2;
+
   for (const std::string& line : lines) {
-    const std::string text = name.empty() ? line : name + ": " + line;
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+    const std::string words = with_keywords(line);
+    const std::string text = name.empty() ? words : name + ": " + words;
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), stack_level) != 0)
+      throw py::error_already_set();
   }
+}
+
+void warn_of_files(const Scan& scan) {
+  warn_of("", scan.warnings);
+  for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
 }
 
 void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool anyway) {
@@ -265,6 +350,25 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool an
 
   for (const Finding& finding : checked.findings) warn_of(name, {text_of(finding)});
   warn_of(name, checked.repairs);
+}
+
+std::vector<py::object> each_scan(const py::object& scans) {
+  if (py::isinstance<Scan>(scans) || is_path(scans)) return {scans};
+
+  if (!py::isinstance<py::iterable>(scans)) {
+    throw py::type_error(
+        fmt::format("scans cannot be {}; expected Scans or their paths", shown(scans)));
+  }
+
+  std::vector<py::object> each;
+  for (const py::handle scan : scans) {
+    if (!py::isinstance<Scan>(scan) && !is_path(scan)) {
+      throw py::type_error(
+          fmt::format("scans cannot have {}; expected Scans or their paths", shown(scan)));
+    }
+    each.push_back(py::reinterpret_borrow<py::object>(scan));
+  }
+  return each;
 }
 
 std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma) {

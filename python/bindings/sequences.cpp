@@ -11,6 +11,7 @@
 #include "codes/design.h"
 #include "io/pattern_pictures.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/given.h"
 #include "slipstream/strategy.h"
 
 namespace slipstream::python {
@@ -47,8 +48,9 @@ std::vector<std::array<std::string, 3>> described_settings() {
   return described;
 }
 
-Sequence sequence_from(const Strategy& strategy, const std::string& axis, const py::kwargs& given) {
-  Sequence sequence{.strategy = strategy};
+Sequence sequence_from(const Given<Strategy>& strategy, const std::string& axis,
+                       const py::kwargs& given) {
+  Sequence sequence{.strategy = strategy.thing};
   Keywords keywords(given);
   keywords.take("projector", sequence.projector, "alpha_p", sequence.light.alpha_p, "beta_p",
                 sequence.light.beta_p, "marker", sequence.marker, "exposures", sequence.exposures,
@@ -116,7 +118,6 @@ void bind_strategy(py::module_& module) {
 
   strategy.def(py::init(&strategy_from), "name"_a);
   strategy.def(py::self == py::self);
-  py::implicitly_convertible<py::str, Strategy>();
 
   strategy.def_property_readonly("name", &Strategy::name, "str: name without settings.");
   strategy.def_property_readonly("settings", &settings_of,

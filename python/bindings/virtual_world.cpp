@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "python/bindings/given.h"
 #include "python/bindings/scans.h"
 #include "python/bindings/settings_help.h"
 #include "simulate/virtual_files.h"
@@ -15,8 +16,10 @@
 namespace slipstream::python {
 namespace {
 
-py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
+py::object simulated(Given<Sequence> patterns, const std::optional<fs::path>& path,
                      const py::kwargs& given) {
+  Sequence& sequence = patterns.thing;
+
   // 1. The virtual world, whose projector must be the sequence's.
   Keywords keywords(given);
   const VirtualWorld world = world_from(keywords);
@@ -50,14 +53,16 @@ py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
 
 VirtualWorld world_from(Keywords& keywords) {
   WorldSettings of;
+  std::optional<Given<Scanner>> scanner;
   std::optional<MeasuredResponse> response;
   std::array<double, 3> step{};
   double turn = 0;
 
-  keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", of.scanner, "camera", of.camera,
-                "step", step, "turn", turn, "world", of.world, "response", response);
+  keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", scanner, "camera", of.camera, "step",
+                step, "turn", turn, "world", of.world, "response", response);
   take_described(keywords, of);
 
+  if (scanner) of.scanner = scanner->thing;
   if (response) of.response = response->response;
 
   // The motion between frames: a step in mm and a turn about the y axis, given in degrees.
@@ -89,9 +94,10 @@ void bind_virtual_world(py::module_& module) {
       Simulates a scan, with the truth.
 
       Args:
-          sequence (Sequence): pattern sequence.
+          sequence (Sequence | Strategy | str): pattern sequence, or its strategy along x.
           path (str | PathLike | None): folder or recording (.slip) to write.
-          scanner (Scanner | None, default None): None: `example_scanner(camera)`.
+          scanner (Scanner | str | PathLike | None, default None): calibration, or its file; None:
+              `example_scanner(camera)`.
           {settings}
 
       Returns:

@@ -18,13 +18,16 @@ import enum as _enum
 import html as _html
 import pathlib as _pathlib
 import tempfile as _tempfile
+import types as _types
 import weakref as _weakref
 
 import numpy as _numpy
 
-from . import _slipstream
+from . import _arguments, _slipstream
 from ._slipstream import *  # noqa: F403
 from ._slipstream import __version__  # noqa: F401
+
+_arguments.explain(globals())
 
 
 class Validity(_enum.IntEnum):
@@ -140,11 +143,28 @@ _TEXTS = {
 
 def _text_of(self):
     name = type(self).__name__
+    if not _slipstream._is_constructed(self):
+        return f"<slipstream.{name} not constructed>"
     return f"<slipstream.{name} {_TEXTS[name](self)}>"
 
 
 for _name in _TEXTS:
     globals()[_name].__repr__ = _text_of
+
+
+def _value_text(value):
+    if not isinstance(value, _numpy.ndarray):
+        return repr(value)
+    shape = " x ".join(map(str, value.shape))
+    return f"<{shape} {value.dtype}>"
+
+
+class _Results(_types.SimpleNamespace):
+    """Several results by their names, printed in one line: arrays by their shapes."""
+
+    def __repr__(self):
+        fields = (f"{name}={_value_text(value)}" for name, value in vars(self).items())
+        return f"namespace({', '.join(fields)})"
 
 
 # Notebooks and other modules.

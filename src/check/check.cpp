@@ -119,7 +119,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
 
   // 2. Faulty light, damaged frames or an impossible scanner file make further tests pointless.
   ScanFindings result;
-  result.findings = light_faults(model, samples, frames.bits(), least);
+  result.findings = light_faults(model, samples, frames.quantised() ? frames.bits() : 0, least);
   if (any_wrong(result.findings)) return result;
 
   std::vector<Finding> damaged = damaged_frames(samples);

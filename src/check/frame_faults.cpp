@@ -264,6 +264,11 @@ Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) 
         {CauseKind::underexposure, "far too little light"}};
     finding.remedies = {try_setting("camera_bits", std::to_string(used)),
                         {"lengthen the exposure"}};
+  } else if (bits == 0 && samples.brightest() <= 1) {
+    finding.causes = {
+        {CauseKind::bit_depth, "real numbers from 0 to 1, where grey levels go to 255"},
+        {CauseKind::dark_projector, "no light"}};
+    finding.remedies = {{"multiply the frames by 255"}};
   } else if (samples.largest_range() < 4) {
     finding.causes = {{CauseKind::dark_projector,
                        "no pattern in the pictures: the projector was dark or not in view"}};

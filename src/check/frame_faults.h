@@ -18,8 +18,8 @@ std::vector<Finding> damaged_frames(const ScanSamples& samples);
 std::optional<Finding> without_pattern(const ScanSamples& samples, int n);
 
 /// Finds lighting that prevents or degrades measurement: no, too little or too much light, ambient
-/// light stronger than the projector's, or fewer bits than declared. `bits`: declared camera bits;
-/// `least_modulation`: minimum of a point, grey levels of 255.
+/// light stronger than the projector's, or fewer bits than declared. `bits`: declared camera bits,
+/// 0 of unquantised frames; `least_modulation`: minimum of a point, grey levels of 255.
 std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& samples, int bits,
                                   double least_modulation);
 

@@ -27,7 +27,9 @@ def program(*arguments):
 def as_printed(error):
     """The message of a refused scan as the program prints it: with flags and commands."""
     other_names = {"minimum_modulation": "min-modulation", "largest_sigma": "max-sigma",
-                   "smallest_component": "min-component", "ambient_light": "ambient"}
+                   "smallest_component": "min-component", "ambient_light": "ambient",
+                   "widest_gap": "fill", "excluded": "exclude", "bits": "camera-bits",
+                   "least_alpha": "least-reflectivity"}
 
     def flag(match):
         name, value = match.groups("")
@@ -36,7 +38,7 @@ def as_printed(error):
     def command(match):
         return "slipstream " + match[1].replace("_", " ")
 
-    message = str(error).removeprefix("scan: ")
+    message = re.sub(r"`(slipstream [^`]*)`", r"\1", str(error).removeprefix("scan: "))
     message = re.sub(r"`([a-z][a-z0-9_]*)\(\)`", command, message)
     return re.sub(r"`([a-z][a-z0-9_]*)( [^`]+)?`", flag, message)
 

@@ -1,5 +1,7 @@
 """What is wrong is said in the sentence of the program, as an exception that Python knows."""
 
+import pickle
+
 import numpy
 import pytest
 from conftest import run_program
@@ -79,6 +81,17 @@ def test_things_say_what_they_are(dual, engine):
         f"<slipstream.Cloud 320x240: {len(cloud)} points of 76800 pixels, {low} to {high} mm>")
     assert repr(slipstream.design()[0]).startswith("namespace(strategy=<slipstream.Strategy ")
     assert " object at " not in repr(scan)
+
+
+def test_everything_prints_in_one_line(dual, engine):
+    cloud, maps = engine.cloud_and_maps(dual.scan.frames)
+    for thing in [dual, dual.scan, dual.scan.scanner, dual.scan.sequence, cloud, maps,
+                  slipstream.find_gamma(dual.scan.frames, 3),
+                  slipstream.unwrap_in_space(maps.wrapped_phase)]:
+        assert "\n" not in repr(thing) and len(repr(thing)) < 400
+    assert "depth=<240 x 320 float64>" in repr(dual)
+    copied = pickle.loads(pickle.dumps(slipstream.find_gamma(dual.scan.frames, 3)))
+    assert repr(copied) == repr(slipstream.find_gamma(dual.scan.frames, 3))
 
 
 def test_values_compare_and_are_told_apart():

@@ -1,0 +1,76 @@
+#include "python/bindings/given.h"
+
+#include <filesystem>
+#include <string>
+
+#include "python/bindings/bindings.h"
+#include "python/bindings/scans.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/scanner_file.h"
+
+namespace slipstream::python {
+
+bool is_path(py::handle given) {
+  return py::isinstance<py::str>(given) || py::hasattr(given, "__fspath__");
+}
+
+bool take_given(py::handle given, Given<Strategy>& strategy) {
+  strategy.name = "strategy";
+
+  if (py::isinstance<py::str>(given)) {
+    strategy.thing = strategy_labelled(given.cast<std::string>());
+    return true;
+  }
+
+  if (!py::isinstance<Strategy>(given)) return false;
+  strategy.thing = given.cast<Strategy>();
+  return true;
+}
+
+bool take_given(py::handle given, Given<Sequence>& sequence) {
+  sequence.name = "sequence";
+
+  if (py::isinstance<Sequence>(given)) {
+    sequence.thing = given.cast<Sequence>();
+    return true;
+  }
+
+  // Its patterns along x, with the usual light.
+  Given<Strategy> strategy;
+  if (!take_given(given, strategy)) return false;
+  sequence.thing = {.strategy = strategy.thing};
+  return true;
+}
+
+bool take_given(py::handle given, Given<Scanner>& scanner) {
+  scanner.name = "scanner";
+
+  if (py::isinstance<Scanner>(given)) {
+    scanner.thing = given.cast<Scanner>();
+    return true;
+  }
+
+  if (!is_path(given)) return false;
+  const auto path = given.cast<fs::path>();
+  scanner.thing = unlocked([&] { return read_scanner(path); });
+  scanner.name = path.string();
+  return true;
+}
+
+bool take_given(py::handle given, Given<Scan>& scan) {
+  scan.name = "scan";
+
+  if (py::isinstance<Scan>(given)) {
+    scan.thing = given.cast<Scan>();
+    return true;
+  }
+
+  if (!is_path(given)) return false;
+  const auto path = given.cast<fs::path>();
+  scan.thing = unlocked([&] { return load_scan(path); });
+  scan.name = path.string();
+  warn_of_files(scan.thing);
+  return true;
+}
+
+}  // namespace slipstream::python

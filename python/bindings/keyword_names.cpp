@@ -1,0 +1,74 @@
+#include "python/bindings/keyword_names.h"
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace slipstream::python {
+namespace {
+
+/// The module's words for names of the library, if they differ.
+const std::map<std::string_view, std::string_view> other_words{
+    {"ambient_light", "scanner.ambient"},
+    {"calibrate_colour()", "slipstream calibrate colour"},
+    {"camera_bits", "bits"},
+    {"corners", "columns` and `rows"},
+    {"dictionary", "marker_bits"},
+    {"feature", "slipstream live --feature"},
+    {"gain", "slipstream live --gain"},
+    {"gpu_list()", "slipstream gpu list"},
+    {"hold", "slipstream project --hold"},
+    {"limit", "slipstream record --limit"},
+    {"measured", "spacing` and `row_spacing"},
+    {"one_camera", "slipstream reconstruct --one-camera"},
+    {"output", "slipstream verify --output"},
+    {"pixel_format", "slipstream live --pixel-format"},
+    {"print estimated", "print_deviation 0.01"},
+    {"publish", "slipstream live --publish"},
+    {"region", "slipstream live --region"},
+    {"strobe", "slipstream live --strobe"},
+    {"trigger", "slipstream live --trigger"},
+    {"uniform", "slipstream calibrate gamma --uniform"},
+    {"unwrap()", "unwrap_in_space()"},
+    {"view()", "slipstream view"},
+    {"windows", "slipstream reconstruct --windows"},
+};
+
+/// In place of a text between backquotes; nullopt if it stays.
+std::optional<std::string> words_for(std::string_view quoted) {
+  if (const auto whole = other_words.find(quoted); whole != other_words.end()) {
+    return std::string(whole->second);
+  }
+
+  // A setting with a value.
+  const std::string_view name = quoted.substr(0, quoted.find(' '));
+  const auto found = other_words.find(name);
+  if (found == other_words.end()) return std::nullopt;
+  return std::string(found->second) + std::string(quoted.substr(name.size()));
+}
+
+}  // namespace
+
+std::string with_keywords(std::string_view text) {
+  std::string shown;
+
+  while (!text.empty()) {
+    // 1. Copy the text up to the next backquote, with it.
+    const std::size_t begin = text.find('`');
+    const std::size_t end = begin == text.npos ? text.npos : text.find('`', begin + 1);
+    if (end == text.npos) return shown + std::string(text);
+    shown += text.substr(0, begin + 1);
+
+    // 2. Replace a name and go on after it; other text between backquotes is copied later, as its
+    // last one may begin a name.
+    const auto words = words_for(text.substr(begin + 1, end - begin - 1));
+    if (words) shown += *words + '`';
+    text.remove_prefix(words ? end + 1 : begin + 1);
+  }
+
+  return shown;
+}
+
+}  // namespace slipstream::python

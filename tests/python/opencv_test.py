@@ -1,0 +1,83 @@
+"""A scanner is made of OpenCV's arrays in the shapes that OpenCV gives them."""
+
+import numpy
+import pytest
+
+import slipstream
+
+CAMERA = numpy.array([[500.0, 0, 160], [0, 500, 120], [0, 0, 1]])
+PROJECTOR = numpy.array([[1000.0, 0, 640], [0, 1000, 400], [0, 0, 1]])
+SIZES = {"camera_size": (320, 240), "projector_size": (1280, 800)}
+# As cv2.stereoCalibrate returns them.
+RESULTS = {
+    "camera_matrix": CAMERA,
+    "camera_distortion": numpy.array([[0.1, -0.02, 0.001, 0.002, 0.01]]),
+    "projector_matrix": PROJECTOR,
+    "projector_distortion": numpy.zeros((1, 5)),
+    "rotation": numpy.eye(3),
+    "translation": numpy.array([[-100.0], [0], [10]]),
+}
+
+
+def made(**changes):
+    return slipstream.Scanner(**{**RESULTS, **SIZES, **changes})
+
+
+@pytest.mark.parametrize("shape", [(1, 4), (1, 5), (5, 1), (5,), (8,), (1, 8), (12, 1), (14, 1),
+                                   (1, 14), (0,)])
+def test_distortion_is_a_row_or_a_column(shape):
+    given = 0.01 * numpy.arange(1, numpy.prod(shape) + 1).reshape(shape)
+    expected = list(given.ravel()) + [0.0] * (14 - given.size)
+    assert made(camera_distortion=given).camera_distortion == expected
+    assert made(projector_distortion=given.tolist()).projector_distortion == expected
+    assert made(camera_distortion=given.astype("f4")).camera_distortion == pytest.approx(expected)
+
+
+def test_no_distortion():
+    for given in [None, []]:
+        assert made(camera_distortion=given).camera_distortion == [0.0] * 14
+
+
+@pytest.mark.parametrize("shape", [(3,), (3, 1), (1, 3)])
+def test_translation_is_a_row_or_a_column(shape):
+    given = RESULTS["translation"].reshape(shape)
+    assert made(translation=given).translation == pytest.approx([-100, 0, 10])
+
+
+def test_results_of_stereo_calibration_are_in_its_order():
+    scanner = slipstream.Scanner.from_opencv(*RESULTS.values(), **SIZES)
+    assert scanner == made()
+    assert slipstream.Scanner.from_opencv(
+        CAMERA, None, PROJECTOR, None, numpy.eye(3), (-100, 0, 10), **SIZES
+    ).translation == pytest.approx([-100, 0, 10])
+    with pytest.raises(TypeError, match="Scanner.from_opencv.*: camera_size is missing"):
+        slipstream.Scanner.from_opencv(*RESULTS.values())
+
+
+@pytest.mark.parametrize("name, value, message", [
+    ("camera_matrix", CAMERA.ravel(),
+     "camera_matrix: an array of shape (9,) and type float64; expected shape (3, 3)"),
+    ("projector_matrix", numpy.eye(3, 4),
+     "projector_matrix: an array of shape (3, 4) and type float64; expected shape (3, 3)"),
+    ("rotation", numpy.zeros((3, 1)),
+     "rotation: an array of shape (3, 1) and type float64; expected shape (3, 3), as "
+     "cv2.Rodrigues(rotation)[0]"),
+    ("translation", numpy.zeros((2, 1)),
+     "translation: an array of shape (2, 1) and type float64; expected 3 numbers"),
+    ("camera_distortion", numpy.zeros((2, 2)),
+     "camera_distortion: an array of shape (2, 2) and type float64; expected shape (N,), (N, 1) or "
+     "(1, N)"),
+    ("projector_distortion", numpy.zeros((1, 6)),
+     "projector_distortion: 6 distortion coefficients; expected 0, 4, 5, 8, 12 or 14"),
+])
+def test_the_array_of_a_wrong_shape_is_named(name, value, message):
+    for make in [made, lambda **changes: slipstream.Scanner.from_opencv(
+            **{**RESULTS, **SIZES, **changes})]:
+        with pytest.raises(slipstream.Error) as error:
+            make(**{name: value})
+        assert str(error.value) == message
+
+
+def test_an_array_of_other_things_is_named():
+    with pytest.raises(TypeError, match="^camera_matrix cannot be 'x'; expected numbers$"):
+        made(camera_matrix="x")

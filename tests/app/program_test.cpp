@@ -332,6 +332,9 @@ TEST_F(Program, ShowsWhatItDoes) {
   for (const char* const file : {"scan/scan.yaml", "cloud.ply", "depth.tiff", "preview.png"}) {
     EXPECT_TRUE(fs::exists(path("demo") + "/" + file)) << file;
   }
+  // It ends with a command that works where it was called.
+  const std::string next = std::string(SLIPSTREAM_PROGRAM) + " reconstruct " + path("demo/scan");
+  EXPECT_NE(run.err.find(next), std::string::npos) << run.err;
 }
 
 TEST_F(Program, AShorterScanLeavesNoFrameOfTheOneBefore) {

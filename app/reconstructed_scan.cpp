@@ -235,8 +235,10 @@ std::string line_of(const ReconstructedScan& scan) {
 
 void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
-  output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), result.counts[0],
-             scan.output == ScanOutput::maps ? "measured, no points," : "points",
+  const std::string done = scan.output == ScanOutput::maps
+                               ? fmt::format("measured {}", result.counts[0])
+                               : fmt::format("{} points", result.counts[0]);
+  output.say("{}: {} of {} pixels, backend {}", text_of(scan.name), done,
              result.cloud.validity.pixel_count(), result.backend);
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (result.counts[i] == 0) continue;

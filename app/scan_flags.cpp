@@ -32,16 +32,16 @@ std::string numbers_only(const std::string& text) try {
 
 /// The strategies, those that others replace at the end.
 std::string strategies_in_help() {
-  constexpr std::string_view of_literature[] = {"two-plus-one",      "fast-three-step",
-                                                "double-three-step", "two-frequency-2n",
-                                                "two-frequency-4n",  "pcps"};
+  constexpr std::string_view rarely_used[] = {"two-plus-one",      "fast-three-step",
+                                              "double-three-step", "two-frequency-2n",
+                                              "two-frequency-4n",  "pcps"};
 
   std::vector<std::string_view> names = strategy_names();
   const auto older = std::stable_partition(names.begin(), names.end(), [&](auto name) {
-    return std::ranges::find(of_literature, name) == std::end(of_literature);
+    return std::ranges::find(rarely_used, name) == std::end(rarely_used);
   });
 
-  return fmt::format("{}; of the literature: {}", fmt::join(names.begin(), older, ", "),
+  return fmt::format("{}; less common: {}", fmt::join(names.begin(), older, ", "),
                      fmt::join(older, names.end(), ", "));
 }
 

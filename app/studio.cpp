@@ -24,7 +24,7 @@
 namespace slipstream::app {
 namespace {
 
-constexpr const char* by_itself = "runs in step by itself";
+constexpr const char* by_itself = "synchronised by cable, or virtual";
 
 enum Choice : std::size_t { camera, projector, patterns, scanner, corners, spacing };
 

@@ -265,7 +265,7 @@ void DistinctFiles::add_output(const fs::path& path) {
   throw_if(inputs_.contains(file) || (fills && std::ranges::any_of(inputs_, fills_to)),
            "{}: is an input and would be overwritten; use another name", path.string());
   throw_if(is_image_file(file) && picture_folders_.contains(file.parent_path()),
-           "{}: is an input, as all pictures in that folder are; use another folder",
+           "{}: is an input, like every picture in its folder; write to another folder",
            path.string());
 
   throw_if(!outputs_.insert(file).second,

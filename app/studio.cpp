@@ -147,6 +147,12 @@ view::ViewSource show_live(Studio& studio) {
   source.title = "slipstream studio: " + studio.chosen(camera);
 
   source.opens_saved = has_geometry(session->setup().scanner);
+  source.save = [&studio, save = std::move(source.save)](const view::ShownCloud& cloud,
+                                                         const EngineSetup& setup) {
+    std::string folder = save(cloud, setup);
+    studio.output.say("saved: {}", folder);
+    return folder;
+  };
 
   // A failed session keeps its last cloud and says why.
   source.newest = [session, &studio, newest = std::move(source.newest)] {

@@ -89,21 +89,38 @@ std::optional<Finding> axes_that_disagree(const EpipolarCheck& check, double cal
   return finding;
 }
 
-/// The cameras do not agree on the fringe order where one band of many periods leaves it open.
+/// One band of many periods leaves the fringe order open, and the cameras do not decide it.
 Finding undecided_order() {
-  return {.kind = FindingKind::camera_orders_disagree,
-          .what = "the cameras do not agree on the fringe order of most surfaces",
-          .causes = {{CauseKind::depth_range,
-                      "several orders fit at the depths tried, or the calibration does not"}},
-          .remedies = {{"name the depths, mm, between which everything lit lies: "
-                        "`nearest NUMBER` `farthest NUMBER`"}}};
+  return {
+      .kind = FindingKind::camera_orders_disagree,
+      .what = "the two cameras leave the fringe order of most surfaces open",
+      .causes = {{CauseKind::depth_range, "several fringe orders fit, and no depth range is set"},
+                 {CauseKind::rig_moved, "cameras that moved since calibration"}},
+      .remedies = {{"set the depths, mm, between which everything lit lies, e.g. "
+                    "`nearest 500` `farthest 700`"}}};
 }
 
-/// What to look at if most pixels are rejected for that reason.
+/// A remedy if most pixels are rejected for that reason.
 std::string advice_on(Validity most) {
-  if (most == Validity::outside_region) return "check the region, `box` and `outline`";
-  if (most == Validity::out_of_range) return "check the depth range, `nearest` and `farthest`";
-  return "look at the frames with `view()`";
+  switch (most) {
+    case Validity::too_dark:
+      return "lengthen the exposure, darken the room, or lower `minimum_modulation`";
+    case Validity::saturated:
+      return "shorten the exposure, or take several with `exposures`";
+    case Validity::doubtful_order:
+      return "take more light or fewer periods, and check that nothing moved";
+    case Validity::no_point:
+    case Validity::outside_field:
+      return "check the scanner file and the projector's size";
+    case Validity::out_of_range:
+      return "check the depth range, `nearest` and `farthest`";
+    case Validity::outside_region:
+      return "check the region, `box` and `outline`";
+    case Validity::moved:
+      return "hold the object still";
+    default:
+      return "see which points come without cleaning: `raw`";
+  }
 }
 
 /// No point, or under half of the pixels that are lit and within the user's limits.

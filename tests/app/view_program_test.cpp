@@ -98,6 +98,7 @@ TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
   const ProgramRun view = run_program({"view", path("scan")});
   EXPECT_EQ(view.exit_code, 1);
   EXPECT_NE(view.err.find("desktop"), std::string::npos) << view.err;
+  EXPECT_NE(view.err.find("--snapshot or --web"), std::string::npos) << view.err;
   // Before anything is rendered, which takes this scene a minute.
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"project", "--list"},

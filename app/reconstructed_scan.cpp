@@ -90,8 +90,8 @@ Image<double> lit_coordinates(const LoadedScan& loaded) {
 
 void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   throw_if(flags.modulation && flags.scans.size() > 1, "--from-modulation needs a single map");
-  throw_if(!flags.modulation && flags.command->count("--min-modulation") > 0,
-           "with --from, --min-modulation needs --from-modulation");
+  throw_if(!flags.modulation && flags.command->count("--minimum-modulation") > 0,
+           "with --from, --minimum-modulation needs --from-modulation");
 
   // 1. Read the map, without pixels that were invalid to the program that made it.
   const std::string& path = loaded.scan.name.path;

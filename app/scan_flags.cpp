@@ -66,7 +66,7 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add_read<>(
       "--period-pixels",
       [&changes](const std::string& text) { changes.period_pixels = settings_in(text); },
-      "--periods as period lengths in projector pixels");
+      "periods (also --frequency, --high and --low) as lengths in projector pixels");
   group.add("--stripe", changes.stripe_pixels,
             "--stripes as the width of a stripe in projector pixels");
 
@@ -196,7 +196,7 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
     group.add_read<std::vector<double>>(flag, read, help)->delimiter(',');
   });
 
-  subcommand.get_option("--min-component")->default_str("");  // its help names the default
+  subcommand.get_option("--smallest-component")->default_str("");  // its help names the default
 }
 
 void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {

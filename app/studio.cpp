@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/board_flags.h"
 #include "app/capture.h"
 #include "app/live_session.h"
 #include "app/process.h"
@@ -201,7 +202,7 @@ view::ViewSource calibrate(Studio& studio) {
   set_source(studio, flags.source, flags.monitor);
 
   // The choices are texts, as the window edits them.
-  const auto [columns, rows] = size_from(studio.chosen(corners), "corners");
+  const auto [columns, rows] = corners_from(studio.chosen(corners), "corners");
   flags.board.board.columns = columns;
   flags.board.board.rows = rows;
 

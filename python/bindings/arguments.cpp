@@ -1,9 +1,11 @@
 #include "python/bindings/arguments.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/throw_if-inl.h"
@@ -95,6 +97,12 @@ void Keywords::require_none_left() const {
 
 void Keywords::refuse(const char* name, const py::object& given) {
   throw py::type_error(fmt::format("{} cannot be {}", name, py::repr(given).cast<std::string>()));
+}
+
+std::string keyword_of(std::string_view option) {
+  std::string name(option);
+  std::ranges::replace(name, '-', '_');
+  return name;
 }
 
 void take(Keywords& keywords, CleanSettings& clean) {

@@ -161,10 +161,10 @@ TEST_P(CloudOfMap, IsCleanedByItsModulation) {
                 .exit_code,
             0);
   for (const char* const least : {"15", "40"}) {
-    ASSERT_EQ(reconstruct({"--min-modulation", least, "--depth", path("depth.tiff")}).exit_code, 0);
+    ASSERT_EQ(reconstruct({"--minimum-modulation", least, "--depth", path("depth.tiff")}).exit_code, 0);
     const ProgramRun made =
         from("coordinate", "coordinate.tiff",
-             {"--from-modulation", path("modulation.tiff"), "--min-modulation", least, "--depth",
+             {"--from-modulation", path("modulation.tiff"), "--minimum-modulation", least, "--depth",
               path("again.tiff"), "--axis", GetParam().back() == "y" ? "y" : "x"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     const Image<double> depth = read_map(path("depth.tiff")), again = read_map(path("again.tiff"));
@@ -207,7 +207,7 @@ TEST_P(RefusedMap, IsOneThatCannotBe) {
   expect_refused(run_program({"reconstruct", map, "--from", "coordinate", "--depth", no[1]}),
                  "--scanner");
   expect_refused(from("coordinate", "coordinate.tiff", {"--mean", no[1]}), "--mean");
-  expect_refused(from("coordinate", "coordinate.tiff", {"--min-modulation", "9", no[0], no[1]}),
+  expect_refused(from("coordinate", "coordinate.tiff", {"--minimum-modulation", "9", no[0], no[1]}),
                  "--from-modulation");
   expect_refused(from("coordinate", "coordinate.tiff",
                       {"--from-modulation", path("small.tiff"), no[0], no[1]}),

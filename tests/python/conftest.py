@@ -26,12 +26,9 @@ def program(*arguments):
 
 def as_printed(error):
     """The message of a refused scan as the program prints it: with flags and commands."""
-    other_names = {"minimum_modulation": "min-modulation", "largest_sigma": "max-sigma",
-                   "smallest_component": "min-component", "ambient_light": "ambient"}
-
     def flag(match):
         name, value = match.groups("")
-        return "--" + other_names.get(name, name).replace("_", "-") + value
+        return "--" + name.replace("_", "-") + value
 
     def command(match):
         return "slipstream " + match[1].replace("_", " ")

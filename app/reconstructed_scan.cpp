@@ -124,11 +124,17 @@ Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, Reconstruc
 
   const bool only_maps = flags.files.only_maps() && !flags.uncertainty;
 
+  // Without a scanner a preview shows maps, and a scan without outputs is measured.
+  const bool has_pair = scan.camera_pair && !scan.further_cameras.empty();
+  const bool is_alone = !scan.scanner && !has_pair;
+  const bool wants_points = flags.files.need_points() || flags.uncertainty;
+
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
-  const bool may_lack_points = only_maps && (!scan.scanner || only_phase);
-  result.output = may_lack_points ? ScanOutput::maps : ScanOutput::points;
+  const bool gives_maps =
+      (only_maps && (!scan.scanner || only_phase)) || (is_alone && !wants_points);
+  result.output = gives_maps ? ScanOutput::maps : ScanOutput::points;
   result.warnings = scan.warnings;
   return scan;
 }
@@ -240,6 +246,9 @@ void tell(const ReconstructedScan& scan, Output& output) {
                                : fmt::format("{} points", result.counts[0]);
   output.say("{}: {} of {} pixels, backend {}", text_of(scan.name), done,
              result.cloud.validity.pixel_count(), result.backend);
+  if (scan.output == ScanOutput::maps && !has_geometry(result.setup.scanner)) {
+    output.say("  no points, as no scanner is known; name its file with --scanner");
+  }
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (result.counts[i] == 0) continue;
     output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), result.counts[i]);

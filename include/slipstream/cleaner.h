@@ -84,10 +84,11 @@ struct CleanSettings {
            "keep only camera pixels inside x,y,x,y: two corners of a rectangle, or a polygon"},
           self.outline);
 
-    visit({"widest_gap", "widest-gap", "fill gaps in a surface up to this width, pixels", "pixels", 0},
+    visit({"widest_gap", "widest-gap", "fill gaps in a surface up to this width, pixels", "pixels",
+           0},
           self.widest_gap);
-    visit({"smoothing", "smoothing", "half the window of edge-preserving smoothing, pixels", "pixels",
-           0, 10},
+    visit({"smoothing", "smoothing", "half the window of edge-preserving smoothing, pixels",
+           "pixels", 0, 10},
           self.smoothing);
   }
 

@@ -161,14 +161,26 @@ void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput o
   }
 }
 
+/// Throws Error: without a scanner there are no points; or RefusedScan if the frames alone show
+/// that something else is wrong.
+[[noreturn]] void refuse_without_scanner(Scan scan, ScanJobSettings settings,
+                                         const std::string& name) {
+  settings.output = ScanOutput::maps;
+  require_right(checked_job(std::move(scan), settings, name).checked, name);
+
+  throw Error(
+      fmt::format("{}: no scanner is known; name its file with `scanner` or in scan.yaml. Without "
+                  "one the frames give `phase FILE`, `modulation FILE` and `preview FILE`",
+                  name));
+}
+
 }  // namespace
 
 CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::string& name) {
   const bool has_pair = settings.output == ScanOutput::points && !scan.scanner &&
                         scan.camera_pair && !scan.further_cameras.empty();
   const bool wants_points = settings.output == ScanOutput::points && !has_pair;
-  throw_if(wants_points && !scan.scanner,
-           "{}: no scanner is known; name its file with `scanner` or in scan.yaml", name);
+  if (wants_points && !scan.scanner) refuse_without_scanner(std::move(scan), settings, name);
 
   Stopwatch watch;
   CheckedJob job{.scan = std::move(scan)};

@@ -196,8 +196,8 @@ class Service {
 
   void set() {
     shown_.least_modulation = 41 + files_++ % 9;
-    RC_ASSERT(
-        ask(port(), "POST /settings", fmt::format("minimum-modulation={}", shown_.least_modulation)));
+    RC_ASSERT(ask(port(), "POST /settings",
+                  fmt::format("minimum-modulation={}", shown_.least_modulation)));
   }
 
   void record(bool on) {

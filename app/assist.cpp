@@ -148,7 +148,7 @@ void add_assist(const Commands& program) {
   command.add(
       "--noise-variance", flags.noise_variance,
       "noise variance sigma_w^2, squared grey levels of 255; default: from the scanner file");
-  command.add("--min-modulation", flags.needs.least_modulation,
+  command.add("--minimum-modulation", flags.needs.least_modulation,
               "minimum modulation of a measured pixel, grey levels of 255");
 
   add_source_flags(command.app, source, false);

@@ -1,6 +1,8 @@
 #include "app/board_flags.h"
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,7 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
 
   // Corners of the pattern, inside the board's edge.
   const auto corners = [&board](const std::string& text) {
-    const auto [columns, rows] = size_from(text, "--corners");
+    const auto [columns, rows] = corners_from(text, "--corners");
     board.columns = columns;
     board.rows = rows;
   };
@@ -57,6 +59,15 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   };
   group.add_read<>("--dictionary", dictionary, "marker dictionary: 4x4, 5x5, 6x6 or 7x7")
       ->default_str("4x4");
+}
+
+Size corners_from(const std::string& text, const std::string& flag) {
+  std::string counts = text;
+  std::ranges::replace(counts, ',', 'x');
+  const std::optional<Size> corners = size_of_text(counts);
+  throw_if(!corners, "{} '{}': expected the inner corners of a row x the rows, e.g. 13x9", flag,
+           text);
+  return *corners;
 }
 
 CalibrationBoard board_from(const BoardFlags& flags) {

@@ -7,6 +7,7 @@
 #include "app/commands.h"
 #include "simulate/rendered_reel.h"
 #include "slipstream/calibration_board.h"
+#include "slipstream/image.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 
@@ -22,6 +23,9 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags);
 
 /// The board described by the flags. Throws Error if it is impossible or has no spacing.
 CalibrationBoard board_from(const BoardFlags& flags);
+
+/// Parses "13x9" or "13,9": columns and rows. Throws Error naming the flag otherwise.
+Size corners_from(const std::string& text, const std::string& flag);
 
 /// Parses "121.9x80.3" or "121.9": one length or two, mm. Throws Error naming the flag otherwise.
 std::vector<double> lengths_from(const std::string& text, const std::string& flag);

@@ -61,7 +61,7 @@ void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags)
   command.add("--first-axis", flags.first_axis,
               "if both scans lie in one folder: the axis whose pictures come first, x or y");
 
-  command.add("--min-modulation", flags.capture.minimum_modulation,
+  command.add("--minimum-modulation", flags.capture.minimum_modulation,
               "minimum modulation for a pixel's phase to be used, grey levels of 255");
   command.add("--neighbourhood", flags.capture.neighbourhood,
               "radius around a corner within which phase is used, in corner spacings");

@@ -394,7 +394,8 @@ void add_calibrate_gamma(const Commands& calibrate) {
   command.add_output("--histogram", flags.histogram, "histogram of the pixels' gamma: .png");
 
   command
-      .add("--min-modulation", flags.minimum_modulation, "minimum modulation, grey levels of 255")
+      .add("--minimum-modulation", flags.minimum_modulation,
+           "minimum modulation, grey levels of 255")
       ->default_str("16");
 
   add_scan_flags(command.app, flags.scan);

@@ -214,8 +214,8 @@ void add_measure(const Commands& program) {
   group.add("--sphere", flags.spheres, "fit to the points in a pixel rectangle, as for --plane");
 
   add_cloud_flags(command.app, flags.input);
-  command.common({"--point", "--distance", "--plane", "--sphere", "--scanner", "--min-modulation",
-                  "--max-sigma", "--raw"});
+  command.common({"--point", "--distance", "--plane", "--sphere", "--scanner",
+                  "--minimum-modulation", "--largest-sigma", "--raw"});
   command.examples({"measure scan --point 320,240 --distance 100,200 500,210",
                     "measure cloud.pcd --plane 200x100+320+240 --json",
                     "measure cloud.ply --sphere all"});
@@ -227,7 +227,7 @@ void add_check(const Commands& program) {
 
   required(command.add_file("folders", flags.folders,
                             "scan folders (pictures, and scan.yaml or flags) or recordings"));
-  command.add("--min-modulation", flags.settings.minimum_modulation,
+  command.add("--minimum-modulation", flags.settings.minimum_modulation,
               "minimum modulation of a valid pixel, grey levels of 255 at any bit depth");
 
   add_scan_input_flags(command.app, flags.input);

@@ -137,10 +137,10 @@ bool has_word(const std::string& text, const std::string& word) {
 
 /// How clearly the message names the setting: by flag, name or value.
 int clarity(const RigSetting& setting, const std::string& message) {
-  // "minimum modulation" is min-modulation.
+  // "minimum modulation" is minimum-modulation.
   const std::string last = setting.name.substr(setting.name.rfind('-') + 1);
 
-  const bool names_flag = has_word(message, "--" + setting.name) ||
+  const bool names_flag = has_word(message, "--" + present_name(setting.name)) ||
                           message.find("'" + setting.name + "'") != message.npos;
   const bool names_setting = has_word(message, last.size() > 5 ? last : setting.name);
   const bool names_value = std::ranges::any_of(setting.values, [&](const std::string& value) {

@@ -89,7 +89,8 @@ struct FlagGroup {
       // 3. A number or text shows its present value as default; an optional or a list does not.
       constexpr bool has_default =
           std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>;
-      CLI::Option* const option = checked<Value>(app.add_option(flag, value, help));
+      CLI::Option* const option =
+          checked<Value>(app.add_option(with_former_name(flag), value, help));
       return has_default ? option->capture_default_str() : option;
     }
   }
@@ -99,7 +100,8 @@ struct FlagGroup {
   CLI::Option* add_read(const std::string& flag,
                         std::type_identity_t<std::function<void(const Value&)>> read,
                         const std::string& help) const {
-    return checked<Value>(app.add_option_function<Value>(flag, std::move(read), help));
+    return checked<Value>(
+        app.add_option_function<Value>(with_former_name(flag), std::move(read), help));
   }
 
   /// Adds a flag whose value is chosen by name with `named`; `usual` is the default's name.

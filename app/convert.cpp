@@ -375,7 +375,8 @@ void add_convert(const Commands& program) {
   command.add("--topic", flags.topic, "MCAP input: convert only this topic's clouds, e.g. /points");
   add_cloud_flags(command.app, flags.cloud);
 
-  command.common({"--output", "--topic", "--scanner", "--min-modulation", "--max-sigma", "--raw"});
+  command.common(
+      {"--output", "--topic", "--scanner", "--minimum-modulation", "--largest-sigma", "--raw"});
   command.examples({"convert scan.slip -o clouds.mcap",
                     "convert clouds.mcap -o clouds/{window}.pcd",
                     "convert clouds.mcap -o scan.slip"});

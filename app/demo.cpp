@@ -1,5 +1,7 @@
 #include "app/demo.h"
 
+#include <cerrno>
+#include <cstdlib>
 #include <string>
 
 #include "io/result_files.h"
@@ -16,6 +18,27 @@ namespace {
 struct DemoFlags {
   std::string folder = "demo";
 };
+
+/// Whether `view` is part of this build and can open a window.
+bool can_view() {
+#ifdef SLIPSTREAM_VIEW
+  return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+#else
+  return false;
+#endif
+}
+
+/// Says how to go on, with commands that work here: the program need not be on the path.
+void say_what_next(const ResultFiles& files, const fs::path& scan, Output& output) {
+  const std::string program = program_invocation_name;
+
+  if (can_view()) {
+    output.say("look at it: {} view {}", program, scan.string());
+  } else {
+    output.say("look at it: {}", files.preview);
+  }
+  output.say("do it yourself: {} reconstruct {} -o cloud.ply", program, scan.string());
+}
 
 void demo(const DemoFlags& flags, Output& output) {
   // 1. A virtual world: the example scanner, a statue, usual noise.
@@ -58,9 +81,7 @@ void demo(const DemoFlags& flags, Output& output) {
     output.object("files")[name] = path;
   }
 
-  output.say(
-      "look at it: slipstream view {0}\ndo it yourself: slipstream reconstruct {0} -o cloud.ply",
-      scan.string());
+  say_what_next(files, scan, output);
 
   output.add("scan", scan.string(), "points", point_count(cloud), "rms_mm", errors.rms,
              "predicted_mm", errors.predicted);

@@ -2,45 +2,28 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include "slipstream/cleaner.h"
-#include "slipstream/engine.h"
-#include "slipstream/scanner.h"
-#include "slipstream/setting.h"
+#include <utility>
 
 namespace slipstream::app {
 namespace {
 
-using NameMap = std::map<std::string, std::string, std::less<>>;
+/// Names of earlier versions, and those of now.
+constexpr std::pair<std::string_view, std::string_view> former_names[] = {
+    {"min-modulation", "minimum-modulation"},
+    {"min-component", "smallest-component"},
+    {"max-sigma", "largest-sigma"},
+    {"fill", "widest-gap"},
+    {"smooth", "smoothing"},
+    {"ambient", "ambient-light"}};
 
-/// The options of settings by their names. Settings of virtual worlds are left out: the library
-/// names them nowhere, and some are called like other settings.
-NameMap make_option_names() {
-  // These have no description.
-  NameMap options{{"excluded", "exclude"}, {"least_alpha", "least-reflectivity"}};
-
-  const auto add = [&options](const Setting& setting, const auto&) {
-    const bool is_offered = *setting.option != '\0';
-    if (is_offered && !setting.option_clears) options.emplace(setting.name, setting.option);
-  };
-
-  const ReconstructSettings settings;
-  ReconstructSettings::for_each_setting(settings, add);
-  CleanSettings::for_each_setting(settings.clean, add);
-  const PhotometricCalibration photometry;
-  PhotometricCalibration::for_each_setting(photometry, add);
-  return options;
-}
-
-std::string flag_by_description(std::string_view name) {
-  static const NameMap options = make_option_names();
-  const auto found = options.find(name);
-  return found == options.end() ? flag_of(name) : "--" + found->second;
+/// The flag of a name in a text of the library; two differ from their settings.
+std::string flag_named(std::string_view name) {
+  if (name == "excluded") return "--exclude";
+  if (name == "least_alpha") return "--least-reflectivity";
+  return flag_of(name);
 }
 
 /// "slipstream calibrate gamma" of "calibrate_gamma".
@@ -63,11 +46,11 @@ std::optional<std::string> named_in(std::string_view quoted) {
   if (!is_name || is_command) return std::nullopt;
 
   if (rest == "()") return command_of(name);
-  if (rest.empty()) return flag_by_description(name);
+  if (rest.empty()) return flag_named(name);
 
   const bool has_value = rest.size() > 1 && rest.front() == ' ';
   if (!has_value) return std::nullopt;
-  return flag_by_description(name) + std::string(rest);
+  return flag_named(name) + std::string(rest);
 }
 
 }  // namespace
@@ -76,6 +59,24 @@ std::string flag_of(std::string_view name) {
   std::string flag = "--" + std::string(name);
   std::ranges::replace(flag, '_', '-');
   return flag;
+}
+
+std::string with_former_name(const std::string& flag) {
+  for (const auto& [former, now] : former_names) {
+    if (flag == "--" + std::string(now)) return flag + ",--" + std::string(former);
+  }
+  return flag;
+}
+
+bool is_former_name(std::string_view name) {
+  return present_name(name) != name;
+}
+
+std::string present_name(std::string_view name) {
+  for (const auto& [former, now] : former_names) {
+    if (name == former) return std::string(now);
+  }
+  return std::string(name);
 }
 
 std::string with_flags(std::string_view text) {

@@ -81,7 +81,9 @@ std::string examples_of(const CLI::App& app) {
 std::string entry(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
-  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  for (const std::string& name : option.get_lnames()) {
+    if (!is_former_name(name)) names.push_back("--" + name);
+  }
 
   // CLI11 names types for programmers; the help names them for users.
   std::string type = option.get_type_name();

@@ -10,7 +10,7 @@ namespace slipstream::app {
 /// Lays out --help, wrapped to the terminal's width.
 std::shared_ptr<CLI::FormatterBase> help_layout();
 
-/// What the program prints without arguments: commands to begin with.
+/// The text printed without arguments: commands to begin with.
 std::string greeting();
 
 }  // namespace slipstream::app

@@ -104,6 +104,15 @@ const CLI::App& chosen_command(const CLI::App& program) {
   return *command;
 }
 
+#ifdef SLIPSTREAM_VIEW
+/// The flags with which the command needs no window; empty if it has none.
+std::string without_a_window(const CLI::App& command) {
+  const auto has = [&](const char* flag) { return command.get_option_no_throw(flag) != nullptr; };
+  if (has("--headless")) return "; without a window: --headless";
+  return has("--web") ? "; without a window: --snapshot or --web" : "";
+}
+#endif
+
 /// Explains why the arguments are wrong, unknown words first, with a suggestion.
 std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
   const CLI::App& command = chosen_command(program);
@@ -304,9 +313,15 @@ int run_program(std::span<char* const> arguments, Output& output) {
                     static_cast<std::size_t>(threads));
     }
 
-    reading.chosen.work(output);
 #ifdef SLIPSTREAM_VIEW
+    try {
+      reading.chosen.work(output);
+    } catch (const opengl::NoDesktop& error) {
+      throw WorldError(error.what() + without_a_window(chosen_command(program)));
+    }
     if (opengl::desktop_is_gone()) output.warn("the desktop has ended, and with it the window");
+#else
+    reading.chosen.work(output);
 #endif
     output.finish();
     return output.exit_code;

@@ -248,7 +248,7 @@ void add_design(const Commands& program) {
   command.add("--steps", flags.goal.steps, "frames of pcmp, 3 or more; with --phase-speed, of pmp");
   command.add("--least-reflectivity", flags.goal.alpha, "least reflectivity to measure, 0 to 1");
   command
-      .add("--ambient", flags.ambient,
+      .add("--ambient-light", flags.ambient,
            "ambient light, grey levels of 255; default: from the scanner file")
       ->default_str("0");
   command.add("--noise-variance", flags.noise_variance,
@@ -268,11 +268,11 @@ void add_design(const Commands& program) {
     command.exclude(compares, {"--steps", "--plot"});
   }
   command.exclude("--phase-speed",
-                  {"--frames", "--coordinate-noise", "--least-reflectivity", "--ambient",
+                  {"--frames", "--coordinate-noise", "--least-reflectivity", "--ambient-light",
                    "--noise-variance", "--scanner", "--success", "--most-periods", "--plot"});
 
   command.examples(
-      {"design --steps 4 --noise-variance 1.55 --ambient -7 --least-reflectivity 0.3 --plot "
+      {"design --steps 4 --noise-variance 1.55 --ambient-light -7 --least-reflectivity 0.3 --plot "
        "design.png"});
 }
 

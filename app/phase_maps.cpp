@@ -111,7 +111,7 @@ struct HeightFlags {
 
 void add_phase_flags(CLI::App& command, CloudFlags& flags) {
   add_anyway_flag(command, flags.anyway);
-  FlagGroup{command}.add("--min-modulation", flags.settings.minimum_modulation,
+  FlagGroup{command}.add("--minimum-modulation", flags.settings.minimum_modulation,
                          "minimum modulation of a valid pixel, grey levels of 255");
   add_scan_input_flags(command, flags);
 }
@@ -200,8 +200,8 @@ void add_calibrate_height(const Commands& calibrate) {
   required(command.add_output("-o,--output", flags.output, "calibration file: .npy"));
 
   add_phase_flags(command.app, flags.phase);
-  command.common(
-      {"--heights", "--output", "--strategy", "--steps", "--high", "--low", "--min-modulation"});
+  command.common({"--heights", "--output", "--strategy", "--steps", "--high", "--low",
+                  "--minimum-modulation"});
   command.examples({"calibrate height plane_0 plane_10 plane_20 --heights 0,10,20 -o heights.npy"});
 }
 
@@ -220,7 +220,7 @@ void add_height(const Commands& program) {
   add_phase_flags(command.app, flags.phase);
 
   command.common({"--calibration", "--output", "--preview", "--strategy", "--steps", "--high",
-                  "--low", "--min-modulation"});
+                  "--low", "--minimum-modulation"});
   command.examples({"height scan --calibration heights.npy -o height.tiff --preview height.png"});
 }
 

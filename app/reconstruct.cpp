@@ -345,9 +345,10 @@ void add_reconstruct(const Commands& program) {
                           "--backwards says that values fall across it",
                           map_forms));
   command
-      .add_file("--from-modulation", flags.modulation,
-                "with --from: the map's modulation, grey levels of 255, for --min-modulation and "
-                "cleaning")
+      .add_file(
+          "--from-modulation", flags.modulation,
+          "with --from: the map's modulation, grey levels of 255, for --minimum-modulation and "
+          "cleaning")
       ->needs("--from");
 
   command.exclude(

@@ -33,7 +33,9 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   group.add_output("--motion-map", files.motion,
                    "phase change from frame to frame (--motion), rad: .tiff");
 
-  group.add_output("--preview", files.preview, "coloured depth picture with a scale: .png");
+  group.add_output(
+      "--preview", files.preview,
+      "picture of the depth with a scale; without a scanner, of modulation and phase: .png");
 
   // The points of the cloud: how many, and with which values.
   group.add("--subsample", flags.subsample, "keep every Nth pixel of the cloud: 1, 2 or 4");

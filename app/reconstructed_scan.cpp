@@ -90,8 +90,8 @@ Image<double> lit_coordinates(const LoadedScan& loaded) {
 
 void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   throw_if(flags.modulation && flags.scans.size() > 1, "--from-modulation needs a single map");
-  throw_if(!flags.modulation && flags.command->count("--min-modulation") > 0,
-           "with --from, --min-modulation needs --from-modulation");
+  throw_if(!flags.modulation && flags.command->count("--minimum-modulation") > 0,
+           "with --from, --minimum-modulation needs --from-modulation");
 
   // 1. Read the map, without pixels that were invalid to the program that made it.
   const std::string& path = loaded.scan.name.path;
@@ -124,11 +124,17 @@ Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, Reconstruc
 
   const bool only_maps = flags.files.only_maps() && !flags.uncertainty;
 
+  // Without a scanner a preview shows maps, and a scan without outputs is measured.
+  const bool has_pair = scan.camera_pair && !scan.further_cameras.empty();
+  const bool is_alone = !scan.scanner && !has_pair;
+  const bool wants_points = flags.files.need_points() || flags.uncertainty;
+
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
                           !has_coordinate(scan.sequence.strategy);
-  const bool may_lack_points = only_maps && (!scan.scanner || only_phase);
-  result.output = may_lack_points ? ScanOutput::maps : ScanOutput::points;
+  const bool gives_maps =
+      (only_maps && (!scan.scanner || only_phase)) || (is_alone && !wants_points);
+  result.output = gives_maps ? ScanOutput::maps : ScanOutput::points;
   result.warnings = scan.warnings;
   return scan;
 }
@@ -229,9 +235,14 @@ std::string line_of(const ReconstructedScan& scan) {
 
 void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
-  output.say("{}: {} {} of {} pixels, backend {}", text_of(scan.name), result.counts[0],
-             scan.output == ScanOutput::maps ? "measured, no points," : "points",
+  const std::string done = scan.output == ScanOutput::maps
+                               ? fmt::format("measured {}", result.counts[0])
+                               : fmt::format("{} points", result.counts[0]);
+  output.say("{}: {} of {} pixels, backend {}", text_of(scan.name), done,
              result.cloud.validity.pixel_count(), result.backend);
+  if (scan.output == ScanOutput::maps && !has_geometry(result.setup.scanner)) {
+    output.say("  no points, as no scanner is known; name its file with --scanner");
+  }
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (result.counts[i] == 0) continue;
     output.say("  rejected, {}: {}", name_of(static_cast<Validity>(i)), result.counts[i]);

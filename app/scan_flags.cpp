@@ -32,16 +32,16 @@ std::string numbers_only(const std::string& text) try {
 
 /// The strategies, those that others replace at the end.
 std::string strategies_in_help() {
-  constexpr std::string_view of_literature[] = {"two-plus-one",      "fast-three-step",
-                                                "double-three-step", "two-frequency-2n",
-                                                "two-frequency-4n",  "pcps"};
+  constexpr std::string_view rarely_used[] = {"two-plus-one",      "fast-three-step",
+                                              "double-three-step", "two-frequency-2n",
+                                              "two-frequency-4n",  "pcps"};
 
   std::vector<std::string_view> names = strategy_names();
   const auto older = std::stable_partition(names.begin(), names.end(), [&](auto name) {
-    return std::ranges::find(of_literature, name) == std::end(of_literature);
+    return std::ranges::find(rarely_used, name) == std::end(rarely_used);
   });
 
-  return fmt::format("{}; of the literature: {}", fmt::join(names.begin(), older, ", "),
+  return fmt::format("{}; less common: {}", fmt::join(names.begin(), older, ", "),
                      fmt::join(older, names.end(), ", "));
 }
 
@@ -66,7 +66,7 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add_read<>(
       "--period-pixels",
       [&changes](const std::string& text) { changes.period_pixels = settings_in(text); },
-      "--periods as period lengths in projector pixels");
+      "periods (also --frequency, --high and --low) as lengths in projector pixels");
   group.add("--stripe", changes.stripe_pixels,
             "--stripes as the width of a stripe in projector pixels");
 
@@ -204,7 +204,7 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
     group.add_read<std::vector<double>>(flag, read, help)->delimiter(',');
   });
 
-  subcommand.get_option("--min-component")->default_str("");  // its help names the default
+  subcommand.get_option("--smallest-component")->default_str("");  // its help names the default
 }
 
 void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {

@@ -31,7 +31,7 @@ struct ScanFlags : ScanChanges {
   PhotometricCalibration photometry;  ///< its flags
 };
 
-/// Adds --scanner, --camera-bits, --gamma, --ambient, --noise-variance and the flags of
+/// Adds --scanner, --camera-bits, --gamma, --ambient-light, --noise-variance and the flags of
 /// add_scan_flags.
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags);
 

@@ -145,7 +145,8 @@ std::vector<RunSetting> LiveSession::settings() const {
   return all;
 }
 
-void LiveSession::change(const std::string& name, const std::string& value) {
+void LiveSession::change(const std::string& asked, const std::string& value) {
+  const std::string name = present_name(asked);
   require_settable(settings(), name, value);
   const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
 

@@ -22,8 +22,8 @@ struct VirtualFlags : WorldSettings {
 
 /// Adds --scene, --mesh, --mesh-size, --reflectivity, --shift, --move, --turn, --vibrate,
 /// --breathe, --camera, --world, --camera-bits, --seed, --rays, and --virtual-ambient, --virtual-
-/// gamma and --virtual-noise, which set the simulation (--ambient, --gamma and --noise-variance set
-/// what reconstruction assumes).
+/// gamma and --virtual-noise, which set the simulation (--ambient-light, --gamma and
+/// --noise-variance set what reconstruction assumes).
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags);
 
 /// The virtual world of the flags, with the scanner file of --scanner.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/board_flags.h"
 #include "app/capture.h"
 #include "app/live_session.h"
 #include "app/process.h"
@@ -24,7 +25,7 @@
 namespace slipstream::app {
 namespace {
 
-constexpr const char* by_itself = "runs in step by itself";
+constexpr const char* by_itself = "synchronised by cable, or virtual";
 
 enum Choice : std::size_t { camera, projector, patterns, scanner, corners, spacing };
 
@@ -147,6 +148,12 @@ view::ViewSource show_live(Studio& studio) {
   source.title = "slipstream studio: " + studio.chosen(camera);
 
   source.opens_saved = has_geometry(session->setup().scanner);
+  source.save = [&studio, save = std::move(source.save)](const view::ShownCloud& cloud,
+                                                         const EngineSetup& setup) {
+    std::string folder = save(cloud, setup);
+    studio.output.say("saved: {}", folder);
+    return folder;
+  };
 
   // A failed session keeps its last cloud and says why.
   source.newest = [session, &studio, newest = std::move(source.newest)] {
@@ -195,7 +202,7 @@ view::ViewSource calibrate(Studio& studio) {
   set_source(studio, flags.source, flags.monitor);
 
   // The choices are texts, as the window edits them.
-  const auto [columns, rows] = size_from(studio.chosen(corners), "corners");
+  const auto [columns, rows] = corners_from(studio.chosen(corners), "corners");
   flags.board.board.columns = columns;
   flags.board.board.rows = rows;
 

@@ -211,7 +211,7 @@ void add_view(const Commands& program) {
 
   // All options added from here on are about scans.
   const std::size_t before = command.app.get_options().size();
-  command.add("--min-modulation", flags.cloud.settings.minimum_modulation,
+  command.add("--minimum-modulation", flags.cloud.settings.minimum_modulation,
               "minimum modulation of a valid pixel, grey levels of 255");
   add_scan_input_flags(command.app, flags.cloud);
   add_clean_flags(command.app, flags.cloud.settings);

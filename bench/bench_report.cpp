@@ -12,12 +12,12 @@ namespace {
 /// Rows reported by how many times as fast the fused pass is; other ratios are of times.
 constexpr std::array peers{"lut", "traditional", "equations", "simd", "opencv-psp", "opencv-hand"};
 constexpr std::array<std::pair<const char*, const char*>, 6> relatives{
-    {{"engine", "time of the public call, times that of the fused pass alone:"},
-     {"clean", "time of cleaning a cloud by default, times that of the fused pass alone:"},
-     {"live-check", "time of live's check of a cycle of 3 frames, times that of one cloud:"},
-     {"model-view", "time of adding a view to a model, times that of the fused pass:"},
-     {"fused-corrected", "time with a phase correction, times the time without:"},
-     {"fused-dual", "time of two frequencies (6 frames), times that of one:"}}};
+    {{"engine", "time of the public call, over the time of the fused pass alone:"},
+     {"clean", "time of cleaning a cloud by default, over the time of the fused pass alone:"},
+     {"live-check", "time of live's check of a cycle of 3 frames, over the time of one cloud:"},
+     {"model-view", "time of adding a view to a model, over the time of the fused pass:"},
+     {"fused-corrected", "time with a phase correction, over the time without:"},
+     {"fused-dual", "time of two frequencies (6 frames), over the time of one:"}}};
 
 bool is_fused_of_three(const TimedRow& timed) {
   return timed.row.name == "fused" && timed.row.steps == 3;
@@ -128,9 +128,9 @@ std::string ratios(const BenchRatios& ratios) {
     if (const auto one = over_fused.find(name); one != over_fused.end()) add(words, one->second);
   }
   if (ratios.largest_per_pixel) {
-    add("time per pixel of the largest picture, times that of 640x480:", *ratios.largest_per_pixel);
+    add("time per pixel of the largest picture, over the time at 640x480:", *ratios.largest_per_pixel);
   }
-  if (ratios.threads) add("time on one thread, times that on all:", *ratios.threads);
+  if (ratios.threads) add("time on one thread, over the time on all:", *ratios.threads);
   return text;
 }
 

@@ -59,7 +59,7 @@ struct CleanSettings {
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
     visit({.name = "largest_sigma",
-           .option = "max-sigma",
+           .option = "largest-sigma",
            .help = "maximum standard deviation of depth predicted from the noise, mm; default: 3 % "
                    "of the depth",
            .unit = "mm",
@@ -72,7 +72,7 @@ struct CleanSettings {
           self.drop_outliers);
 
     visit({.name = "smallest_component",
-           .option = "min-component",
+           .option = "smallest-component",
            .help = "minimum pixels of a connected piece; default 200",
            .unit = "pixels",
            .least = 0,
@@ -84,10 +84,11 @@ struct CleanSettings {
            "keep only camera pixels inside x,y,x,y: two corners of a rectangle, or a polygon"},
           self.outline);
 
-    visit({"widest_gap", "fill", "fill gaps in a surface up to this width, pixels", "pixels", 0},
+    visit({"widest_gap", "widest-gap", "fill gaps in a surface up to this width, pixels", "pixels",
+           0},
           self.widest_gap);
-    visit({"smoothing", "smooth", "half the window of edge-preserving smoothing, pixels", "pixels",
-           0, 10},
+    visit({"smoothing", "smoothing", "half the window of edge-preserving smoothing, pixels",
+           "pixels", 0, 10},
           self.smoothing);
   }
 

@@ -19,10 +19,10 @@ namespace slipstream {
 
 /// A setting that can change while the run continues, with its present value.
 struct RunSetting {
-  std::string name;                    ///< as in the flags of `slipstream live`: "min-modulation"
-  std::string help;                    ///< short description
-  std::string unit{};                  ///< unit of a number, e.g. "ms"; empty if none
-  std::string value{};                 ///< a number, or one of the choices
+  std::string name;     ///< as in the flags of `slipstream live`: "minimum-modulation"
+  std::string help;     ///< short description
+  std::string unit{};   ///< unit of a number, e.g. "ms"; empty if none
+  std::string value{};  ///< a number, or one of the choices
   std::vector<std::string> choices{};  ///< "off" and "on" for a switch; empty for a number
   double least = 0, most = 0;          ///< range of a number
   std::string state{};                 ///< remark shown beside it; usually empty

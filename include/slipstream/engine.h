@@ -82,7 +82,7 @@ struct ReconstructSettings {
   static void for_each_setting(Self& self, const Visit& visit) {
     // Light.
     visit({.name = "minimum_modulation",
-           .option = "min-modulation",
+           .option = "minimum-modulation",
            .help = "least modulation, grey levels of 255 for any bit depth of the camera",
            .unit = "grey levels",
            .least = 0,

@@ -53,8 +53,8 @@ struct CheckedJob {
 
 /// Chooses the response and checks the scan; puts slipped frames in order. Does not refuse it: see
 /// any_wrong. `name`: of the scan in messages. Throws Error if it cannot be reconstructed: without
-/// a scanner or a camera pair, if the scanner does not fit it, or if its frames give no depth. May
-/// be called from several threads.
+/// a scanner or a camera pair (RefusedScan if its frames alone are wrong), if the scanner does not
+/// fit it, or if its frames give no depth. May be called from several threads.
 CheckedJob checked_job(Scan scan, const ScanJobSettings& settings,
                        const std::string& name = "the scan");
 

@@ -114,7 +114,7 @@ struct PhotometricCalibration {
   /// The numbers, named as in scanner files.
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
-    visit({"ambient_light", "ambient",
+    visit({"ambient_light", "ambient-light",
            "ambient light, grey levels of 255; default: from the scanner file", "grey levels", -255,
            255},
           self.ambient);

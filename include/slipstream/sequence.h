@@ -84,7 +84,7 @@ struct SequenceChanges {
   std::optional<std::string> strategy{};  ///< by name: replaces the known strategy entirely
   std::map<std::string, std::optional<std::string>> settings{};  ///< alone, they change the known
                                                                  ///< one
-  std::optional<std::vector<double>> period_pixels{};            ///< `periods`, in projector pixels
+  std::optional<std::vector<double>> period_pixels{};            ///< lengths, projector pixels
   std::optional<double> stripe_pixels{};  ///< `stripes`, as their width in pixels
   std::optional<std::string> axes{};      ///< see set_axes
   std::optional<double> alpha_p{};

@@ -19,8 +19,8 @@ struct Setting {
   };
 
   const char* name;  ///< member name and Python keyword; messages show it with spaces
-  /// Short name by which a command line or page offers it, without dashes, e.g. "fill"; empty: not
-  /// offered.
+  /// Short name by which a command line or page offers it, without dashes, e.g. "widest-gap";
+  /// empty: not offered.
   const char* option = "";
   const char* help = "";  ///< of option and keyword; names other settings as messages do, see Error
   const char* unit = "";  ///< e.g. "mm"

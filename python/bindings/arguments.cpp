@@ -1,10 +1,12 @@
 #include "python/bindings/arguments.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/throw_if-inl.h"
@@ -166,6 +168,12 @@ void Keywords::require_none_left() const {
 
 void Keywords::refuse(const char* name, const py::object& given) {
   throw py::type_error(fmt::format("{} cannot be {}", name, shown(given)));
+}
+
+std::string keyword_of(std::string_view option) {
+  std::string name(option);
+  std::ranges::replace(name, '-', '_');
+  return name;
 }
 
 void take(Keywords& keywords, CleanSettings& clean) {

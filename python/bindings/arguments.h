@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -80,7 +81,11 @@ class Keywords {
 void take(Keywords& keywords, CleanSettings& clean);
 void take(Keywords& keywords, ReconstructSettings& settings);
 
-/// Takes the settings that a struct describes: see Setting.
+/// "camera_bits" of "camera-bits".
+std::string keyword_of(std::string_view option);
+
+/// Takes the settings that a struct describes, see Setting, by their names and those of the
+/// program.
 template <class Settings>
 void take_described(Keywords& keywords, Settings& settings) {
   Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
@@ -97,6 +102,12 @@ void take_described(Keywords& keywords, Settings& settings) {
       for (const auto& [column, row] : corners) value.push_back({column, row});
     } else {
       keywords.take(setting.name, value);
+
+      // The program's name, e.g. "virtual_noise", where another setting has the short one.
+      const std::string option = keyword_of(setting.option);
+      if (!option.empty() && option != setting.name && !setting.option_clears) {
+        keywords.take(option.c_str(), value);
+      }
     }
   });
 }

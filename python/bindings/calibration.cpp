@@ -121,7 +121,7 @@ CalibrationBoard board_from(Keywords& keywords) {
   return board;
 }
 
-/// A calibration with what its report refers to.
+/// A calibration, with the data of its report.
 struct HeldCalibration {
   GeometryCalibration found{};
   std::vector<UnusedPose> unused{};

@@ -350,7 +350,7 @@ Verdict verdict_of(const std::vector<Finding>& findings) {
   const Finding& first = findings.front();
   if (any_wrong(findings))
     return {"bad", "Do again: " + symptom_of(first) + ". " + remedies_of(first)};
-  return {"usable", "Usable, but look at this: " + symptom_of(first)};
+  return {"usable", "Usable, with a warning: " + symptom_of(first)};
 }
 
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,

@@ -44,7 +44,7 @@ Finding pattern_mismatch(const Fit& fit) {
       fmt::format(
           "the frames do not match the patterns: over {:g} % of their variation is unexplained",
           100 * limit),
-      {{.name = "left over, share of their variation",
+      {{.name = "unexplained share of the variation",
         .value = fit.frames.residual,
         .limit = limit}});
 }

@@ -178,6 +178,10 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
   const double doubt = 3 * error, most = std::max(linear, least);
   if (std::abs(off) + doubt <= most) return std::nullopt;
 
+  std::vector<Remedy> remedies{{"measure it with `calibrate_gamma()`"}};
+  if (!scan.settings.blind) remedies.push_back(try_setting("gamma", "blind"));
+  remedies.push_back({"give `gamma 1` if it is linear", {{"gamma", "1"}}});
+
   const bool seen = std::abs(off) > doubt;
   return Finding{.kind = seen ? FindingKind::nonlinear_light : FindingKind::unproven_response,
                  .what = seen ? "the light is not proportional to the patterns' grey levels"
@@ -190,9 +194,7 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
                  .causes = {{CauseKind::gamma,
                              seen ? "the projector's gamma (with the camera's) is not corrected"
                                   : "the projector's gamma, if it is not 1"}},
-                 .remedies = {{"measure it with `calibrate_gamma()`"},
-                              try_setting("gamma", "blind"),
-                              {"give `gamma 1` if it is linear", {{"gamma", "1"}}}}};
+                 .remedies = std::move(remedies)};
 }
 
 /// A warning if noise of depth exceeds 1 % somewhere in the field (three standard deviations then

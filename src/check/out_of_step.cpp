@@ -250,9 +250,10 @@ Finding out_of_step(const Mixture& mixture, const std::pair<double, double>& har
       .evidence = {{"share", 100 * mixture.mean(), "percent", 100 * least_share},
                    {"coordinates off by", 100 * off, "percent of the field", 100 * most_off}},
       .causes = {{CauseKind::out_of_step,
-                  "camera and projector out of step: exposures span two patterns"}},
-      .remedies = {
-          {"trigger the camera by the projector, or expose later and for whole patterns"}}};
+                  "camera and projector out of step: exposures span two patterns"},
+                 {CauseKind::unclear, "an object that moved during capture"}},
+      .remedies = {{"trigger the camera by the projector, or expose later and for whole patterns"},
+                   {"hold the object still"}}};
 
   if (deeper > 0) {
     finding.evidence.push_back({"median depth off by", deeper, "mm", most_deeper});

@@ -109,6 +109,9 @@ class Mistakes {
       return;
     }
 
+    std::vector<Remedy> remedies{{"measure it with `calibrate_gamma()`"}};
+    if (!scan_.settings.blind) remedies.push_back(try_setting("gamma", "blind"));
+
     for (double gamma = 0.5; gamma < 3.05; gamma += 0.1) {
       constexpr double least_off = 0.05;
       if (std::abs(gamma - 1) < least_off) continue;
@@ -117,7 +120,7 @@ class Mistakes {
           CauseKind::gamma,
           fmt::format("the projector's gamma (with the camera's, about {:.1f}) is not corrected",
                       gamma),
-          {{"measure it with `calibrate_gamma()`"}, try_setting("gamma", "blind")});
+          remedies);
       mistake.photometry = scan_.photometry;
       mistake.photometry->response = {PowerLaw{gamma}, gamma, 0};
       mistake.family = gamma_family;

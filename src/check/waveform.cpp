@@ -143,7 +143,7 @@ std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& s
     waveform.harmonics[first_harmonic + i / 2] = {found[i], -found[i + 1]};
   }
 
-  // 4. The rest.
+  // 4. The residual.
   const double left = all - found.dot(2 * right - normal * found);
   waveform.residual = std::sqrt(std::max(0.0, left / variation));
   waveform.phase_error = phase_error(waveform, steps);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 #include <numeric>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/throw_if-inl.h"
@@ -26,8 +29,30 @@ double periods_across(double length, double field, bool coarse) {
   return field / length;
 }
 
+/// Sets the periods by the strategy's own settings: `periods`, `frequency`, or `high` and `low`.
+void set_periods(std::string_view strategy, std::vector<double> periods,
+                 StrategySettings& settings) {
+  const StrategySettings usual = make_strategy(strategy, {}).settings();
+  std::vector<const char*> names;
+
+  if (usual.contains("periods")) {
+    settings["periods"] = periods;
+    return;
+  }
+  if (usual.contains("frequency")) names = {"frequency"};
+  if (usual.contains("high")) names = {"high", "low"};
+
+  throw_if(names.empty(), "{} has no periods, so that `period_pixels` does not apply", strategy);
+  throw_if(periods.size() > names.size(), "{} takes {} lengths of periods, not {}", strategy,
+           names.size(), periods.size());
+
+  // The most periods are the high frequency.
+  std::ranges::sort(periods, std::greater());
+  for (std::size_t i = 0; i < periods.size(); ++i) settings[names[i]] = periods[i];
+}
+
 /// Converts lengths in projector pixels to periods and stripes across the field, `field` pixels.
-void add_settings_in_pixels(const StrategySettings& lengths, int field,
+void add_settings_in_pixels(const StrategySettings& lengths, int field, std::string_view strategy,
                             StrategySettings& settings) {
   for (const auto& [name, value] : lengths) {
     throw_if(field == 0,
@@ -41,7 +66,11 @@ void add_settings_in_pixels(const StrategySettings& lengths, int field,
       number = periods_across(number, field, several);
     }
 
-    settings[name] = numbers;
+    if (name == "periods") {
+      set_periods(strategy, std::move(numbers), settings);
+    } else {
+      settings[name] = numbers;
+    }
   }
 }
 
@@ -59,7 +88,8 @@ Sequence along(Sequence sequence, Axis axis) {
   // A length in pixels makes a different number of periods along the other axis.
   if (axis != sequence.axis && !sequence.lengths.empty()) {
     StrategySettings settings = sequence.strategy.settings();
-    add_settings_in_pixels(sequence.lengths, length_along(axis, sequence.projector), settings);
+    add_settings_in_pixels(sequence.lengths, length_along(axis, sequence.projector),
+                           sequence.strategy.name(), settings);
     sequence.strategy = with_settings(sequence.strategy, sequence.strategy.name(), settings);
   }
 
@@ -212,7 +242,8 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   for (const auto& [name, value] : changes.settings) {
     if (!value) continue;
     settings[name] = *value;
-    sequence.lengths.erase(name);
+    const bool is_periods = name == "frequency" || name == "high" || name == "low";
+    sequence.lengths.erase(is_periods ? "periods" : name);
   }
 
   // 3. Lengths in projector pixels. Their periods depend on the axis and the projector's size.
@@ -223,10 +254,10 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   if (sequence.projector == Size{}) sequence.projector = first.projector;
   sequence.projector = changes.projector.value_or(sequence.projector);
 
+  const std::string strategy = changes.strategy.value_or(std::string(known.strategy.name()));
   add_settings_in_pixels(sequence.lengths, length_along(sequence.axis, sequence.projector),
-                         settings);
-  sequence.strategy =
-      with_settings(known.strategy, changes.strategy.value_or(known.strategy.name()), settings);
+                         strategy, settings);
+  sequence.strategy = with_settings(known.strategy, strategy, settings);
 
   // 4. How the patterns are shown and seen.
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);

@@ -355,7 +355,15 @@ StoredCloud cloud_of(StoredPoints stored) {
 }  // namespace
 
 void require_cloud_ending(const fs::path& path) {
-  if (path != standard_output) require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
+  if (path == standard_output) return;
+
+  const std::string ending = lower_case_extension(path);
+  throw_if(
+      ending == ".stl" || ending == ".obj" || ending == ".glb",
+      "{0}: no cloud format has the ending '{1}'; use .ply, .pcd, .xyz, or for a mesh of a scan "
+      "`reconstruct()` `mesh {0}`",
+      path.string(), ending);
+  require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
 }
 
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {

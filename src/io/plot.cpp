@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "base/statistics.h"
@@ -263,12 +264,22 @@ std::vector<std::uint8_t> png_of(const Canvas& picture) {
   return png_file_of(PictureView(ImageView(samples, {3 * picture.width(), picture.height()}), 3));
 }
 
-std::vector<std::uint8_t> preview(const Canvas& picture, const ValueRange& range,
-                                  const std::string& unit, const ColourMap& colours) {
+Canvas preview(const Canvas& picture, const ValueRange& range, const std::string& unit,
+               const ColourMap& colours) {
   constexpr double longest_side = 1000;
   const double times = std::max(picture.width(), picture.height()) / longest_side;
 
-  return png_of(with_scale(times > 1 ? reduced(picture, times) : picture, range, unit, colours));
+  return with_scale(times > 1 ? reduced(picture, times) : picture, range, unit, colours);
+}
+
+Canvas preview_of_map(const Image<double>& map, const ValueRange& range, const std::string& unit) {
+  ColourMap colours = depth_colours();
+  std::reverse(colours.begin(), colours.end());  // large values stand out, like near depths
+
+  // A map of a few pixels is enlarged, each pixel to a square.
+  const int side = std::max(1, smallest_height / std::max({map.width(), map.height(), 1}));
+
+  return preview(coloured(map, range, colours, side), range, unit, colours);
 }
 
 }  // namespace
@@ -353,20 +364,24 @@ std::vector<std::uint8_t> depth_preview(const Cloud& cloud) {
     shaded(pixel.red), shaded(pixel.green), shaded(pixel.blue);
   });
 
-  return preview(picture, range, "depth, mm", colours);
+  return png_of(preview(picture, range, "depth, mm", colours));
 }
 
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
   require_ending(path, "preview", {".png"});
+  write_file(path, png_of(preview_of_map(map, robust_range(map), unit)));
+}
 
-  const ValueRange range = robust_range(map);
-  ColourMap colours = depth_colours();
-  std::reverse(colours.begin(), colours.end());  // large values stand out, like near depths
+void write_modulation_and_phase(const fs::path& path, const Image<double>& modulation,
+                                const Image<double>& phase) {
+  require_ending(path, "preview", {".png"});
+  const Canvas left = preview_of_map(modulation, robust_range(modulation), "modulation");
+  const Canvas right = preview_of_map(phase, {0, 2 * std::numbers::pi}, "phase, rad");
 
-  // A map of a few pixels is enlarged, each pixel to a square.
-  const int side = std::max(1, smallest_height / std::max({map.width(), map.height(), 1}));
-
-  write_file(path, preview(coloured(map, range, colours, side), range, unit, colours));
+  Canvas both({left.width() + right.width(), std::max(left.height(), right.height())}, background);
+  copy(left, both, 0, 0);
+  copy(right, both, left.width(), 0);
+  write_file(path, png_of(both));
 }
 
 void write_plot(const fs::path& path, const LinePlot& plot) {

@@ -63,6 +63,11 @@ std::vector<std::uint8_t> depth_preview(const Cloud& cloud);
 void write_map_preview(const std::filesystem::path& path, const Image<double>& map,
                        const std::string& unit);
 
+/// Modulation, grey levels, and wrapped phase, rad, side by side, each as write_map_preview draws
+/// it.
+void write_modulation_and_phase(const std::filesystem::path& path, const Image<double>& modulation,
+                                const Image<double>& phase);
+
 /// The range of an axis, with round numbers for its marks.
 struct PlotAxis {
   double low = 0;

@@ -113,6 +113,21 @@ ListedScans listed_from(std::string_view line) {
   return scans;
 }
 
+/// Modulation, and the phase of the measured pixels.
+void write_preview_of_maps(const fs::path& path, const Image<Validity>& validity,
+                           const Maps& maps) {
+  // Codes have no phase.
+  const Image<double> modulation = converted<double>(maps.modulation);
+  if (maps.wrapped_phase.empty()) return write_map_preview(path, modulation, "modulation");
+
+  Image<double> phase = converted<double>(maps.wrapped_phase);
+  for (std::size_t i = 0; i < phase.pixel_count(); ++i) {
+    if (validity.begin()[i] != Validity::valid) phase.begin()[i] = nan;
+  }
+
+  write_modulation_and_phase(path, modulation, phase);
+}
+
 }  // namespace
 
 std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
@@ -139,10 +154,11 @@ bool ResultFiles::any_map() const {
 }
 
 bool ResultFiles::only_maps() const {
-  return any_map() && std::ranges::all_of(all_files, [this](const NamedFile& file) {
-           const bool of_points = file.map == nullptr || file.map == &Maps::epipolar_distance;
-           return !of_points || (this->*file.path).empty();
-         });
+  return any_map() && !need_points() && preview.empty();
+}
+
+bool ResultFiles::need_points() const {
+  return !(cloud.empty() && mesh.empty() && depth.empty() && epipolar.empty());
 }
 
 std::string text_of(const ScanName& scan) {
@@ -220,7 +236,9 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
     if (map != nullptr && !(files.*path).empty()) write_map(files.*path, maps.*map);
   }
 
-  if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
+  if (files.preview.empty()) return;
+  cloud.z.empty() ? write_preview_of_maps(files.preview, cloud.validity, maps)
+                  : write_depth_preview(files.preview, cloud);
 }
 
 void DistinctFiles::add_input(const fs::path& path, int levels) {
@@ -265,7 +283,7 @@ void DistinctFiles::add_output(const fs::path& path) {
   throw_if(inputs_.contains(file) || (fills && std::ranges::any_of(inputs_, fills_to)),
            "{}: is an input and would be overwritten; use another name", path.string());
   throw_if(is_image_file(file) && picture_folders_.contains(file.parent_path()),
-           "{}: is an input, as all pictures in that folder are; use another folder",
+           "{}: is an input, like every picture in its folder; write to another folder",
            path.string());
 
   throw_if(!outputs_.insert(file).second,

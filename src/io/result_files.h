@@ -27,6 +27,8 @@ struct ResultFiles {
   [[nodiscard]] bool any_map() const;
   /// Whether only maps are written that need no scanner.
   [[nodiscard]] bool only_maps() const;
+  /// Whether any of them needs points: cloud, mesh, depth and epipolar distance.
+  [[nodiscard]] bool need_points() const;
 };
 
 /// A folder or a recording, and optionally a window of it.
@@ -56,7 +58,8 @@ bool has_format_of_ending(const std::filesystem::path& file);
 void require_writable(const ResultFiles& files, const std::vector<ScanName>& scans);
 
 /// Writes the results: cloud with extras, mesh of its points, depth in mm, maps as 32-bit float
-/// TIFF, preview as PNG. Throws as the writer of each.
+/// TIFF, preview as PNG: of the depth, or of modulation and phase if the cloud has no depth, only
+/// validity. Throws as the writer of each.
 void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
                    const CloudExtras& extras = {});
 

@@ -57,7 +57,7 @@ async function tell() {
   if (cloud && cloud.hasDepth) row('points', cloud.count);
   for (const { name, rate } of told.stages) if (name === 'show') row('clouds per second', rate);
   row('on this page', seen.length / 2);
-  row('latency, 99 of 100', told.latency_ms.p99.toFixed(1) + ' ms');
+  row('latency, 99th percentile', told.latency_ms.p99.toFixed(1) + ' ms');
   for (const [name, count] of Object.entries(told.frames)) row('frames ' + name, count);
   for (const { name, dropped } of told.sinks) row('dropped by ' + name.split(':')[0], dropped);
   const lasting = told.findings.filter(finding => finding.end === null);

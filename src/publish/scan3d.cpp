@@ -250,7 +250,7 @@ void add_scan3d(Features& features) {
   features.add("Float", "Scan3dInvalidDataValue", invalid_value, "RO", of_each);
 }
 
-/// A GenApi name: "MinModulation" from "min-modulation".
+/// A GenApi name: "MinimumModulation" from "minimum-modulation".
 std::string name_from(const std::string& words) {
   std::string name;
   bool begins = true;

@@ -232,7 +232,7 @@ class WebSink final : public CloudSink {
     return settings_;
   }
 
-  /// E.g. "min-modulation=20".
+  /// E.g. "minimum-modulation=20".
   void change(const std::string& wish) {
     const std::size_t mark = std::min(wish.find('='), wish.size());
     if (mark == wish.size()) throw Error("expected NAME=VALUE");

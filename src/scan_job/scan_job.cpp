@@ -78,21 +78,38 @@ GuardResult judged_guard(const EngineSetup& setup, Scan guard, const Maps& maps,
   return result;
 }
 
-/// The cameras do not agree on the fringe order where one band of many periods leaves it open.
+/// One band of many periods leaves the fringe order open, and the cameras do not decide it.
 Finding undecided_order() {
-  return {.kind = FindingKind::camera_orders_disagree,
-          .what = "the cameras do not agree on the fringe order of most surfaces",
-          .causes = {{CauseKind::depth_range,
-                      "several orders fit at the depths tried, or the calibration does not"}},
-          .remedies = {{"name the depths, mm, between which everything lit lies: "
-                        "`nearest NUMBER` `farthest NUMBER`"}}};
+  return {
+      .kind = FindingKind::camera_orders_disagree,
+      .what = "the two cameras leave the fringe order of most surfaces open",
+      .causes = {{CauseKind::depth_range, "several fringe orders fit, and no depth range is set"},
+                 {CauseKind::rig_moved, "cameras that moved since calibration"}},
+      .remedies = {{"set the depths, mm, between which everything lit lies, e.g. "
+                    "`nearest 500` `farthest 700`"}}};
 }
 
-/// What to look at if most pixels are rejected for that reason.
+/// A remedy if most pixels are rejected for that reason.
 std::string advice_on(Validity most) {
-  if (most == Validity::outside_region) return "check the region, `box` and `outline`";
-  if (most == Validity::out_of_range) return "check the depth range, `nearest` and `farthest`";
-  return "look at the frames with `view()`";
+  switch (most) {
+    case Validity::too_dark:
+      return "lengthen the exposure, darken the room, or lower `minimum_modulation`";
+    case Validity::saturated:
+      return "shorten the exposure, or take several with `exposures`";
+    case Validity::doubtful_order:
+      return "take more light or fewer periods, and check that nothing moved";
+    case Validity::no_point:
+    case Validity::outside_field:
+      return "check the scanner file and the projector's size";
+    case Validity::out_of_range:
+      return "check the depth range, `nearest` and `farthest`";
+    case Validity::outside_region:
+      return "check the region, `box` and `outline`";
+    case Validity::moved:
+      return "hold the object still";
+    default:
+      return "see which points come without cleaning: `raw`";
+  }
 }
 
 /// No point, or under half of the pixels that are lit and within the user's limits.
@@ -133,14 +150,26 @@ void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput o
   }
 }
 
+/// Throws Error: without a scanner there are no points; or RefusedScan if the frames alone show
+/// that something else is wrong.
+[[noreturn]] void refuse_without_scanner(Scan scan, ScanJobSettings settings,
+                                         const std::string& name) {
+  settings.output = ScanOutput::maps;
+  require_right(checked_job(std::move(scan), settings, name).checked, name);
+
+  throw Error(
+      fmt::format("{}: no scanner is known; name its file with `scanner` or in scan.yaml. Without "
+                  "one the frames give `phase FILE`, `modulation FILE` and `preview FILE`",
+                  name));
+}
+
 }  // namespace
 
 CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::string& name) {
   const bool has_pair = settings.output == ScanOutput::points && !scan.scanner &&
                         scan.camera_pair && !scan.further_cameras.empty();
   const bool wants_points = settings.output == ScanOutput::points && !has_pair;
-  throw_if(wants_points && !scan.scanner,
-           "{}: no scanner is known; name its file with `scanner` or in scan.yaml", name);
+  if (wants_points && !scan.scanner) refuse_without_scanner(std::move(scan), settings, name);
 
   Stopwatch watch;
   CheckedJob job{.scan = std::move(scan)};

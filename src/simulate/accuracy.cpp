@@ -394,7 +394,7 @@ Verdict verdict_of(const Accuracy& accuracy) {
 
   // Random errors dominate up to a ratio of 1; above 3 a new calibration is worth it.
   const std::string figures = fmt::format(
-      "systematic errors of up to {:.3f} mm beside random ones of {:.3f} mm", error, noise);
+      "systematic errors up to {:.3f} mm, random errors {:.3f} mm", error, noise);
   if (accuracy.shapes.empty() || worst <= 1) return {"good", "Good: " + figures + "."};
   if (worst <= 3) return {"usable", "Usable: " + figures + "; a new calibration may be better."};
   return {"bad", "Do again: " + figures + "; calibrate geometry and gamma again."};

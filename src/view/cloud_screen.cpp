@@ -432,7 +432,11 @@ void CloudScreen::hear_of_saving() {
 
   try {
     const std::string path = saving_.get();
-    if (source_.opens_saved) return open(path);
+    if (source_.opens_saved) {
+      // The opened scan gets a screen of its own, which keeps the steps and their message.
+      if (source_.steps) source_.steps->message = fmt::format("saved: {}", path);
+      return open(path);
+    }
     state_.message = fmt::format("saved: {}", path);
   } catch (const std::exception& error) {
     state_.message = fmt::format("not saved: {}", source_.worded(error.what()));

@@ -283,7 +283,7 @@ WindowSystem::WindowSystem() {
 #endif
 
   if (glfwInit() != GLFW_TRUE) {
-    throw WorldError(fmt::format("no desktop to open a window on: {}", last_words()));
+    throw NoDesktop(fmt::format("no desktop to open a window on: {}", last_words()));
   }
 
   ++window_systems;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "slipstream/error.h"
 #include "slipstream/image.h"
 
 struct GLFWwindow;
@@ -68,10 +69,16 @@ class RenderTarget {
 /// The bound framebuffer's picture, first row at the top.
 Image<Colour> read_pixels(Size size);
 
+/// There is no desktop to open a window on.
+class NoDesktop : public WorldError {
+ public:
+  using WorldError::WorldError;
+};
+
 /// The connection to the desktop; at most one, in the main thread, outliving every Window.
 class WindowSystem {
  public:
-  /// Throws WorldError without a desktop.
+  /// Throws NoDesktop; WorldError once the desktop has ended.
   WindowSystem();
   WindowSystem(const WindowSystem&) = delete;
   WindowSystem& operator=(const WindowSystem&) = delete;

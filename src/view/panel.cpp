@@ -60,7 +60,7 @@ void draw_counts(const PanelState& state, const ViewSource& source) {
 
       const std::string percent = percent_of(state.counts[i], state.pixels);
       const std::string_view reason = name_of(static_cast<Validity>(i));
-      const std::string points = fmt::format("are {} points", state.counts[i]);
+      const std::string points = fmt::format("{} points", state.counts[i]);
 
       row(percent.c_str(), i != 0 ? std::string(reason) : alone ? "measured" : points);
     }

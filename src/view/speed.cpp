@@ -48,7 +48,7 @@ void draw_latencies(const LiveStatistics& statistics) {
   if (!ImGui::TreeNode("delay since capture, ms")) return;
 
   table("latencies", 2, ImGuiTableFlags_SizingStretchProp, [&] {
-    row("", "half / 99 of 100 / most", quiet);
+    row("", "median / 99th percentile / longest", quiet);
     row("to points", text_of(statistics.latency));
     row("to screen", text_of(statistics.screen_latency));
   });

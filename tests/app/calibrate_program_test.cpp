@@ -149,7 +149,7 @@ TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
   expect_bad_input(calibrate(poses(), file, {"--print", "so-so"}), {"--print so-so"});
   expect_bad_input(calibrate(poses() + "/nowhere", file, {}), {"nowhere", "no such folder"});
   expect_bad_input(calibrate(poses(), file, {"--compare", "nowhere.xml"}), {"nowhere.xml"});
-  expect_bad_input(calibrate(poses(), file, {"--min-modulation", "256"}),
+  expect_bad_input(calibrate(poses(), file, {"--minimum-modulation", "256"}),
                    {"board01", "least modulation 256"});
   expect_bad_input(calibrate(poses(), file, {"--neighbourhood", "11"}), {"neighbourhood 11"});
   expect_bad_input(calibrate(poses(), file, {"--beta-p", "300"}), {"beta_p"});
@@ -357,7 +357,7 @@ TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
   }
   expect_bad_input(
       run_program({"calibrate", "board", "-o", file, "--corners", "9", "--spacing", "20"}),
-      {"--corners"});
+      {"--corners '9'", "13x9"});
   expect_bad_input(run_program({"calibrate", "board", "-o", file, "--spacing", "20", "--dpi", "0"}),
                    {"--dpi 0"});
   expect_bad_input(run_program({"calibrate", "board", "-o", file}),

@@ -93,7 +93,12 @@ TEST_F(CheckProgram, NeedsNoScanner) {
   const ProgramRun run = run_program(check);
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.out, path("bare") + ": OK: no problems found\n");
-  expect_one_line(run_program(reconstruct), {"no scanner"});
+  reconstruct.insert(reconstruct.end(), {"-o", path("cloud.ply")});
+  expect_one_line(run_program(reconstruct), {"no scanner", "--phase FILE"});
+
+  // A mistake that the frames show comes first.
+  reconstruct.insert(reconstruct.end(), {"--order", "1,0,2,3,4,5"});
+  expect_one_line(run_program(reconstruct), {"look swapped"});
 }
 
 TEST_F(CheckProgram, RefusesScansThatCannotBeRead) {

@@ -268,7 +268,8 @@ TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   refused({path("scan.mcap"), path("scan.mcap"), "-o", path("one.ply")}, "two clouds");
   EXPECT_FALSE(fs::exists(path("one.ply")));
   refused({path("scan.mcap"), "-o", path("scan.mcap")}, "overwritten");
-  refused({path("scan.mcap"), "-o", path("a.stl")}, "ending");
+  refused({path("scan.mcap"), "-o", path("a.las")}, "ending");
+  refused({path("scan.mcap"), "-o", path("a.stl")}, "--mesh " + path("a.stl"));
   refused({path("scan.mcap"), "--topic", "/image", "-o", path("a.ply")}, "/image (no cloud)");
   write_file(path("other.mcap"), std::string_view("no such file"));
   refused({path("other.mcap"), "-o", path("a.mcap")}, "not an MCAP file");

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/output.h"
+#include "slipstream/engine.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream::app::flag_names_test {
 
@@ -29,10 +31,33 @@ TEST(FlagNames, OperationsBecomeCommands) {
             "find it with slipstream reconstruct --gamma blind");
 }
 
-TEST(FlagNames, DescriptionsNameFlagsThatDiffer) {
-  EXPECT_EQ(with_flags("lower `minimum_modulation`"), "lower --min-modulation");
-  EXPECT_EQ(with_flags("`widest_gap 3`"), "--fill 3");
-  EXPECT_EQ(with_flags("set `ambient_light`"), "set --ambient");
+TEST(FlagNames, FlagsAreCalledLikeTheirSettings) {
+  EXPECT_EQ(with_flags("lower `minimum_modulation`"), "lower --minimum-modulation");
+  EXPECT_EQ(with_flags("`widest_gap 3`"), "--widest-gap 3");
+  EXPECT_EQ(with_flags("set `ambient_light`"), "set --ambient-light");
+
+  const auto is_called_alike = [](const Setting& setting, const auto&) {
+    const bool is_offered = *setting.option != '\0' && !setting.option_clears;
+    if (!is_offered) return;
+    EXPECT_EQ(flag_of(setting.name), flag_of(setting.option));
+  };
+  const ReconstructSettings settings;
+  ReconstructSettings::for_each_setting(settings, is_called_alike);
+  CleanSettings::for_each_setting(settings.clean, is_called_alike);
+  const PhotometricCalibration photometry;
+  PhotometricCalibration::for_each_setting(photometry, is_called_alike);
+}
+
+TEST(FlagNames, FormerNamesAreRead) {
+  EXPECT_EQ(with_former_name("--widest-gap"), "--widest-gap,--fill");
+  EXPECT_EQ(with_former_name("--steps"), "--steps");
+  EXPECT_EQ(present_name("fill"), "widest-gap");
+  EXPECT_EQ(present_name("steps"), "steps");
+  EXPECT_TRUE(is_former_name("min-modulation"));
+  EXPECT_FALSE(is_former_name("minimum-modulation"));
+}
+
+TEST(FlagNames, TwoFlagsDiffer) {
   EXPECT_EQ(with_flags("`least_alpha 2`"), "--least-reflectivity 2");
   EXPECT_EQ(with_flags("`noise_variance`"), "--noise-variance");
 }

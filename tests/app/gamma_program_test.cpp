@@ -115,6 +115,7 @@ TEST_F(GammaProgram, SaysSoWhereFramesCannotShowIt) {
   EXPECT_TRUE(says(run_with("check", {"--json"}), cause));
   const std::string blind = run_with("check", {"--gamma", "blind"});
   EXPECT_TRUE(says(blind, cause) && says(blind, "--gamma blind corrects nothing")) << blind;
+  EXPECT_FALSE(says(blind, "try --gamma blind")) << blind;
   EXPECT_FALSE(says(run_with("reconstruct", {"--gamma", "2.2"}), "warning"));
   simulated("1");
   EXPECT_FALSE(says(run_with("reconstruct", {}), "warning"));

@@ -32,7 +32,8 @@ TEST(ProgramHelp, HasHelpWithExamples) {
 }
 
 TEST(ProgramHelp, HelpIsShort) {
-  for (const char* command : {"reconstruct", "check", "measure", "simulate", "capture", "live"}) {
+  for (const char* command :
+       {"reconstruct", "check", "measure", "simulate", "capture", "live", "view"}) {
     const ProgramRun run = run_program({command, "--help"});
     std::istringstream lines(run.out);
     std::ptrdiff_t count = 0;
@@ -42,6 +43,12 @@ TEST(ProgramHelp, HelpIsShort) {
     EXPECT_LE(count, 40) << command;
     EXPECT_NE(run.out.find("--help-all"), std::string::npos) << command;
   }
+}
+
+TEST(ProgramHelp, ShowsAFlagOnlyByItsPresentName) {
+  const std::string all = run_program({"reconstruct", "--help-all"}).out;
+  EXPECT_NE(all.find("--widest-gap"), std::string::npos);
+  EXPECT_EQ(all.find("--fill"), std::string::npos) << all;
 }
 
 TEST(ProgramHelp, FillsTheLinesOfADescription) {

@@ -68,7 +68,14 @@ TEST_P(MapsAlone, AreThoseThatTheScannerGives) {
         << map;
   }
   expect_refused(reconstruct({"--phase", path("no.tiff"), "-o", path("cloud.ply")}), "no scanner");
-  expect_refused(reconstruct({}), "no scanner");
+
+  // A preview shows the maps, and without outputs the pixels are counted.
+  EXPECT_EQ(reconstruct({"--preview", path("preview.png")}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("preview.png")));
+  const ProgramRun counted = reconstruct({});
+  EXPECT_EQ(counted.exit_code, 0) << counted.err;
+  EXPECT_NE(counted.out.find("measured "), std::string::npos) << counted.out;
+  EXPECT_NE(counted.out.find("no scanner is known"), std::string::npos) << counted.out;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, MapsAlone,
@@ -161,11 +168,12 @@ TEST_P(CloudOfMap, IsCleanedByItsModulation) {
                 .exit_code,
             0);
   for (const char* const least : {"15", "40"}) {
-    ASSERT_EQ(reconstruct({"--min-modulation", least, "--depth", path("depth.tiff")}).exit_code, 0);
+    ASSERT_EQ(reconstruct({"--minimum-modulation", least, "--depth", path("depth.tiff")}).exit_code,
+              0);
     const ProgramRun made =
         from("coordinate", "coordinate.tiff",
-             {"--from-modulation", path("modulation.tiff"), "--min-modulation", least, "--depth",
-              path("again.tiff"), "--axis", GetParam().back() == "y" ? "y" : "x"});
+             {"--from-modulation", path("modulation.tiff"), "--minimum-modulation", least,
+              "--depth", path("again.tiff"), "--axis", GetParam().back() == "y" ? "y" : "x"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     const Image<double> depth = read_map(path("depth.tiff")), again = read_map(path("again.tiff"));
     int points = 0, other = 0;
@@ -207,7 +215,7 @@ TEST_P(RefusedMap, IsOneThatCannotBe) {
   expect_refused(run_program({"reconstruct", map, "--from", "coordinate", "--depth", no[1]}),
                  "--scanner");
   expect_refused(from("coordinate", "coordinate.tiff", {"--mean", no[1]}), "--mean");
-  expect_refused(from("coordinate", "coordinate.tiff", {"--min-modulation", "9", no[0], no[1]}),
+  expect_refused(from("coordinate", "coordinate.tiff", {"--minimum-modulation", "9", no[0], no[1]}),
                  "--from-modulation");
   expect_refused(from("coordinate", "coordinate.tiff",
                       {"--from-modulation", path("small.tiff"), no[0], no[1]}),

@@ -138,7 +138,7 @@ TEST_F(NoiseProgram, WarnsOfPatternsThatAreUnwise) {
 
 TEST_F(NoiseProgram, ProposesPatterns) {
   const ProgramRun run =
-      run_program({"design", "--steps", "4", "--noise-variance", "1.55", "--ambient", "-7",
+      run_program({"design", "--steps", "4", "--noise-variance", "1.55", "--ambient-light", "-7",
                    "--least-reflectivity", "0.3", "--plot", path("design.png"), "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   for (const char* const key : {"high", "share", "alpha_p", "beta_p", "success", "plot"}) {

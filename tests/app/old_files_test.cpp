@@ -48,4 +48,9 @@ TEST(OldFiles, ASwitchWithItsWord) {
                     "dual-frequency", "--steps", "3", "--high", "16", "--low", "1"});
 }
 
+TEST(OldFiles, FlagsByTheirFormerNames) {
+  expect_as_before(
+      {(before / "scan").string(), "--min-modulation", "15", "--fill", "0", "--smooth", "0"});
+}
+
 }  // namespace slipstream::old_files_test

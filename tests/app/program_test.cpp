@@ -102,7 +102,7 @@ TEST_F(Program, TakesABareFolderAndFlags) {
                                       "1280x800",
                                       "--scanner",
                                       path("scan/scanner.yaml"),
-                                      "--min-modulation",
+                                      "--minimum-modulation",
                                       "15",
                                       "-o",
                                       path("cloud.ply")});
@@ -147,7 +147,7 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
               0);
     for (const char* const rule : {"published", "likelihood", "consensus"}) {
       const ProgramRun run = run_program({"reconstruct", path("pcmp"), "--cue-rule", rule,
-                                          "--ambient", "-4", "-o", path("pcmp.ply")});
+                                          "--ambient-light", "-4", "-o", path("pcmp.ply")});
       EXPECT_EQ(run.exit_code, 0) << run.err;
       EXPECT_NE(run.out.find("RMS error"), std::string::npos) << run.out;
     }
@@ -332,6 +332,9 @@ TEST_F(Program, ShowsWhatItDoes) {
   for (const char* const file : {"scan/scan.yaml", "cloud.ply", "depth.tiff", "preview.png"}) {
     EXPECT_TRUE(fs::exists(path("demo") + "/" + file)) << file;
   }
+  // It ends with a command that works where it was called.
+  const std::string next = std::string(SLIPSTREAM_PROGRAM) + " reconstruct " + path("demo/scan");
+  EXPECT_NE(run.err.find(next), std::string::npos) << run.err;
 }
 
 TEST_F(Program, AShorterScanLeavesNoFrameOfTheOneBefore) {
@@ -447,8 +450,8 @@ TEST_F(Program, BadFlags) {
       {"reconstruct", path("nowhere")},
       {"reconstruct", path("scan/scan.yaml")},
       {"reconstruct", path("scan"), "--backend", "cuda"},
-      {"reconstruct", path("scan"), "--min-modulation", "many"},
-      {"reconstruct", path("scan"), "--min-modulation", "nan"},
+      {"reconstruct", path("scan"), "--minimum-modulation", "many"},
+      {"reconstruct", path("scan"), "--minimum-modulation", "nan"},
       {"reconstruct", path("scan"), "--projector", "1824"},
       {"reconstruct", path("scan"), "--projector", "1824x1140"},
       {"reconstruct", path("scan"), "--strategy", "gray-code"},

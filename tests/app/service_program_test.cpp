@@ -111,7 +111,7 @@ class Service {
     }
     if (step == "reload twice") reload_twice();
     if (step == "set") set();
-    if (step == "set invalid") RC_ASSERT(!ask(port(), "POST /settings", "min-modulation=200"));
+    if (step == "set invalid") RC_ASSERT(!ask(port(), "POST /settings", "minimum-modulation=200"));
     if (step == "record on" || step == "record off") record(step == "record on");
     if (step == "save") save();
 
@@ -152,7 +152,7 @@ class Service {
   RigSettings write(const RigSettings& settings) const {
     write(
         fmt::format("source: virtual\nworld: ideal\ncamera: 64x48\nrate: 60\n"
-                    "strategy: dual-frequency\nsteps: {}\nhigh: {}\nmin-modulation: {}\n"
+                    "strategy: dual-frequency\nsteps: {}\nhigh: {}\nminimum-modulation: {}\n"
                     "publish: [web:0]\n",
                     settings.steps, settings.high, settings.least_modulation));
     return settings;
@@ -196,8 +196,8 @@ class Service {
 
   void set() {
     shown_.least_modulation = 41 + files_++ % 9;
-    RC_ASSERT(
-        ask(port(), "POST /settings", fmt::format("min-modulation={}", shown_.least_modulation)));
+    RC_ASSERT(ask(port(), "POST /settings",
+                  fmt::format("minimum-modulation={}", shown_.least_modulation)));
   }
 
   void record(bool on) {
@@ -230,7 +230,7 @@ class Service {
     };
 
     return value("strategy") == shown_.strategy() &&
-           value("min-modulation") == std::to_string(shown_.least_modulation) &&
+           value("minimum-modulation") == std::to_string(shown_.least_modulation) &&
            value("record") == (is_recording_ ? "on" : "off");
   }
 

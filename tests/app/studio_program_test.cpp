@@ -87,6 +87,7 @@ TEST_F(StudioProgram, CapturesACloudOfTheVirtualScanner) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   RecordProperty("seconds", std::to_string(took.count()));
   ASSERT_FALSE(scan.empty());
+  EXPECT_TRUE(studio_->wait_for_words("saved: ")) << studio_->words();
   EXPECT_GT(point_count(read_cloud(scan + "/cloud.ply").cloud), 320U * 240 / 2);
   const ProgramRun checked = run_program({"check", scan});
   EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;

@@ -85,9 +85,9 @@ TEST_F(ViewProgram, TakesTheLeastModulationThatItsAdviceNames) {
   const std::string dark = path("dark");
   ASSERT_EQ(
       run_program({"simulate", dark, "--camera", "96x72", "--reflectivity", "0.05"}).exit_code, 0);
-  expect_refused({"view", dark, "--snapshot", path("a.png")}, "or lower --min-modulation");
+  expect_refused({"view", dark, "--snapshot", path("a.png")}, "or lower --minimum-modulation");
   const ProgramRun run =
-      run_program({"view", dark, "--min-modulation", "3", "--snapshot", path("a.png")});
+      run_program({"view", dark, "--minimum-modulation", "3", "--snapshot", path("a.png")});
   if (run.exit_code == 1) GTEST_SKIP() << run.err;
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
@@ -98,6 +98,7 @@ TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
   const ProgramRun view = run_program({"view", path("scan")});
   EXPECT_EQ(view.exit_code, 1);
   EXPECT_NE(view.err.find("desktop"), std::string::npos) << view.err;
+  EXPECT_NE(view.err.find("--snapshot or --web"), std::string::npos) << view.err;
   // Before anything is rendered, which takes this scene a minute.
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"project", "--list"},

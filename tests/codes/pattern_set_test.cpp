@@ -224,6 +224,25 @@ TEST(Lengths, OfTheCoarsestMayLackTheLastPixel) {
   EXPECT_NEAR(bands({1270, 160, 20})[0].periods, 1280 / 1270.0, 1e-12);
 }
 
+TEST(Lengths, OfPeriodsSetTheFrequenciesOfEachStrategy) {
+  const auto settings = [](const char* strategy, std::vector<double> lengths) {
+    return default_sequence({1920, 1080},
+                            {.strategy = strategy, .period_pixels = std::move(lengths)})
+        .strategy.settings();
+  };
+  EXPECT_EQ(settings("pmp", {240}).at("frequency"), SettingValue(8));
+  EXPECT_EQ(settings("dual-frequency", {120}).at("high"), SettingValue(16));
+  EXPECT_EQ(settings("dual-frequency", {1920, 120}).at("low"), SettingValue(1));
+  EXPECT_THROW(settings("gray", {240}), Error);
+  EXPECT_THROW(settings("pmp", {240, 24}), Error);
+
+  // A number of periods replaces a length.
+  const Sequence known =
+      default_sequence({1920, 1080}, {.strategy = "pmp", .period_pixels = std::vector{240.0}});
+  const Sequence other = changed(known, {.settings = {{"frequency", "4"}}});
+  EXPECT_EQ(other.strategy.settings().at("frequency"), SettingValue(4));
+}
+
 /// OpenCV's codes have as many bits as each axis needs; so has a code of periods.
 TEST(Lengths, MakeACodeAsLongAsItsAxisNeeds) {
   struct Code {

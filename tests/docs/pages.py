@@ -2,7 +2,7 @@
 
 Comments before a block, which Markdown does not show, say what it needs:
 
-    <!-- first: COMMANDS -->   run before it; before C++: code that stands before it
+    <!-- first: CODE -->       C++ that stands before it; commands stand in the block itself
     <!-- last: CODE -->        C++ that stands after it
     <!-- data: SET -->         runs in a folder with this set of ../shared/data; not without it
     <!-- not run: WHY -->      commands and flags must exist, no more

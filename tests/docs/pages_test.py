@@ -78,6 +78,10 @@ def test_the_index_names_every_command(commands):
     assert set(named) == set(commands[()][1])
 
 
+def test_readers_see_all_commands_of_a_block():
+    assert not [block for block in BLOCKS if block.is_shell() and "first" in block.comments]
+
+
 def test_shell_is_called_shell():
     assert not [block for block in BLOCKS if not block.language
                 and re.search(r"^(\$ )?(build/)?slipstream [a-z]|^\./dev", block.text, re.M)]

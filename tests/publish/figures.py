@@ -27,7 +27,7 @@ def sinks(folder):
             capture = told["stages"][0]["latency_ms"]
             print(f"{' '.join(chosen) or 'none'}: {told['frames']['lost']} lost,"
                   f" {told['frames']['overwritten']} overwritten of {told['frames']['captured']},"
-                  f" {told['clouds']} clouds, capture 99 of 100 {capture['p99']:.2f} ms, longest"
+                  f" {told['clouds']} clouds, capture 99th percentile {capture['p99']:.2f} ms, longest"
                   f" {capture['max']:.2f} ms;",
                   ", ".join(f"{sink['published']}, {sink['dropped']} dropped" for sink in told["sinks"]))
 

@@ -120,8 +120,8 @@ def test_the_tool_of_aravis_finds_and_sets_it(live):
 
     # On a busy machine the tool may time out and print nothing.
     wait_for(lambda: "slipstream" in ask("values", "DeviceVendorName"))
-    wait_for(lambda: "40" in ask("control", "MinModulation=40") + ask("control", "MinModulation"))
-    wait_for(lambda: live.settings()["min-modulation"]["value"] == "40")
+    wait_for(lambda: "40" in ask("control", "MinimumModulation=40") + ask("control", "MinimumModulation"))
+    wait_for(lambda: live.settings()["minimum-modulation"]["value"] == "40")
     wait_for(lambda: "Scan3dCoordinateScale" in ask("features"))
 
 
@@ -213,8 +213,8 @@ def test_every_feature_can_be_read_and_settings_change_the_run(live, camera, tmp
         if kind != "Category":
             assert kinds[kind](name) is not None
     wait_for(lambda: device.get_string_feature_value("Strategy").startswith("Pmp"))
-    camera.set_float("MinModulation", 12.5)
-    assert '"name":"min-modulation"' in live.get("/settings")[1].replace(" ", "")
+    camera.set_float("MinimumModulation", 12.5)
+    assert '"name":"minimum-modulation"' in live.get("/settings")[1].replace(" ", "")
     assert "12.5" in live.get("/settings")[1]
     with pytest.raises(Exception):
         device.set_integer_feature_value("Width", 10_000)

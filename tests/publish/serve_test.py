@@ -86,13 +86,13 @@ MISTAKES = [
     ("steps: many", 5, "'many' is not a number"),
     ("steps: [3, 4]", 5, "steps"),
     ("motion: 1.5", 5, "1.5 is not a whole number"),
-    ("min-modulation: lots", 5, "'lots' is not a number"),
+    ("minimum-modulation: lots", 5, "'lots' is not a number"),
     ("min_modulation: -3", 5, "0 grey levels or more"),
     ("keep-saturated: perhaps", 5, "expected true or false"),
     ("exposure:", 5, "expected a value or a list of values"),
     ("filters: {deep: {nearest: 5}}", 5, "expected a value or a list of values"),
     ("nearest: 500\nfarthest: 300", 6, "more than the nearest"),
-    ("max-sigma: -1", 5, "out of range"),
+    ("largest-sigma: -1", 5, "out of range"),
     ("rate: 30", 5, "rate is set twice"),
     ("frames: 0", 5, "1 or more"),
     ("indexing: tod", 5, "one of source, counted, marker"),
@@ -144,11 +144,11 @@ def test_so_is_a_file_that_says_too_little(tmp_path, rig, words):
 
 
 def test_it_is_ready_when_it_answers_and_ends_whole_by_sigterm(tmp_path):
-    rig = VIRTUAL + "publish: [web:0, mcap:clouds.mcap]\nrecord: frames.slip\nmin-modulation: 20\n"
+    rig = VIRTUAL + "publish: [web:0, mcap:clouds.mcap]\nrecord: frames.slip\nminimum-modulation: 20\n"
     with Service(tmp_path, rig).wait_until_ready() as service:
         wait_for(lambda: service.get("/health") == (200, "ok\n"))
-        assert service.settings()["min-modulation"]["value"] == "20"
-        assert service.change("min-modulation=200")[0] == 400
+        assert service.settings()["minimum-modulation"]["value"] == "20"
+        assert service.change("minimum-modulation=200")[0] == 400
         wait_for(lambda: service.statistics()["clouds"] > 20)
         service.process.send_signal(signal.SIGTERM)
         assert service.process.wait(PATIENCE) == 0, service.words.read_text()
@@ -179,10 +179,10 @@ def test_the_phase_that_a_page_gets_is_that_of_the_frames(tmp_path):
 
 def test_sighup_reads_the_file_again_in_the_same_process(tmp_path):
     with Service(tmp_path, VIRTUAL + "publish: web:0\n").wait_until_ready() as service:
-        (tmp_path / "rig.yaml").write_text(VIRTUAL + "publish: web:0\nmin-modulation: 33\n")
+        (tmp_path / "rig.yaml").write_text(VIRTUAL + "publish: web:0\nminimum-modulation: 33\n")
         service.process.send_signal(signal.SIGHUP)
         service.wait_until_ready()
-        assert service.settings()["min-modulation"]["value"] == "33"
+        assert service.settings()["minimum-modulation"]["value"] == "33"
 
 
 def test_each_reload_runs_with_the_strategy_of_the_file(tmp_path):
@@ -200,7 +200,7 @@ def test_each_reload_runs_with_the_strategy_of_the_file(tmp_path):
 
 def test_sighup_never_ends_it(tmp_path):
     def rig(least):
-        return f"{VIRTUAL}publish: web:0\nmin-modulation: {least}\n"
+        return f"{VIRTUAL}publish: web:0\nminimum-modulation: {least}\n"
 
     def takes_signals(process):
         status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
@@ -218,7 +218,7 @@ def test_sighup_never_ends_it(tmp_path):
             time.sleep(pause)
             (tmp_path / "rig.yaml").write_text(rig(least))
             service.hang_up()
-            wait_for(lambda: service.shows("min-modulation", str(least)))
+            wait_for(lambda: service.shows("minimum-modulation", str(least)))
             service.forget_messages()
 
         service.process.send_signal(signal.SIGTERM)
@@ -267,7 +267,7 @@ def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
     (VIRTUAL + "publish: [web:0, mcap:nowhere/x.mcap]\n", "line 5: cannot write nowhere/x.mcap", False)])
 def test_it_goes_on_with_the_old_file_where_the_new_one_is_no_good(tmp_path, bad, words,
                                                                  shows_at_once):
-    with Service(tmp_path, VIRTUAL + "publish: web:0\nmin-modulation: 33\n") as service:
+    with Service(tmp_path, VIRTUAL + "publish: web:0\nminimum-modulation: 33\n") as service:
         service.wait_until_ready()
         wait_for(lambda: service.statistics()["clouds"] > 5)
         (tmp_path / "rig.yaml").write_text(bad)
@@ -278,13 +278,13 @@ def test_it_goes_on_with_the_old_file_where_the_new_one_is_no_good(tmp_path, bad
         before = service.statistics()["clouds"]
         assert not shows_at_once or before > 5, "the run was interrupted"
         wait_for(lambda: service.statistics()["clouds"] > before)
-        assert service.settings()["min-modulation"]["value"] == "33"
+        assert service.settings()["minimum-modulation"]["value"] == "33"
         said = [line for line in service.words.read_text().splitlines() if "continuing" in line]
         assert len(said) == 1 and words in said[0], said
         (tmp_path / "rig.yaml").write_text(VIRTUAL + "publish: web:0\n")
         service.process.send_signal(signal.SIGHUP)
         service.wait_until_ready()
-        assert service.settings()["min-modulation"]["value"] != "33"
+        assert service.settings()["minimum-modulation"]["value"] != "33"
         service.process.send_signal(signal.SIGTERM)
         assert service.process.wait(PATIENCE) == 0
 

@@ -276,25 +276,25 @@ def test_two_programs_save_into_folders_of_their_own(tmp_path):
 def test_settings_are_changed_or_refused_with_why(live):
     told = live.settings()
     assert "exposure" not in told, "the virtual source is no camera"
-    assert told["min-modulation"]["value"] == "15"
+    assert told["minimum-modulation"]["value"] == "15"
     assert told["strategy"]["choices"] == [told["strategy"]["value"]]
     points = struct.unpack_from("<4i", newest(live))[3]
-    status, text = live.change("min-modulation=60")
+    status, text = live.change("minimum-modulation=60")
     assert status == 200, text
-    assert live.settings()["min-modulation"]["value"] == "60"
+    assert live.settings()["minimum-modulation"]["value"] == "60"
     wait_for(lambda: struct.unpack_from("<4i", newest(live))[3] < 0.9 * points)
-    for wish, why in (("min-modulation=128", "from 0 to 127 grey levels"),
-                      ("min-modulation=bright", "a number"), ("min-modulaton=20", "did you mean"),
+    for wish, why in (("minimum-modulation=128", "from 0 to 127 grey levels"),
+                      ("minimum-modulation=bright", "a number"), ("minimum-modulaton=20", "did you mean"),
                       ("record=perhaps", "off; on"), ("exposure=5", "no setting 'exposure'"),
                       ("nonsense", "NAME=VALUE"), ("", "NAME=VALUE"), ("\0=\xff", "no setting")):
         status, text = live.change(wish)
         assert status == 400 and why in text and "\n" not in text.strip(), (wish, text)
     with pytest.raises((ConnectionError, http.client.BadStatusLine)):
         live.change("x" * 10000)
-    assert live.get("/settings", "POST", "min-modulation=20")[0] == 403
-    assert live.get("/settings", "POST", "min-modulation=20", Origin="http://evil.example")[0] == 403
-    assert live.settings()["min-modulation"]["value"] == "60"
-    assert live.change("min-modulation=15")[0] == 200
+    assert live.get("/settings", "POST", "minimum-modulation=20")[0] == 403
+    assert live.get("/settings", "POST", "minimum-modulation=20", Origin="http://evil.example")[0] == 403
+    assert live.settings()["minimum-modulation"]["value"] == "60"
+    assert live.change("minimum-modulation=15")[0] == 200
 
 
 def test_recording_is_begun_and_ended(live):
@@ -431,24 +431,24 @@ def test_pages_change_settings_and_show_what_others_changed(live):
         for browser in (one, other):
             browser.look_like(900, 700)
             browser.ask("Page.navigate", url=live.address)
-            wait_for(lambda: shown(browser, "min-modulation") == "15")
+            wait_for(lambda: shown(browser, "minimum-modulation") == "15")
         assert not shown(one, "exposure") and not shown(one, "strategy")
-        put(one, "min-modulation", 40)
-        wait_for(lambda: shown(other, "min-modulation") == "40")
+        put(one, "minimum-modulation", 40)
+        wait_for(lambda: shown(other, "minimum-modulation") == "40")
         put(other, "keep-saturated", "on")
         wait_for(lambda: shown(one, "keep-saturated") == "on")
-        put(one, "min-modulation", 500)
+        put(one, "minimum-modulation", 500)
         wait_for(lambda: "from 0 to 127" in one.value("at('answer').textContent"))
-        wait_for(lambda: shown(one, "min-modulation") == "40")
+        wait_for(lambda: shown(one, "minimum-modulation") == "40")
         assert "127" not in other.value("at('answer').textContent")
         one.value("at('record').click()")
         wait_for(lambda: other.value("pressed('record')"))
         wait_for(lambda: ".slip" in other.value("at('answer').textContent"))
         other.value("at('record').click()")
         wait_for(lambda: not one.value("pressed('record')"))
-        live.change("min-modulation=15")
-        one.value("at('set min-modulation').blur()")
-        wait_for(lambda: shown(one, "min-modulation") == "15")
+        live.change("minimum-modulation=15")
+        one.value("at('set minimum-modulation').blur()")
+        wait_for(lambda: shown(one, "minimum-modulation") == "15")
         one.value("at('save').click()")
         wait_for(lambda: "saved: " in one.value("at('answer').textContent"))
         for browser in (one, other):

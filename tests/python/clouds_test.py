@@ -20,15 +20,15 @@ STRATEGIES = [
 ]
 # Each setting of Python with the flag of the program.
 SETTINGS = [
-    ("minimum_modulation", "--min-modulation", [5, 15, 30]),
+    ("minimum_modulation", "--minimum-modulation", [5, 15, 30]),
     ("drop_saturated", "--keep-saturated", [False]),
     ("nearest", "--nearest", [550.5]),
     ("farthest", "--farthest", [640.25]),
     ("raw", "--raw", [True]),
-    ("largest_sigma", "--max-sigma", [0.5, 2]),
-    ("smallest_component", "--min-component", [0, 50]),
-    ("widest_gap", "--fill", [3]),
-    ("smoothing", "--smooth", [2]),
+    ("largest_sigma", "--largest-sigma", [0.5, 2]),
+    ("smallest_component", "--smallest-component", [0, 50]),
+    ("widest_gap", "--widest-gap", [3]),
+    ("smoothing", "--smoothing", [2]),
     ("backend", "--backend", ["equation", "closed-form", "lut"]),
     ("cue_rule", "--cue-rule", ["published", "likelihood"]),
     ("gamma", "--gamma", ["none", "1.4"]),
@@ -74,6 +74,14 @@ def test_random_scans_and_settings(seed, tmp_path):
     assert done.returncode == 0, done.stderr
     slipstream.reconstruct(scan, **settings).write(ours)
     assert ours.read_bytes() == theirs.read_bytes(), (name, strategy, settings)
+
+
+def test_settings_of_the_virtual_world_have_the_names_of_the_program():
+    sequence = slipstream.Sequence("pmp, steps 3")
+    world = {"scene": "board", "camera": (32, 24)}
+    one = slipstream.simulate(sequence, noise_variance=9, bits=10, **world)
+    other = slipstream.simulate(sequence, virtual_noise=9, camera_bits=10, **world)
+    assert all(numpy.array_equal(one.scan.frames[n], other.scan.frames[n]) for n in range(3))
 
 
 def test_arrays_give_what_the_scan_gives(dual, engine, tmp_path):

@@ -37,7 +37,7 @@ def test_commands_and_flags_are_found(commands):
 OFFERED = pytest.mark.parametrize("typed, offered", [
     ("slipstream rec", "reconstruct record"),
     ("slipstream calibrate ga", "gamma"),
-    ("slipstream reconstruct scan --max-s", "--max-sigma"),
+    ("slipstream reconstruct scan --largest-s", "--largest-sigma"),
     ("slipstream nothing --ver", "--version"),
 ])
 

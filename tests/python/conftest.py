@@ -26,9 +26,7 @@ def program(*arguments):
 
 def as_printed(error):
     """The message of a refused scan as the program prints it: with flags and commands."""
-    other_names = {"minimum_modulation": "min-modulation", "largest_sigma": "max-sigma",
-                   "smallest_component": "min-component", "ambient_light": "ambient",
-                   "widest_gap": "fill", "excluded": "exclude", "bits": "camera-bits",
+    other_names = {"excluded": "exclude", "bits": "camera-bits",
                    "least_alpha": "least-reflectivity"}
 
     def flag(match):

@@ -141,6 +141,17 @@ TEST(ScanJob, RefusesACloudWithoutPoints) {
   EXPECT_EQ(remedies_of(findings.front()), "check the depth range, `nearest` and `farthest`");
 }
 
+TEST(ScanJob, SaysWhatToDoAboutDarkPixels) {
+  ScanJobSettings settings;
+  settings.reconstruct.minimum_modulation = 120;
+  settings.keep_refused = true;
+  const ScanResult result = reconstruct(scan_of(dual), settings);
+
+  const Finding& few = result.checked.findings.back();
+  ASSERT_EQ(few.kind, FindingKind::few_points);
+  EXPECT_NE(remedies_of(few).find("lower `minimum_modulation`"), std::string::npos);
+}
+
 TEST(ScanJob, RefusesAScanThatContradictsItsPatterns) {
   Scan scan = scan_of(dual);
   scan.frames = reordered(std::move(scan.frames), {0, 2, 1, 3, 5, 4});

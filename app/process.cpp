@@ -1,6 +1,5 @@
 #include "app/process.h"
 
-#include <initializer_list>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <new>
 #include <string_view>
 

@@ -128,7 +128,8 @@ std::string ratios(const BenchRatios& ratios) {
     if (const auto one = over_fused.find(name); one != over_fused.end()) add(words, one->second);
   }
   if (ratios.largest_per_pixel) {
-    add("time per pixel of the largest picture, over the time at 640x480:", *ratios.largest_per_pixel);
+    add("time per pixel of the largest picture, over the time at 640x480:",
+        *ratios.largest_per_pixel);
   }
   if (ratios.threads) add("time on one thread, over the time on all:", *ratios.threads);
   return text;

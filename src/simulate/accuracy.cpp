@@ -393,8 +393,8 @@ Verdict verdict_of(const Accuracy& accuracy) {
   }
 
   // Random errors dominate up to a ratio of 1; above 3 a new calibration is worth it.
-  const std::string figures = fmt::format(
-      "systematic errors up to {:.3f} mm, random errors {:.3f} mm", error, noise);
+  const std::string figures =
+      fmt::format("systematic errors up to {:.3f} mm, random errors {:.3f} mm", error, noise);
   if (accuracy.shapes.empty() || worst <= 1) return {"good", "Good: " + figures + "."};
   if (worst <= 3) return {"usable", "Usable: " + figures + "; a new calibration may be better."};
   return {"bad", "Do again: " + figures + "; calibrate geometry and gamma again."};

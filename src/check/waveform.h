@@ -19,8 +19,8 @@ struct Waveform {
   double residual = 0;     ///< as FrameEvidence::residual, of the part that it does not explain
   double phase_error = 0;  ///< of the measuring band, RMS, rad: by harmonics that N steps let pass
 
-  /// Whether it explains nearly all of a residual, and is one that light has: alike before and
-  /// after its crest. Frames in a wrong order leave more, or another form.
+  /// Whether it explains nearly all of a residual, and is one that light has: the same before
+  /// and after its crest. Frames in a wrong order leave more, or another form.
   [[nodiscard]] bool explains(double residual_without) const;
 
   /// As of stripes of one bit.

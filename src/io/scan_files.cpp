@@ -15,6 +15,7 @@
 #include "io/matrix_files.h"
 #include "io/scan_folder.h"
 #include "io/scan_pictures.h"
+#include "io/scan_scanner.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
 
@@ -133,55 +134,6 @@ Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixtu
 
   scan.frames = reordered(std::move(scan.frames), files.order);
   return scan;
-}
-
-std::optional<Scanner> scanner_of(const ScanFiles& files) {
-  if (files.recording && files.scanner == files.path) return files.recording->header().scanner;
-  if (files.scanner) return read_scanner(*files.scanner);
-  return std::nullopt;
-}
-
-/// The lens for pictures whose pixels join k by k of its own; the same lens if there is no whole k.
-Lens binned(Lens lens, Size pictures) {
-  if (pictures.width < 1 || pictures.height < 1) return lens;
-
-  const int k = lens.size.width / pictures.width;
-  const Size joined{lens.size.width / std::max(1, k), lens.size.height / std::max(1, k)};
-  if (k < 2 || joined != pictures) return lens;
-
-  // Pixel i joins pixels k i to k i + k - 1, whose middle is k i + (k - 1) / 2.
-  lens.intrinsic(0, 2) -= (k - 1) / 2.0;
-  lens.intrinsic(1, 2) -= (k - 1) / 2.0;
-  lens.intrinsic.topRows<2>() /= k;
-  lens.size = pictures;
-  return lens;
-}
-
-/// Throws Error if pictures look binned since the calibration and no region says so.
-void require_unbinned(const Scanner& scanner, Size pictures, const ScanFiles& files) {
-  const Size calibrated = scanner.camera.size;
-  if (calibrated == pictures || binned(scanner.camera, pictures).size != pictures) return;
-
-  throw Error(fmt::format(
-      "{}: calibrated with pictures of {}, but the frames are {}; if the camera has joined pixels "
-      "since, give the whole picture as `camera_region {}+0+0`",
-      files.scanner->string(), text_of(calibrated), text_of(pictures), text_of(calibrated)));
-}
-
-/// Adds the scanner; it must match the frames.
-void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& files) {
-  if (!scanner) return;
-
-  const Size pictures = scan.frames.size();
-  if (files.camera_region) {
-    scanner->camera = binned(part_of(scanner->camera, *files.camera_region), pictures);
-  } else {
-    require_unbinned(*scanner, pictures, files);
-  }
-
-  scan.scanner =
-      completed(*std::move(scanner), files.scanner->string(), pictures, files.sequence.projector);
-  scan.sequence.projector = scan.scanner->projector.size;
 }
 
 /// Adds the guard. One along the scan's own axis, as after a change of the axis, shows nothing.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "slipstream/virtual_scanner.h"
@@ -7,8 +8,8 @@
 namespace slipstream {
 
 /// What a camera makes of the light of frames of one size, the first with number n, grey levels of
-/// 8 bits: exposure, noise, processing, rounding to the photometry's bits, compression. Each
-/// picture has so many frames as `channels`. Deterministic for a seed.
+/// 8 bits: exposure, noise, processing, rounding to the photometry's bits, compression.
+/// `channels`: frames of each picture. Deterministic for a seed.
 FrameSet camera_pictures(std::vector<Image<double>> light, int n, const Photometry& photometry,
                          std::size_t channels = 1);
 

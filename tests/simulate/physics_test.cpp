@@ -3,6 +3,7 @@
 #include <numbers>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 

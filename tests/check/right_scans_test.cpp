@@ -212,6 +212,15 @@ TEST(FinestStripes, AreLeftInPeace) {
   }
 }
 
+// A tone curve moves what is blurred to one side of the middle of white and black.
+TEST(BlurredStripes, AreNotRefusedThroughAToneCurve) {
+  const Strategy strategy = make_strategy("gray", {{"bits", 9}, {"reference", "white-black"}});
+  const VirtualWorld blurred = virtual_world(
+      {.camera = {320, 240}, .world = "harsh,no-response,no-interreflection,tone-curve"});
+  const ScanFindings found = findings_of(blurred, strategy);
+  EXPECT_FALSE(any_wrong(found.findings)) << told(found);
+}
+
 TEST(DimStripes, AreBlamedOnTheLightOnce) {
   const VirtualWorld dim = virtual_world({.reflectivity = 0.06, .ambient = 20});
   const ScanFindings found = findings_of(dim, make_strategy("gray", {{"bits", 10}}));

@@ -351,6 +351,15 @@ TEST(UnknownResponses, AreToldWhereTheyBendThePhaseUnseen) {
   }
 }
 
+// All sinusoids are brighter than the code's frames are.
+TEST(UnknownResponses, AreToldWhereTheyPartPhaseAndCode) {
+  const Strategy strategy = GrayPhase{.periods = 16, .reference = "inverse"};
+  for (const double gamma : {0.65, 0.7, 0.8}) {
+    const ScanFindings found = check_scan(BentWorld(gamma, "board").scan_of({strategy}));
+    EXPECT_TRUE(warns_of(found, CauseKind::gamma)) << gamma << told(found);
+  }
+}
+
 TEST(OneBitPatterns, AreToldInFocusAlone) {
   for (const char* const name : {"fast-three-step", "dual-frequency", "gray-phase"}) {
     Sequence sequence{make_strategy(name, {})};

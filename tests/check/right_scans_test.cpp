@@ -221,6 +221,24 @@ TEST(BlurredStripes, AreNotRefusedThroughAToneCurve) {
   EXPECT_FALSE(any_wrong(found.findings)) << told(found);
 }
 
+// Compression leaves no noise where several frames of a code are black.
+TEST(CompressedFrames, OfACodeAreNotCalledTheSame) {
+  for (const char* const scene : {"sphere", "statue"}) {
+    VirtualWorld world = virtual_world({.scene = scene, .camera = {320, 240}});
+    world.photometry.physics.jpeg_quality = 50;
+    for (const char* const reference : {"white-black", "inverse"}) {
+      const Sequence sequence{make_strategy("gray", {{"bits", 9}, {"reference", reference}}),
+                              Axis::y,
+                              {},
+                              world.scanner.projector.size};
+      const VirtualScan taken =
+          take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+      EXPECT_EQ(told(check_frames(taken.frames, sequence, as_calibrated(world))), "")
+          << scene << ", " << reference;
+    }
+  }
+}
+
 TEST(DimStripes, AreBlamedOnTheLightOnce) {
   const VirtualWorld dim = virtual_world({.reflectivity = 0.06, .ambient = 20});
   const ScanFindings found = findings_of(dim, make_strategy("gray", {{"bits", 10}}));

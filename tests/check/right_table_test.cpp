@@ -399,7 +399,8 @@ bool is_earned(const Finding& finding, const RightScan& right) {
   const Physics& physics = right.world.photometry.physics;
   const bool has_phase = !right.scan.sequence.strategy.layout().bands.empty();
   if (finding.severity == Severity::wrong) return false;
-  if (finding.kind == FindingKind::low_modulation) return true;
+  if (finding.kind == FindingKind::low_modulation || finding.kind == FindingKind::mostly_dark)
+    return true;
   if (blames(finding, CauseKind::gamma)) return has_phase && !is_linear(physics.tone);
   return blames(finding, CauseKind::flicker) && physics.auto_exposure > 0;
 }

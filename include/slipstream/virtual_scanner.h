@@ -57,6 +57,12 @@ struct Physics {
   double dark_spread = 0;         ///< of the pixels' offsets, constant over frames, grey levels
   double sensitivity_spread = 0;  ///< of the pixels' sensitivities, relative
 
+  // Cameras that make pictures for people, in this order.
+  double auto_exposure = 0;  ///< share of the stops from a picture's mean to grey level 64
+  Response tone{};           ///< from the sensor's signal to the picture's level, both 0 to 1
+  double sharpening = 0;     ///< unsharp mask of 1 pixel: this share of the detail is added
+  int jpeg_quality = 0;      ///< 1 to 100, for 8 bits; 0: not compressed
+
   // Calibration boards.
   double board_bend = 0;     ///< mm by which the middle of a board bulges out
   double board_stretch = 0;  ///< relative stretch of the print along its rows

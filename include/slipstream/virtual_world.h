@@ -33,7 +33,8 @@ std::vector<std::string_view> effect_names();
 ///   bench   a realistic lab: good projector and camera, in focus, a matt object;
 ///   harsh   all disturbances of a workshop at once.
 /// An effect's name adds it as in harsh, the prefix "no-" removes it: "ideal,sensor-noise",
-/// "harsh,no-gloss". Throws Error for an unknown name.
+/// "harsh,no-gloss". No world has those of cameras for people: "auto-exposure", "tone-curve"
+/// (sRGB), "sharpening" and "jpeg". Throws Error for an unknown name.
 Photometry photometry_named(std::string_view text);
 
 /// The same projector with a second camera like the first, beyond it and aimed at the same point.

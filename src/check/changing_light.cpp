@@ -1,6 +1,7 @@
 #include "check/changing_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -154,6 +155,34 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
   return {frames, gains, normal, right, all, variation};
 }
 
+/// Whether the frames of a code have one gain, and the others another, as if the response were not
+/// linear: a code shows black and white, the others what is between.
+bool parts_code(const FrameGains& gains, const std::optional<Code>& code) {
+  constexpr double most_within = 0.2;  // share of the gains' sum of squares
+  if (!code) return false;
+
+  std::array<double, 2> count{}, sum{}, squares{};
+  for (std::size_t i = 0; i < gains.frames.size(); ++i) {
+    const int n = gains.frames[i];
+    const double gain = gains.gains[static_cast<Eigen::Index>(i)];
+    const bool in_code =
+        std::ranges::count(code->frames, n) > 0 || std::ranges::count(code->inverses, n) > 0;
+
+    const std::size_t kind = in_code ? 1 : 0;
+    count[kind] += 1;
+    sum[kind] += gain;
+    squares[kind] += gain * gain;
+  }
+  if (count[0] == 0 || count[1] == 0) return false;
+
+  // Sums of squares about the mean of each kind, and about the mean of all.
+  const double within =
+      squares[0] - sum[0] * sum[0] / count[0] + squares[1] - sum[1] * sum[1] / count[1];
+  const double in_all =
+      squares[0] + squares[1] - std::pow(sum[0] + sum[1], 2) / (count[0] + count[1]);
+  return within < most_within * in_all;
+}
+
 /// Of frames that differ from the usual one; `limit`: of their gains.
 Finding finding_of(const std::vector<FrameGain>& gains, double limit) {
   const auto [darkest, brightest] = std::ranges::minmax_element(gains, {}, &FrameGain::gain);
@@ -249,6 +278,14 @@ std::optional<ChangedLight> by_redundancy(const JudgedScan& scan, const Fit& fit
   if (odd && std::abs(odd->gain) > least_gain) relative = {*odd};
   ChangedLight changed{misfit, finding_of(relative, least_gain)};
   if (size > large_gain) changed.finding.severity = Severity::wrong;
+  if (!scan.photometry.response && parts_code(gains, scan.model.layout().code)) {
+    Finding& finding = changed.finding;
+    finding.causes.insert(finding.causes.begin(),
+                          {CauseKind::gamma, "the projector's gamma, if it is not 1"});
+    finding.remedies.insert(finding.remedies.begin(),
+                            {"measure the gamma with `calibrate_gamma()`"});
+  }
+
   return changed;
 }
 

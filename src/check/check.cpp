@@ -10,6 +10,7 @@
 
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "check/damaged_frames.h"
 #include "check/explanations.h"
 #include "check/frame_faults.h"
 #include "check/judged_scan.h"

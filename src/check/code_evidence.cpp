@@ -27,6 +27,7 @@ constexpr double most_offset = 0.035;  // of the origin, periods
 struct Word {
   unsigned stripe = 0, bits = 0;
   unsigned doubtful = 0;  ///< bits too near to the threshold
+  unsigned halfway = 0;   ///< bits in the middle half between the pixel's dark and bright ones
 };
 
 /// `I`: intensities in pattern order.
@@ -39,9 +40,13 @@ Word word_of(const Code& code, const std::vector<double>& I) {
   const auto [shown, doubtful] =
       code_bits(code, I, std::max(noise_levels, noise_share * (bright - dark)));
 
+  // A blurred base bit spoils the whole word, so that no single bit can be left out.
+  const double middle_half = std::max(noise_levels, (bright - dark) / 4);
+  const unsigned halfway = code.base ? 0 : code_bits(code, I, middle_half).doubtful;
+
   // In a Gray code neighbouring stripes differ in one bit of the word.
   const auto stripe = static_cast<unsigned>(stripe_of(code, shown));
-  return {stripe, code.gray ? stripe ^ (stripe >> 1U) : stripe, doubtful};
+  return {stripe, code.gray ? stripe ^ (stripe >> 1U) : stripe, doubtful, halfway};
 }
 
 /// Steps from stripe to stripe between neighbours at one distance.
@@ -52,11 +57,13 @@ struct Steps {
 
   /// How many of the bits are too fine for this distance or blurred, whichever frames they are in.
   [[nodiscard]] int too_fine(bool gray) const {
-    Counts changes{}, doubts{};
+    Counts changes{}, doubts{}, halfways{}, ones{};
     for (const auto& [a, b] : pairs) {
       for (std::size_t i = 0; i < changes.size(); ++i) {
         changes[i] += static_cast<int>(((a.bits ^ b.bits) >> i) & 1U);
         doubts[i] += static_cast<int>((a.doubtful >> i) & 1U);
+        halfways[i] += static_cast<int>((a.halfway >> i) & 1U);
+        ones[i] += static_cast<int>((a.bits >> i) & 1U);
       }
     }
 
@@ -67,8 +74,12 @@ struct Steps {
 
     int count = 0;
     for (std::size_t i = 0; i < changes.size(); ++i) {
-      // Too many changes: narrower than the distance. Mostly doubtful: blurred.
-      if (changes[i] > most * count_of || 2 * doubts[i] > count_of) ++count;
+      // Too many changes: narrower than the distance. Mostly doubtful: blurred. A tone curve moves
+      // what is blurred to one side of the threshold.
+      const bool is_narrow = changes[i] > most * count_of;
+      const bool is_on_one_side = 3 * std::max<double>(ones[i], count_of - ones[i]) > 2 * count_of;
+      const bool is_moved = 2 * halfways[i] > count_of && is_on_one_side;
+      if (is_narrow || 2 * doubts[i] > count_of || is_moved) ++count;
     }
 
     return count;

@@ -9,9 +9,6 @@
 
 namespace slipstream {
 
-/// Finds frames that are identical in whole or in part, or black from some row on.
-std::vector<Finding> damaged_frames(const ScanSamples& samples);
-
 /// Finds a frame that contains only ambient light: nearly uniform, and almost nowhere brighter than
 /// the darkest other frame. A pattern that is dark wherever the scene lies looks the same. Requires
 /// at least `fewest_groups`.

@@ -307,6 +307,24 @@ bool decode_jpeg(Bytes bytes, Image<std::uint8_t>& grey) {
                        TJPF_GRAY, TJFLAG_LIMITSCANS) == 0;
 }
 
+void recompress_jpeg(Image<std::uint8_t>& samples, int channels, int quality) {
+  const Size size{samples.width() / channels, samples.height()};
+  const int format = channels == 1 ? TJPF_GRAY : TJPF_RGB;
+  const int sampling = channels == 1 ? TJSAMP_GRAY : TJSAMP_420;
+
+  const Decoder encoder(tjInitCompress(), tjDestroy), decoder(tjInitDecompress(), tjDestroy);
+  std::uint8_t* jpeg = nullptr;
+  unsigned long length = 0;
+
+  const bool encoded = tjCompress2(encoder.get(), samples.begin(), size.width, 0, size.height,
+                                   format, &jpeg, &length, sampling, quality, 0) == 0;
+  const bool decoded = encoded && tjDecompress2(decoder.get(), jpeg, length, samples.begin(),
+                                                size.width, 0, size.height, format, 0) == 0;
+
+  tjFree(jpeg);
+  throw_if(!decoded, "a picture of {} does not fit into a JPEG file", text_of(size));
+}
+
 Picture read_jpeg(Bytes bytes, std::size_t frames) {
   const Size size = size_in(bytes, Decoder(tjInitDecompress(), tjDestroy));
   require_readable(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),

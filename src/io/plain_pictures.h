@@ -30,4 +30,8 @@ std::vector<std::uint8_t> npy_file_of(const PictureView& picture);
 /// size.
 bool decode_jpeg(std::span<const std::uint8_t> bytes, Image<std::uint8_t>& grey);
 
+/// Compresses rows of grey or RGB samples as a JPEG of that quality, 1 to 100, and reads them back.
+/// Colours are stored at half of the resolution (4:2:0). Throws Error above 65500 columns or rows.
+void recompress_jpeg(Image<std::uint8_t>& samples, int channels, int quality);
+
 }  // namespace slipstream

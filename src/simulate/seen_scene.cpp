@@ -226,8 +226,8 @@ void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, do
 }
 
 /// Convolves along one direction with a Gaussian whose `deviation` varies from pixel to pixel.
-Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
-                      int down) {
+Image<double> blurred_along(const Image<double>& picture, const Image<double>& deviation, int right,
+                            int down) {
   Image<double> result(picture.size());
   for_each_row(picture.height(), [&](int row) {
     std::vector<double> weight;  // by distance
@@ -334,7 +334,11 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
   });
 
   if (physics.camera == Sharpness{}) return frame;
-  return blurred(blurred(frame, seen.blur, 1, 0), seen.blur, 0, 1);
+  return blurred_picture(frame, seen.blur);
+}
+
+Image<double> blurred_picture(const Image<double>& picture, const Image<double>& deviation) {
+  return blurred_along(blurred_along(picture, deviation, 1, 0), deviation, 0, 1);
 }
 
 }  // namespace slipstream

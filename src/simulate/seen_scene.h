@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -73,11 +72,7 @@ using ProjectedLight = std::function<double(const LitSample&)>;
 Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
                       const ProjectedLight& light);
 
-/// Adds the sensor's noise to frames of one size, the first with number n, grey levels of 8 bits;
-/// deterministic for a seed.
-void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& photometry);
-
-/// The frames rounded and clipped to `bits`; unchanged without `bits`.
-FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits);
+/// The picture convolved with a Gaussian whose `deviation`, pixels, varies from pixel to pixel.
+Image<double> blurred_picture(const Image<double>& picture, const Image<double>& deviation);
 
 }  // namespace slipstream

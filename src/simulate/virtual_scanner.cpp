@@ -11,6 +11,7 @@
 
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "simulate/camera_picture.h"
 #include "simulate/looped_scene.h"
 #include "simulate/projected_light.h"
 #include "simulate/rendered_reel.h"
@@ -19,25 +20,8 @@
 namespace slipstream {
 namespace {
 
-// Keys of random numbers that are constant over frames; no frame has these numbers.
-constexpr std::uint64_t of_offsets = 0xfffff0, of_sensitivities = 0xfffff1, of_rows = 0x800000;
-
-template <class Pixel>
-std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures, int bits) {
-  const double full_scale = (1 << bits) - 1;
-  std::vector<Image<Pixel>> frames;
-
-  for (const Image<double>& exposure : exposures) {
-    Image<Pixel>& frame = frames.emplace_back(exposure.size());
-    std::ranges::transform(exposure, frame.begin(), [&](double intensity) {
-      return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
-    });
-  }
-
-  return frames;
-}
-
-/// The same light on a sensor that neither rounds nor adds noise, with equal pixels.
+/// The same light on a sensor that neither rounds nor adds noise, with equal pixels, and without a
+/// camera's processing.
 Photometry before_sensor(Photometry photometry) {
   photometry.bits.reset();
   photometry.noise_variance = 0;
@@ -45,6 +29,9 @@ Photometry before_sensor(Photometry photometry) {
   Physics& physics = photometry.physics;
   physics.full_well = physics.read_noise = physics.row_noise = 0;
   physics.dark_spread = physics.sensitivity_spread = 0;
+  physics.auto_exposure = physics.sharpening = 0;
+  physics.tone = Response{};
+  physics.jpeg_quality = 0;
 
   return photometry;
 }
@@ -102,53 +89,6 @@ std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
 
 }  // namespace
 
-void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& photometry) {
-  const Physics& physics = photometry.physics;
-  const double level = physics.full_well > 0 ? 255 / physics.full_well : 0;  // of an electron
-  const double constant = photometry.noise_variance + std::pow(level * physics.read_noise, 2);
-  const bool differing = physics.dark_spread > 0 || physics.sensitivity_spread > 0;
-  if (constant == 0 && level == 0 && physics.row_noise == 0 && !differing) return;
-
-  const Size size = frames.front().size();
-  for_each_row(size.height, [&](int row) {
-    const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(size.width);
-
-    // The row's own offset in each frame.
-    std::vector<double> of_row(frames.size(), 0);
-    for (std::size_t i = 0; i < frames.size() && physics.row_noise != 0; ++i) {
-      const std::uint64_t number = static_cast<std::uint64_t>(n) + i + of_rows;
-      of_row[i] = physics.row_noise * gaussian(photometry.seed, number, first);
-    }
-
-    // The pixel's own sensitivity and offset, equal in all frames.
-    for (int column = 0; column < size.width; ++column) {
-      const std::uint64_t pixel = first + static_cast<std::uint64_t>(column);
-      double sensitivity = 1, offset = 0;
-      if (differing) {
-        sensitivity += physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
-        offset = physics.dark_spread * gaussian(0, of_offsets, pixel);
-      }
-
-      // Shot noise grows with the light.
-      for (std::size_t i = 0; i < frames.size(); ++i) {
-        const std::uint64_t number = static_cast<std::uint64_t>(n) + i;
-        double& intensity = frames[i](column, row);
-        intensity = intensity * sensitivity + offset;
-
-        const double shot = level * std::max(intensity, 0.0);
-        intensity += of_row[i] + std::sqrt(constant + shot) *
-                                     gaussian(photometry.seed, number, pixel);  // (3.10)
-      }
-    }
-  });
-}
-
-FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits) {
-  if (!bits) return FrameSet(std::move(exposures));
-  if (*bits == 8) return FrameSet(quantised<std::uint8_t>(exposures, 8));
-  return {quantised<std::uint16_t>(exposures, *bits), *bits};
-}
-
 void require_valid(const Photometry& photometry) {
   const int bits = photometry.bits.value_or(8);
   require_in_range(std::abs(photometry.ambient) <= 255, "ambient light", photometry.ambient,
@@ -165,6 +105,11 @@ void require_valid(const Photometry& photometry) {
 
   require_in_range(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays,
                    "1 to 256");
+
+  const int quality = photometry.physics.jpeg_quality;
+  require_in_range(quality >= 0 && quality <= 100, "JPEG quality", quality, "0 to 100");
+  throw_if(quality > 0 && photometry.bits != 8,
+           "JPEG pictures have 8 bits; set `bits` to 8, or leave out `jpeg`");
 }
 
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
@@ -193,8 +138,6 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
     exposures.push_back(std::move(frame));
   }
 
-  add_noise(exposures, 0, photometry);
-
   // 2. The truth half way through the exposures.
   const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
   const double middle = time + 0.5 * (patterns.count - 1 + exposure);
@@ -204,7 +147,7 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
   Image<double> coordinate = patterns.axis == Axis::x ? truth.lit_column : truth.lit_row;
   for (double& position : coordinate) position /= length_along(patterns.axis, projector);
 
-  return {digitised(std::move(exposures), photometry.bits),
+  return {camera_pictures(std::move(exposures), 0, photometry),
           truth.depth,
           std::move(coordinate),
           truth.reflectivity,
@@ -226,8 +169,7 @@ FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
                 projected_light(patterns, n, scan.projector, photometry, *scan.seen)));
   }
 
-  add_noise(exposures, 0, photometry);
-  return digitised(std::move(exposures), photometry.bits);
+  return camera_pictures(std::move(exposures), 0, photometry);
 }
 
 VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
@@ -251,12 +193,10 @@ VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const P
               mixed({frames[n], frames[n + 1], frames[n + 2]}, scan, scanner.camera, devices);
           std::move(picture.begin(), picture.end(), std::back_inserter(exposures));
         }
-
-        add_noise(exposures, first_noise, photometry);
       }
     });
 
-    return digitised(std::move(exposures), photometry.bits);
+    return camera_pictures(std::move(exposures), first_noise, photometry, channels);
   };
 
   // The white picture has noise of its own.

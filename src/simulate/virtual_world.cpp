@@ -9,6 +9,7 @@
 
 #include "base/numbers.h"
 #include "codes/predicted_variance.h"
+#include "response/response_fit.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
@@ -69,6 +70,21 @@ Photometry harsh() {
                       .board_stretch = 0.002}};
 }
 
+/// The harsh world, seen by a camera that makes pictures for people.
+Photometry with_all_effects() {
+  Photometry photometry = harsh();
+  Physics& physics = photometry.physics;
+  physics.auto_exposure = 0.05;
+
+  // A picture of sRGB is what a display of this response turns into light.
+  const ResponseCurve display = srgb_curve();
+  physics.tone = response_curve(display.light, display.values);
+
+  physics.sharpening = 0.5;
+  physics.jpeg_quality = 90;
+  return photometry;
+}
+
 struct Effect {
   std::string_view name;
   void (*take)(Photometry& to, const Photometry& from);
@@ -98,6 +114,9 @@ constexpr std::array effects{
              to.noise_variance = from.noise_variance;
            }},
     Effect{"fixed-pattern", take<&Physics::dark_spread, &Physics::sensitivity_spread>},
+    Effect{"auto-exposure", take<&Physics::auto_exposure>},
+    Effect{"tone-curve", take<&Physics::tone>}, Effect{"sharpening", take<&Physics::sharpening>},
+    Effect{"jpeg", take<&Physics::jpeg_quality>},
     Effect{"response", [](Photometry& to, const Photometry& from) { to.response = from.response; }},
     Effect{"bent-board", take<&Physics::board_bend>},
     Effect{"stretched-board", take<&Physics::board_stretch>}};
@@ -150,6 +169,14 @@ Scanner as_calibrated(const VirtualWorld& world) {
   variance += physics.row_noise * physics.row_noise;
   known.noise_variance = variance > 0 ? std::optional(variance) : std::nullopt;
 
+  // A camera's processing leaves no noise that a gain describes, and lifts dark levels.
+  const bool bent = !is_linear(physics.tone);
+  if (bent || physics.sharpening > 0 || physics.jpeg_quality > 0) {
+    known.noise_variance.reset();
+    known.noise_gain = 0;
+  }
+  if (bent) known.ambient = 255 * light_at(physics.tone, light.ambient / 255);
+
   const double depth = working_volume(scanner).centre.z();
   scanner.calibrated_depths = {0.75 * depth, 1.25 * depth};
 
@@ -167,13 +194,13 @@ std::vector<std::string_view> effect_names() {
 Photometry photometry_named(std::string_view text) {
   Photometry photometry = entry_named(worlds, take_until(text, ','), "world").photometry();
 
-  // Then the effects: each as in the harsh world or, with no-, as in the ideal one.
+  // Then the effects: each at its full strength or, with no-, as in the ideal world.
   while (!text.empty()) {
     std::string_view name = take_until(text, ',');
     const bool out = name.starts_with("no-");
     if (out) name.remove_prefix(3);
 
-    entry_named(effects, name, "effect").take(photometry, out ? ideal() : harsh());
+    entry_named(effects, name, "effect").take(photometry, out ? ideal() : with_all_effects());
   }
 
   return photometry;

@@ -240,6 +240,33 @@ TEST(FinestStripes, AreLeftInPeace) {
   }
 }
 
+// A tone curve moves what is blurred to one side of the middle of white and black.
+TEST(BlurredStripes, AreNotRefusedThroughAToneCurve) {
+  const Strategy strategy = make_strategy("gray", {{"bits", 9}, {"reference", "white-black"}});
+  const VirtualWorld blurred = virtual_world(
+      {.camera = {320, 240}, .world = "harsh,no-response,no-interreflection,tone-curve"});
+  const ScanFindings found = findings_of(blurred, strategy);
+  EXPECT_FALSE(any_wrong(found.findings)) << told(found);
+}
+
+// Compression leaves no noise where several frames of a code are black.
+TEST(CompressedFrames, OfACodeAreNotCalledTheSame) {
+  for (const char* const scene : {"sphere", "statue"}) {
+    VirtualWorld world = virtual_world({.scene = scene, .camera = {320, 240}});
+    world.photometry.physics.jpeg_quality = 50;
+    for (const char* const reference : {"white-black", "inverse"}) {
+      const Sequence sequence{make_strategy("gray", {{"bits", 9}, {"reference", reference}}),
+                              Axis::y,
+                              {},
+                              world.scanner.projector.size};
+      const VirtualScan taken =
+          take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+      EXPECT_EQ(told(check_frames(taken.frames, sequence, as_calibrated(world))), "")
+          << scene << ", " << reference;
+    }
+  }
+}
+
 TEST(DimStripes, AreBlamedOnTheLightOnce) {
   const VirtualWorld dim = virtual_world({.reflectivity = 0.06, .ambient = 20});
   const ScanFindings found = findings_of(dim, make_strategy("gray", {{"bits", 10}}));
@@ -367,6 +394,15 @@ TEST(UnknownResponses, AreToldWhereTheyBendThePhaseUnseen) {
       EXPECT_EQ(told(check_scan(BentWorld(1, scene).scan_of({strategy}))), "")
           << label_of(strategy) << ", linear";
     }
+  }
+}
+
+// All sinusoids are brighter than the code's frames are.
+TEST(UnknownResponses, AreToldWhereTheyPartPhaseAndCode) {
+  const Strategy strategy = GrayPhase{.periods = 16, .reference = "inverse"};
+  for (const double gamma : {0.65, 0.7, 0.8}) {
+    const ScanFindings found = check_scan(BentWorld(gamma, "board").scan_of({strategy}));
+    EXPECT_TRUE(warns_of(found, CauseKind::gamma)) << gamma << told(found);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/throw_if-inl.h"
+#include "simulate/camera_picture.h"
 #include "simulate/looped_scene.h"
 #include "simulate/projected_light.h"
 #include "simulate/seen_scene.h"
@@ -102,8 +103,7 @@ inline Arrival VirtualRig::next(Frame& frame, std::chrono::milliseconds) {
   std::vector<Image<double>> exposures;
   const int number = static_cast<int>(taken_);
   exposures.push_back(exposed(seen_, photometry_, number, 1, light));
-  add_noise(exposures, number, photometry_);
-  frame = first_frame(digitised(std::move(exposures), photometry_.bits));
+  frame = first_frame(camera_pictures(std::move(exposures), number, photometry_));
   frame.stamp = {.sequence = taken_++,
                  .pattern_index = std::nullopt,
                  .host_time = std::chrono::steady_clock::now()};

@@ -7,6 +7,7 @@
 #include "simulate/looped_scene.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
+#include "slipstream/sequence.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"

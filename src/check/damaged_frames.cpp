@@ -54,23 +54,29 @@ std::vector<Evidence> evidence_of(const Stretch& stretch, const Places& places,
 // Shares of the lit pixels.
 constexpr double part = 0.12, all = 0.97;
 
-/// Whether frame n is as dark as any in nearly all pixels of a stretch, or as bright. Frames of a
-/// code are equal in wide stripes, apart from noise, which compression may remove.
-bool is_black_or_white(const ScanSamples& samples, const Places& places, const Stretch& stretch,
-                       int n) {
+/// Whether frame n is as dark as any in nearly all pixels of a stretch, or as bright, and without
+/// noise, which compression removes: then frames of a code are equal in wide stripes.
+bool is_flat_black_or_white(const ScanSamples& samples, const Places& places,
+                            const Stretch& stretch, int n) {
   constexpr float near = 0.1F;  // of the pixel's range
-  constexpr double nearly_all = 0.95;
+  constexpr double nearly_all = 0.95, mostly = 0.7;
+  constexpr float rounding = 1e-3F;
 
-  double black = 0, white = 0;
+  double black = 0, white = 0, flat = 0, beside = 0;
   for (std::size_t i = stretch.end - stretch.length; i < stretch.end; ++i) {
     const float* const levels = samples.levels(places[i], ScanSamples::middle);
     const auto [least, greatest] = std::minmax_element(levels, levels + samples.frames());
     const float margin = near * (*greatest - *least);
     if (levels[n] < *least + margin) ++black;
     if (levels[n] > *greatest - margin) ++white;
+
+    if (!samples.lit(places[i], ScanSamples::right)) continue;
+    ++beside;
+    if (std::abs(levels[n] - samples.levels(places[i], ScanSamples::right)[n]) < rounding) ++flat;
   }
 
-  return std::max(black, white) > nearly_all * static_cast<double>(stretch.length);
+  return std::max(black, white) > nearly_all * static_cast<double>(stretch.length) &&
+         flat > mostly * beside;
 }
 
 /// Frames of different patterns are equal only where their sinusoids cross.
@@ -86,7 +92,7 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
 
   const double share = share_of(alike, places);
   if (share < part || alike.length < fewest) return std::nullopt;
-  if (share <= all && is_black_or_white(samples, places, alike, n)) return std::nullopt;
+  if (share <= all && is_flat_black_or_white(samples, places, alike, n)) return std::nullopt;
 
   const double limit = share > all ? all : part;
   Finding finding{.evidence = evidence_of(alike, places, samples, limit), .frames = {n, m}};

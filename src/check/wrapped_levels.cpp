@@ -5,33 +5,47 @@
 #include <optional>
 #include <vector>
 
-#include "base/statistics.h"
-
 namespace slipstream {
+namespace {
+
+/// Whether few steps of a run differ between two pixels by nearly the whole range, all the same
+/// way, and the others hardly. Phases and edges of surfaces change most steps.
+bool is_jump(const StepRun& run, const float* here, const float* there) {
+  constexpr float jump = 150, hardly = 20;  // grey levels of 255
+  constexpr double few = 0.4;
+
+  int up = 0, down = 0;
+  for (int n = run.first; n < run.first + run.steps; ++n) {
+    const float change = there[n] - here[n];
+    if (change > jump) {
+      ++up;
+    } else if (change < -jump) {
+      ++down;
+    } else if (std::abs(change) > hardly) {
+      return false;
+    }
+  }
+
+  const int jumps = up + down;
+  return std::min(up, down) == 0 && jumps > 0 && jumps <= few * run.steps;
+}
+
+}  // namespace
 
 std::optional<Finding> wrapped_levels(const Layout& layout, const ScanSamples& samples) {
-  // Grey levels of 255: neighbours differ in some frame by nearly the whole range, and in many by
-  // hardly anything. Correct scans have no such place, as an edge changes most frames.
-  constexpr float jump = 150, hardly = 20;
-  constexpr double many = 0.4;
   constexpr int fewest = 6;
-
-  const std::vector<int> frames = measuring_frames(layout);
-  if (frames.empty()) return std::nullopt;
+  const std::vector<StepRun> runs = step_runs(layout);
 
   int jumps = 0;
-  std::vector<float> differences;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     for (const auto place : {ScanSamples::right, ScanSamples::below}) {
       if (!samples.lit(g, place)) continue;
 
       const float* const here = samples.levels(g, ScanSamples::middle);
       const float* const there = samples.levels(g, place);
-      differences.clear();
-      for (const int n : frames) differences.push_back(std::abs(here[n] - there[n]));
-
-      const float most = *std::ranges::max_element(differences);
-      if (most > jump && quantile(differences, many) < hardly) ++jumps;
+      const bool jumped =
+          std::ranges::any_of(runs, [&](const StepRun& run) { return is_jump(run, here, there); });
+      if (jumped) ++jumps;
     }
   }
 

@@ -129,7 +129,7 @@ std::pair<FrameViews, Sequence> as_shown(const Scan& scan) {
   return {frames, both};
 }
 
-/// Also the other axis and a second camera.
+/// Also the other axis, the guard and a second camera.
 void save(const Scan& scan, const fs::path& path) {
   throw_if(
       scan.exposures.size() > 1,
@@ -140,9 +140,14 @@ void save(const Scan& scan, const fs::path& path) {
            path.string());
   throw_if(!scan.further_cameras.empty() && lower_case_extension(path) == ".slip",
            "{}: a recording holds one camera; save a scan of two to a folder", path.string());
+  throw_if(!scan.guard.empty() && lower_case_extension(path) == ".slip",
+           "{}: a recording holds no guard; save the scan to a folder", path.string());
 
   const auto [frames, sequence] = as_shown(scan);
   ScanFiles files = save_scan(path, frames, sequence, scan.scanner);
+  if (!scan.guard.empty()) {
+    save_guard(files, scan.guard.front().frames, scan.guard.front().sequence);
+  }
   if (scan.further_cameras.empty()) return;
 
   files.second_camera = path / "second";
@@ -234,18 +239,22 @@ void bind_scan(py::module_& module) {
   scan.def_readonly("exposures", &Scan::exposures, "list[float]: relative, any unit.");
   scan.def_readonly("other_axis", &Scan::other_axis,
                     "list[Scan]: the scan along y of one along both axes.");
+  scan.def_readonly("guard", &Scan::guard,
+                    "list[Scan]: frames along the other axis that show whether the rig has moved.");
   scan.def_readonly("further_cameras", &Scan::further_cameras,
                     "list[Scan]: scans by other cameras.");
   scan.def_property_readonly("warnings", &warnings_of, "list[str]: of the files.");
 
   scan.def("save", &save, "path"_a, Unlocked(), R"(
-      Writes a folder with scan.yaml, or a recording; also the other axis and a second camera.
+      Writes a folder with scan.yaml, or a recording; also the other axis, the guard and a second
+      camera.
 
       Args:
           path (str | PathLike): folder, or recording of one camera if it ends in .slip.
 
       Raises:
-          Error: if exposures were merged, or if it is a recording and the scan of two cameras.
+          Error: if exposures were merged, or if it is a recording and the scan of two cameras or
+              with a guard.
           WorldError: if it cannot be written.
 
       Example:

@@ -17,6 +17,7 @@
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/scan_folder.h"
+#include "io/scan_scanner.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/given.h"
 #include "python/bindings/keyword_names.h"
@@ -95,9 +96,15 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
   Scan scan = load_scan(path, changes);
 
   if (scanner && scanner->index() == 0) {
-    Scanner given = std::get<Scanner>(*scanner);
-    if (changes.camera_region) given.camera = part_of(given.camera, *changes.camera_region);
-    set_scanner(scan, {given, "scanner"});
+    const Scanner& given = std::get<Scanner>(*scanner);
+    if (!changes.camera_region) require_upright(scan.frames.size(), given.camera.size);
+
+    // As of a scanner file: the pictures may be a part, or join pixels.
+    ScanFiles files;
+    files.sequence = scan.sequence;
+    files.scanner = "scanner";
+    files.camera_region = changes.camera_region;
+    add_scanner(scan, given, files);
   }
 
   // 3. Warns, which needs the lock again.

@@ -143,3 +143,15 @@ def test_a_part_of_the_picture_is_loaded(dual, tmp_path):
         made = slipstream.reconstruct(scan).z
         assert made.shape == (200, 280)
         assert abs(made - right)[~numpy.isnan(made - right)].max() < 0.01
+
+
+def test_binned_pictures_take_a_scanner_as_they_take_its_file(tmp_path):
+    scan = slipstream.simulate("pmp, steps 4", camera=(160, 120)).scan
+    slipstream.Scan(scan.frames, scan.sequence).save(tmp_path / "binned")
+    larger = slipstream.example_scanner((320, 240))
+    again = slipstream.load_scan(tmp_path / "binned", scanner=larger,
+                                 camera_region=(0, 0, 320, 240))
+    assert again.scanner.camera_size == (160, 120)
+    assert again.scanner.camera_matrix[0, 0] == pytest.approx(larger.camera_matrix[0, 0] / 2)
+    with pytest.raises(slipstream.Error, match="if the camera has joined pixels since"):
+        slipstream.load_scan(tmp_path / "binned", scanner=larger)

@@ -82,7 +82,7 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
   rig.settings.clear();
 
   // 1. The settings of all commands, as one rig file may serve several.
-  std::set<std::string> known;
+  std::set<std::string> known, named;
   collect_settings(program, known);
 
   // 2. Each setting of the file that this command has.
@@ -97,6 +97,10 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
     if (!known.contains(setting.name)) {
       refuse(fmt::format("no command has a setting '{}'{}", setting.name,
                          did_you_mean(setting.name, known)));
+    }
+    if (!named.insert(present_name(setting.name)).second) {
+      refuse(fmt::format("'{}' is named twice, by a former name too; leave out one",
+                         present_name(setting.name)));
     }
 
     CLI::Option* const option = subcommand.get_option_no_throw("--" + setting.name);

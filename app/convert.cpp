@@ -109,10 +109,22 @@ class JoinedRecording {
   std::uint64_t first_ = 0, next_ = 0;  ///< frame number in the recording
 };
 
+/// Names the parts of a scan folder that a recording does not hold.
+void warn_of_other_parts(const std::string& path, const ScanChanges& changes, Output& output) {
+  if (!fs::is_directory(path)) return;
+
+  const ScanFiles files = scan_files_in(path, changes);
+  if (files.guard) output.warn(fmt::format("{}: a recording holds no guard; left out", path));
+  if (files.second_camera) {
+    output.warn(fmt::format("{}: a recording holds one camera; the second is left out", path));
+  }
+}
+
 void add_replayed(const std::string& path, const ScanChanges& changes, JoinedRecording& recording,
                   Output& output) {
   ReplaySource source(path, {.rate = 0, .scan = changes});
   if (!source.warning().empty()) output.warn(source.warning());
+  warn_of_other_parts(path, changes, output);
 
   recording.begin(source.header(), path);
   Frame frame(source.format());

@@ -14,9 +14,11 @@
 #include <variant>
 #include <vector>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/scan_folder.h"
+#include "io/scan_scanner.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/given.h"
 #include "python/bindings/keyword_names.h"
@@ -67,26 +69,38 @@ Scan scan_from(const py::object& frames, const Given<Sequence>& patterns,
   return merged(std::move(scan));
 }
 
-/// Left, top, width and height.
-using CameraRegion = std::optional<std::array<int, 4>>;
+/// Left, top, width and height, or a text as messages have it: "640x480+16+8".
+using CameraRegion = std::variant<std::array<int, 4>, std::string>;
 using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
+
+Rectangle rectangle_of(const CameraRegion& region) {
+  if (region.index() == 0) {
+    const auto [left, top, width, height] = std::get<0>(region);
+    return {left, top, {width, height}};
+  }
+
+  const auto& text = std::get<std::string>(region);
+  const std::optional<Rectangle> found = rectangle_of_text(text);
+  throw_if(!found, "camera_region '{}': expected width x height + left + top, e.g. 640x480+16+8",
+           text);
+  return *found;
+}
 
 /// Given values override those of the folder or the recording.
 Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
-                 std::optional<std::uint64_t> window, const CameraRegion& camera_region,
+                 std::optional<std::uint64_t> window, const std::string& channel,
+                 const std::optional<CameraRegion>& camera_region,
                  const std::optional<fs::path>& second_camera,
                  const std::optional<fs::path>& second_scanner) {
   // 1. Overrides; a scanner may be a file or an object.
   ScanChanges changes{.order = order,
                       .window = window,
                       .bits = bits,
+                      .channel = grey_channel_named(channel),
                       .second_camera = second_camera,
                       .second_scanner = second_scanner};
-  if (camera_region) {
-    const auto [left, top, width, height] = *camera_region;
-    changes.camera_region = Rectangle{left, top, {width, height}};
-  }
+  if (camera_region) changes.camera_region = rectangle_of(*camera_region);
   if (sequence) changes.sequence = changes_to(sequence->thing);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
 
@@ -95,9 +109,15 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
   Scan scan = load_scan(path, changes);
 
   if (scanner && scanner->index() == 0) {
-    Scanner given = std::get<Scanner>(*scanner);
-    if (changes.camera_region) given.camera = part_of(given.camera, *changes.camera_region);
-    set_scanner(scan, {given, "scanner"});
+    const Scanner& given = std::get<Scanner>(*scanner);
+    if (!changes.camera_region) require_upright(scan.frames.size(), given.camera.size);
+
+    // As of a scanner file: the pictures may be a part, or join pixels.
+    ScanFiles files;
+    files.sequence = scan.sequence;
+    files.scanner = "scanner";
+    files.camera_region = changes.camera_region;
+    add_scanner(scan, given, files);
   }
 
   // 3. Warns, which needs the lock again.
@@ -129,7 +149,7 @@ std::pair<FrameViews, Sequence> as_shown(const Scan& scan) {
   return {frames, both};
 }
 
-/// Also the other axis and a second camera.
+/// Also the other axis, the guard and a second camera.
 void save(const Scan& scan, const fs::path& path) {
   throw_if(
       scan.exposures.size() > 1,
@@ -140,9 +160,14 @@ void save(const Scan& scan, const fs::path& path) {
            path.string());
   throw_if(!scan.further_cameras.empty() && lower_case_extension(path) == ".slip",
            "{}: a recording holds one camera; save a scan of two to a folder", path.string());
+  throw_if(!scan.guard.empty() && lower_case_extension(path) == ".slip",
+           "{}: a recording holds no guard; save the scan to a folder", path.string());
 
   const auto [frames, sequence] = as_shown(scan);
   ScanFiles files = save_scan(path, frames, sequence, scan.scanner);
+  if (!scan.guard.empty()) {
+    save_guard(files, scan.guard.front().frames, scan.guard.front().sequence);
+  }
   if (scan.further_cameras.empty()) return;
 
   files.second_camera = path / "second";
@@ -234,18 +259,22 @@ void bind_scan(py::module_& module) {
   scan.def_readonly("exposures", &Scan::exposures, "list[float]: relative, any unit.");
   scan.def_readonly("other_axis", &Scan::other_axis,
                     "list[Scan]: the scan along y of one along both axes.");
+  scan.def_readonly("guard", &Scan::guard,
+                    "list[Scan]: frames along the other axis that show whether the rig has moved.");
   scan.def_readonly("further_cameras", &Scan::further_cameras,
                     "list[Scan]: scans by other cameras.");
   scan.def_property_readonly("warnings", &warnings_of, "list[str]: of the files.");
 
   scan.def("save", &save, "path"_a, Unlocked(), R"(
-      Writes a folder with scan.yaml, or a recording; also the other axis and a second camera.
+      Writes a folder with scan.yaml, or a recording; also the other axis, the guard and a second
+      camera.
 
       Args:
           path (str | PathLike): folder, or recording of one camera if it ends in .slip.
 
       Raises:
-          Error: if exposures were merged, or if it is a recording and the scan of two cameras.
+          Error: if exposures were merged, or if it is a recording and the scan of two cameras or
+              with a guard.
           WorldError: if it cannot be written.
 
       Example:
@@ -256,7 +285,7 @@ void bind_scan(py::module_& module) {
 void bind_scan_files(py::module_& module) {
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
-             "window"_a = py::none(), "camera_region"_a = py::none(),
+             "window"_a = py::none(), "channel"_a = "auto", "camera_region"_a = py::none(),
              "second_camera"_a = py::none(), "second_scanner"_a = py::none(), R"(
       Loads a scan from a folder or a recording; arguments override its contents.
 
@@ -267,8 +296,10 @@ void bind_scan_files(py::module_& module) {
           bits (int | None): bits per pixel; of uint16 frames by default 16.
           order (str): of the frames in the files.
           window (int | None): index of a recording's scan.
-          camera_region (tuple[int, int, int, int] | None): left, top, width and height, pixels, of
-              the part of the calibrated picture that the frames show.
+          channel (Literal["auto", "grey", "red", "green", "blue"]): grey levels of colour pictures;
+              auto: by the light.
+          camera_region (tuple[int, int, int, int] | str | None): the part of the calibrated picture
+              that the frames show: left, top, width and height, pixels, or "640x480+16+8".
           second_camera (str | PathLike | None): folder or recording of a second camera.
           second_scanner (str | PathLike | None): its scanner file.
 

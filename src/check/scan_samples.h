@@ -38,8 +38,8 @@ class ScanSamples {
   void keep_first(std::size_t count) { lit_.resize(std::min(count, lit_.size())); }
 
   [[nodiscard]] int frames() const { return frames_; }
-  /// Number of lit pixels without a saturated frame.
   [[nodiscard]] Size size() const { return size_; }
+  /// Number of lit pixels without a saturated frame.
   [[nodiscard]] std::size_t groups() const { return lit_.size(); }
   /// Intensities of the frames, in order.
   [[nodiscard]] const float* levels(std::size_t group, Place place) const {

@@ -207,6 +207,7 @@ void ReplaySource::open_pictures(const ScanFiles& files) {
 
   pictures_ = files.frames;
   bits_ = files.bits;
+  channel_ = files.channel;
   count_ = pictures_.size();
 
   header_.sequence = files.sequence;
@@ -269,7 +270,7 @@ bool ReplaySource::read(std::uint64_t index, Frame& frame) const {
     const auto cycle = static_cast<std::uint64_t>(cycle_length(*header_.sequence));
 
     try {
-      frame = frames_of(read_frames({pictures_[index]}, bits_).frames, "").front();
+      frame = frames_of(read_frames({pictures_[index]}, bits_, channel_).frames, "").front();
     } catch (const Error&) {
       return false;
     }

@@ -77,6 +77,7 @@ class ReplaySource : public FrameSource {
   std::vector<Frame> frames_;                    ///< of a scan folder of one cycle
   std::vector<std::filesystem::path> pictures_;  ///< of a folder of more, read when due
   int bits_ = 0;                                 ///< of these
+  GreyChannel channel_ = GreyChannel::by_light;  ///< of these, if in colour
   std::uint64_t count_ = 0;
 
   /// Increments of the stamps from one round to the next.

@@ -140,8 +140,9 @@ Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixtu
 void add_guard(Scan& scan, const ScanFiles& files) {
   if (!files.guard || !scan.other_axis.empty()) return;
 
-  ScanChanges changes;
-  if (files.bits != 0) changes.bits = files.bits;  // of the same camera
+  // Of the same camera and light.
+  ScanChanges changes{.channel = files.channel};
+  if (files.bits != 0) changes.bits = files.bits;
   Scan guard = load_frames(scan_files_in(*files.guard, changes));
 
   if (guard.sequence.axis == scan.sequence.axis || !guard.other_axis.empty()) {

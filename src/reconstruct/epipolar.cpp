@@ -128,10 +128,20 @@ struct ComparedPoint {
   int column = 0, row = 0;
 };
 
-/// Whether a pixel is compared with a guard: its coordinate counts as right.
+/// Whether a pixel is compared with a guard: its coordinate counts as right, also where the user
+/// wants no point.
 bool is_measured(Validity validity) {
-  return validity == Validity::valid || validity == Validity::no_point ||
-         validity == Validity::outside_field || validity == Validity::out_of_range;
+  switch (validity) {
+    case Validity::valid:
+    case Validity::no_point:
+    case Validity::outside_field:
+    case Validity::out_of_range:
+    case Validity::low_trust:
+    case Validity::outside_region:
+      return true;
+    default:
+      return false;
+  }
 }
 
 /// The pixels with a distance that `is_compared` takes by their validity; at most about
@@ -328,6 +338,8 @@ GuardCheck check_guard(const EngineSetup& setup, const Scan& guard, const Maps& 
   // 2. Count the points that neither the common part nor noise explains.
   GuardCheck check{.epipolar = summary_of(points, common)};
   check.epipolar.points = points.size();
+  check.measured = static_cast<std::size_t>(
+      std::count_if(cloud.validity.begin(), cloud.validity.end(), is_measured));
   for (const ComparedPoint& point : points) {
     const double own = std::abs(point.distance - common.factors.dot(point.terms));
     if (own > largest_own(point.sigma, setup.scanner.calibration_rms)) ++check.epipolar.doubted;

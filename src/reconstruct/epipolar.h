@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,12 +39,14 @@ struct SeenPixel {
 /// Comparison of a scan with its guard.
 struct GuardCheck {
   EpipolarCheck epipolar{};
+  std::size_t measured = 0;         ///< pixels of the scan that could be compared
   std::vector<SeenPixel> pixels{};  ///< up to a thousand that the common part fits
 };
 
 /// Compares a cloud and its maps, along either axis, with the scan's guard, see Scan::guard, as
 /// check_epipolar does; rejects no point. Also compares pixels whose point lies out of range, as a
-/// scanner file of another rig leaves few others. Throws Error as check_epipolar.
+/// scanner file of another rig leaves few others, and those outside the user's limits. Throws Error
+/// as check_epipolar.
 GuardCheck check_guard(const EngineSetup& setup, const Scan& guard, const Maps& maps,
                        const Cloud& cloud);
 

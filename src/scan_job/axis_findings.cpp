@@ -66,7 +66,9 @@ std::optional<Finding> rig_that_moved(const Scanner& scanner, const GuardCheck& 
   const double rms = scanner.calibration_rms;
 
   // 1. Few points, or points that lie anywhere, tell nothing; a common distance tells of the rig.
+  // A scan of hardly a point is no fault of its guard.
   constexpr std::size_t fewest_points = 100;
+  if (guard.measured < fewest_points) return std::nullopt;
   const bool is_scattered =
       check.doubted_share() > EpipolarCheck::most_doubted && 2 * check.own > check.common;
   if (check.points < fewest_points || is_scattered) return guard_that_does_not_fit(check, rms);

@@ -71,7 +71,7 @@ GuardResult judged_guard(const EngineSetup& setup, Scan guard, const Maps& maps,
 
   // 2. The comparison.
   const GuardCheck check = check_guard(setup, guard, maps, cloud);
-  result.epipolar = check.epipolar;
+  if (check.epipolar.points > 0) result.epipolar = check.epipolar;
   if (auto finding = rig_that_moved(setup.scanner, check)) {
     result.findings.push_back(*std::move(finding));
   }

@@ -257,6 +257,18 @@ TEST_F(Convert, names_what_it_leaves_out_and_converts_the_rest) {
   EXPECT_EQ(RecordingReader(path("joined.slip")).count(), 27U);
 }
 
+TEST_F(Convert, names_the_parts_of_a_folder_that_a_recording_does_not_hold) {
+  const std::vector<std::string> simulate{"simulate", "--camera", "80x60", path("folder")};
+  for (const std::string flag : {"--guard", "--second-camera"}) {
+    fs::remove_all(path("folder"));
+    std::vector<std::string> with_part = simulate;
+    with_part.push_back(flag);
+    run(with_part);
+    const std::string said = run({"convert", path("folder"), "-o", path("one.slip")}).err;
+    EXPECT_NE(said.find(flag == "--guard" ? "no guard" : "one camera"), std::string::npos) << said;
+  }
+}
+
 TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {

@@ -101,6 +101,7 @@ TEST_F(Rig, RefusesInOneLine) {
            {"steps: many\n", "line 1"},
            {"motion: [1, 2]\n", "motion"},
            {"keep-saturated: perhaps\n", "keep-saturated"},
+           {"max-sigma: 1\nlargest-sigma: 2\n", "line 2: 'largest-sigma' is named twice"},
            {"steps: [\n", "not YAML"}}) {
     SCOPED_TRACE(text);
     write_rig(text);

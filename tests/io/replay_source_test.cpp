@@ -1,14 +1,18 @@
 #include "io/replay_source.h"
 
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <numeric>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "frames/pattern_windows.h"
 #include "io/file.h"
+#include "io/image_file.h"
 #include "io/scan_folder.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
@@ -195,6 +199,24 @@ TEST(ReplaySource, RefusesPicturesOf16BitsThatAreSaidToHave8) {
   write_scan_files(folder.path() / "scan.yaml", scan);
   expect_error([&] { ReplaySource(folder.path(), {}); },
                {folder.path().string(), "16-bit pictures", "bits is 8"});
+}
+
+TEST(ReplaySource, ReadsSeveralCyclesOfPicturesByTheChannelThatIsChosen) {
+  const TemporaryFolder folder;
+  for (int n = 0; n < 8; ++n) {
+    write_image(folder.path() / ("frame_" + std::to_string(n) + ".png"),
+                Image<Colour>({40, 30}, Colour{7, 100, 200}));
+  }
+
+  ReplaySettings settings{.rate = 0};
+  settings.scan.sequence.strategy = "pmp";
+  settings.scan.sequence.settings["steps"] = "4";
+  settings.scan.channel = GreyChannel::red;
+  ReplaySource source(folder.path(), settings);
+  Frame frame(source.format());
+  source.start();
+  ASSERT_EQ(source.next(frame, 100ms), Arrival::frame);
+  EXPECT_EQ(std::get<Image<std::uint8_t>>(frame.pixels)(5, 3), 7);
 }
 
 TEST(ReplaySource, GivesTheChannelsOfPicturesInColourFromAFolderAndFromItsRecording) {

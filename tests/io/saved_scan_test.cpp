@@ -1,10 +1,12 @@
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
 #include "io/depth_truth.h"
 #include "io/image_file.h"
@@ -70,6 +72,29 @@ TEST(SavedScan, OfACameraThatJoinsPixelsSinceTheCalibrationHasItsLens) {
   ASSERT_TRUE(read.scanner);
   EXPECT_TRUE(read.scanner->camera.intrinsic.isApprox(scanner.camera.intrinsic, 1e-9));
   EXPECT_EQ(read.scanner->camera.size, scanner.camera.size);
+}
+
+// By the light, the green channel would be read.
+TEST(SavedScan, HasAGuardOfTheChannelThatIsChosen) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "scan";
+  const Sequence guard = guard_sequence(sequence);
+  const FrameSet frames =
+      take_scan(scanner, scene_named("sphere", scanner), pattern_set(guard), {}).frames;
+  ScanFiles files = save_scan(path, some_scan().frames, sequence, scanner);
+  save_guard(files, frames, guard);
+
+  int n = 0;
+  for (const fs::path& picture : scan_files_in(path / "guard").frames) {
+    const std::uint8_t green = n++ % 2 == 0 ? 200 : 40;
+    write_image(picture, Image<Colour>(scanner.camera.size, Colour{7, green, 0}));
+  }
+
+  const Scan read = load_scan(path, {.channel = GreyChannel::red});
+  ASSERT_EQ(read.guard.size(), 1U);
+  const Image<double> sum =
+      weighted_sum(read.guard.front().frames, std::vector<double>(static_cast<std::size_t>(n), 1));
+  EXPECT_NEAR(sum(0, 0), 7 * n, 1e-3);
 }
 
 TEST(SavedScan, ComesBackWhole) {

@@ -4,6 +4,7 @@ import ast
 import importlib.util
 import pathlib
 import re
+import struct
 
 import numpy
 import pytest
@@ -143,3 +144,30 @@ def test_a_part_of_the_picture_is_loaded(dual, tmp_path):
         made = slipstream.reconstruct(scan).z
         assert made.shape == (200, 280)
         assert abs(made - right)[~numpy.isnan(made - right)].max() < 0.01
+
+
+def test_binned_pictures_take_a_scanner_as_they_take_its_file(tmp_path):
+    scan = slipstream.simulate("pmp, steps 4", camera=(160, 120)).scan
+    slipstream.Scan(scan.frames, scan.sequence).save(tmp_path / "binned")
+    larger = slipstream.example_scanner((320, 240))
+    again = slipstream.load_scan(tmp_path / "binned", scanner=larger,
+                                 camera_region=(0, 0, 320, 240))
+    as_text = slipstream.load_scan(tmp_path / "binned", scanner=larger,
+                                   camera_region="320x240+0+0")
+    assert again.scanner == as_text.scanner
+    assert again.scanner.camera_size == (160, 120)
+    assert again.scanner.camera_matrix[0, 0] == pytest.approx(larger.camera_matrix[0, 0] / 2)
+    with pytest.raises(slipstream.Error, match="if the camera has joined pixels since"):
+        slipstream.load_scan(tmp_path / "binned", scanner=larger)
+
+
+def test_colour_pictures_are_read_by_the_channel(tmp_path):
+    for n in range(4):
+        pixels = bytes([7, 100, 200]) * (16 * 12)
+        header = b"BM" + struct.pack("<IIIIiiHHIIiiII", 54 + len(pixels), 0, 54, 40, 16, 12, 1, 24,
+                                     0, len(pixels), 0, 0, 0, 0)
+        (tmp_path / f"frame_{n}.bmp").write_bytes(header + pixels)
+    scan = slipstream.load_scan(tmp_path, "pmp, steps 4", channel="blue")
+    assert scan.frames[0][5, 5] == 7
+    with pytest.raises(slipstream.Error, match="channel 'x': expected one of: auto"):
+        slipstream.load_scan(tmp_path, "pmp, steps 4", channel="x")

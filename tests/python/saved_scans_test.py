@@ -1,4 +1,4 @@
-"""A scan that is saved and loaded is the same, along both axes and of two cameras too."""
+"""A scan that is saved and loaded is the same, also along both axes, guarded or of two cameras."""
 
 import numpy
 import pytest
@@ -12,6 +12,8 @@ def assert_same(scan, other):
     for one, two in zip(scan.frames, other.frames, strict=True):
         assert numpy.array_equal(one, two)
     for one, two in zip(scan.other_axis, other.other_axis, strict=True):
+        assert_same(one, two)
+    for one, two in zip(scan.guard, other.guard, strict=True):
         assert_same(one, two)
     for one, two in zip(scan.further_cameras, other.further_cameras, strict=True):
         assert_same(one, two)
@@ -50,6 +52,17 @@ def test_a_second_camera_is_saved(tmp_path):
     assert numpy.array_equal(slipstream.reconstruct(again).z, slipstream.reconstruct(scan).z,
                              equal_nan=True)
     with pytest.raises(slipstream.Error, match="a recording holds one camera"):
+        scan.save(tmp_path / "saved.slip")
+
+
+def test_a_guard_is_saved(tmp_path):
+    program("simulate", tmp_path / "scan", "--guard", "--camera", "160x120")
+    scan = slipstream.load_scan(tmp_path / "scan")
+    scan.save(tmp_path / "saved")
+    again = slipstream.load_scan(tmp_path / "saved")
+    assert len(again.guard) == 1
+    assert_same(again, scan)
+    with pytest.raises(slipstream.Error, match="a recording holds no guard"):
         scan.save(tmp_path / "saved.slip")
 
 

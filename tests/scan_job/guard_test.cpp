@@ -184,6 +184,19 @@ TEST(Guard, BlamesNoRigForItsOwnFrames) {
   EXPECT_FALSE(any_wrong(result.checked.findings));
 }
 
+TEST(Guard, IsNotBlamedForPointsThatTheUserDoesNotWant) {
+  ScanJobSettings trusted{.keep_refused = true}, small = trusted;
+  trusted.reconstruct.clean.largest_sigma = 1e-3;
+  small.reconstruct.clean.outline = {{0, 0}, {4, 4}};
+  for (const ScanJobSettings& settings : {trusted, small}) {
+    const ScanResult result = reconstruct(guarded_scan(), settings);
+    EXPECT_LT(result.counts[0], 100U);
+    EXPECT_EQ(guard_finding(result).kind, FindingKind::other) << text_of(guard_finding(result));
+    ASSERT_TRUE(result.guard);
+    EXPECT_GT(result.guard->points, 1000U);
+  }
+}
+
 TEST(Guard, OfAnotherSceneIsNamedAsACause) {
   Scan scan = guarded_scan("boxes");
   scan.guard = guarded_scan("statue").guard;

@@ -289,108 +289,18 @@ std::optional<ChangedLight> by_redundancy(const JudgedScan& scan, const Fit& fit
   return changed;
 }
 
-/// The mean of each step over its pixels' means, and the standard error.
-struct StepMeans {
-  std::vector<double> means{};
-  double error = 0;
-  double periods = 0;  ///< of the part of the field where the pixels lie
-};
-
-StepMeans step_means(const JudgedScan& scan, const StepRun& run, double periods) {
-  StepMeans result{.means = std::vector<double>(run.steps)};
-  const FrameModel& model = scan.model;
-  const auto count = static_cast<double>(scan.samples.groups());
-  std::vector<double> squares(run.steps), coordinates;
-  SampleReading reading;
-
-  for (std::size_t g = 0; g < scan.samples.groups(); ++g) {
-    const float* const I = scan.samples.levels(g, ScanSamples::middle);
-    model.read(I, model.identity(), reading);
-    coordinates.push_back(reading.coordinate);
-
-    double sum = 0;
-    for (int n = 0; n < run.steps; ++n) sum += double{I[run.first + n]};
-    for (int n = 0; n < run.steps; ++n) {
-      const double ratio = run.steps * double{I[run.first + n]} / sum;
-      result.means[n] += ratio / count;
-      squares[n] += ratio * ratio / count;
-    }
-  }
-
-  for (int n = 0; n < run.steps; ++n) {
-    const double variance = squares[n] - result.means[n] * result.means[n];
-    result.error = std::max(result.error, std::sqrt(std::max(0.0, variance) / count));
-  }
-
-  result.periods = periods * (quantile(coordinates, 0.95) - quantile(coordinates, 0.05));
-  return result;
-}
-
-/// Of steps without redundancy: over several periods their frames have the same mean.
-std::optional<ChangedLight> by_means(const JudgedScan& scan) {
-  constexpr double least_gain = 0.1, deviations = 3, fewest_periods = 6;
-
-  // 1. Steps of plain sinusoids.
-  const Layout& layout = scan.model.layout();
-  const Band& band = measuring_band(layout);
-  const auto run = step_run(band);
-  const bool has_equal_means = run && !layout.cue && band.carrier == 0 && !band.cycle;
-  if (!has_equal_means || scan.model.unexplained_count() > 0 || !scan.model.has_coordinate() ||
-      scan.settings.moving || scan.samples.groups() == 0) {
-    return std::nullopt;
-  }
-
-  // 2. Parts of a period at either end of the visible field change the means, as chance does.
-  StepMeans found = step_means(scan, *run, band.periods);
-  if (found.periods < fewest_periods) return std::nullopt;
-  const double limit =
-      std::max(least_gain, 2 / (std::numbers::pi * found.periods) + deviations * found.error);
-
-  // 3. The frames that differ by more.
-  std::vector<double> means = found.means;
-  const double usual = quantile(means, 0.5);
-  std::vector<FrameGain> gains;
-  double most = 0;
-  for (int n = 0; n < run->steps; ++n) {
-    gains.push_back({run->first + n, found.means[n] / usual - 1});
-    most = std::max(most, std::abs(gains.back().gain));
-  }
-
-  if (most < limit) return std::nullopt;
-  return ChangedLight{misfit_without(scan, gains), finding_of(gains, limit)};
-}
-
-/// Whether a bit is brighter than half way between dark and bright as a ratio, by which a darker
-/// frame stays bright where it is.
-bool is_bright_in(const Code& code, const float* I, int frame) {
-  float least = I[code.frames.front()], greatest = least;
-  for (const int n : code.frames) {
-    least = std::min(least, I[n]);
-    greatest = std::max(greatest, I[n]);
-  }
-  return I[frame] >= std::sqrt(std::max(1.0F, least) * greatest);
-}
-
 /// Of a bit and its inverse, the difference as a share of the sum.
 double pair_contrast(const Code& code, const float* I, std::size_t bit) {
   const double shown = I[code.frames[bit]], inverse = I[code.inverses[bit]];
   return std::abs(shown - inverse) / std::max(1.0, shown + inverse);
 }
 
-/// The bright frame of each bit at a pixel, if it has one, and its level. With inverses the level
-/// is the sum of the pair, which blur leaves; a response does not, so that blurred bits are left
-/// out.
-std::vector<FrameGain> bright_frames(const Code& code, const float* I, std::size_t bits) {
+/// The bright frame of each bit at a pixel, with the sum of the bit and its inverse, which blur
+/// leaves as it is. A response does not, so that blurred bits are left out.
+std::vector<FrameGain> bright_frames(const Code& code, const float* I) {
   constexpr double least_contrast = 0.8;  // of the pixel's sharpest bit
+  const std::size_t bits = code.frames.size();
   std::vector<FrameGain> bright;
-
-  if (code.inverses.empty()) {
-    for (std::size_t bit = 0; bit < bits; ++bit) {
-      const int shown = code.frames[bit];
-      if (is_bright_in(code, I, shown)) bright.push_back({shown, double{I[shown]}});
-    }
-    return bright;
-  }
 
   double sharpest = 0;
   for (std::size_t bit = 0; bit < bits; ++bit) {
@@ -412,27 +322,22 @@ std::optional<ChangedLight> changed_light(const JudgedScan& scan, const Fit& fit
   // Brightness that changes between frames moves no bit that is compared with its inverse.
   if (fit.code.bits_are_sure()) return std::nullopt;
 
-  auto changed = by_redundancy(scan, fit);
-  return changed ? changed : by_means(scan);
+  return by_redundancy(scan, fit);
 }
 
 std::optional<Finding> changed_light_of_code(const JudgedScan& scan) {
   // Without inverses, blur and light between surfaces change a bit's brightness as well.
-  constexpr double most = 0.2, most_without_inverses = 0.3;
-  constexpr std::size_t fewest_pixels = 32, too_fine = 2;
+  constexpr double most = 0.2;
+  constexpr std::size_t fewest_pixels = 32;
 
   const auto& code = scan.model.layout().code;
-  if (!code) return std::nullopt;
-
-  const bool has_inverses = !code->inverses.empty();
-  std::size_t bits = code->frames.size();
-  if (!has_inverses) bits -= std::min(too_fine, bits);
+  if (!code || code->inverses.empty()) return std::nullopt;
 
   // 1. Of each frame, its bright pixels over the usual brightness of each.
   std::vector<std::vector<double>> ratios(scan.samples.frames());
   for (std::size_t g = 0; g < scan.samples.groups(); ++g) {
     const std::vector<FrameGain> bright =
-        bright_frames(*code, scan.samples.levels(g, ScanSamples::middle), bits);
+        bright_frames(*code, scan.samples.levels(g, ScanSamples::middle));
     if (bright.size() < 2) continue;
 
     std::vector<double> levels;
@@ -442,7 +347,6 @@ std::optional<Finding> changed_light_of_code(const JudgedScan& scan) {
   }
 
   // 2. The frames that differ.
-  const double limit = has_inverses ? most : most_without_inverses;
   std::vector<FrameGain> gains;
   double largest = 0;
   for (int n = 0; n < scan.samples.frames(); ++n) {
@@ -451,8 +355,8 @@ std::optional<Finding> changed_light_of_code(const JudgedScan& scan) {
     largest = std::max(largest, std::abs(gains.back().gain));
   }
 
-  if (largest <= limit) return std::nullopt;
-  return finding_of(gains, limit);
+  if (largest <= most) return std::nullopt;
+  return finding_of(gains, most);
 }
 
 }  // namespace slipstream

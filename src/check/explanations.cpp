@@ -248,7 +248,9 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   if (light) return {std::move(light->finding)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
 
-  if (auto odd = contradicting_frame(scan, fit)) return {std::move(*odd)};
+  // A frame of another brightness moves no bit that is compared with its inverse.
+  auto odd = fit.code.bits_are_sure() ? std::nullopt : contradicting_frame(scan, fit);
+  if (odd) return {std::move(*odd)};
 
   std::vector<Finding> findings = method_limits(scan, fit);
   if (auto of_code = changed_light_of_code(scan)) findings.push_back(std::move(*of_code));

@@ -230,7 +230,7 @@ bool Fit::geometry_fits() const {
   if (!geometry) return true;
   return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
          geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
-         geometry->falling <= FitLimits::most_falling &&
+         (geometry->falling <= FitLimits::most_falling || geometry->slope >= FitLimits::straight) &&
          geometry->without_point + geometry->outside <= FitLimits::most_outside;
 }
 

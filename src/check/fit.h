@@ -29,8 +29,8 @@ struct FitLimits {
   static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;
   // Slanted surfaces change the slope: median 0.58 to 1.8 in correct scans.
   static constexpr double least_slope = 0.35, most_slope = 2.8;
-  // A lost bit turns the coordinate's direction in half of the field.
-  static constexpr double most_falling = 0.15;
+  // A lost bit turns the coordinate's direction in half of the field, which its mean shows too.
+  static constexpr double most_falling = 0.15, straight = 0.8;
   static constexpr double most_outside = 0.25, most_out_of_range = 0.6;
   static constexpr double least_noise = 0.3;  // below this coherence, noise leaves no evidence
 };

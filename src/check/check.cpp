@@ -140,16 +140,26 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   if (samples.groups() < ScanSamples::fewest_groups) return result;
 
   // Of noise, all other findings would mislead.
-  if (auto noise = unrelated_pixels(samples)) return {.findings = {std::move(*noise)}, .order = {}};
-
-  if (auto wrapped = wrapped_levels(model.layout(), samples)) {
-    result.findings.push_back(std::move(*wrapped));
-    return result;
+  // Saturated pixels hardly change with their neighbours either.
+  constexpr double mostly_saturated = 0.2;
+  if (samples.saturated_share() <= mostly_saturated) {
+    if (auto noise = unrelated_pixels(samples)) {
+      return {.findings = {std::move(*noise)}, .order = {}};
+    }
   }
 
   // 3. Whether frames, sequence and scanner fit together, and if not, why.
   const Scanner* const known = scanner ? &*scanner : nullptr;
   judge({model, samples, sequence, known, photometry, with_motion}, std::move(of_scanner), result);
+
+  // 4. Levels that wrapped around may be the cause where no other is clear.
+  const bool unclear = std::ranges::any_of(
+      result.findings, [](const Finding& finding) { return blames(finding, CauseKind::unclear); });
+  if (!unclear) return result;
+
+  if (auto wrapped = wrapped_levels(model.layout(), samples)) {
+    result.findings = {std::move(*wrapped)};
+  }
   return result;
 }
 

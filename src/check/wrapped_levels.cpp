@@ -8,6 +8,19 @@
 namespace slipstream {
 namespace {
 
+/// Whether a run shows a level between dark and bright, as sinusoids do, and stripes of one bit do
+/// not.
+bool has_level_between(const StepRun& run, const float* levels) {
+  constexpr float least = 0.25F, most = 0.75F;  // of the range
+  const float* const first = levels + run.first;
+  const auto [darkest, brightest] = std::minmax_element(first, first + run.steps);
+  const float range = *brightest - *darkest, base = *darkest;
+
+  return std::any_of(first, first + run.steps, [&](float level) {
+    return level > base + least * range && level < base + most * range;
+  });
+}
+
 /// Whether few steps of a run differ between two pixels by nearly the whole range, all the same
 /// way, and the others hardly. Phases and edges of surfaces change most steps.
 bool is_jump(const StepRun& run, const float* here, const float* there) {
@@ -27,6 +40,7 @@ bool is_jump(const StepRun& run, const float* here, const float* there) {
   }
 
   const int jumps = up + down;
+  if (!has_level_between(run, here) || !has_level_between(run, there)) return false;
   return std::min(up, down) == 0 && jumps > 0 && jumps <= few * run.steps;
 }
 

@@ -42,7 +42,7 @@ void set_periods(std::string_view strategy, std::vector<double> periods,
   if (usual.contains("frequency")) names = {"frequency"};
   if (usual.contains("high")) names = {"high", "low"};
 
-  throw_if(names.empty(), "{} has no periods, so that `period_pixels` does not apply", strategy);
+  throw_if(names.empty(), "{} has no periods, so that none can be given in pixels", strategy);
   throw_if(periods.size() > names.size(), "{} takes {} lengths of periods, not {}", strategy,
            names.size(), periods.size());
 

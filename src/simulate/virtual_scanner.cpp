@@ -109,7 +109,7 @@ void require_valid(const Photometry& photometry) {
   const int quality = photometry.physics.jpeg_quality;
   require_in_range(quality >= 0 && quality <= 100, "JPEG quality", quality, "0 to 100");
   throw_if(quality > 0 && photometry.bits != 8,
-           "JPEG pictures have 8 bits; set `bits` to 8, or leave out `jpeg`");
+           "JPEG pictures have 8 bits; set `bits` to 8, or simulate no JPEG");
 }
 
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,

@@ -265,6 +265,7 @@ STARTS = {
                               " --coordinate phase.tiff",
     "check frames": "slipstream simulate frames --strategy pmp --steps 4 --camera 320x240;"
                     " rm frames/scan.yaml",
+    "batch plan": "slipstream simulate day --camera 160x120; echo day > archive.txt",
     "measure scan": "slipstream simulate scan",
     "measure cloud": "slipstream simulate s --scene sphere; slipstream reconstruct s -o cloud.ply;"
                      " slipstream reconstruct s -o cloud.pcd",

@@ -57,7 +57,7 @@ def refusal(title, signature, doc, given, named):
         if name not in in_order + only_named and not arguments.kwarg:
             near = difflib.get_close_matches(name, in_order + only_named, 1)
             advice = f"did you mean {near[0]}?" if near else f"it takes {', '.join(kinds)}"
-            return f"{title}: there is no argument '{name}'; {advice}"
+            return f"{title}: unknown argument '{name}'; {advice}"
 
     # 2. One that is missing.
     values = {**dict(zip(in_order, given)), **named}

@@ -156,7 +156,7 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
 }
 
 /// Whether the frames of a code have one gain, and the others another, as if the response were not
-/// linear: a code shows black and white, the others what is between.
+/// linear: a code shows only black and white, the others also the grey levels between.
 bool parts_code(const FrameGains& gains, const std::optional<Code>& code) {
   constexpr double most_within = 0.2;  // share of the gains' sum of squares
   if (!code) return false;

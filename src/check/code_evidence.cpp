@@ -75,7 +75,7 @@ struct Steps {
     int count = 0;
     for (std::size_t i = 0; i < changes.size(); ++i) {
       // Too many changes: narrower than the distance. Mostly doubtful: blurred. A tone curve moves
-      // what is blurred to one side of the threshold.
+      // blurred stripes to one side of the threshold.
       const bool is_narrow = changes[i] > most * count_of;
       const bool is_on_one_side = 3 * std::max<double>(ones[i], count_of - ones[i]) > 2 * count_of;
       const bool is_moved = 2 * halfways[i] > count_of && is_on_one_side;

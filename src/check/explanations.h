@@ -24,7 +24,7 @@ Finding geometry_mismatch(const GeometryEvidence& geometry, std::string_view mea
 /// The symptom of depths that do not fit, without a cause.
 Finding depths_beyond_boards(const GeometryEvidence& geometry);
 
-/// The cause of such depths that is no mistake.
+/// The harmless cause of such depths: a scene nearer or farther than the boards.
 Cause beyond_the_boards();
 
 }  // namespace slipstream

@@ -28,7 +28,7 @@ bool is_npz(const fs::path& path) {
   return lower_case_extension(path) == ".npz";
 }
 
-/// The numbers of a text, rows in lines; empty if it is no matrix.
+/// The numbers of a text, a row in each line; empty if the text is not a matrix.
 StoredMatrix matrix_in_text(const std::string& text) {
   StoredMatrix matrix;
   std::istringstream lines(text);

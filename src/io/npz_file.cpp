@@ -153,7 +153,7 @@ StoredEntries npz_arrays(NpzBytes bytes) {
     std::string name(characters_in(part_of(bytes, at + entry_size, name_size)));
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
 
-    // Larger arrays are no calibration's, such as the corners of its boards.
+    // Larger arrays, such as the corners of the boards, do not belong to the calibration.
     const bool is_small = number_at<std::uint32_t>(entry, 24) <= largest_text;
     arrays[name] = is_small ? matrix_of_npy(unpacked_file(bytes, entry)) : StoredMatrix();
 

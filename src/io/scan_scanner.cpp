@@ -13,7 +13,8 @@
 namespace slipstream {
 namespace {
 
-/// The lens for pictures whose pixels join k by k of its own; the same lens if there is no whole k.
+/// The lens for pictures each of whose pixels joins k by k of its own. Without a whole k that fits,
+/// the same lens.
 Lens binned(Lens lens, Size pictures) {
   if (pictures.width < 1 || pictures.height < 1) return lens;
 

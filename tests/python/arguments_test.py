@@ -98,7 +98,7 @@ def refusal_of(call, *arguments, **named):
      "phases(): steps cannot be '3'; expected int"),
     (slipstream.phases, (numpy.zeros((3, 4, 4)),), {}, "phases(): steps is missing; expected int"),
     (slipstream.load_scan, ("scan",), {"scaner": "x"},
-     "load_scan(): there is no argument 'scaner'; did you mean scanner?"),
+     "load_scan(): unknown argument 'scaner'; did you mean scanner?"),
     (slipstream.load_scan, (numpy.zeros((3, 4)),), {},
      "load_scan(): path cannot be an array of shape (3, 4) and type float64; expected str | "
      "PathLike"),

@@ -82,8 +82,7 @@ std::string run_whole_program(char* const* arguments) {
   return fmt::format(
       "this command is in a second program of the same version, {0}/whole/slipstream or "
       "{0}/../libexec/slipstream/slipstream, which is not there; copy both programs, or make a "
-      "link "
-      "to the installed one",
+      "link to the installed one",
       folder.string());
 }
 

@@ -20,8 +20,8 @@ struct ChangedLight {
 /// `fit`: the result of fit_of.
 std::optional<ChangedLight> changed_light(const JudgedScan& scan, const Fit& fit);
 
-/// Detects the same in the frames of a code, whose bright pixels are about as bright in every bit.
-/// A code tolerates most of it. nullopt without a code.
+/// Detects the same in a code with inverses: each bit and its inverse add up to the same light. A
+/// code tolerates most of it. nullopt for other patterns.
 std::optional<Finding> changed_light_of_code(const JudgedScan& scan);
 
 }  // namespace slipstream

@@ -139,8 +139,8 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
   if (samples.groups() < ScanSamples::fewest_groups) return result;
 
-  // Of noise, all other findings would mislead.
-  // Saturated pixels hardly change with their neighbours either.
+  // If the frames are noise, all other findings would mislead. Saturated pixels hardly change with
+  // their neighbours either.
   constexpr double mostly_saturated = 0.2;
   if (samples.saturated_share() <= mostly_saturated) {
     if (auto noise = unrelated_pixels(samples)) {

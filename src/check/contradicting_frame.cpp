@@ -68,7 +68,7 @@ Finding finding_about(const std::vector<int>& frames, double residual, double li
           .what = fmt::format("{} contradicts the others: over {:g} % of the frames' variation is "
                               "unexplained",
                               which, 100 * limit),
-          .evidence = {{.name = "left over, share of their variation",
+          .evidence = {{.name = "unexplained share of the variation",
                         .value = residual,
                         .limit = limit}},
           .causes = {{CauseKind::unclear, "a frame out of focus, shaken, or lit by other light"}},

@@ -11,27 +11,30 @@ namespace {
 
 /// The module's words for names of the library, if they differ.
 const std::map<std::string_view, std::string_view> other_words{
+    // Other names of the same thing in the module.
     {"ambient_light", "scanner.ambient"},
-    {"calibrate_colour()", "slipstream calibrate colour"},
     {"camera_bits", "bits"},
     {"corners", "columns` and `rows"},
     {"dictionary", "marker_bits"},
+    {"measured", "spacing` and `row_spacing"},
+    {"print estimated", "print_deviation 0.01"},
+    {"unwrap()", "unwrap_in_space()"},
+
+    // Things that only the program does.
+    {"calibrate_colour()", "slipstream calibrate colour"},
     {"feature", "slipstream live --feature"},
     {"gain", "slipstream live --gain"},
     {"gpu_list()", "slipstream gpu list"},
     {"hold", "slipstream project --hold"},
     {"limit", "slipstream record --limit"},
-    {"measured", "spacing` and `row_spacing"},
     {"one_camera", "slipstream reconstruct --one-camera"},
     {"output", "slipstream verify --output"},
     {"pixel_format", "slipstream live --pixel-format"},
-    {"print estimated", "print_deviation 0.01"},
     {"publish", "slipstream live --publish"},
     {"region", "slipstream live --region"},
     {"strobe", "slipstream live --strobe"},
     {"trigger", "slipstream live --trigger"},
     {"uniform", "slipstream calibrate gamma --uniform"},
-    {"unwrap()", "unwrap_in_space()"},
     {"view()", "slipstream view"},
     {"windows", "slipstream reconstruct --windows"},
 };

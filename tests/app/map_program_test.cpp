@@ -16,6 +16,22 @@ namespace fs = std::filesystem;
 
 using Words = std::vector<std::string>;
 
+/// Two depth maps of one scan.
+struct ComparedDepths {
+  int points = 0;  ///< of the first map
+  int other = 0;   ///< pixels with a point in one map alone, or over 0.01 mm apart
+};
+
+ComparedDepths compared(const Image<double>& depth, const Image<double>& again) {
+  ComparedDepths result;
+  for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+    const double a = depth.begin()[i], b = again.begin()[i];
+    result.points += std::isnan(a) ? 0 : 1;
+    result.other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
+  }
+  return result;
+}
+
 class MapProgram : public testing::TestWithParam<Words> {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
@@ -150,12 +166,7 @@ TEST_P(CloudOfMap, IsThatOfItsScan) {
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_EQ(made.err, "");
     const Image<double> again = read_map(path("again.tiff"));
-    int points = 0, other = 0;
-    for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
-      const double a = depth.begin()[i], b = again.begin()[i];
-      points += std::isnan(a) ? 0 : 1;
-      other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
-    }
+    const auto [points, other] = compared(depth, again);
     EXPECT_GT(points, 1000);
     EXPECT_EQ(other, 0) << form;
   }
@@ -176,12 +187,7 @@ TEST_P(CloudOfMap, IsCleanedByItsModulation) {
               "--depth", path("again.tiff"), "--axis", GetParam().back() == "y" ? "y" : "x"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     const Image<double> depth = read_map(path("depth.tiff")), again = read_map(path("again.tiff"));
-    int points = 0, other = 0;
-    for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
-      const double a = depth.begin()[i], b = again.begin()[i];
-      points += std::isnan(a) ? 0 : 1;
-      other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
-    }
+    const auto [points, other] = compared(depth, again);
     EXPECT_GT(points, 500);
     EXPECT_EQ(other, 0) << least;
   }
@@ -284,12 +290,7 @@ TEST_P(MistakenMaps, AreRightOnceTheirRemedyIsFollowed) {
     EXPECT_EQ(made.err, "") << map.name;
 
     const Image<double> again = read_map(path("again.tiff"));
-    int points = 0, other = 0;
-    for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
-      const double a = depth.begin()[i], b = again.begin()[i];
-      points += std::isnan(a) ? 0 : 1;
-      other += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 0.01 ? 1 : 0;
-    }
+    const auto [points, other] = compared(depth, again);
     EXPECT_GT(points, 1000);
     EXPECT_LT(other, points / 200) << map.name;
   }

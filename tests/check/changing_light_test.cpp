@@ -7,24 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check.h"
-#include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
+#include "tests/check/scene_scan.h"
 
 namespace slipstream::changing_light_test {
-
-Scan scan_of(const Strategy& strategy) {
-  VirtualWorld world{.scanner = example_scanner({320, 240})};
-  world.scene = scene_named("statue", world.scanner);
-  world.photometry = {.ambient = 3, .noise_variance = 1.5};
-
-  const Sequence sequence{
-      .strategy = strategy, .axis = Axis::x, .projector = world.scanner.projector.size};
-  const VirtualScan taken =
-      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
-  return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
-}
 
 /// Gives frame n that gain; frames beyond the list are unchanged.
 Scan with_gains(Scan scan, const std::vector<double>& gains) {
@@ -56,7 +43,7 @@ TEST(ChangedLight, OfOneFrameIsToldBySize) {
        {make_strategy("dual-frequency", {{"steps", 4}}), make_strategy("pmp", {{"steps", 4}}),
         make_strategy("gray-phase", {{"steps", 4}}), make_strategy("micro", {}),
         make_strategy("pcmp", {})}) {
-    const Scan right = scan_of(strategy);
+    const Scan right = scene_scan("statue", strategy);
 
     for (const double gain : {0.9, 0.95}) {
       for (const int frame : {0, 2}) {
@@ -81,7 +68,7 @@ TEST(ChangedLight, OfAllFramesIsNotBlamedOnThePatterns) {
         make_strategy("dual-frequency", {{"steps", 3}}), make_strategy("pmp", {{"steps", 4}}),
         make_strategy("multi-frequency", {})}) {
     std::string told;
-    const Finding light = light_of(with_gains(scan_of(strategy), gains), told);
+    const Finding light = light_of(with_gains(scene_scan("statue", strategy), gains), told);
 
     EXPECT_EQ(light.kind, FindingKind::changing_light) << label_of(strategy) << ": " << told;
     EXPECT_EQ(light.severity, Severity::wrong) << label_of(strategy);
@@ -91,7 +78,8 @@ TEST(ChangedLight, OfAllFramesIsNotBlamedOnThePatterns) {
 }
 
 TEST(ChangedLight, OfACodeIsAWarningAtMost) {
-  const Scan right = scan_of(make_strategy("gray", {{"bits", 9}, {"reference", "inverse"}}));
+  const Scan right =
+      scene_scan("statue", make_strategy("gray", {{"bits", 9}, {"reference", "inverse"}}));
   const std::vector<double> gains{1, 1, 0.6, 1, 0.9, 1, 0.6};
   const ScanFindings found = check_scan(with_gains(right, gains));
 
@@ -102,7 +90,7 @@ TEST(ChangedLight, OfACodeIsAWarningAtMost) {
 
 // Bits that are darker than other frames as a whole are not mixed with the bit before.
 TEST(ChangedLight, OfHalfOfTheFramesIsNotCalledOutOfStep) {
-  const Scan right = scan_of(make_strategy("gray-phase", {{"steps", 4}}));
+  const Scan right = scene_scan("statue", make_strategy("gray-phase", {{"steps", 4}}));
   std::vector<double> gains(static_cast<std::size_t>(right.frames.count()), 0.6);
   std::fill_n(gains.begin(), 5, 1.0);
 

@@ -7,24 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check.h"
-#include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
+#include "tests/check/scene_scan.h"
 
 namespace slipstream::contradicting_frame_test {
-
-Scan scan_of(const Strategy& strategy) {
-  VirtualWorld world{.scanner = example_scanner({320, 240})};
-  world.scene = scene_named("statue", world.scanner);
-  world.photometry = {.ambient = 3, .noise_variance = 1.5};
-
-  const Sequence sequence{
-      .strategy = strategy, .axis = Axis::x, .projector = world.scanner.projector.size};
-  const VirtualScan taken =
-      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
-  return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
-}
 
 /// Frame n as if the camera was pushed by so many pixels.
 Scan shaken(const Scan& right, int n, int columns) {
@@ -52,7 +39,7 @@ std::vector<int> frames_named(const Scan& scan, std::string& told) {
 TEST(ContradictingFrame, IsNamedIfItWasShaken) {
   for (const Strategy& strategy :
        {make_strategy("dual-frequency", {{"steps", 5}}), make_strategy("pmp", {{"steps", 6}})}) {
-    const Scan right = scan_of(strategy);
+    const Scan right = scene_scan("statue", strategy);
     for (const int frame : {1, 4}) {
       std::string told;
       EXPECT_EQ(frames_named(shaken(right, frame, 2), told), std::vector<int>{frame})
@@ -64,7 +51,7 @@ TEST(ContradictingFrame, IsNamedIfItWasShaken) {
 
 // Four steps have one redundancy: it cannot tell every other frame apart.
 TEST(ContradictingFrame, IsOneOfTwoInFourSteps) {
-  const Scan right = scan_of(make_strategy("dual-frequency", {{"steps", 4}}));
+  const Scan right = scene_scan("statue", make_strategy("dual-frequency", {{"steps", 4}}));
   std::string told;
   EXPECT_EQ(frames_named(shaken(right, 1, 2), told), (std::vector{1, 3})) << told;
 }

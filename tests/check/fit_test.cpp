@@ -7,31 +7,15 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check.h"
-#include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
+#include "tests/check/scene_scan.h"
 
 namespace slipstream::fit_test {
 
 /// A scan by a code alone.
 Scan code_scan(const char* scene, const char* reference, int bits) {
-  VirtualWorld world{.scanner = example_scanner({320, 240})};
-  world.scene = scene_named(scene, world.scanner);
-  world.photometry = {.ambient = 3, .noise_variance = 1.5};
-
-  const Strategy strategy = make_strategy("gray", {{"bits", bits}, {"reference", reference}});
-  const VirtualScan taken =
-      take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
-  return {.frames = taken.frames,
-          .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
-          .scanner = as_calibrated(world)};
-}
-
-std::string told(const ScanFindings& found) {
-  std::string text;
-  for (const Finding& finding : found.findings) text += text_of(finding) + "\n";
-  return text;
+  return scene_scan(scene, make_strategy("gray", {{"bits", bits}, {"reference", reference}}));
 }
 
 bool blames(const ScanFindings& found, CauseKind cause) {

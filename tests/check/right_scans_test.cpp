@@ -18,18 +18,13 @@
 #include "slipstream/scanner_file.h"
 #include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
+#include "tests/check/scene_scan.h"
 #include "tests/every_strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::right_scans_test {
 
 namespace fs = std::filesystem;
-
-std::string told(const ScanFindings& found) {
-  std::string text;
-  for (const Finding& finding : found.findings) text += text_of(finding) + "\n";
-  return text;
-}
 
 ScanFindings findings_of(const VirtualWorld& world, const Strategy& strategy) {
   const VirtualScan taken =

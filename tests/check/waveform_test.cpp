@@ -11,25 +11,11 @@
 #include "check/judged_scan.h"
 #include "check/scan_samples.h"
 #include "slipstream/check.h"
-#include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
+#include "tests/check/scene_scan.h"
 
 namespace slipstream::waveform_test {
-
-Scan scan_of(const Strategy& strategy, const Response& response, bool binary = false) {
-  VirtualWorld world{.scanner = example_scanner({320, 240})};
-  world.scene = scene_named("statue", world.scanner);
-  world.photometry = {.ambient = 3, .response = response, .noise_variance = 1.5};
-
-  Sequence sequence{strategy};
-  sequence.binary = binary;
-  sequence.projector = world.scanner.projector.size;
-  const VirtualScan taken =
-      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
-  return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
-}
 
 std::optional<Waveform> found_in(const Scan& scan) {
   const FrameModel model(scan.sequence, scan.scanner->photometry);
@@ -43,18 +29,12 @@ std::optional<Waveform> found_in(const Scan& scan) {
       model.identity());
 }
 
-std::string told(const Scan& scan) {
-  std::string text;
-  for (const Finding& finding : check_scan(scan).findings) text += text_of(finding) + "\n";
-  return text;
-}
-
 // ((1 + cos a) / 2)^gamma has a second harmonic of (gamma - 1) / (gamma + 2) of the first.
 TEST(Waveform, OfAPowerHasItsHarmonics) {
   for (const double gamma : {0.7, 1.6, 2.2, 3.0}) {
     for (const int steps : {5, 6, 8, 12}) {
-      const auto waveform =
-          found_in(scan_of(make_strategy("dual-frequency", {{"steps", steps}}), PowerLaw{gamma}));
+      const auto waveform = found_in(scene_scan(
+          "statue", make_strategy("dual-frequency", {{"steps", steps}}), PowerLaw{gamma}));
 
       ASSERT_TRUE(waveform);
       EXPECT_NEAR(waveform->harmonics[2].real(), (gamma - 1) / (gamma + 2), 0.03)
@@ -67,8 +47,8 @@ TEST(Waveform, OfAPowerHasItsHarmonics) {
 }
 
 TEST(Waveform, OfStripesIsOdd) {
-  const auto waveform =
-      found_in(scan_of(make_strategy("gray-phase", {{"steps", 12}}), PowerLaw{1}, true));
+  const auto waveform = found_in(
+      scene_scan("statue", make_strategy("gray-phase", {{"steps", 12}}), PowerLaw{1}, true));
   ASSERT_TRUE(waveform);
   EXPECT_TRUE(waveform->is_odd());
   EXPECT_LT(waveform->phase_error, 0.08);
@@ -79,8 +59,10 @@ TEST(Waveform, IsNoFindingWhereItHardlyBendsThePhase) {
   for (const double gamma : {1.6, 1.9, 2.2}) {
     for (const int steps : {4, 5, 6, 8, 12}) {
       for (const char* const name : {"dual-frequency", "gray-phase", "multi-frequency"}) {
-        const Scan scan = scan_of(make_strategy(name, {{"steps", steps}}), PowerLaw{gamma});
-        EXPECT_EQ(told(scan), "") << name << ", gamma " << gamma << ", " << steps << " steps";
+        const Scan scan =
+            scene_scan("statue", make_strategy(name, {{"steps", steps}}), PowerLaw{gamma});
+        EXPECT_EQ(told(check_scan(scan)), "")
+            << name << ", gamma " << gamma << ", " << steps << " steps";
       }
     }
   }
@@ -89,13 +71,14 @@ TEST(Waveform, IsNoFindingWhereItHardlyBendsThePhase) {
 // It is of the light alone: what frames in a wrong order leave stays.
 TEST(Waveform, ExplainsNoOtherMistake) {
   for (const int steps : {4, 6}) {
-    Scan scan = scan_of(make_strategy("dual-frequency", {{"steps", steps}}), PowerLaw{2.2});
+    Scan scan =
+        scene_scan("statue", make_strategy("dual-frequency", {{"steps", steps}}), PowerLaw{2.2});
     std::vector<int> order(static_cast<std::size_t>(scan.frames.count()));
     for (int n = 0; n < scan.frames.count(); ++n) order[static_cast<std::size_t>(n)] = n;
     std::swap(order[1], order[2]);
     taken_in_order(order)(scan);
 
-    EXPECT_TRUE(any_wrong(check_scan(scan).findings)) << told(scan);
+    EXPECT_TRUE(any_wrong(check_scan(scan).findings)) << told(check_scan(scan));
   }
 }
 

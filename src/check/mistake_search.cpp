@@ -43,11 +43,20 @@ auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Us
              order);
 }
 
+/// The residual beyond which few groups show that frames are not of the patterns.
+double most_rough_residual(const JudgedScan& scan, const FrameModel& model) {
+  // Motion, and a waveform that is taken out later: of a gamma of 3 in four steps.
+  constexpr double usual = 0.15, moving = 0.3, with_waveform = 0.35;
+
+  if (scan.settings.moving) return moving;
+  return can_show_waveform(model) ? with_waveform : usual;
+}
+
 /// The misfit of the frames alone, by a few groups; nullopt if a full test is useless. Most
 /// mistakes show in the very first groups.
 std::optional<double> rough_misfit(const JudgedScan& scan, const PossibleMistake& mistake) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
-    const double most_residual = mistake.approximate ? 1 : scan.settings.moving ? 0.3 : 0.15;
+    const double most_residual = mistake.approximate ? 1 : most_rough_residual(scan, model);
     FrameJudge judge(model);
     Fit fit;
 

@@ -76,6 +76,20 @@ double phase_error(const Waveform& waveform, int steps) {
   return std::sqrt(square);
 }
 
+/// The runs of the bands; empty unless all are plain steps, four or more in the measuring one.
+std::vector<StepRun> runs_of(const FrameModel& model) {
+  std::vector<StepRun> runs;
+  for (const Band& band : model.layout().bands) {
+    const auto run = step_run(band);
+    if (!run || band.carrier > 0) return {};
+    runs.push_back(*run);
+  }
+
+  constexpr int fewest = 4;
+  if (runs[model.measuring_band()].steps < fewest) runs.clear();
+  return runs;
+}
+
 }  // namespace
 
 bool Waveform::explains(double residual_without) const {
@@ -89,18 +103,16 @@ bool Waveform::explains(double residual_without) const {
   return is_even && residual <= most_left * residual_without;
 }
 
+bool can_show_waveform(const FrameModel& model) {
+  return !runs_of(model).empty();
+}
+
 std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& scan,
                                     const FrameOrder& order) {
   // 1. The runs of the bands.
-  std::vector<StepRun> runs;
-  for (const Band& band : model.layout().bands) {
-    const auto run = step_run(band);
-    if (!run || band.carrier > 0) return std::nullopt;
-    runs.push_back(*run);
-  }
-
+  std::vector<StepRun> runs = runs_of(model);
+  if (runs.empty() || scan.settings.moving || scan.samples.groups() == 0) return std::nullopt;
   const int steps = runs[model.measuring_band()].steps;
-  if (steps < 4 || scan.settings.moving || scan.samples.groups() == 0) return std::nullopt;
 
   // 2. Normal equations. Both factors of each product come from neighbours, which share no noise.
   const HarmonicParts parts(model, std::move(runs));

@@ -27,8 +27,10 @@ struct Waveform {
   [[nodiscard]] bool is_odd() const { return std::abs(harmonics[3]) > std::abs(harmonics[2]); }
 };
 
-/// By least squares over the samples. nullopt unless all bands are runs of equal steps, four or
-/// more in the measuring one.
+/// Whether all bands are runs of equal steps, four or more in the measuring one.
+bool can_show_waveform(const FrameModel& model);
+
+/// By least squares over the samples. nullopt if the frames cannot show it, or of what moves.
 std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& scan,
                                     const FrameOrder& order);
 

@@ -78,7 +78,9 @@ TEST(Waveform, ExplainsNoOtherMistake) {
     std::swap(order[1], order[2]);
     taken_in_order(order)(scan);
 
-    EXPECT_TRUE(any_wrong(check_scan(scan).findings)) << told(check_scan(scan));
+    const std::vector<Finding> findings = check_scan(scan).findings;
+    ASSERT_TRUE(any_wrong(findings)) << told(check_scan(scan));
+    EXPECT_TRUE(blames(findings.front(), CauseKind::frame_order)) << told(check_scan(scan));
   }
 }
 

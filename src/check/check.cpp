@@ -152,7 +152,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   const Scanner* const known = scanner ? &*scanner : nullptr;
   judge({model, samples, sequence, known, photometry, with_motion}, std::move(of_scanner), result);
 
-  // 4. Levels that wrapped around may be the cause where no other is clear.
+  // 4. Levels that wrapped around are named only if no other cause is clear.
   const bool unclear = std::ranges::any_of(
       result.findings, [](const Finding& finding) { return blames(finding, CauseKind::unclear); });
   if (!unclear) return result;

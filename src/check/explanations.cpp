@@ -222,11 +222,9 @@ std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   Finding finding{.kind = FindingKind::better_settings,
                   .severity = by_depths_alone ? Severity::doubtful : Severity::wrong,
                   .what = "the scan would fit far better with other settings",
-                  .evidence = {{"misfit", fit.misfit()}, {"misfit then", better->misfit}},
-                  .causes = std::move(better->causes),
-                  .remedies = std::move(better->remedies),
-                  .remark = std::move(better->remark)};
+                  .evidence = {{"misfit", fit.misfit()}, {"misfit then", better->misfit}}};
 
+  give_causes(*better, finding);
   if (by_depths_alone) finding.causes.push_back(beyond_the_boards());
   if (fit.geometry) finding.evidence.push_back({"median depth", fit.geometry->median_depth, "mm"});
 
@@ -270,9 +268,7 @@ void name_mistake(Explanation explanation, bool only_depths,
     explanation.causes.push_back(beyond_the_boards());
   }
 
-  finding.causes = std::move(explanation.causes);
-  finding.remedies = std::move(explanation.remedies);
-  finding.remark = std::move(explanation.remark);
+  give_causes(explanation, finding);
   finding.severity = explanation.severity;
 
   // Set if the cycle has slipped: the caller then reorders the frames.

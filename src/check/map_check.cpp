@@ -220,9 +220,7 @@ void name_map_mistake(Explanation explanation, const MapFit& fit, Finding& findi
     explanation.causes.push_back(beyond_the_boards());
   }
 
-  finding.causes = std::move(explanation.causes);
-  finding.remedies = std::move(explanation.remedies);
-  finding.remark = std::move(explanation.remark);
+  give_causes(explanation, finding);
 }
 
 }  // namespace

@@ -221,6 +221,12 @@ Explanation explanation_from(const std::vector<Attempt>& attempts, const FrameOr
   return result;
 }
 
+void give_causes(Explanation& explanation, Finding& finding) {
+  finding.causes = std::move(explanation.causes);
+  finding.remedies = std::move(explanation.remedies);
+  finding.remark = std::move(explanation.remark);
+}
+
 Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
   return with_model(scan, mistake, [&](const FrameModel& model, const FrameOrder& order) {
     Fit fit{.frames = FrameJudge(model)(scan.samples, order),

@@ -25,6 +25,9 @@ struct Explanation {
   double median_depth = 0;  ///< in that order
 };
 
+/// Moves causes, remedies and remark of the explanation into the finding.
+void give_causes(Explanation& explanation, Finding& finding);
+
 /// A mistake undone, and how the scan fits then.
 struct Attempt {
   PossibleMistake mistake;

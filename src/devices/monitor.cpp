@@ -25,7 +25,7 @@ void main() {
 }
 )";
 
-// Texels are fetched by index, so that nothing is interpolated.
+// Texels are fetched by index, without interpolation.
 constexpr const char* fragment_shader = R"(#version 330 core
 uniform sampler2D pattern;
 uniform int height;

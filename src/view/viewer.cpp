@@ -50,7 +50,7 @@ ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
 
 using Clock = std::chrono::steady_clock;
 
-/// Window events since the last picture; without events nothing is redrawn.
+/// Window events since the last picture; without events the picture stays.
 struct WindowEvents {
   Clock::time_point last = Clock::now();
   std::vector<int> keys;

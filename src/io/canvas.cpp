@@ -4,10 +4,19 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <stb_easy_font.h>
+
+#include "base/throw_if-inl.h"
+#include "io/file.h"
+
+#define STBTT_STATIC
+#define STB_TRUETYPE_IMPLEMENTATION
+#include <stb_truetype.h>
 
 namespace slipstream {
 namespace {
@@ -28,6 +37,104 @@ std::uint8_t between(std::uint8_t from, std::uint8_t to, double share) {
 Colour between(Colour from, Colour to, double share) {
   return {between(from.red, to.red, share), between(from.green, to.green, share),
           between(from.blue, to.blue, share)};
+}
+
+/// The letters of a TrueType font, at one size.
+class OutlineFont {
+ public:
+  /// Throws Error if the file is no font.
+  explicit OutlineFont(std::vector<std::uint8_t> file) : file_(std::move(file)) {
+    throw_if(stbtt_InitFont(&font_, file_.data(), 0) == 0, "not a TrueType font");
+    scale_ = stbtt_ScaleForMappingEmToPixels(&font_, 13);
+  }
+
+  /// Calls `visit` with each letter and the place of its left end, from 0; returns the width.
+  template <class Visit>
+  double for_each_letter(const std::string& text, const Visit& visit) const {
+    double width = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      visit(text[i], width);
+
+      int advance = 0, bearing = 0;
+      stbtt_GetCodepointHMetrics(&font_, text[i], &advance, &bearing);
+      if (i + 1 < text.size()) {
+        advance += stbtt_GetCodepointKernAdvance(&font_, text[i], text[i + 1]);
+      }
+      width += static_cast<double>(scale_) * advance;
+    }
+    return width;
+  }
+
+  /// Draws a letter with the left end of its baseline at `at`.
+  void draw(Canvas& canvas, char letter, CanvasPoint at, Colour colour) const {
+    // 1. The share of each pixel that the letter covers, with the fraction of `at` kept.
+    const double left = std::floor(at.x), base = std::floor(at.y + 0.5);
+    const auto shift = static_cast<float>(at.x - left);
+    int x = 0, y = 0, right = 0, bottom = 0;
+    stbtt_GetCodepointBitmapBoxSubpixel(&font_, letter, scale_, scale_, shift, 0, &x, &y, &right,
+                                        &bottom);
+    const Size size{right - x, bottom - y};
+    if (size.width <= 0 || size.height <= 0) return;  // a space
+
+    std::vector<std::uint8_t> shares(static_cast<std::size_t>(size.width) * size.height);
+    stbtt_MakeCodepointBitmapSubpixel(&font_, shares.data(), size.width, size.height, size.width,
+                                      scale_, scale_, shift, 0, letter);
+
+    // 2. Blend the pixels that lie within the canvas.
+    for_each_pixel_in_order(size, [&](int column, int row) {
+      const int to_x = static_cast<int>(left) + x + column;
+      const int to_y = static_cast<int>(base) + y + row;
+      if (to_x < 0 || to_y < 0 || to_x >= canvas.width() || to_y >= canvas.height()) return;
+
+      const double share = shares[static_cast<std::size_t>(row) * size.width + column] / 255.0;
+      canvas(to_x, to_y) = between(canvas(to_x, to_y), colour, share);
+    });
+  }
+
+ private:
+  std::vector<std::uint8_t> file_;  // font_ points into it
+  stbtt_fontinfo font_{};
+  float scale_ = 0;
+};
+
+/// The installed font; null if there is none or it cannot be read.
+const OutlineFont* installed_font() {
+  static const std::unique_ptr<const OutlineFont> font = []() -> std::unique_ptr<OutlineFont> {
+    const std::filesystem::path file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+    if (!std::filesystem::exists(file)) return nullptr;
+    try {
+      return std::make_unique<OutlineFont>(read_file(file));
+    } catch (const Error&) {
+      return nullptr;
+    }
+  }();
+  return font.get();
+}
+
+/// Text in the strokes of stb_easy_font.
+void draw_strokes(Canvas& canvas, const std::string& text, CanvasPoint at, Colour colour) {
+  // Corners of the bars that make up the letters, clockwise from the upper left.
+  struct Corner {
+    float x, y, z;
+    std::array<unsigned char, 4> colour;
+  };
+  using Bar = std::array<Corner, 4>;
+  constexpr std::size_t most_bars = 32;  // of a letter
+
+  std::vector<Bar> bars(most_bars * text.size());
+  std::string letters = text;  // stb_easy_font takes them as not const
+  bars.resize(stb_easy_font_print(0, 0, letters.data(), nullptr, bars.data(),
+                                  static_cast<int>(bars.size() * sizeof(Bar))));
+
+  // Bars are one font unit thick: half a unit inwards from its corners, a bar's centre line ends.
+  const auto place = [&](const Corner& corner, double inwards) {
+    return CanvasPoint{at.x + font_scale * (corner.x + inwards),
+                       at.y + font_scale * (corner.y + inwards - baseline)};
+  };
+
+  for (const Bar& bar : bars) {
+    draw_line(canvas, place(bar[0], 0.5), place(bar[2], -0.5), stroke, colour);
+  }
 }
 
 }  // namespace
@@ -72,31 +179,24 @@ void draw_line(Canvas& canvas, CanvasPoint from, CanvasPoint to, double width, C
 }
 
 void draw_text(Canvas& canvas, std::string_view text, CanvasPoint at, Colour colour) {
-  // Corners of the bars that make up the letters, clockwise from the upper left.
-  struct Corner {
-    float x, y, z;
-    std::array<unsigned char, 4> colour;
-  };
-  using Bar = std::array<Corner, 4>;
-  constexpr std::size_t most_bars = 32;  // of a letter
-
-  std::vector<Bar> bars(most_bars * text.size());
-  bars.resize(stb_easy_font_print(0, 0, printable(text).data(), nullptr, bars.data(),
-                                  static_cast<int>(bars.size() * sizeof(Bar))));
-
-  // Bars are one font unit thick: half a unit inwards from its corners, a bar's centre line ends.
-  const auto place = [&](const Corner& corner, double inwards) {
-    return CanvasPoint{at.x + font_scale * (corner.x + inwards),
-                       at.y + font_scale * (corner.y + inwards - baseline)};
-  };
-
-  for (const Bar& bar : bars) {
-    draw_line(canvas, place(bar[0], 0.5), place(bar[2], -0.5), stroke, colour);
+  const std::string letters = printable(text);
+  const OutlineFont* const font = installed_font();
+  if (font == nullptr) {
+    draw_strokes(canvas, letters, at, colour);
+    return;
   }
+
+  font->for_each_letter(letters, [&](char letter, double along) {
+    font->draw(canvas, letter, {at.x + along, at.y}, colour);
+  });
 }
 
 double text_width(std::string_view text) {
-  return font_scale * stb_easy_font_width(printable(text).data());
+  std::string letters = printable(text);
+  const OutlineFont* const font = installed_font();
+  if (font == nullptr) return font_scale * stb_easy_font_width(letters.data());
+
+  return font->for_each_letter(letters, [](char, double) {});
 }
 
 Canvas reduced(const Canvas& canvas, double times) {

@@ -1,15 +1,22 @@
 #include "app/accuracy.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "app/report_facts.h"
 #include "app/source_flags.h"
+#include "base/numbers.h"
+#include "base/throw_if-inl.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "io/result_files.h"
 #include "simulate/accuracy.h"
+#include "simulate/accuracy_report.h"
 #include "simulate/comparison.h"
 #include "simulate/rehearsal.h"
 #include "slipstream/strategy.h"
@@ -167,29 +174,74 @@ void compare_strategies(const CompareFlags& flags, Output& output) {
 }
 
 struct VerifyFlags {
+  std::vector<std::string> limits;
   std::optional<std::string> artefacts, report, calibrated;
   bool rehearse = false;
   VirtualFlags devices;  ///< rehearsal only: its world
   CloudFlags input;
 };
 
-void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& output) {
-  for (const AccuracyFigure& figure : accuracy_figures(accuracy)) {
-    output.document["figures_mm"][std::string(figure.key)] = figure.value;
-    output.say("{}: {:.4f} mm{}", figure.what, figure.value,
-               diagonal ? fmt::format(", {:.3f} per mille", 1000 * figure.value / *diagonal) : "");
+std::optional<double> value_of(const std::optional<Estimate>& estimate) {
+  return estimate ? std::optional(estimate->value) : std::nullopt;
+}
+
+/// Limits from KEY=MM.
+std::vector<std::pair<std::string, double>> limits_from(const std::vector<std::string>& texts) {
+  const std::vector<std::string> known = accuracy_keys();
+
+  std::vector<std::pair<std::string, double>> limits;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::string key = text.substr(0, equals);
+    throw_if(std::ranges::find(known, key) == known.end(),
+             "--limits {}: expected KEY=MM with one of: {}{}", text, fmt::join(known, ", "),
+             did_you_mean(key, known));
+
+    const auto limit =
+        equals == std::string::npos ? std::nullopt : number_in<double>(text.substr(equals + 1));
+    throw_if(!limit || !(*limit > 0) || !std::isfinite(*limit),
+             "--limits {}: expected a length above 0 mm, as in {}=0.1", text, key);
+    limits.emplace_back(key, *limit);
+  }
+
+  return limits;
+}
+
+std::string in_limit(const AccuracyFigure& figure) {
+  return fmt::format(", limit {:g} mm: {}", *figure.limit, figure.fails() ? "fail" : "pass");
+}
+
+void tell(const Accuracy& accuracy, const std::vector<AccuracyFigure>& figures,
+          std::optional<double> diagonal, Output& output) {
+  for (const AccuracyFigure& figure : figures) {
+    const auto& [value, uncertainty] = figure.measured;
+    const std::string key(figure.key);
+    output.object("figures_mm")[key] = value;
+    output.object("uncertainties_mm")[key] = uncertainty;
+
+    output.say("{}: {:.4f} mm{}{}", figure.what, value,
+               diagonal ? fmt::format(", {:.3f} per mille", 1000 * value / *diagonal) : "",
+               figure.limit ? in_limit(figure) : "");
+    if (!figure.limit) continue;
+    output.object("limits_mm")[key] = *figure.limit;
+    output.object("passed")[key] = !figure.fails();
   }
 
   for (const ShapeAccuracy& shape : accuracy.shapes) {
-    output.add_to(shape.size ? "spheres" : "planes", "scan", shape.scan, "form_mm", shape.range,
-                  "form_95_mm", shape.range_95, "rms_mm", shape.rms, "points", shape.points,
-                  "size_mm", shape.size, "spacing_mm", shape.spacing, "planarity_mm",
-                  shape.bending);
+    output.add_to(shape.size ? "spheres" : "planes", "scan", shape.scan, "form_mm",
+                  shape.range.value, "form_95_mm", shape.range_95.value, "rms_mm", shape.rms,
+                  "points", shape.points, "size_mm", value_of(shape.size), "spacing_mm",
+                  value_of(shape.spacing), "planarity_mm", value_of(shape.bending));
   }
 }
 
-/// An acceptance test and a one-line description of it.
-using Test = std::pair<Rehearsal, std::string>;
+/// An acceptance test, and facts for its report.
+struct Test {
+  Rehearsal rehearsal;
+  std::string subject;
+  Facts facts{};               ///< about scanner and patterns
+  bool exact_scanner = false;  ///< the virtual world's own
+};
 
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;
@@ -203,9 +255,28 @@ Test rehearsed(const VerifyFlags& flags) {
   require_valid(flags.input.settings.clean);
   const Sequence sequence = sequence_for(flags.input.sequence, world.scanner);
 
-  return {rehearsal(world, sequence, calibrated, flags.input.settings),
-          fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
-                      label_of(sequence.strategy))};
+  Test test{.rehearsal = rehearsal(world, sequence, calibrated, flags.input.settings),
+            .subject = fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
+                                   label_of(sequence.strategy)),
+            .exact_scanner = !flags.calibrated};
+  add_scanner(test.facts, calibrated, flags.calibrated.value_or(""));
+  test.facts.emplace_back("patterns", label_of(sequence.strategy));
+  return test;
+}
+
+/// About the scanner and the patterns of a scan; empty for a cloud.
+Facts facts_of_scan(const std::string& path, const CloudFlags& flags, Output& output) {
+  if (is_cloud_file(path)) return {};
+
+  Output held = output.held();  // its warnings are printed when the scan is reconstructed
+  const Scan scan = load_checkable(path, flags, false, held);
+  Facts facts;
+  if (scan.scanner) {
+    add_scanner(facts, *scan.scanner,
+                flags.scanner.value_or((fs::path(path) / "scanner.yaml").string()));
+  }
+  facts.emplace_back("patterns", label_of(scan.sequence.strategy));
+  return facts;
 }
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
@@ -215,11 +286,18 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
     for (const std::string& scan : *scans) files.add_input(scan);
   }
 
-  if (flags.report) files.add_output_folder(*flags.report);
-  return {
-      {std::move(artefacts),
-       [&](const std::string& scan) { return organised_cloud(scan, flags.input, output).cloud; }},
-      "Artefacts of " + *flags.artefacts};
+  Test test{.rehearsal = {}, .subject = "Artefacts of " + *flags.artefacts};
+  if (flags.report) {
+    files.add_output_folder(*flags.report);
+    for (const auto* scans : {&artefacts.repeated, &artefacts.planes, &artefacts.spheres}) {
+      if (!scans->empty()) test.facts = facts_of_scan(scans->front(), flags.input, output);
+    }
+  }
+
+  test.rehearsal = {std::move(artefacts), [&](const std::string& scan) {
+                      return organised_cloud(scan, flags.input, output).cloud;
+                    }};
+  return test;
 }
 
 void verify_accuracy(const VerifyFlags& flags, Output& output) {
@@ -230,26 +308,35 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
            flags.artefacts.value_or(""));
 
   // The artefacts come from a file and their scans, or from a rehearsal in the virtual world.
-  const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
-  const Artefacts& artefacts = test.artefacts;
+  const auto limits = limits_from(flags.limits);
+  const Test test = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
+  const Artefacts& artefacts = test.rehearsal.artefacts;
   Progress progress("scans",
                     artefacts.spheres.size() + artefacts.planes.size() + artefacts.repeated.size());
 
   const Accuracy accuracy = measure_accuracy(artefacts, [&](const std::string& scan) {
     progress.advance();
-    return test.cloud_of(scan);
+    return test.rehearsal.cloud_of(scan);
   });
 
-  progress.finish();
-  output.document["subject"] = subject;
-  if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
-  tell(accuracy, artefacts.diagonal, output);
+  std::vector<AccuracyFigure> figures = accuracy_figures(accuracy);
+  set_limits(figures, limits);
+  const Verdict verdict = verdict_of(accuracy, figures, test.exact_scanner);
 
-  output.document["verdict"] = verdict_of(accuracy).words;
-  output.say("{}", verdict_of(accuracy).words);
+  progress.finish();
+  output.document["subject"] = test.subject;
+  if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
+  tell(accuracy, figures, artefacts.diagonal, output);
+
+  output.document["verdict"] = verdict.words;
+  output.say("{}", verdict.words);
+  if (std::ranges::any_of(figures, &AccuracyFigure::fails)) output.exit_code = 2;
 
   if (!flags.report) return;
-  write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
+  Facts facts = facts_of_run(output);
+  facts.emplace_back("subject", test.subject);
+  facts.insert(facts.end(), test.facts.begin(), test.facts.end());
+  write_accuracy_report(*flags.report, {artefacts, accuracy, figures, verdict, facts});
   output.document["report"] = *flags.report;
   output.say("the report is {}/report.html", *flags.report);
 }
@@ -267,12 +354,16 @@ void add_verify(const Commands& program) {
   command.add_file("--calibrated", flags.calibrated,
                    "rehearsal: scanner file used to reconstruct; default: the true scanner");
 
+  command.add("--limits", flags.limits,
+              "largest allowed figures, mm, as in probing_form=0.1 flatness=0.2; exit code 2 if "
+              "one is exceeded");
   command.add_output("-o,--output", flags.report, "folder for a report with pictures",
                      output_folder_type);
 
   add_cloud_flags(command.app, flags.input);
-  command.common({"--rehearse", "--output", "--world", "--scanner", "--calibrated"});
-  command.examples({"verify artefacts.yaml -o report", "verify --rehearse -o report"});
+  command.common({"--rehearse", "--limits", "--output", "--world", "--scanner", "--calibrated"});
+  command.examples(
+      {"verify artefacts.yaml -o report", "verify --rehearse -o report --limits probing_size=0.5"});
 }
 
 void add_compare(const Commands& program) {

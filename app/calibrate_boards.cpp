@@ -12,6 +12,7 @@
 #include "app/calibrate_photometry.h"
 #include "app/flag_names.h"
 #include "app/phase_maps.h"
+#include "app/report_facts.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
@@ -316,14 +317,17 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   for (const auto* more : {&captures.findings, &calibration.findings}) {
     findings.insert(findings.end(), more->begin(), more->end());
   }
-  const CalibrationReport report{calibration, captures.unused,
-                                 board,       comparison ? &*comparison : nullptr,
-                                 findings,    &with_flags};
-
-  if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
 
   // 4. Write the scanner file; entries that do not concern the geometry are kept, such as gamma.
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
+
+  // 5. The report names the file as it is now.
+  CalibrationReport report{calibration, captures.unused, board, comparison ? &*comparison : nullptr,
+                           findings,    &with_flags};
+  report.facts = facts_of_run(output);
+  add_scanner(report.facts, calibration.state.scanner, flags.scanner);
+  if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
+
   output.document = document(flags, report);
 
   output.say_lines(text_of(report));

@@ -260,6 +260,20 @@ class ProgramReading {
   std::span<char* const> arguments_;  ///< after the program's name
 };
 
+/// The arguments as a shell takes them.
+std::string command_text(std::span<char* const> arguments) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+
+  std::string text = "slipstream";
+  for (const std::string_view argument : arguments.subspan(1)) {
+    const bool is_plain =
+        !argument.empty() && argument.find_first_not_of(plain) == std::string_view::npos;
+    text += is_plain ? fmt::format(" {}", argument) : fmt::format(" '{}'", argument);
+  }
+  return text;
+}
+
 /// For Command::read_again.
 std::shared_ptr<const Command> read_again(std::span<char* const> arguments) {
   const auto reading = std::make_shared<ProgramReading>(arguments);
@@ -354,6 +368,7 @@ int main(int argc, char** argv) {
   const bool json = given("--json");
   const bool piped = given(standard_output) || given("-o-") || given("--output=-");
   app::Output output(json, piped);  // also if flags cannot be parsed
+  output.run = {app::program_version, app::command_text(arguments)};
 
   try {
     if (!failure.empty()) throw WorldError(failure);

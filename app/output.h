@@ -114,6 +114,12 @@ decltype(auto) in_line(Value&& value) {
   }
 }
 
+/// The program's version and its arguments, as a shell takes them.
+struct ProgramRunText {
+  std::string version{};
+  std::string command{};
+};
+
 /// A subcommand's output: text on stdout, or on stderr if stdout carries data. Texts are printed
 /// with_flags, and control characters as "\x1b".
 class Output {
@@ -201,6 +207,9 @@ class Output {
 
   /// The program's exit code; 2 if a check failed.
   int exit_code = 0;
+
+  /// For reports.
+  ProgramRunText run{};
 
   /// Prints the document if requested. Throws WorldError if stdout fails.
   void finish();

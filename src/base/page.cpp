@@ -13,12 +13,23 @@ body { max-width: 62rem; margin: 2rem auto; padding: 0 1rem; font: 15px/1.5 syst
 h1 { font-size: 1.5rem; } h2 { font-size: 1.1rem; margin-top: 2rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem; border-bottom: 1px solid #8886; text-align: left;
-         vertical-align: top; overflow-wrap: anywhere; }
+         vertical-align: top; overflow-wrap: break-word; }
+td:first-child, .facts td { overflow-wrap: anywhere; min-width: 4rem; }
 figure { display: inline-block; margin: .5rem 1rem .5rem 0; break-inside: avoid; }
 img { max-width: 100%; } figcaption { font-size: .85rem; opacity: .75; }
 .verdict { padding: .6rem 1rem; border-left: .4rem solid; }
 .good { border-color: #2e9e4f; } .usable { border-color: #d9930d; } .bad { border-color: #cf3a2e; }
-@media print { body { margin: 0; max-width: none; } tr, .verdict { break-inside: avoid; } }
+.facts th { font-weight: normal; opacity: .75; white-space: nowrap; }
+.signature { margin-top: 4rem; } .signature span { display: inline-block; width: 45%;
+             margin-right: 4%; border-top: 1px solid; padding-top: .3rem; }
+@page { margin: 15mm; }
+@media print {
+  :root { color-scheme: light; }
+  body { margin: 0; padding: 0; max-width: none; font-size: 10pt; }
+  table { width: 100%; font-size: 8.5pt; } th, td { padding: .15rem .35rem; }
+  .facts { width: auto; } figure { width: 46%; margin: .3rem .5rem .3rem 0; }
+  h2 { break-after: avoid; } tr, .verdict, .signature { break-inside: avoid; }
+}
 )";
 
 }  // namespace
@@ -50,9 +61,27 @@ void Page::verdict(const Verdict& verdict) {
 
 void Page::table(const std::vector<std::string>& columns) {
   end_table();
-  text_ += "<table>\n";
+  // A head is repeated on each printed sheet.
+  text_ += "<table>\n<thead>\n";
   in_table_ = true;
   cells_in("th", columns);
+  text_ += "</thead>\n<tbody>\n";
+}
+
+void Page::facts(const Facts& facts) {
+  end_table();
+  text_ += "<table class=\"facts\">\n<tbody>\n";
+  for (const auto& [name, value] : facts) {
+    text_ +=
+        fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escaped(name), shown(value));
+  }
+  text_ += table_end;
+}
+
+void Page::signature() {
+  end_table();
+  text_ +=
+      "<p class=\"signature\"><span>Date and place</span><span>Name and signature</span></p>\n";
 }
 
 void Page::picture(std::string_view says, const std::string& file) {

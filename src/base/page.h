@@ -23,6 +23,9 @@ struct Verdict {
 /// How a front end shows texts that name settings in backquotes, see Error; null: as they are.
 using Wording = std::string (*)(std::string_view text);
 
+/// Names and values about the subject of a report.
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
 /// A report as a web page, built part by part; it prints well. All texts are escaped.
 class Page {
  public:
@@ -38,6 +41,12 @@ class Page {
     add("p", fmt::format(format, std::forward<Values>(values)...));
   }
 
+  /// A table of facts, a row each.
+  void facts(const Facts& facts);
+
+  /// A line to sign, for a printed report.
+  void signature();
+
   /// Starts a table with those columns; rows follow.
   void table(const std::vector<std::string>& columns);
   void row(const std::vector<std::string>& cells) { cells_in("td", cells); }
@@ -51,7 +60,7 @@ class Page {
 
   /// The document so far, with pictures named by their files.
   [[nodiscard]] std::string text() const {
-    return text_ + (in_table_ ? "</table>\n" : "") + "</html>\n";
+    return text_ + (in_table_ ? table_end : "") + "</html>\n";
   }
 
   /// The files of all pictures.
@@ -63,6 +72,8 @@ class Page {
   }
 
  private:
+  static constexpr const char* table_end = "</tbody>\n</table>\n";
+
   void add(std::string_view element, std::string_view text);
   void cells_in(std::string_view element, const std::vector<std::string>& cells);
   /// A text as the front end shows it, escaped.
@@ -70,7 +81,7 @@ class Page {
     return escaped(wording_ == nullptr ? std::string(text) : wording_(text));
   }
   void end_table() {
-    if (std::exchange(in_table_, false)) text_ += "</table>\n";
+    if (std::exchange(in_table_, false)) text_ += table_end;
   }
 
   Wording wording_;

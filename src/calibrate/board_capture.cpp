@@ -231,8 +231,11 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
             std::move(findings)};
   }
 
-  std::string message = fmt::format("{} corners ({}), {} with a projector coordinate",
-                                    view.places.size(), found->detector, lit);
+  const std::size_t corners = view.places.size();
+  std::string message =
+      static_cast<std::size_t>(lit) == corners
+          ? fmt::format("found all {} corners, all lit by the projector", corners)
+          : fmt::format("found {} corners, {} of them lit by the projector", corners, lit);
   return {std::move(view), std::move(message), std::move(findings)};
 }
 

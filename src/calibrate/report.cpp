@@ -27,12 +27,21 @@ const cv::Scalar paper(255, 255, 255);
 const cv::Scalar ink(40, 50, 60);
 const cv::Scalar faint(215, 215, 215);
 
+/// The first eight are chosen by eye; further ones follow by the golden angle of the hue, dark and
+/// light in turn, so that neighbours differ.
 cv::Scalar colour_of_pose(std::size_t pose) {
   static const std::array<cv::Scalar, 8> colours{
       cv::Scalar(31, 119, 180),  cv::Scalar(255, 127, 14),  cv::Scalar(44, 160, 44),
       cv::Scalar(214, 39, 40),   cv::Scalar(148, 103, 189), cv::Scalar(140, 86, 75),
       cv::Scalar(227, 119, 194), cv::Scalar(127, 127, 127)};
-  return colours[pose % colours.size()];
+  if (pose < colours.size()) return colours[pose];
+
+  constexpr double golden_angle = 137.508;  // degrees
+  const double hue = std::fmod(golden_angle * static_cast<double>(pose), 360);
+  const double brightness = pose % 2 == 0 ? 0.85 : 0.55;
+  cv::Mat3f colour(1, 1, cv::Vec3f(static_cast<float>(hue), 0.85F, static_cast<float>(brightness)));
+  cv::cvtColor(colour, colour, cv::COLOR_HSV2RGB);
+  return 255 * cv::Scalar(colour(0, 0));
 }
 
 void write(cv::Mat& picture, const std::string& text, cv::Point at) {
@@ -124,7 +133,9 @@ Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residua
   const double reach = 1.6 * usual_length(residuals);
   const double scale = side / 2.0 / reach;
   const cv::Point centre(side / 2, side / 2);
-  cv::Mat picture(side, side + names_width, CV_8UC3, paper);
+  constexpr int line = 18, last_lines = 50;
+  const int height = std::max(side, line * static_cast<int>(views.size()) + last_lines);
+  cv::Mat picture(height, side + names_width, CV_8UC3, paper);
 
   // Axes, and a ring that shows the scale.
   const double ring = round_below(reach);
@@ -132,7 +143,7 @@ Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residua
   cv::line(picture, {centre.x, 0}, {centre.x, side}, faint);
   cv::circle(picture, centre, cvRound(ring * scale), faint, 1, cv::LINE_AA);
 
-  // A dot for each residual within reach, and the names of the poses that have room.
+  // A dot for each residual within reach, and the names of the poses.
   const cv::Rect field(0, 0, side, side);
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (const Eigen::Vector2d& residual : residuals[v]) {
@@ -144,13 +155,12 @@ Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residua
       }
     }
 
-    const int y = 20 + 18 * static_cast<int>(v);
-    if (y > side - 30) continue;
+    const int y = 20 + line * static_cast<int>(v);
     cv::circle(picture, {side + 14, y - 4}, 4, colour_of_pose(v), cv::FILLED, cv::LINE_AA);
     write(picture, views[v].name, {side + 26, y});
   }
 
-  write(picture, fmt::format("ring: {:g} px", ring), {side + 10, side - 10});
+  write(picture, fmt::format("ring: {:g} px", ring), {side + 10, height - 10});
   return image_from<Colour>(picture);
 }
 
@@ -418,12 +428,14 @@ Page calibration_report(const CalibrationReport& report) {
       report.board.spacing, calibration.rms.camera, calibration.rms.projector,
       calibration.rms.stereo);
 
+  page.facts(report.facts);
   write_findings(page, report.findings);
   write_poses(page, report);
   write_left_out(page, report);
   write_parameters(page, calibration);
   write_lens_models(page, calibration);
   write_field(page, calibration);
+  page.signature();
   return page;
 }
 

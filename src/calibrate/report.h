@@ -36,6 +36,7 @@ struct CalibrationReport {
   const ScannerComparison* comparison = nullptr;  ///< may be null
   std::vector<Finding> findings{};                ///< of frames, ruler and calibration
   Wording wording = nullptr;                      ///< of the page
+  Facts facts{};                                  ///< about the run and the scanner
 };
 
 /// A summary of a few lines: RMS, quality of the held-out poses, comparison, lens models.

@@ -1,6 +1,7 @@
 #include "simulate/accuracy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -34,6 +35,16 @@ double narrowest_range(const std::vector<double>& values, double share) {
   }
 
   return width;
+}
+
+/// That range, and half of how far it moves if the share moves by the standard deviation of the
+/// share of as many random values.
+Estimate narrowest_range_of(const std::vector<double>& values, double share) {
+  const double sigma = std::sqrt(share * (1 - share) / static_cast<double>(values.size()));
+  const double wider = narrowest_range(values, std::min(share + sigma, 1.0));
+  const double narrower = narrowest_range(values, share - sigma);
+
+  return {narrowest_range(values, share), (wider - narrower) / 2};
 }
 
 /// Crops a map to its finite values; it must have some.
@@ -77,13 +88,32 @@ auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) 
   std::vector<double> deviations = finite_values(map);
   std::ranges::sort(deviations);
 
-  accuracy.range = narrowest_range(deviations, 1 - left_out);
-  accuracy.range_95 = narrowest_range(deviations, 0.95);
+  accuracy.range = narrowest_range_of(deviations, 1 - left_out);
+  accuracy.range_95 = narrowest_range_of(deviations, 0.95);
   accuracy.rms = shape.residuals.rms;
   accuracy.points = deviations.size();
 
+  for (const MeasuredPoint& point : points_in(cloud)) accuracy.extent.extend(point.position);
   accuracy.deviation = cropped(map);
   return shape;
+}
+
+/// Covariance, mm^2, of a fitted sphere's centre and radius, from independent deviations.
+Eigen::Matrix4d covariance_of(const FittedSphere& sphere, const Cloud& cloud, double rms) {
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  for (const MeasuredPoint& point : points_in(cloud)) {
+    // Derivatives of minus the deviation, which is the distance from the centre minus the radius.
+    Eigen::Vector4d derivatives;
+    derivatives << (point.position - sphere.centre).normalized(), 1;
+    information += derivatives * derivatives.transpose();
+  }
+
+  return rms * rms * information.inverse();
+}
+
+/// The standard uncertainty of a certified length, whose expanded one has a coverage factor of 2.
+double standard_uncertainty(std::optional<double> expanded) {
+  return expanded.value_or(0) / 2;
 }
 
 std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Cloud& cloud) {
@@ -94,6 +124,7 @@ std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Clo
 
   std::vector<ShapeAccuracy> accuracies(found.size());
   std::vector<FittedSphere> fitted;
+  std::vector<Eigen::Matrix4d> covariances;
   for (std::size_t i = 0; i < found.size(); ++i) {
     // The two spheres of a bar are each other's partner; a single sphere is its own.
     const FittedSphere &here = found[i], &other = found[found.size() - 1 - i];
@@ -106,18 +137,29 @@ std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Clo
     });
 
     fitted.push_back(measure_shape(part, fit_sphere, accuracies[i]));
-    accuracies[i].size = 2 * fitted[i].radius - artefacts.diameters[i];
+    covariances.push_back(covariance_of(fitted[i], part, accuracies[i].rms));
+
+    const double of_diameter = 2 * std::sqrt(covariances[i](3, 3));
+    accuracies[i].size = {
+        2 * fitted[i].radius - artefacts.diameters[i],
+        std::hypot(of_diameter, standard_uncertainty(artefacts.diameter_uncertainty))};
   }
 
-  if (artefacts.distance) {
-    accuracies[1].spacing = (fitted[1].centre - fitted[0].centre).norm() - *artefacts.distance;
-  }
+  if (!artefacts.distance) return accuracies;
 
+  // The distance of the centres of a ball bar; only deviations along it change it.
+  const Eigen::Vector3d line = fitted[1].centre - fitted[0].centre;
+  const Eigen::Vector3d along = line.normalized();
+  const Eigen::Matrix3d of_centres =
+      covariances[0].topLeftCorner<3, 3>() + covariances[1].topLeftCorner<3, 3>();
+  accuracies[1].spacing = {line.norm() - *artefacts.distance,
+                           std::hypot(std::sqrt(along.dot(of_centres * along)),
+                                      standard_uncertainty(artefacts.distance_uncertainty))};
   return accuracies;
 }
 
 /// RMS of the means over square blocks of pixels with enough values.
-double rms_of_means(const Image<double>& map) {
+Estimate rms_of_means(const Image<double>& map) {
   constexpr int side = 16, least = side * side / 2;
 
   double squares = 0;
@@ -139,7 +181,8 @@ double rms_of_means(const Image<double>& map) {
     ++means;
   });
 
-  return std::sqrt(squares / means);
+  const double rms = std::sqrt(squares / means);
+  return {rms, rms / std::sqrt(2.0 * means)};
 }
 
 ShapeAccuracy measure_plane(const Cloud& cloud) {
@@ -208,86 +251,93 @@ Repeatability repeatability(const Spread& spread) {
   return result;
 }
 
-double length_from(const std::string& text) {
-  constexpr double longest = 1e6;
-  const auto length = number_in<double>(text);
-  throw_if(!length || !(*length > 0) || *length > longest, "'{}': expected a length, 0 to {:g} mm",
-           text, longest);
-  return *length;
-}
+/// Every figure, in the order of the report.
+constexpr std::array all_figures{
+    AccuracyFigure{"probing_form", "probing error of form, 99.7 % of the points",
+                   "VDI/VDE 2634-2: P_F"},
+    AccuracyFigure{"probing_form_95", "probing error of form, 95 % of the points",
+                   "as in ISO 10360-13"},
+    AccuracyFigure{"probing_size", "probing error of size", "VDI/VDE 2634-2: P_S"},
+    AccuracyFigure{"sphere_spacing", "sphere-spacing error", "VDI/VDE 2634-2: S_D"},
+    AccuracyFigure{"dimension", "dimension trueness: mean of sphere-spacing errors", ""},
+    AccuracyFigure{"flatness", "flatness error, 99.7 % of the points", "VDI/VDE 2634-2: flatness"},
+    AccuracyFigure{"flatness_95", "flatness error, 95 % of the points", "as in ISO 10360-13"},
+    AccuracyFigure{"planarity", "planarity trueness: RMS of means over 16x16 pixels", ""},
+    AccuracyFigure{"precision", "precision: sigma of Z by pixel, median", ""}};
 
-double one_length_from(const std::vector<std::string>& values) {
-  if (values.size() != 1) throw Error("expected one length");
-  return length_from(values.front());
-}
-
-void take(const RigSetting& setting, const fs::path& folder, Artefacts& artefacts) {
-  // The lists of scans, by their names in the file.
-  const std::map<std::string, std::vector<std::string>*> scans{{"spheres", &artefacts.spheres},
-                                                               {"planes", &artefacts.planes},
-                                                               {"repeated", &artefacts.repeated}};
-
-  if (const auto kind = scans.find(setting.name); kind != scans.end()) {
-    for (const std::string& scan : setting.values) kind->second->push_back(folder / scan);
-  } else if (setting.name == "diameters") {
-    for (const std::string& text : setting.values) artefacts.diameters.push_back(length_from(text));
-  } else if (setting.name == "distance") {
-    artefacts.distance = one_length_from(setting.values);
-  } else if (setting.name == "diagonal") {
-    artefacts.diagonal = one_length_from(setting.values);
-  } else {
-    const std::vector<std::string> known{"diameters", "distance", "spheres",
-                                         "planes",    "repeated", "diagonal"};
-    throw Error(fmt::format("not known; expected one of: {}{}", fmt::join(known, ", "),
-                            did_you_mean(setting.name, known)));
-  }
-}
-
-/// The first inconsistency, or an empty string.
-std::string fault_of(const Artefacts& artefacts) {
-  const std::size_t spheres = artefacts.diameters.size();
-  if (spheres > 2) return "diameters: expected one or two";
-
-  if (artefacts.distance.has_value() != (spheres == 2)) {
-    return "two diameters require the distance of their spheres, and a distance two diameters";
+/// The mean of a figure over the positions.
+Estimate mean_of(const std::vector<Estimate>& positions) {
+  double sum = 0, squares = 0;
+  for (const Estimate& position : positions) {
+    sum += position.value;
+    squares += position.uncertainty * position.uncertainty;
   }
 
-  if (artefacts.spheres.empty() != (spheres == 0)) {
-    return "diameters require scans of spheres, and scans of spheres diameters";
+  const auto count = static_cast<double>(positions.size());
+  return {sum / count, std::sqrt(squares) / count};
+}
+
+/// The median of the pixels' sigmas. Each has a relative uncertainty of 1 / sqrt(2 (n - 1)) of n
+/// scans, and a median of N values 1.25 / sqrt(N) of theirs.
+Estimate median_of(const Repeatability& repeated) {
+  std::vector<double> sigmas = finite_values(repeated.sigma);
+  const double median = quantile(sigmas, 0.5);
+  const double of_each = median / std::sqrt(2.0 * (repeated.scans - 1));
+
+  return {median, 1.25 * of_each / std::sqrt(static_cast<double>(sigmas.size()))};
+}
+
+/// Compares the figures with their limits.
+Verdict verdict_of_limits(const std::vector<AccuracyFigure>& figures) {
+  std::vector<std::string> failed;
+  int limits = 0;
+  for (const AccuracyFigure& figure : figures) {
+    if (figure.limit) ++limits;
+    if (!figure.fails()) continue;
+    failed.push_back(fmt::format("{} is {:.4f} mm, its limit {:g} mm", figure.what,
+                                 figure.measured.value, *figure.limit));
   }
 
-  if (artefacts.repeated.size() == 1) return "repeated: expected two scans or more";
-
-  const bool none =
-      artefacts.spheres.empty() && artefacts.planes.empty() && artefacts.repeated.empty();
-  return none ? "no scans are listed" : "";
+  if (!failed.empty()) {
+    return {"bad", fmt::format("Failed: {}.", fmt::join(failed, "; "))};
+  }
+  return {"good", limits == 1 ? "Passed: the figure is within its limit."
+                              : fmt::format("Passed: {} figures are within their limits.", limits)};
 }
 
-std::string cell(std::optional<double> value) {
-  return value ? fmt::format("{:.4f}", *value) : "";
+double value_of(const std::optional<Estimate>& estimate) {
+  return estimate ? estimate->value : 0;
 }
 
-/// Pictures of the sphere and the plane with the largest form error, and of the repeated scans.
-void write_pictures(Page& page, const fs::path& folder, const Accuracy& accuracy) {
-  const auto add = [&](const std::string& says, const char* file, const Image<double>& map) {
-    write_map_preview(folder / file, map, "mm");
-    page.picture(says, file);
-  };
-
-  // The worst sphere and the worst plane, by form error. Only spheres have a size.
-  const ShapeAccuracy *sphere = nullptr, *plane = nullptr;
+/// Compares the worst systematic error with the random deviations of its position.
+Verdict verdict_of_errors(const Accuracy& accuracy, bool exact_scanner) {
+  double worst = 0, error = 0, noise = 0;  // the worst ratio; mm
   for (const ShapeAccuracy& shape : accuracy.shapes) {
-    const ShapeAccuracy*& worst = shape.size ? sphere : plane;
-    if (worst == nullptr || shape.range > worst->range) worst = &shape;
+    // Of the plane's deviations, bending is systematic and the rest is random.
+    const double bending = value_of(shape.bending);
+    const double systematic =
+        std::max({std::abs(value_of(shape.size)), std::abs(value_of(shape.spacing)), bending});
+    const double random = std::sqrt(std::max(shape.rms * shape.rms - bending * bending, 1e-12));
+
+    if (systematic / random < worst) continue;
+    worst = systematic / random;
+    error = systematic;
+    noise = random;
   }
 
-  if (sphere != nullptr) add("deviations: " + sphere->scan, "sphere.png", sphere->deviation);
-  if (plane != nullptr) add("deviations: " + plane->scan, "plane.png", plane->deviation);
+  // Random errors dominate up to a ratio of 1; above 3 a new calibration is worth it.
+  const std::string sizes =
+      fmt::format("systematic errors up to {:.3f} mm, random errors {:.3f} mm", error, noise);
+  if (accuracy.shapes.empty() || worst <= 1) return {"good", "Good: " + sizes + "."};
 
-  if (accuracy.repeated) {
-    add(fmt::format("sigma of Z over {} scans", accuracy.repeated->scans), "repeated.png",
-        accuracy.repeated->sigma);
+  if (exact_scanner) {
+    return {"usable", "Usable: " + sizes +
+                          "; the scanner is exact, so they come from blur, noise and gamma: more "
+                          "steps and narrower fringes reduce them."};
   }
+
+  if (worst <= 3) return {"usable", "Usable: " + sizes + "; a new calibration may be better."};
+  return {"bad", "Do again: " + sizes + "; calibrate geometry and gamma again."};
 }
 
 }  // namespace
@@ -321,110 +371,61 @@ Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_o
 }
 
 std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy) {
-  AccuracyFigure form{"probing_form", "probing error of form P_F, 99.7 % of the points", nan};
-  AccuracyFigure form_95{"probing_form_95", "probing error of form, 95 % of the points", nan};
-  AccuracyFigure size{"probing_size", "probing error of size P_S", nan};
-  AccuracyFigure spacing{"sphere_spacing", "sphere-spacing error S_D", nan};
-  AccuracyFigure dimension{"dimension", "dimension trueness: mean of sphere-spacing errors", nan};
-  AccuracyFigure flat{"flatness", "flatness error, 99.7 % of the points", nan};
-  AccuracyFigure flat_95{"flatness_95", "flatness error, 95 % of the points", nan};
-  AccuracyFigure bending{"planarity", "planarity trueness: RMS of means over 16x16 pixels", nan};
-  AccuracyFigure precision{"precision", "precision: sigma of Z by pixel, median", nan};
+  std::map<std::string_view, Estimate> measured;
 
-  // Keeps the value farthest from 0; NaN counts as none.
-  const auto take = [](AccuracyFigure& figure, double value) {
-    if (!(std::abs(value) <= std::abs(figure.value))) figure.value = value;
+  // 1. Keeps the value farthest from 0 of all positions.
+  const auto take = [&](std::string_view key, const Estimate& estimate) {
+    const auto [kept, first] = measured.try_emplace(key, estimate);
+    if (std::abs(estimate.value) > std::abs(kept->second.value)) kept->second = estimate;
   };
 
-  // Spheres have a size, planes have none.
-  double sum = 0;
-  int distances = 0;
+  // 2. Spheres have a size, planes have none; only a ball bar has a spacing.
+  std::vector<Estimate> spacings;
   for (const ShapeAccuracy& shape : accuracy.shapes) {
-    take(shape.size ? form : flat, shape.range);
-    take(shape.size ? form_95 : flat_95, shape.range_95);
-    if (shape.size) take(size, *shape.size);
-    if (shape.bending) take(bending, *shape.bending);
-
-    // Only a ball bar has a spacing.
+    take(shape.size ? "probing_form" : "flatness", shape.range);
+    take(shape.size ? "probing_form_95" : "flatness_95", shape.range_95);
+    if (shape.size) take("probing_size", *shape.size);
+    if (shape.bending) take("planarity", *shape.bending);
     if (!shape.spacing) continue;
-    take(spacing, *shape.spacing);
-    sum += *shape.spacing;
-    dimension.value = sum / ++distances;
+    take("sphere_spacing", *shape.spacing);
+    spacings.push_back(*shape.spacing);
   }
 
-  if (accuracy.repeated) {
-    std::vector<double> sigmas = finite_values(accuracy.repeated->sigma);
-    precision.value = quantile(sigmas, 0.5);
-  }
+  // 3. Means and medians over all positions.
+  if (!spacings.empty()) measured["dimension"] = mean_of(spacings);
+  if (accuracy.repeated) measured["precision"] = median_of(*accuracy.repeated);
 
-  std::vector<AccuracyFigure> figures{form, form_95, size,    spacing,  dimension,
-                                      flat, flat_95, bending, precision};
-  std::erase_if(figures, [](const AccuracyFigure& figure) { return std::isnan(figure.value); });
+  std::vector<AccuracyFigure> figures;
+  for (AccuracyFigure figure : all_figures) {
+    const auto found = measured.find(figure.key);
+    if (found == measured.end()) continue;
+    figure.measured = found->second;
+    figures.push_back(figure);
+  }
 
   return figures;
 }
 
-Artefacts read_artefacts(const fs::path& file) {
-  Artefacts artefacts;
-  for (const RigSetting& setting : read_rig(file)) {
-    naming(fmt::format("{}: line {}: {}", file.string(), setting.line, setting.name),
-           [&] { take(setting, file.parent_path(), artefacts); });
-  }
-
-  const std::string fault = fault_of(artefacts);
-  throw_if(!fault.empty(), "{}: {}", file.string(), fault);
-
-  return artefacts;
+std::vector<std::string> accuracy_keys() {
+  std::vector<std::string> keys;
+  for (const AccuracyFigure& figure : all_figures) keys.emplace_back(figure.key);
+  return keys;
 }
 
-Verdict verdict_of(const Accuracy& accuracy) {
-  double worst = 0, error = 0, noise = 0;  // the worst ratio; mm
-  for (const ShapeAccuracy& shape : accuracy.shapes) {
-    const double bending = shape.bending.value_or(0);
-    // Of the plane's deviations, bending is systematic and the rest is random.
-    const double systematic =
-        std::max({std::abs(shape.size.value_or(0)), std::abs(shape.spacing.value_or(0)), bending});
-    const double random = std::sqrt(std::max(shape.rms * shape.rms - bending * bending, 1e-12));
-
-    if (systematic / random < worst) continue;
-    worst = systematic / random;
-    error = systematic;
-    noise = random;
+void set_limits(std::vector<AccuracyFigure>& figures,
+                const std::vector<std::pair<std::string, double>>& limits) {
+  for (const auto& [key, limit] : limits) {
+    const auto figure = std::ranges::find(figures, key, &AccuracyFigure::key);
+    throw_if(figure == figures.end(), "a limit is set for {}, but no scan measures it", key);
+    figure->limit = limit;
   }
-
-  // Random errors dominate up to a ratio of 1; above 3 a new calibration is worth it.
-  const std::string figures =
-      fmt::format("systematic errors up to {:.3f} mm, random errors {:.3f} mm", error, noise);
-  if (accuracy.shapes.empty() || worst <= 1) return {"good", "Good: " + figures + "."};
-  if (worst <= 3) return {"usable", "Usable: " + figures + "; a new calibration may be better."};
-  return {"bad", "Do again: " + figures + "; calibrate geometry and gamma again."};
 }
 
-void write_accuracy_report(const fs::path& folder, const std::string& subject,
-                           const Accuracy& accuracy, std::optional<double> diagonal) {
-  make_folder(folder);
-
-  Page page("Accuracy");
-  page.verdict(verdict_of(accuracy));
-  page.paragraph(
-      "{}{}", subject,
-      diagonal ? fmt::format("; diagonal of the measured volume {:.0f} mm", *diagonal) : "");
-
-  page.table({"worst position", "mm", "per mille of the diagonal"});
-  for (const AccuracyFigure& figure : accuracy_figures(accuracy)) {
-    page.row({std::string(figure.what), cell(figure.value),
-              diagonal ? cell(1000 * figure.value / *diagonal) : ""});
-  }
-
-  page.heading("Spheres and planes, mm");
-  page.table({"", "99.7 %", "95 %", "RMS", "size", "spacing", "planarity"});
-  for (const ShapeAccuracy& shape : accuracy.shapes) {
-    page.row({shape.scan, cell(shape.range), cell(shape.range_95), cell(shape.rms),
-              cell(shape.size), cell(shape.spacing), cell(shape.bending)});
-  }
-
-  write_pictures(page, folder, accuracy);
-  write_page(folder / "report.html", page);
+Verdict verdict_of(const Accuracy& accuracy, const std::vector<AccuracyFigure>& figures,
+                   bool exact_scanner) {
+  const bool has_limits =
+      std::ranges::any_of(figures, [](const AccuracyFigure& f) { return f.limit.has_value(); });
+  return has_limits ? verdict_of_limits(figures) : verdict_of_errors(accuracy, exact_scanner);
 }
 
 }  // namespace slipstream

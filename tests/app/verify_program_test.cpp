@@ -60,7 +60,24 @@ TEST_F(VerifyProgram, MeasuresScansAgainstCertifiedValues) {
   EXPECT_GT(right["figures_mm"]["precision"].get<double>(), 0.01);
   EXPECT_EQ(right["diagonal_mm"], 400);
   EXPECT_NE(right["verdict"].get<std::string>().find("systematic errors"), std::string::npos);
-  EXPECT_TRUE(contents(path("report/report.html")).find("<h1>Accuracy") != std::string::npos);
+  const std::string report = contents(path("report/report.html"));
+  for (const char* part : {"slipstream verify", "CRC-32", "dual-frequency", "camera 320x240"}) {
+    EXPECT_NE(report.find(part), std::string::npos) << part;
+  }
+  EXPECT_TRUE(report.find("<h1>Accuracy of a 3-D scanner") != std::string::npos);
+}
+
+TEST_F(VerifyProgram, EndsWithExitCode2IfALimitIsExceeded) {
+  simulate("one", "board", "2");
+  write_file(path("artefacts.yaml"), "planes: one\n");
+  const auto exit_code = [&](const std::string& limit) {
+    return run_program({"verify", path("artefacts.yaml"), "--limits", "flatness=" + limit, "-o",
+                        path("report")})
+        .exit_code;
+  };
+  EXPECT_EQ(exit_code("50"), 0);
+  EXPECT_EQ(exit_code("0.001"), 2);
+  EXPECT_NE(contents(path("report/report.html")).find("<td>fail</td>"), std::string::npos);
 }
 
 TEST_F(VerifyProgram, RefusesWhatItCannotVerify) {
@@ -71,6 +88,10 @@ TEST_F(VerifyProgram, RefusesWhatItCannotVerify) {
   expect_refused({"verify", "-o", report}, "--rehearse");
   expect_refused({"verify", path("ball.yaml"), "--rehearse", "-o", report},
                  "--rehearse uses virtual artefacts");
+  expect_refused({"verify", path("copies.yaml"), "--limits", "flat=1", "-o", report},
+                 "--limits flat=1: expected KEY=MM");
+  expect_refused({"verify", path("copies.yaml"), "--limits", "flatness=-1", "-o", report},
+                 "expected a length above 0 mm");
   expect_refused({"verify", path("none.yaml"), "-o", report}, "none.yaml");
   expect_refused({"verify", path("ball.yaml"), "-o", report}, "no sphere of diameter 40 mm");
   expect_refused({"verify", path("copies.yaml"), "-o", report}, "copies");

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/output.h"
+#include "base/page.h"
+
+namespace slipstream {
+struct Scanner;
+}  // namespace slipstream
+
+namespace slipstream::app {
+
+/// The facts of a run for its report: date, program version and command.
+Facts facts_of_run(const Output& output);
+
+/// Adds the scanner's file with size and CRC-32, if it is one, the sizes of its pictures, and how
+/// it was calibrated.
+void add_scanner(Facts& facts, const Scanner& scanner, const std::filesystem::path& file);
+
+}  // namespace slipstream::app

@@ -15,7 +15,10 @@
 #include "calibrate/pose_guide.h"
 #include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
+#include "frames/mosaic.h"
 #include "io/image_file.h"
+#include "io/replay_source.h"
+#include "io/scan_folder.h"
 #include "live/cyclic_scans.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/scan_job.h"
@@ -68,6 +71,9 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
   }
 
   if (projector && !request.sequence.projector) request.sequence.projector = projector;
+
+  // A folder keeps the mosaic of a colour sensor, from which clouds get their colours.
+  request.camera.keep_mosaic = !flags.poses && lower_case_extension(flags.output) != ".slip";
   return request;
 }
 
@@ -255,8 +261,17 @@ void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& gua
   }
 }
 
+/// The grey levels of a colour sensor's raw frames.
+FrameSet grey_frames(const FrameViews& raw, const std::string& name) {
+  std::vector<Frame> frames = frames_of(raw, name);
+  for (Frame& frame : frames) make_grey(frame);
+  return frame_set_of(std::move(frames));
+}
+
 void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output) {
   const NamedSource& opened = rig.opened;
+  const std::string& mosaic = flags.source.camera.mosaic;
+  const bool is_raw = !mosaic.empty() && lower_case_extension(flags.output) != ".slip";
 
   // 1. Take the frames of one scan, and of its guard.
   std::vector<FrameSet> taken = still_frames(rig, output);
@@ -276,15 +291,21 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
   if (opened.in_colour && scan.scanner && scan.scanner->photometry.colour_mixture) {
     whole.frames = unmixed(scan.frames, *scan.scanner->photometry.colour_mixture, opened.white);
   }
+  if (is_raw) whole.frames = grey_frames(scan.frames, flags.output);
   if (several) whole = merged(std::move(whole));
 
   CheckedScan checked = check_and_repair(whole);
 
   // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
-  if (!several && !opened.in_colour) scan = whole;  // its frames are in order
+  if (!several && !opened.in_colour && !is_raw) scan = whole;  // its frames are in order
   ScanFiles files = save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt,
                               opened.in_colour, opened.white);
+  if (is_raw) {
+    files.mosaic = mosaic;
+    write_scan_files(files.path / "scan.yaml", files);
+  }
   if (rig.guard) {
+    if (is_raw) taken.back() = grey_frames(taken.back(), flags.output);
     add_guard(files, std::move(whole), std::move(taken.back()), *rig.guard, checked, output);
   }
 

@@ -37,6 +37,10 @@ void require_cloud_ending(const std::filesystem::path& path);
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
                  const CloudExtras& extras = {});
 
+/// The bytes of such a file, by its ending: ".ply", ".pcd" or ".xyz". Throws Error for another.
+std::string cloud_bytes(const std::string& ending, const Cloud& cloud,
+                        const CloudExtras& extras = {});
+
 /// Throws Error unless write_surface supports the file's ending.
 void require_mesh_ending(const std::filesystem::path& path);
 

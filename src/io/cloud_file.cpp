@@ -384,15 +384,20 @@ void require_cloud_ending(const fs::path& path) {
   require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
 }
 
+std::string cloud_bytes(const std::string& ending, const Cloud& cloud, const CloudExtras& extras) {
+  require_cloud_ending("cloud" + ending);
+
+  const std::vector<Extra> columns = extras_of(extras);
+  if (ending == ".ply") return ply_file(cloud, columns, extras.remarks);
+  if (ending == ".pcd") return pcd_file(cloud, columns, extras.remarks);
+  return xyz_file(cloud, columns);
+}
+
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
 
-  const std::string extension = path == standard_output ? ".ply" : lower_case_extension(path);
-  const std::vector<Extra> columns = extras_of(extras);
-
-  write_file(path, extension == ".ply"   ? ply_file(cloud, columns, extras.remarks)
-                   : extension == ".pcd" ? pcd_file(cloud, columns, extras.remarks)
-                                         : xyz_file(cloud, columns));
+  const std::string ending = path == standard_output ? ".ply" : lower_case_extension(path);
+  write_file(path, cloud_bytes(ending, cloud, extras));
 }
 
 bool is_cloud_file(const fs::path& path) {

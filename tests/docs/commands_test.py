@@ -276,6 +276,7 @@ STARTS = {
     "view cloud": "slipstream simulate s; slipstream reconstruct s -o cloud.ply",
     "convert scan.slip": "slipstream record --source virtual --world ideal --camera 160x120"
                          " --strategy pmp --frames 6 --rate 0 -o scan.slip",
+    "convert scanner.yaml": "slipstream simulate s --camera 160x120; cp s/scanner.yaml .",
     "convert clouds.mcap": "slipstream record --source virtual --world ideal --camera 160x120"
                            " --strategy pmp --frames 6 --rate 0 -o first.slip; mkdir clouds;"
                            " slipstream live --source replay:first.slip --headless"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/calibrate_boards.h"
+#include "app/capture_exposure.h"
 #include "app/process.h"
 #include "calibrate/pose_guide.h"
 #include "codes/guard_sequence.h"
@@ -31,6 +32,8 @@ namespace {
 void require_good(const CaptureFlags& flags) {
   constexpr int most_poses = 1000;
   const SourceFlags& source = flags.source;
+
+  if (flags.automatic) require_automatic_possible(flags);
 
   const int poses = flags.poses.value_or(0);
   require_in_range(poses >= 0 && poses <= most_poses, "--poses", poses,
@@ -219,32 +222,6 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   return output.document["verdict"];
 }
 
-/// The frames of one scan, and those of its guard, taken once the scene is still.
-std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
-  const auto& [projector, opened, camera, guard] = rig;
-  constexpr double patience = 10;  // s
-  const RunEnd end(patience);
-  const auto tell_news = news_of(*opened.frames, output);
-
-  bool seen = false;
-  while (!end.reached() && !projector.closed()) {
-    tell_news();
-    const std::optional<Glimpse> glimpse = camera->look(std::chrono::milliseconds(200));
-    seen |= glimpse.has_value();
-
-    if (!glimpse || !glimpse->still) continue;
-    if (auto frames = camera->take()) return *std::move(frames);
-  }
-
-  // The patience is 10 s: either the scene moves, or no whole cycle of patterns arrives.
-  if (end.seconds() < patience) throw Error("stopped before a scan was taken");
-  throw WorldError(seen
-                       ? "the scene does not stand still; use `slipstream record` for moving scenes"
-                       : fmt::format("no complete pattern cycle from {} within {:g} s; check the "
-                                     "trigger and that the projector shows patterns",
-                                     opened.scanner_name, patience));
-}
-
 /// Writes the guard beside a saved scan and compares both; its findings are added.
 void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& guard,
                CheckedScan& checked, Output& output) {
@@ -313,25 +290,9 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
              text_of(scan.frames.size()), scan.sequence.strategy.name());
   refuse_or_warn(checked, flags.output, true, output);
 
-  output.document = described("scan", flags.output, "frames", scan.frames.count(), "width",
-                              scan.frames.size().width, "height", scan.frames.size().height,
-                              "findings", checked.findings);
-}
-
-CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
-  require_good(flags);
-  CaptureRig rig{.projector = open_projector(flags.monitor)};
-  PatternSink* const projector = rig.projector.sink;
-  const SourceRequest request =
-      request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
-
-  const bool boards = flags.poses && scheme_of(request.source) == "virtual";
-  rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
-  rig.opened.frames->start();
-
-  rig.guard = chosen_guard(flags, rig.opened, projector);
-  rig.camera = scan_camera(flags, rig.opened, projector, rig.guard);
-  return rig;
+  output.document.update(described("scan", flags.output, "frames", scan.frames.count(), "width",
+                                   scan.frames.size().width, "height", scan.frames.size().height,
+                                   "findings", checked.findings));
 }
 
 /// Takes poses while a window shows the guide; closing it ends them.
@@ -359,6 +320,11 @@ void capture(const CaptureFlags& flags, Output& output) {
     return take_poses_in_window(flags, output);
   }
 
+  if (flags.automatic) {
+    const CaptureFlags chosen = with_chosen_exposures(flags, output);
+    return take_scan(chosen, open_rig(chosen, output), output);
+  }
+
   const CaptureRig rig = open_rig(flags, output);
   if (!flags.poses) return take_scan(flags, rig, output);
 
@@ -368,6 +334,47 @@ void capture(const CaptureFlags& flags, Output& output) {
 }
 
 }  // namespace
+
+CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
+  require_good(flags);
+  CaptureRig rig{.projector = open_projector(flags.monitor)};
+  PatternSink* const projector = rig.projector.sink;
+  const SourceRequest request =
+      request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
+
+  const bool boards = flags.poses && scheme_of(request.source) == "virtual";
+  rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
+  rig.opened.frames->start();
+
+  rig.guard = chosen_guard(flags, rig.opened, projector);
+  rig.camera = scan_camera(flags, rig.opened, projector, rig.guard);
+  return rig;
+}
+
+std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
+  const auto& [projector, opened, camera, guard] = rig;
+  constexpr double patience = 10;  // s
+  const RunEnd end(patience);
+  const auto tell_news = news_of(*opened.frames, output);
+
+  bool seen = false;
+  while (!end.reached() && !projector.closed()) {
+    tell_news();
+    const std::optional<Glimpse> glimpse = camera->look(std::chrono::milliseconds(200));
+    seen |= glimpse.has_value();
+
+    if (!glimpse || !glimpse->still) continue;
+    if (auto frames = camera->take()) return *std::move(frames);
+  }
+
+  // The patience is 10 s: either the scene moves, or no whole cycle of patterns arrives.
+  if (end.seconds() < patience) throw Error("stopped before a scan was taken");
+  throw WorldError(seen
+                       ? "the scene does not stand still; use `slipstream record` for moving scenes"
+                       : fmt::format("no complete pattern cycle from {} within {:g} s; check the "
+                                     "trigger and that the projector shows patterns",
+                                     opened.scanner_name, patience));
+}
 
 GuidedPoses::GuidedPoses(CaptureFlags flags, Output& output)
     : flags_(std::move(flags)),
@@ -423,6 +430,13 @@ void add_capture(const Commands& program) {
            "without a number: until enough")
       ->expected(0, 1)
       ->default_str("0");
+
+  command
+      .add("--auto", flags.automatic,
+           "choose the exposures by scans of the scene, and take the scan with them, all within "
+           "this many seconds; without a number: 20")
+      ->expected(0, 1)
+      ->default_str("20");
 
   command.add("--headless", flags.headless, "no window; print a line whenever the advice changes");
   command.add("--size", flags.size, "size of the guide window, pixels");

@@ -12,6 +12,7 @@
 #include "io/image_file.h"
 #include "io/pattern_pictures.h"
 #include "io/plot.h"
+#include "io/scan_colour.h"
 #include "io/scan_pictures.h"
 #include "response/ambient_calibration.h"
 #include "response/gamma_calibration.h"
@@ -140,6 +141,7 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
 
 struct CalibrateColourFlags {
   std::string folder;
+  ScanChanges scan;
   CalibrationFiles files;
 };
 
@@ -153,7 +155,19 @@ fs::path picture_named(const fs::path& folder, const std::string& name) {
                           folder.string(), name, fmt::join(primary_names, ", ")));
 }
 
+/// The white balance by a grey patch of a scan.
+void calibrate_white(const CalibrateColourFlags& flags, Output& output) {
+  const WhiteBalance balance = white_balance_of(scan_files_in(flags.folder, flags.scan));
+  output.say("white balance: red {:.4f}, green {:.4f}, blue {:.4f}", balance[0], balance[1],
+             balance[2]);
+
+  output.document["white_balance"] = balance;
+  write_calibration(flags.files, {.white_balance = balance}, output);
+}
+
 void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
+  if (flags.scan.grey_patch) return calibrate_white(flags, output);
+
   std::vector<fs::path> pictures;
   for (const char* name : primary_names) pictures.push_back(picture_named(flags.folder, name));
 
@@ -366,14 +380,19 @@ void add_calibrate_ambient(const Commands& calibrate) {
 void add_calibrate_colour(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       calibrate_colour, "colour",
-      "measure colour crosstalk between projector and camera, from pictures of a white surface");
+      "measure colour crosstalk between projector and camera, from pictures of a white surface, or "
+      "the white balance of a colour camera, from a scan with a grey patch");
 
   required(command.add_file("folder", flags.folder,
                             "folder with a picture of each projected colour, named black, red, "
-                            "green and blue (see patterns --colour)"));
+                            "green and blue (see patterns --colour); with --grey-patch: a scan"));
 
+  add_grey_patch_flag(command, flags.scan);
   add_calibration_files(command.app, flags.files);
-  command.examples({"calibrate colour white --scanner scanner.yaml -o scanner.yaml"});
+  add_scan_flags(command.app, flags.scan);
+  command.common({"--output", "--scanner", "--grey-patch"});
+  command.examples({"calibrate colour white --scanner scanner.yaml -o scanner.yaml",
+                    "calibrate colour scan --grey-patch 20x20+300+200 -o scanner.yaml"});
 }
 
 void add_calibrate_gamma(const Commands& calibrate) {

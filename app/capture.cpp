@@ -11,11 +11,15 @@
 #include <vector>
 
 #include "app/calibrate_boards.h"
+#include "app/capture_exposure.h"
 #include "app/process.h"
 #include "calibrate/pose_guide.h"
 #include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
+#include "frames/mosaic.h"
 #include "io/image_file.h"
+#include "io/replay_source.h"
+#include "io/scan_folder.h"
 #include "live/cyclic_scans.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/scan_job.h"
@@ -28,6 +32,8 @@ namespace {
 void require_good(const CaptureFlags& flags) {
   constexpr int most_poses = 1000;
   const SourceFlags& source = flags.source;
+
+  if (flags.automatic) require_automatic_possible(flags);
 
   const int poses = flags.poses.value_or(0);
   require_in_range(poses >= 0 && poses <= most_poses, "--poses", poses,
@@ -68,6 +74,9 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
   }
 
   if (projector && !request.sequence.projector) request.sequence.projector = projector;
+
+  // A folder keeps the mosaic of a colour sensor, from which clouds get their colours.
+  request.camera.keep_mosaic = !flags.poses && lower_case_extension(flags.output) != ".slip";
   return request;
 }
 
@@ -213,32 +222,6 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   return output.document["verdict"];
 }
 
-/// The frames of one scan, and those of its guard, taken once the scene is still.
-std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
-  const auto& [projector, opened, camera, guard] = rig;
-  constexpr double patience = 10;  // s
-  const RunEnd end(patience);
-  const auto tell_news = news_of(*opened.frames, output);
-
-  bool seen = false;
-  while (!end.reached() && !projector.closed()) {
-    tell_news();
-    const std::optional<Glimpse> glimpse = camera->look(std::chrono::milliseconds(200));
-    seen |= glimpse.has_value();
-
-    if (!glimpse || !glimpse->still) continue;
-    if (auto frames = camera->take()) return *std::move(frames);
-  }
-
-  // The patience is 10 s: either the scene moves, or no whole cycle of patterns arrives.
-  if (end.seconds() < patience) throw Error("stopped before a scan was taken");
-  throw WorldError(seen
-                       ? "the scene does not stand still; use `slipstream record` for moving scenes"
-                       : fmt::format("no complete pattern cycle from {} within {:g} s; check the "
-                                     "trigger and that the projector shows patterns",
-                                     opened.scanner_name, patience));
-}
-
 /// Writes the guard beside a saved scan and compares both; its findings are added.
 void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& guard,
                CheckedScan& checked, Output& output) {
@@ -255,8 +238,17 @@ void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& gua
   }
 }
 
+/// The grey levels of a colour sensor's raw frames.
+FrameSet grey_frames(const FrameViews& raw, const std::string& name) {
+  std::vector<Frame> frames = frames_of(raw, name);
+  for (Frame& frame : frames) make_grey(frame);
+  return frame_set_of(std::move(frames));
+}
+
 void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output) {
   const NamedSource& opened = rig.opened;
+  const std::string& mosaic = flags.source.camera.mosaic;
+  const bool is_raw = !mosaic.empty() && lower_case_extension(flags.output) != ".slip";
 
   // 1. Take the frames of one scan, and of its guard.
   std::vector<FrameSet> taken = still_frames(rig, output);
@@ -276,15 +268,21 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
   if (opened.in_colour && scan.scanner && scan.scanner->photometry.colour_mixture) {
     whole.frames = unmixed(scan.frames, *scan.scanner->photometry.colour_mixture, opened.white);
   }
+  if (is_raw) whole.frames = grey_frames(scan.frames, flags.output);
   if (several) whole = merged(std::move(whole));
 
   CheckedScan checked = check_and_repair(whole);
 
   // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
-  if (!several && !opened.in_colour) scan = whole;  // its frames are in order
+  if (!several && !opened.in_colour && !is_raw) scan = whole;  // its frames are in order
   ScanFiles files = save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt,
                               opened.in_colour, opened.white);
+  if (is_raw) {
+    files.mosaic = mosaic;
+    write_scan_files(files.path / "scan.yaml", files);
+  }
   if (rig.guard) {
+    if (is_raw) taken.back() = grey_frames(taken.back(), flags.output);
     add_guard(files, std::move(whole), std::move(taken.back()), *rig.guard, checked, output);
   }
 
@@ -292,25 +290,9 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
              text_of(scan.frames.size()), scan.sequence.strategy.name());
   refuse_or_warn(checked, flags.output, true, output);
 
-  output.document = described("scan", flags.output, "frames", scan.frames.count(), "width",
-                              scan.frames.size().width, "height", scan.frames.size().height,
-                              "findings", checked.findings);
-}
-
-CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
-  require_good(flags);
-  CaptureRig rig{.projector = open_projector(flags.monitor)};
-  PatternSink* const projector = rig.projector.sink;
-  const SourceRequest request =
-      request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
-
-  const bool boards = flags.poses && scheme_of(request.source) == "virtual";
-  rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
-  rig.opened.frames->start();
-
-  rig.guard = chosen_guard(flags, rig.opened, projector);
-  rig.camera = scan_camera(flags, rig.opened, projector, rig.guard);
-  return rig;
+  output.document.update(described("scan", flags.output, "frames", scan.frames.count(), "width",
+                                   scan.frames.size().width, "height", scan.frames.size().height,
+                                   "findings", checked.findings));
 }
 
 /// Takes poses while a window shows the guide; closing it ends them.
@@ -338,6 +320,11 @@ void capture(const CaptureFlags& flags, Output& output) {
     return take_poses_in_window(flags, output);
   }
 
+  if (flags.automatic) {
+    const CaptureFlags chosen = with_chosen_exposures(flags, output);
+    return take_scan(chosen, open_rig(chosen, output), output);
+  }
+
   const CaptureRig rig = open_rig(flags, output);
   if (!flags.poses) return take_scan(flags, rig, output);
 
@@ -347,6 +334,47 @@ void capture(const CaptureFlags& flags, Output& output) {
 }
 
 }  // namespace
+
+CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
+  require_good(flags);
+  CaptureRig rig{.projector = open_projector(flags.monitor)};
+  PatternSink* const projector = rig.projector.sink;
+  const SourceRequest request =
+      request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
+
+  const bool boards = flags.poses && scheme_of(request.source) == "virtual";
+  rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
+  rig.opened.frames->start();
+
+  rig.guard = chosen_guard(flags, rig.opened, projector);
+  rig.camera = scan_camera(flags, rig.opened, projector, rig.guard);
+  return rig;
+}
+
+std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
+  const auto& [projector, opened, camera, guard] = rig;
+  constexpr double patience = 10;  // s
+  const RunEnd end(patience);
+  const auto tell_news = news_of(*opened.frames, output);
+
+  bool seen = false;
+  while (!end.reached() && !projector.closed()) {
+    tell_news();
+    const std::optional<Glimpse> glimpse = camera->look(std::chrono::milliseconds(200));
+    seen |= glimpse.has_value();
+
+    if (!glimpse || !glimpse->still) continue;
+    if (auto frames = camera->take()) return *std::move(frames);
+  }
+
+  // The patience is 10 s: either the scene moves, or no whole cycle of patterns arrives.
+  if (end.seconds() < patience) throw Error("stopped before a scan was taken");
+  throw WorldError(seen
+                       ? "the scene does not stand still; use `slipstream record` for moving scenes"
+                       : fmt::format("no complete pattern cycle from {} within {:g} s; check the "
+                                     "trigger and that the projector shows patterns",
+                                     opened.scanner_name, patience));
+}
 
 GuidedPoses::GuidedPoses(CaptureFlags flags, Output& output)
     : flags_(std::move(flags)),
@@ -402,6 +430,13 @@ void add_capture(const Commands& program) {
            "without a number: until enough")
       ->expected(0, 1)
       ->default_str("0");
+
+  command
+      .add("--auto", flags.automatic,
+           "choose the exposures by scans of the scene, and take the scan with them, all within "
+           "this many seconds; without a number: 20")
+      ->expected(0, 1)
+      ->default_str("20");
 
   command.add("--headless", flags.headless, "no window; print a line whenever the advice changes");
   command.add("--size", flags.size, "size of the guide window, pixels");

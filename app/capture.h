@@ -1,5 +1,6 @@
 #pragma once
 
+#include <vector>
 #include <atomic>
 #include <future>
 #include <memory>
@@ -28,6 +29,7 @@ struct CaptureFlags {
   bool headless = false;
   Size size{1280, 800};
   std::string screenshot;
+  std::optional<double> automatic;  ///< time to choose exposures and take the scan with them, s
 };
 
 /// A camera and a projector that take scans.
@@ -37,6 +39,12 @@ struct CaptureRig {
   std::unique_ptr<ScanCamera> camera{};
   std::optional<Sequence> guard{};  ///< taken after each scan
 };
+
+/// Opens projector and camera, and begins. Throws like these.
+CaptureRig open_rig(const CaptureFlags& flags, Output& output);
+
+/// The frames of one scan, and those of its guard, taken once the scene is still.
+std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output);
 
 /// Guided poses of a board, and the calibration from them, on a thread of its own, so that a window
 /// can show the guide.

@@ -14,11 +14,13 @@
 #include "io/replay_source.h"
 #include "io/result_files.h"
 #include "io/scan_folder.h"
+#include "io/scanner_urdf.h"
 #include "publish/mcap.h"
 #include "publish/mcap_reader.h"
 #include "slipstream/recording.h"
 #include "slipstream/ros_messages.h"
 #include "slipstream/scan_files.h"
+#include "slipstream/scanner_file.h"
 
 namespace slipstream::app {
 namespace {
@@ -343,8 +345,24 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
   }
 }
 
+/// Writes the frames of a scanner file for ROS.
+void convert_to_frames(const std::vector<std::string>& paths, const std::string& path,
+                       Output& output) {
+  throw_if(paths.size() != 1, "{}: describes one scanner; name one scanner file", path);
+  const Scanner scanner = read_scanner(paths.front());
+  write_file(path, naming(paths.front(), [&] {
+               return lower_case_extension(path) == ".urdf" ? urdf_of(scanner) : xacro_of(scanner);
+             }));
+
+  output.say("{}: frames camera_link, camera_optical and projector", path);
+  output.document["files"] = {path};
+}
+
 void convert(const ConvertFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(flags.output);
+  if (ending == ".urdf" || ending == ".xacro") {
+    return convert_to_frames(flags.paths, flags.output, output);
+  }
   if (ending == ".slip")
     return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
   if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
@@ -373,16 +391,19 @@ void convert(const ConvertFlags& flags, Output& output) {
 void add_convert(const Commands& program) {
   const auto [command, flags] = program.add(convert, "convert",
                                             "convert clouds and scans to MCAP, PLY, PCD or XYZ, "
-                                            "and frames to recordings or scan folders");
+                                            "frames to recordings or scan folders, and scanner "
+                                            "files to URDF");
 
   required(command.add_file(
       "input", flags.paths,
-      "MCAP files, clouds, recordings (each cycle) and scan folders, in this order"));
+      "MCAP files, clouds, recordings (each cycle) and scan folders, in this order; or a scanner "
+      "file"));
   required(command.add_output(
       "-o,--output", flags.output,
       ".mcap: all clouds in one file; .ply, .pcd or .xyz: one file each, with {name} for the "
       "input's name and {window} for the cloud's number; .slip: all frames in one recording; no "
-      "extension: a scan folder per recorded cycle"));
+      "extension: a scan folder per recorded cycle; .urdf or .xacro: the scanner file's frames, "
+      "for ROS"));
 
   command.add("--topic", flags.topic, "MCAP input: convert only this topic's clouds, e.g. /points");
   add_cloud_flags(command.app, flags.cloud);
@@ -391,7 +412,7 @@ void add_convert(const Commands& program) {
       {"--output", "--topic", "--scanner", "--minimum-modulation", "--largest-sigma", "--raw"});
   command.examples({"convert scan.slip -o clouds.mcap",
                     "convert clouds.mcap -o clouds/{window}.pcd",
-                    "convert clouds.mcap -o scan.slip"});
+                    "convert clouds.mcap -o scan.slip", "convert scanner.yaml -o scanner.urdf"});
 }
 
 }  // namespace slipstream::app

@@ -184,6 +184,7 @@ LiveSession::LiveSession(LiveFlags flags, Output& output)
   // 3. Take extra frames to compensate motion where possible.
   motion_when_seen_ = !settings.second_camera && takes_extra_frames(request, opened, setup_);
   settings.motion_when_seen = motion_when_seen_;
+  settings.colour = opened.colour;
   if (motion_when_seen_) setup_.sequence.motion = 2;
 
   // 4. In step with the monitor; from here on the source shows the patterns.

@@ -97,7 +97,7 @@ bool is_reached_by_others(const CLI::Option& option, const std::string& value) {
 
   std::string_view what = value;
   const std::string_view kind = take_until(what, ':');
-  if (kind == "web") return !is_loopback_port(std::string(what));
+  if (kind == "web" || kind == "tcp") return !is_loopback_port(std::string(what));
   if (kind == "genicam") return !is_loopback(std::string(what));
   return kind == "ros2";
 }

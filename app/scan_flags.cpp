@@ -123,7 +123,10 @@ void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
   };
   FlagGroup{subcommand}.add_read<>(
       "--channel", choose,
-      "grey levels of colour pictures: auto (by the light), grey, red, green or blue");
+      "grey levels of colour pictures: auto (the best), grey, red, green or blue");
+  FlagGroup{subcommand}.add("--mosaic", changes.mosaic,
+                            "raw pictures of a colour camera: the colours of the first two pixels, "
+                            "RG, GR, GB or BG, or its pixel format, e.g. BayerRG8");
 }
 
 bool is_pattern_switch(const std::string& word) {
@@ -135,6 +138,18 @@ bool is_pattern_switch(const std::string& word) {
 void add_anyway_flag(CLI::App& subcommand, bool& anyway) {
   FlagGroup{subcommand}.add("--anyway", anyway,
                             "continue with a scan that the check refuses, and mark the results");
+}
+
+void add_grey_patch_flag(const FlagGroup& group, ScanChanges& changes) {
+  const auto read = [&changes](const std::string& text) {
+    changes.grey_patch = rectangle_of_text(text);
+    throw_if(!changes.grey_patch.has_value(),
+             "--grey-patch '{}' is not a region; give width x height + x + y, e.g. 20x20+300+200",
+             text);
+  };
+  group.add_read<>("--grey-patch", read,
+                   "balance the colours by this part of the picture, which shows grey or white: "
+                   "width x height + x + y; default: the scanner's white balance");
 }
 
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
@@ -154,6 +169,7 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
              "640x480+16+8",
              text);
   };
+  add_grey_patch_flag(options, flags);
   options.add_read<>("--camera-region", cut,
                      "part of the calibrated picture that the frames show, width x height + x + y, "
                      "if the camera's region was set or the pictures were cropped since; frames of "

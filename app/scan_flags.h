@@ -35,6 +35,9 @@ struct ScanFlags : ScanChanges {
 /// add_scan_flags.
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags);
 
+/// Adds --grey-patch.
+void add_grey_patch_flag(const FlagGroup& group, ScanChanges& changes);
+
 void add_anyway_flag(CLI::App& subcommand, bool& anyway);
 
 void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings);

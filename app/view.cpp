@@ -84,7 +84,8 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
   const auto blind =
       choose_gamma("blind", given, setup.sequence.strategy.layout(), job.scan.frames).response;
 
-  view::ViewSource source = view::still_source(std::move(job.scan.frames), setup);
+  view::ViewSource source =
+      view::still_source(std::move(job.scan.frames), setup, std::move(job.scan.colour));
   source.findings = job.checked.findings;
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},

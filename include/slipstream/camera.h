@@ -47,10 +47,6 @@ std::size_t bytes_of(PixelFormat format, std::size_t values);
 /// unchanged, if bytes are missing.
 bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& frame);
 
-/// Turns a Bayer mosaic grey: (R + 2 G + B) / 4 by the weights 1 2 1 over rows and columns, for any
-/// order of the filters. Full scale if one of the nine values is.
-void make_grey(Frame& frame);
-
 /// A GenICam node and its value as text, e.g. LineSource and ExposureActive.
 struct CameraNode {
   std::string name, value;
@@ -68,6 +64,7 @@ struct CameraSettings {
   PixelFormat pixel_format = PixelFormat::mono8;
   /// Bayer filters: "RG", "GR", "GB" or "BG"; empty for a sensor without.
   std::string mosaic{};
+  bool keep_mosaic = false;  ///< delivers the values of the filters as they are, instead of grey
   /// Empty: free-running, the only mode of V4L2; "Software": FrameSource::trigger; or a line, e.g.
   /// "Line1".
   std::string trigger;

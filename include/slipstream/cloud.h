@@ -54,6 +54,7 @@ struct BasicCloud {
   Image<Real> x, y, z;     ///< mm; NaN where not valid
   Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
   Image<Validity> validity;
+  Image<Colour> colour{};  ///< sRGB, of a colour camera; empty if unknown
 
   [[nodiscard]] Size size() const { return z.size(); }
   /// Marks the pixel as invalid for that reason.
@@ -77,6 +78,7 @@ void convert(const BasicCloud<From>& from, BasicCloud<To>& to) {
   convert(from.z, to.z);
   to.intensity = from.intensity;
   to.validity = from.validity;
+  to.colour = from.colour;
 }
 
 /// Depth only, which is faster to compute and write than a Cloud.
@@ -96,6 +98,14 @@ struct PackedPoints {
 /// An intensity as an 8-bit pixel: rounded and clipped.
 inline std::uint8_t grey_level(float intensity) {
   return static_cast<std::uint8_t>(std::clamp(double{intensity}, 0.0, 255.0) + 0.5);
+}
+
+/// The point's colour, or its intensity as grey, sRGB.
+template <class Real>
+Colour colour_at(const BasicCloud<Real>& cloud, int column, int row) {
+  if (!cloud.colour.empty()) return cloud.colour(column, row);
+  const std::uint8_t grey = grey_level(cloud.intensity(column, row));
+  return {grey, grey, grey};
 }
 
 ValidityCounts count_by_validity(const Image<Validity>& validity);
@@ -186,6 +196,7 @@ inline Cloud subsampled(const Cloud& cloud, int step) {
   }
 
   sparse.validity = subsampled(cloud.validity, step);
+  sparse.colour = subsampled(cloud.colour, step);
   return sparse;
 }
 

@@ -26,16 +26,20 @@ void require_cloud_ending(const std::filesystem::path& path);
 /// in mm, 32-bit float:
 ///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
 ///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the
-///         intensity is 64-bit float, the colours are the intensity in 8 bits;
+///         intensity is 64-bit float, the colours are sRGB, or the intensity in 8 bits;
 ///   .pcd  binary PCD 0.7, organised: x y z intensity [normal_x normal_y normal_z]
-///         [sigma_coordinate sigma_x sigma_y sigma_z] of every pixel of the picture, NaN without a
-///         point;
+///         [sigma_coordinate sigma_x sigma_y sigma_z] [rgb] of every pixel of the picture, NaN
+///         without a point; rgb is a float whose bytes are blue, green, red and 0, as in PCL;
 ///   .xyz  text: the columns of .ply without colours, one valid point a line; no remarks, since it
 ///         has no header.
 /// Throws Error for another ending, WorldError if it cannot be written; never leaves a partial
 /// file.
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
                  const CloudExtras& extras = {});
+
+/// The bytes of such a file, by its ending: ".ply", ".pcd" or ".xyz". Throws Error for another.
+std::string cloud_bytes(const std::string& ending, const Cloud& cloud,
+                        const CloudExtras& extras = {});
 
 /// Throws Error unless write_surface supports the file's ending.
 void require_mesh_ending(const std::filesystem::path& path);
@@ -47,8 +51,9 @@ std::vector<std::filesystem::path> files_beside(const std::filesystem::path& sur
 ///   .ply  binary little-endian PLY: x y z intensity red green blue of the vertices, triangles;
 ///   .stl  binary STL: triangles with their normals, no texture;
 ///   .obj  text, with NAME.mtl and NAME-texture.png beside it, and the vertices' colours;
-///   .glb  binary glTF 2.0 with embedded texture: metres, y up, z towards the camera; the
-///         intensity is the attribute _INTENSITY.
+///   .glb  binary glTF 2.0: metres, y up, z towards the camera; the intensity is the attribute
+///         _INTENSITY; with an embedded grey texture, or the vertices' colours as COLOR_0, linear
+///         in 16 bits.
 /// All except .glb in mm, in the camera's frame. Throws Error for another ending, WorldError if it
 /// cannot be written; never leaves a partial file.
 void write_surface(const std::filesystem::path& path, const Surface& surface);
@@ -84,6 +89,7 @@ StoredCloud read_cloud(const std::filesystem::path& path);
 struct StoredPoint {
   double x = 0, y = 0, z = 0, intensity = 0;
   double sigma_coordinate = 0, sigma_x = 0, sigma_y = 0, sigma_z = 0;
+  std::array<float, 3> colour{};  ///< red, green and blue, sRGB, 0 to 255
 };
 
 /// Contents of a file, before conversion to a cloud or mesh.
@@ -92,6 +98,7 @@ struct StoredPoints {
   /// Faces of .ply and .obj, split into triangles; the vertex indices are not validated.
   std::vector<std::array<int, 3>> triangles{};
   bool has_sigma = false;
+  bool has_colour = false;  ///< red, green and blue differ in some point
   Size organised{};  ///< columns and rows; 0 if not organised
 };
 

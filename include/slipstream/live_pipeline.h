@@ -216,6 +216,8 @@ struct LiveSettings {
   /// The frames carry pictures of a second camera, see PairedSource, and clouds come from matches
   /// between both, see PhaseMatcher: this camera with the same projector.
   std::optional<Scanner> second_camera = {};
+  /// Colours of the camera's pixels, which do not change, as of a replayed scan; empty if unknown.
+  Image<Colour> colour = {};
   /// Called for every cloud, in order, in the thread of the show stage; meanwhile clouds and frames
   /// queue up. An exception ends the pipeline.
   std::function<void(const Pooled<LiveCloud>&)> on_cloud = {};

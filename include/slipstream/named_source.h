@@ -52,6 +52,7 @@ struct NamedSource {
   std::string warning{};       ///< status text; empty if all is well
   bool in_colour = false;      ///< frames are raw colour channels: see RecordingHeader
   FrameSet white{};            ///< white picture of colour scans: see RecordingHeader
+  Image<Colour> colour{};      ///< of a replayed scan folder: see Scan
 };
 
 /// Unmixes colour channels for an engine, using the known crosstalk and the white picture.

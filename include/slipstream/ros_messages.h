@@ -48,7 +48,7 @@ struct CloudTopic {
   void (*write)(const PublishedCloud& published, RosMessage& message);
 };
 
-/// "image": the cloud's intensity as mono8; without a scanner, the window's first frame.
+/// "image": the cloud's colours as rgb8, or its intensity as mono8; without a scanner, the window's first frame.
 CloudTopic image_topic();
 /// "points": write_point_cloud, with the uncertainty, if known and if not sent `alone`.
 CloudTopic points_topic();
@@ -61,13 +61,14 @@ CloudTopic camera_info_topic();
 
 /// sensor_msgs/msg/PointCloud2 of 32-bit floats, organised like the camera's pixels: x, y, z in
 /// metres (the cloud's millimetres divided by 1000), NaN if invalid; intensity in grey levels of
-/// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z.
+/// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z; with colours also rgb,
+/// a float of the bytes blue, green, red and 0.
 void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
 
 /// sensor_msgs/msg/Image: a camera's frame, mono8 or mono16.
 void write_image(const Frame& frame, const RosHeader& header, RosMessage& message);
-/// sensor_msgs/msg/Image of a cloud's intensity, mono8.
+/// sensor_msgs/msg/Image of a cloud's colours, rgb8, or its intensity, mono8.
 void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& message);
 
 /// Reads the fields of write_point_cloud from any PointCloud2, converted to mm. Throws Error,

@@ -31,6 +31,8 @@ struct Scan {
   /// Scans of further cameras, taken at the same time with the same projector, each with its own
   /// scanner. World coordinates are in the frame of this scan's camera.
   std::vector<Scan> further_cameras{};
+  /// Colours of the first camera's pixels, sRGB; empty if unknown.
+  Image<Colour> colour{};
 
   std::vector<std::string> warnings{};  ///< about reading the frames, for the user
 };

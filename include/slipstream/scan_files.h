@@ -40,6 +40,14 @@ struct ScanFiles {
   std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
 
+  /// Of raw pictures of a colour camera, the colours of the first two pixels, e.g. "RG"; else empty.
+  std::string mosaic{};
+  /// Colours of the points: a colour picture, or three grey ones under red, green and blue light.
+  /// Empty: the mean of the frames, if these are in colour.
+  std::vector<std::filesystem::path> colour{};
+  /// A place of one grey, by which the colours are balanced instead of the scanner's white balance.
+  std::optional<Rectangle> grey_patch{};
+
   std::shared_ptr<const RecordingReader> recording{};  ///< the open recording, or null
 
   /// Of a recording, see window_at; nullopt: first cycle. Of a folder of many frames, whose
@@ -84,6 +92,8 @@ struct ScanChanges {
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<GreyChannel> channel{};
+  std::string mosaic{};  ///< as in ScanFiles, also e.g. "RGGB" or "BayerRG8"; empty: unchanged
+  std::optional<Rectangle> grey_patch{};
   std::optional<std::filesystem::path> scanner{};
   std::optional<Rectangle> camera_region{};
 

@@ -110,6 +110,8 @@ struct PhotometricCalibration {
   std::optional<MeasuredResponse> response{};
   /// For colour devices: used to separate pictures when they are read.
   std::optional<ColourMixture> colour_mixture{};
+  /// Factors of red, green and blue that make a grey surface grey; the least is 1.
+  std::optional<std::array<double, 3>> white_balance{};
 
   /// The numbers, named as in scanner files.
   template <class Self, class Visit>

@@ -44,9 +44,10 @@ enum class PointColour {
   depth,         ///< Z
   reflectivity,  ///< alpha, from the mean without ambient light, Liu 2010, Eq. (3.3)
   modulation,    ///< B^c
+  camera,        ///< the colour camera's; without one, as reflectivity
 };
 
-/// Parses "depth", "reflectivity" or "modulation"; throws Error for any other name.
+/// Parses "depth", "reflectivity", "modulation" or "camera"; throws Error for any other name.
 PointColour point_colour_named(std::string_view name);
 std::vector<std::string_view> point_colour_names();
 
@@ -168,8 +169,8 @@ struct ViewSource {
 /// A static cloud, with its uncertainty if known.
 ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty = std::nullopt);
 
-/// Frames, reconstructed again for each setup; the caller adds `save`. Throws Error like Engine.
-ViewSource still_source(FrameSet frames, const EngineSetup& setup);
+/// Frames, reconstructed again for each setup, with the colours of their pixels; the caller adds `save`. Throws Error like Engine.
+ViewSource still_source(FrameSet frames, const EngineSetup& setup, Image<Colour> colour = {});
 
 /// The clouds of a running pipeline, which must outlive the source; `setup`: the initial one.
 /// Offers other responses and, if patterns can change, strategies; the caller adds files.

@@ -1,5 +1,6 @@
 #include "python/bindings/clouds.h"
 
+#include <cstdint>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -165,6 +166,15 @@ py::object unwrapped_in_space(const ArrayOf<float>& phase,
 
 using CloudClass = py::class_<HeldCloud, std::shared_ptr<HeldCloud>>;
 
+py::object colours_of(const HeldCloud& held) {
+  const Image<Colour>& colours = held.cloud.colour;
+  if (colours.empty()) return py::none();
+
+  static_assert(sizeof(Colour) == 3);
+  return py::array_t<std::uint8_t>({colours.height(), colours.width(), 3},
+                                   reinterpret_cast<const std::uint8_t*>(colours.begin()));
+}
+
 void bind_cloud_properties(CloudClass& cloud) {
   // The images view the cloud's memory.
   cloud.def_property_readonly("x", cloud_image(&Cloud::x),
@@ -175,6 +185,9 @@ void bind_cloud_properties(CloudClass& cloud) {
                               "NDArray[float32]: depth, mm; NaN if invalid.");
   cloud.def_property_readonly("intensity", cloud_image(&Cloud::intensity),
                               "NDArray[float32]: texture, grey levels of 255.");
+  cloud.def_property_readonly("colour", &colours_of,
+                              "NDArray[uint8] | None: red, green and blue, sRGB, rows x columns x "
+                              "3; None without a colour camera; copied.");
   cloud.def_property_readonly("validity", cloud_image(&Cloud::validity),
                               "NDArray[uint8]: Validity numbers.");
   cloud.def_property_readonly("points", &points_of,

@@ -90,7 +90,7 @@ Rectangle rectangle_of(const CameraRegion& region) {
 Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& sequence,
                  const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
                  std::optional<std::uint64_t> window, const std::string& channel,
-                 const std::optional<CameraRegion>& camera_region,
+                 const std::string& mosaic, const std::optional<CameraRegion>& camera_region,
                  const std::optional<fs::path>& second_camera,
                  const std::optional<fs::path>& second_scanner) {
   // 1. Overrides; a scanner may be a file or an object.
@@ -98,6 +98,7 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
                       .window = window,
                       .bits = bits,
                       .channel = grey_channel_named(channel),
+                      .mosaic = mosaic,
                       .second_camera = second_camera,
                       .second_scanner = second_scanner};
   if (camera_region) changes.camera_region = rectangle_of(*camera_region);
@@ -285,8 +286,9 @@ void bind_scan(py::module_& module) {
 void bind_scan_files(py::module_& module) {
   module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
              "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
-             "window"_a = py::none(), "channel"_a = "auto", "camera_region"_a = py::none(),
-             "second_camera"_a = py::none(), "second_scanner"_a = py::none(), R"(
+             "window"_a = py::none(), "channel"_a = "auto", "mosaic"_a = "",
+             "camera_region"_a = py::none(), "second_camera"_a = py::none(),
+             "second_scanner"_a = py::none(), R"(
       Loads a scan from a folder or a recording; arguments override its contents.
 
       Args:
@@ -297,7 +299,9 @@ void bind_scan_files(py::module_& module) {
           order (str): of the frames in the files.
           window (int | None): index of a recording's scan.
           channel (Literal["auto", "grey", "red", "green", "blue"]): grey levels of colour pictures;
-              auto: by the light.
+              auto: the best.
+          mosaic (str): of raw pictures of a colour camera, the colours of the first two pixels, as
+              "RG", or its pixel format.
           camera_region (tuple[int, int, int, int] | str | None): the part of the calibrated picture
               that the frames show: left, top, width and height, pixels, or "640x480+16+8".
           second_camera (str | PathLike | None): folder or recording of a second camera.

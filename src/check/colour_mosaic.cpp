@@ -50,7 +50,8 @@ std::optional<Finding> colour_mosaic(const ScanSamples& samples) {
       .evidence = {{.name = "ratio", .value = ratio, .limit = least_ratio}},
       .causes = {{CauseKind::colour_mosaic,
                   "raw pictures of a colour camera, whose Bayer filter was not removed"}},
-      .remedies = {{"convert the camera's raw pictures to grey before saving"}}};
+      .remedies = {{"name the colours of its first two pixels with `mosaic`, e.g. `mosaic RG`; if "
+                    "they are not known, convert the raw pictures to grey before saving"}}};
 }
 
 }  // namespace slipstream

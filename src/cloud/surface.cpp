@@ -274,6 +274,8 @@ Surface surface_of(const Cloud& cloud, double largest_step) {
   std::transform(cloud.intensity.begin(), cloud.intensity.end(), surface.picture.begin(),
                  grey_level);
 
+  surface.colour_picture = cloud.colour;
+
   // Replace pixels by the numbers of vertices: a pixel becomes one at its first use.
   constexpr auto unused = static_cast<std::uint32_t>(-1);
   std::vector<std::uint32_t> vertex_of(cloud.z.pixel_count(), unused);
@@ -290,6 +292,7 @@ Surface surface_of(const Cloud& cloud, double largest_step) {
       const auto column = static_cast<int>(pixel % width), row = static_cast<int>(pixel / width);
       surface.vertices.push_back(position_at(cloud, column, row).cast<float>());
       surface.intensity.push_back(cloud.intensity(column, row));
+      if (!cloud.colour.empty()) surface.colour.push_back(cloud.colour(column, row));
       const Eigen::Vector2d centre(column + 0.5, row + 0.5);
       surface.texture.emplace_back(centre.cwiseQuotient(size).cast<float>());
     }

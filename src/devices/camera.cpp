@@ -146,39 +146,6 @@ bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& fram
   return true;
 }
 
-void make_grey(Frame& frame) {
-  constexpr std::uint32_t clipped = 1 << 24;  // exceeds any sum of values
-  const std::uint32_t full = (1U << frame.bits) - 1;
-
-  std::visit(
-      [&]<class Pixel>(Image<Pixel>& image) {
-        const Image<Pixel> mosaic = image;
-        const int width = image.width(), last = image.height() - 1;
-        Image<std::uint32_t> sums(Size{width + 2, 1});  // of three rows, mirrored at the ends
-
-        for (int row = 0; row <= last; ++row) {
-          const Pixel* const above = mosaic.row(row > 0 ? row - 1 : std::min(1, last));
-          const Pixel* const here = mosaic.row(row);
-          const Pixel* const below = mosaic.row(row < last ? row + 1 : std::max(last - 1, 0));
-
-          // Weights 1 2 1 down the columns; a clipped value lifts the sum above any other.
-          for (int i = 0; i < width; ++i) {
-            const std::uint32_t a = above[i], b = here[i], c = below[i];
-            sums(i + 1, 0) = a + 2 * b + c + (std::max({a, b, c}) >= full ? clipped : 0);
-          }
-
-          // Weights 1 2 1 along the row: 16 in total, so divide by 16 and round.
-          sums(0, 0) = sums(std::min(2, width), 0);
-          sums(width + 1, 0) = sums(std::max(width - 1, 1), 0);
-          for (int i = 0; i < width; ++i) {
-            const std::uint32_t sum = sums(i, 0) + 2 * sums(i + 1, 0) + sums(i + 2, 0);
-            image(i, row) = static_cast<Pixel>(sum >= clipped ? full : (sum + 8) / 16);
-          }
-        }
-      },
-      frame.pixels);
-}
-
 std::string pixel_format_of(const CameraSettings& settings) {
   const std::string name(name_of(settings.pixel_format));
   return settings.mosaic.empty() ? name : "Bayer" + settings.mosaic + name.substr(4);

@@ -15,6 +15,7 @@
 #include "base/system_failure.h"
 #include "devices/aravis_connection-inl.h"
 #include "devices/camera_source.h"
+#include "frames/mosaic.h"
 
 namespace slipstream {
 namespace {
@@ -136,7 +137,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
 
     if (frame.format() != format_) frame = Frame(format_);
     if (!unpack(settings_.pixel_format, {data, bytes}, frame)) return Arrival::damaged;
-    if (!settings_.mosaic.empty()) make_grey(frame);
+    if (!settings_.mosaic.empty() && !settings_.keep_mosaic) make_grey(frame);
 
     frame.stamp = {.sequence = count_number(arv_buffer_get_frame_id(&buffer)),
                    .pattern_index = std::nullopt,

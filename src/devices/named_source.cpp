@@ -92,6 +92,7 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   opened.in_colour = header.in_colour;
   if (opened.in_colour) require_in_colour(opened.sequence, path);
   opened.white = header.white;
+  opened.colour = replay->colour();
 
   opened.frames = std::move(replay);
   return opened;

@@ -24,6 +24,7 @@
 #include "base/system_failure.h"
 #include "base/throw_if-inl.h"
 #include "devices/camera_source.h"
+#include "frames/mosaic.h"
 #ifdef SLIPSTREAM_IO
 #include "io/plain_pictures.h"
 #endif
@@ -281,6 +282,8 @@ class V4l2Stream {
   }
 
   void set_format(const FrameFormat& frames, const CameraSettings& settings) {
+    keeps_mosaic_ = settings.keep_mosaic;
+
     // 1. The pixels per row: colour frames hold three values per pixel side by side.
     const PixelFormat pixels = settings.pixel_format;
     const int values = values_of(pixels);
@@ -365,7 +368,7 @@ class V4l2Stream {
     } else {
       std::visit([&](auto& image) { copy_rows(bytes.data(), row_bytes_, pixel_bytes, image); },
                  frame.pixels);
-      if (!layout_.mosaic.empty()) make_grey(frame);
+      if (!layout_.mosaic.empty() && !keeps_mosaic_) make_grey(frame);
     }
 
     frame.stamp = {.sequence = buffer.sequence,
@@ -378,6 +381,7 @@ class V4l2Stream {
   std::string name_;
   std::unique_ptr<VideoDevice> device_;
   PixelLayout layout_ = layouts[0];
+  bool keeps_mosaic_ = false;
   std::size_t row_bytes_ = 0;
   std::vector<std::span<std::uint8_t>> buffers_;
 };

@@ -20,6 +20,7 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/glb_file.h"
 #include "io/mesh_file.h"
 #include "io/point_elements.h"
 #include "io/xyz_points.h"
@@ -118,8 +119,8 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
     put(double{intensity});
     for (const Extra& extra : extras) put(extra.values(column, row));
 
-    const std::uint8_t grey = grey_level(intensity);
-    put(std::array{grey, grey, grey});
+    const Colour colour = colour_at(cloud, column, row);
+    put(std::array{colour.red, colour.green, colour.blue});
   });
 
   return file;
@@ -134,6 +135,15 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
   for (const Extra& extra : extras) {
     columns.push_back(&extra.values);
     fields += fmt::format(" {}", extra.pcd_name);
+  }
+
+  // A colour is the bits of a float, as PCL has it.
+  Image<float> packed;
+  if (!cloud.colour.empty()) {
+    packed = Image<float>(cloud.size(), uninitialised);
+    std::ranges::transform(cloud.colour, packed.begin(), packed_colour);
+    columns.push_back(&packed);
+    fields += " rgb";
   }
 
   const auto of_each = [&](const char* word) {
@@ -312,6 +322,11 @@ bool is_finite(const StoredPoint& point) {
   return is_number(point.x) && is_number(point.y) && is_number(point.z);
 }
 
+Colour colour_of(const StoredPoint& point) {
+  const auto& [red, green, blue] = point.colour;
+  return {grey_level(red), grey_level(green), grey_level(blue)};
+}
+
 StoredCloud cloud_of(StoredPoints stored) {
   // 1. The size: the picture's, where invalid pixels stay, or one row of points.
   const bool organised = stored.organised != Size{};
@@ -335,10 +350,13 @@ StoredCloud cloud_of(StoredPoints stored) {
                                    {&sigma.z, &StoredPoint::sigma_z}});
   }
 
+  if (stored.has_colour) cloud.colour = Image<Colour>(size);
+
   // 3. The points.
   for (std::size_t i = 0; i < stored.points.size(); ++i) {
     const StoredPoint& point = stored.points[i];
     cloud.intensity.begin()[i] = static_cast<float>(point.intensity);
+    if (stored.has_colour) cloud.colour.begin()[i] = colour_of(point);
     if (!is_finite(point)) continue;
 
     cloud.validity.begin()[i] = Validity::valid;
@@ -366,15 +384,20 @@ void require_cloud_ending(const fs::path& path) {
   require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
 }
 
+std::string cloud_bytes(const std::string& ending, const Cloud& cloud, const CloudExtras& extras) {
+  require_cloud_ending("cloud" + ending);
+
+  const std::vector<Extra> columns = extras_of(extras);
+  if (ending == ".ply") return ply_file(cloud, columns, extras.remarks);
+  if (ending == ".pcd") return pcd_file(cloud, columns, extras.remarks);
+  return xyz_file(cloud, columns);
+}
+
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
 
-  const std::string extension = path == standard_output ? ".ply" : lower_case_extension(path);
-  const std::vector<Extra> columns = extras_of(extras);
-
-  write_file(path, extension == ".ply"   ? ply_file(cloud, columns, extras.remarks)
-                   : extension == ".pcd" ? pcd_file(cloud, columns, extras.remarks)
-                                         : xyz_file(cloud, columns));
+  const std::string ending = path == standard_output ? ".ply" : lower_case_extension(path);
+  write_file(path, cloud_bytes(ending, cloud, extras));
 }
 
 bool is_cloud_file(const fs::path& path) {

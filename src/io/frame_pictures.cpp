@@ -15,6 +15,7 @@
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "frames/mosaic.h"
 #include "io/file.h"
 #include "io/picture_file.h"
 
@@ -67,9 +68,15 @@ ChannelWeights weights_of(GreyChannel channel) {
   }
 }
 
-/// Of a pixel's channels, rounded by half a unit of the sum.
+/// Of a pixel's channels, rounded by half a unit of the sum. At full scale if a channel is that has
+/// a part in it, since its true level is unknown.
 template <class Sample>
-std::uint32_t weighted_level(const Sample* rgb, const ChannelWeights& weights) {
+std::uint32_t weighted_level(const Sample* rgb, const ChannelWeights& weights,
+                             std::uint32_t full_scale) {
+  for (std::size_t c = 0; c < weights.size(); ++c) {
+    if (weights[c] > 0 && rgb[c] >= full_scale) return full_scale;
+  }
+
   constexpr std::uint32_t half = 1U << 14;
   return (weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2] + half) >> 15;
 }
@@ -77,7 +84,7 @@ std::uint32_t weighted_level(const Sample* rgb, const ChannelWeights& weights) {
 /// Levels of red, green, blue and grey at places spread over a picture; empty of a grey picture.
 using ColourSamples = std::vector<std::array<double, 4>>;
 
-ColourSamples colour_samples(const Picture& picture) {
+ColourSamples colour_samples(const Picture& picture, std::uint32_t full_scale) {
   constexpr int places = 2048;
   const ChannelWeights weights = weights_of(GreyChannel::grey);
   const auto [width, height] = picture.kind.size;
@@ -91,7 +98,7 @@ ColourSamples colour_samples(const Picture& picture) {
             const auto [x, y] = spread_place(i);
             const Sample* const rgb =
                 image.row(static_cast<int>(y * height)) + static_cast<int>(x * width) * channels;
-            const double grey = weighted_level(rgb, weights);
+            const double grey = weighted_level(rgb, weights, full_scale);
             samples.push_back({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]),
                                static_cast<double>(rgb[2]), grey});
           }
@@ -102,15 +109,17 @@ ColourSamples colour_samples(const Picture& picture) {
   return samples;
 }
 
-/// The channel whose levels change from picture to picture clearly more than the grey levels, as
-/// under coloured light; otherwise grey. `bits`: of a sample.
-GreyChannel lit_channel(const std::vector<ColourSamples>& pictures, int bits) {
+/// The channel that measures best: whose levels change most from picture to picture and are not
+/// saturated. A single one must be clearly better than grey, whose noise is that much less: the
+/// root of the sum of its squared weights is 0.67. `bits`: of a sample.
+GreyChannel best_channel(const std::vector<ColourSamples>& pictures, int bits) {
   constexpr double clearly = 1.5;
-  const double least_range = 24.0 / 255 * ((1 << bits) - 1);  // above noise
+  const double full_scale = (1 << bits) - 1;
+  const double least_range = 24.0 / 255 * full_scale;  // above noise
 
   std::array<double, 4> ranges{};
   for (std::size_t place = 0; place < pictures.front().size(); ++place) {
-    std::array<double, 4> range{};
+    std::array<double, 4> range{}, brightest{};
 
     for (std::size_t channel = 0; channel < range.size(); ++channel) {
       double least = pictures.front()[place][channel], greatest = least;
@@ -119,12 +128,13 @@ GreyChannel lit_channel(const std::vector<ColourSamples>& pictures, int bits) {
         greatest = std::max(greatest, picture[place][channel]);
       }
       range[channel] = greatest - least;
+      brightest[channel] = greatest;
     }
 
-    // Dark places have only noise.
+    // Dark places have only noise, and saturated ones no phase.
     if (*std::ranges::max_element(range) < least_range) continue;
     for (std::size_t channel = 0; channel < range.size(); ++channel) {
-      ranges[channel] += range[channel];
+      if (brightest[channel] < full_scale) ranges[channel] += range[channel];
     }
   }
 
@@ -142,16 +152,87 @@ struct ReadFrames {
   std::exception_ptr failure;
 };
 
-/// A grey frame, or the red, green and blue frames of a colour picture. `count`: pictures of the
-/// scan.
-void take_frames(const fs::path& path, std::size_t count, bool in_colour, GreyChannel channel,
+/// How the pictures of a scan are read.
+struct ScanReading {
+  std::size_t count = 0;  ///< of the pictures
+  bool in_colour = false;
+  FrameReading as{};
+  ColourMean* mean = nullptr;  ///< of the pictures that show the colours; null: not wanted
+};
+
+/// The mosaic's grey levels, by the weights of make_grey.
+Picture grey_of_mosaic(Picture raw, int bits) {
+  Frame frame;
+  frame.bits = bits;
+  std::visit(
+      [&]<class Sample>(Image<Sample>& image) {
+        if constexpr (std::is_integral_v<Sample>) frame.pixels = std::move(image);
+      },
+      raw.samples);
+
+  make_grey(frame);
+  std::visit([&](auto& image) { raw.samples = std::move(image); }, frame.pixels);
+  return raw;
+}
+
+/// Red, green and blue of a raw picture.
+Picture in_three_channels(const Picture& raw, const std::string& mosaic) {
+  Picture picture({raw.kind.size, 3, raw.kind.bits});
+  picture.used_bits = raw.used_bits;
+  std::visit(
+      [&]<class Sample>(const Image<Sample>& image) {
+        if constexpr (std::is_integral_v<Sample>) picture.samples = demosaiced(image, mosaic);
+      },
+      raw.samples);
+  return picture;
+}
+
+/// The grey frame of a colour picture, or of a raw one.
+void take_grey(Picture picture, const ScanReading& reading, bool shows_colour, ReadFrames& read) {
+  const auto& [bits, channel, mosaic, of_colour] = reading.as;
+  const int used_bits = bits != 0 ? bits : picture.used_bits;
+  const auto full_scale = static_cast<std::uint32_t>((1 << used_bits) - 1);
+  const bool is_raw = picture.kind.channels == 1;
+
+  // 1. The colours; in a raw picture they are interpolated.
+  const Picture rgb = is_raw ? in_three_channels(picture, mosaic) : std::move(picture);
+  read.samples = colour_samples(rgb, full_scale);
+  if (shows_colour && rgb.kind.channels == 3) {
+    std::visit(
+        [&]<class Sample>(const Image<Sample>& image) {
+          if constexpr (std::is_integral_v<Sample>) reading.mean->add(image);
+        },
+        rgb.samples);
+  }
+
+  // 2. The grey levels.
+  const bool is_grey = channel == GreyChannel::by_light || channel == GreyChannel::grey;
+  if (is_raw && is_grey) {
+    read.frames.push_back(grey_of_mosaic(std::move(picture), used_bits));
+    return;
+  }
+
+  const ChannelWeights weights = weights_of(channel);
+  read.frames.push_back(each_pixel(
+      rgb, [&](const auto* levels) { return weighted_level(levels, weights, full_scale); }));
+}
+
+/// A grey frame, or the red, green and blue frames of a colour picture. `n`: index of the picture.
+void take_frames(const fs::path& path, std::size_t n, const ScanReading& reading,
                  ReadFrames& read) {
+  const std::size_t count = reading.count;
+  const bool in_colour = reading.in_colour;
+  const std::vector<bool>& of_colour = reading.as.of_colour;
   Picture picture = read_picture(path, count);
   const PictureKind kind = picture.kind;
 
   naming(path.string(), [&] {
     throw_if(in_colour && picture.lossy, "a JPEG, which blurs the colours; use PNG, TIFF or BMP");
-    throw_if(in_colour && kind.channels < 3,
+    const bool is_raw = !reading.as.mosaic.empty() && kind.channels == 1;
+    throw_if(is_raw && kind.real(), "real numbers; `mosaic` is for raw pictures of 8 or 16 bits");
+    if (is_raw && in_colour) picture = in_three_channels(picture, reading.as.mosaic);
+
+    throw_if(in_colour && picture.kind.channels < 3,
              "a grey picture; so few pictures must be in colour, with one frame in each channel");
     if (kind.bits == 32) picture = in_double(picture);
 
@@ -159,13 +240,12 @@ void take_frames(const fs::path& path, std::size_t count, bool in_colour, GreyCh
       read.frames.push_back(each_pixel(picture, [&](const auto* rgb) { return rgb[i]; }));
     }
 
-    if (!in_colour && kind.channels > 1) {
-      read.samples = colour_samples(picture);
-      const ChannelWeights weights = weights_of(channel);
-      picture = each_pixel(picture, [&](const auto* rgb) { return weighted_level(rgb, weights); });
+    if (!in_colour && (is_raw || kind.channels > 1)) {
+      const bool shows_colour = reading.mean != nullptr && n < of_colour.size() && of_colour[n];
+      take_grey(std::move(picture), reading, shows_colour, read);
+    } else if (!in_colour) {
+      read.frames.push_back(std::move(picture));
     }
-
-    if (!in_colour) read.frames.push_back(std::move(picture));
 
     require_scan_fits(count, read.frames.size() * read.frames.front().kind.row_bytes() *
                                  static_cast<std::size_t>(kind.size.height));
@@ -215,14 +295,14 @@ FrameSet frame_set_from(std::vector<Picture> frames, int bits) {
 }
 
 /// Reads pictures on all threads.
-std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in_colour,
-                                     GreyChannel channel) {
+std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths,
+                                     const ScanReading& reading) {
   std::vector<ReadFrames> pictures(paths.size());
 
   for_each_row(static_cast<int>(paths.size()), [&](int n) {
     const auto place = static_cast<std::size_t>(n);
     try {
-      take_frames(paths[place], paths.size(), in_colour, channel, pictures[place]);
+      take_frames(paths[place], place, reading, pictures[place]);
     } catch (...) {
       pictures[place].failure = std::current_exception();
     }
@@ -232,8 +312,8 @@ std::vector<ReadFrames> read_at_once(const std::vector<fs::path>& paths, bool in
 }
 
 /// Reads colour pictures again by the channel that the light reaches, and says which became grey.
-void choose_channel(const std::vector<fs::path>& paths, std::vector<ReadFrames>& pictures,
-                    std::vector<std::string>& warnings) {
+void choose_channel(const std::vector<fs::path>& paths, ScanReading reading,
+                    std::vector<ReadFrames>& pictures, std::vector<std::string>& warnings) {
   std::vector<ColourSamples> samples;
   std::size_t first = paths.size();
   for (std::size_t n = 0; n < paths.size(); ++n) {
@@ -248,27 +328,36 @@ void choose_channel(const std::vector<fs::path>& paths, std::vector<ReadFrames>&
                                 : fmt::format("{} and {} more colour pictures",
                                               paths[first].string(), samples.size() - 1);
 
-  const GreyChannel channel = lit_channel(samples, pictures[first].frames.front().kind.bits);
+  const Picture& picture = pictures[first].frames.front();
+  const int bits = reading.as.bits != 0 ? reading.as.bits : picture.used_bits;
+  const GreyChannel channel = best_channel(samples, bits);
   if (channel == GreyChannel::grey) {
-    warnings.push_back(which + ", converted to grey");
+    warnings.push_back(which + ", converted to grey, which measures best");
     return;
   }
 
   warnings.push_back(fmt::format(
       "{}, read by the {} channel, in which the light changes most; `channel` chooses another",
       which, name_of(channel)));
-  pictures = read_at_once(paths, false, channel);
+  reading.as.channel = channel;
+  reading.mean = nullptr;  // known already
+  pictures = read_at_once(paths, reading);
 }
 
 /// Reads all frames, in order; they must have one size and kind.
-LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour,
-                        GreyChannel channel) {
+LoadedFrames read_alike(const std::vector<fs::path>& paths, bool in_colour,
+                        const FrameReading& as) {
+  int bits = as.bits;
+  ColourMean mean;
+  const ScanReading reading{.count = paths.size(), .in_colour = in_colour, .as = as, .mean = &mean};
   LoadedFrames loaded;
   std::vector<Picture> frames;
   int used_bits = 0;
 
-  std::vector<ReadFrames> pictures = read_at_once(paths, in_colour, channel);
-  if (channel == GreyChannel::by_light) choose_channel(paths, pictures, loaded.warnings);
+  std::vector<ReadFrames> pictures = read_at_once(paths, reading);
+  if (as.channel == GreyChannel::by_light) {
+    choose_channel(paths, reading, pictures, loaded.warnings);
+  }
 
   for (std::size_t n = 0; n < paths.size(); ++n) {
     auto& [read, samples, failure] = pictures[n];
@@ -299,6 +388,7 @@ LoadedFrames read_alike(const std::vector<fs::path>& paths, int bits, bool in_co
   }
 
   loaded.frames = frame_set_from(std::move(frames), bits == 0 ? used_bits : bits);
+  loaded.colour = mean.levels(loaded.frames.full_scale());
   return loaded;
 }
 
@@ -317,12 +407,16 @@ GreyChannel grey_channel_named(std::string_view name) {
       fmt::format("channel '{}': expected one of: {}", name, fmt::join(channel_names, ", ")));
 }
 
+LoadedFrames read_frames(const std::vector<fs::path>& paths, const FrameReading& reading) {
+  return read_alike(paths, false, reading);
+}
+
 LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits, GreyChannel channel) {
-  return read_alike(paths, bits, false, channel);
+  return read_alike(paths, false, {.bits = bits, .channel = channel});
 }
 
 FrameSet read_colour_frames(const std::vector<fs::path>& paths, int bits) {
-  return read_alike(paths, bits, true, GreyChannel::by_light).frames;
+  return read_alike(paths, true, {.bits = bits}).frames;
 }
 
 }  // namespace slipstream

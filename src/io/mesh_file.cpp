@@ -23,6 +23,7 @@
 #include "base/throw_if-inl.h"
 #include "io/compressed_pictures.h"
 #include "io/file.h"
+#include "io/glb_file.h"
 #include "io/point_elements.h"
 
 namespace slipstream {
@@ -30,6 +31,13 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
+
+/// Of a vertex, or its intensity as grey.
+Colour colour_of(const Surface& surface, std::size_t vertex) {
+  if (!surface.colour.empty()) return surface.colour[vertex];
+  const std::uint8_t grey = grey_level(surface.intensity[vertex]);
+  return {grey, grey, grey};
+}
 
 std::string ply_file(const Surface& surface) {
   std::string file = fmt::format(
@@ -39,10 +47,9 @@ std::string ply_file(const Surface& surface) {
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
       surface.vertices.size(), ply_intensity, surface.triangles.size());
 
-  // The vertices, with a double intensity and three equal colours.
+  // The vertices, with a double intensity and three colours.
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
-    append_numbers(file, surface.vertices[i], double{surface.intensity[i]});
-    file.append(3, static_cast<char>(grey_level(surface.intensity[i])));
+    append_numbers(file, surface.vertices[i], double{surface.intensity[i]}, colour_of(surface, i));
   }
 
   // The triangles, each with its number of corners.
@@ -79,9 +86,15 @@ std::string obj_file(const Surface& surface, const std::string& materials) {
 
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
     const Eigen::Vector3f& at = surface.vertices[i];
-    const float share = surface.intensity[i] / 255;
+    std::array<float, 3> shares{};
+    shares.fill(surface.intensity[i] / 255);
+    if (!surface.colour.empty()) {
+      const auto [red, green, blue] = surface.colour[i];
+      shares = {red / 255.0F, green / 255.0F, blue / 255.0F};
+    }
+
     fmt::format_to(out, "v {:.6f} {:.6f} {:.6f} {:.5f} {:.5f} {:.5f}\n", at.x(), at.y(), at.z(),
-                   share, share, share);
+                   shares[0], shares[1], shares[2]);
   }
 
   // OBJ measures the texture from the bottom.
@@ -97,208 +110,28 @@ std::string obj_file(const Surface& surface, const std::string& materials) {
   return file;
 }
 
+/// The texture as a PNG, sRGB.
+std::vector<std::uint8_t> texture_of(const Surface& surface) {
+  const Image<Colour>& coloured = surface.colour_picture;
+  if (coloured.empty()) return png_file_of(surface.picture);
+
+  static_assert(sizeof(Colour) == 3);
+  const Size samples{3 * coloured.width(), coloured.height()};
+  const auto* const first = reinterpret_cast<const std::uint8_t*>(coloured.begin());
+  return png_file_of(PictureView(ImageView<const std::uint8_t>(first, samples), 3));
+}
+
 void write_obj(const fs::path& path, const Surface& surface) {
   const std::vector<fs::path> beside = files_beside(path);
   const std::string picture = beside[0].filename().string();
 
   OutputFile texture(beside[0]), materials(beside[1]), object(path);
-  texture.write({png_file_of(surface.picture)});
+  texture.write({texture_of(surface)});
   materials.write(
       {bytes_of(fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", picture))});
   object.write({bytes_of(obj_file(surface, beside[1].filename().string()))});
 
   OutputFile::keep_together({&texture, &materials, &object});
-}
-
-// Constants of glTF 2.0.
-constexpr std::uint32_t glb_magic = 0x46546C67, version = 2;
-constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
-constexpr int float32 = 5126, uint32 = 5125;
-constexpr int vertex_buffer = 34962, index_buffer = 34963;
-constexpr int linear = 9729, clamped = 33071;
-constexpr std::size_t glb_header = 12, chunk_header = 8;
-
-/// From mm, y down and z forward, to metres, y up and z towards the camera.
-Eigen::Vector3f to_gltf(const Eigen::Vector3f& point) {
-  return Eigen::Vector3f(point.x(), -point.y(), -point.z()) / 1000;
-}
-
-/// The binary part of the file, and its buffer views.
-struct Binary {
-  std::string bytes;
-  json views = json::array();
-
-  /// Returns the number of the view.
-  std::size_t append(const void* data, std::size_t size, int target = 0) {
-    views.push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", size}});
-    if (target != 0) views.back()["target"] = target;
-
-    // glTF requires views that begin at a multiple of four bytes.
-    bytes.append(static_cast<const char*>(data), size);
-    bytes.resize((bytes.size() + 3) / 4 * 4);
-
-    return views.size() - 1;
-  }
-
-  template <class Element>
-  json accessor(const std::vector<Element>& elements, const char* type, int component, int target) {
-    return {{"bufferView", append(elements.data(), sizeof(Element) * elements.size(), target)},
-            {"componentType", component},
-            {"count", elements.size() * (target == index_buffer ? 3 : 1)},
-            {"type", type}};
-  }
-};
-
-json positions_of(const Surface& surface, Binary& binary) {
-  std::vector<Eigen::Vector3f> positions(surface.vertices.size());
-  std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(), to_gltf);
-
-  // glTF requires the bounds of positions.
-  Eigen::AlignedBox3f bounds;
-  for (const Eigen::Vector3f& position : positions) bounds.extend(position);
-
-  json accessor = binary.accessor(positions, "VEC3", float32, vertex_buffer);
-  accessor["min"] = {bounds.min().x(), bounds.min().y(), bounds.min().z()};
-  accessor["max"] = {bounds.max().x(), bounds.max().y(), bounds.max().z()};
-  return accessor;
-}
-
-json document_of(const Surface& surface, Binary& binary) {
-  // 1. The numbers, in the order in which the mesh below refers to them: 0 to 3.
-  const json accessors{
-      positions_of(surface, binary),
-      binary.accessor(surface.texture, "VEC2", float32, vertex_buffer),
-      binary.accessor(surface.intensity, "SCALAR", float32, vertex_buffer),
-      binary.accessor(surface.triangles, "SCALAR", uint32, index_buffer),
-  };
-
-  // 2. The texture, as a PNG.
-  const std::vector<std::uint8_t> picture = png_file_of(surface.picture);
-  const std::size_t picture_view = binary.append(picture.data(), picture.size());
-
-  // 3. The scene of one mesh. A rough surface without metal shows the texture as it is.
-  return {
-      {"asset", {{"version", "2.0"}, {"generator", "slipstream"}}},
-      {"scene", 0},
-      {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}}}},
-      {"meshes",
-       {{{"primitives",
-          {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_0", 1}, {"_INTENSITY", 2}}},
-            {"indices", 3},
-            {"material", 0}}}}}}},
-      {"materials",
-       {{{"doubleSided", true},
-         {"pbrMetallicRoughness",
-          {{"baseColorTexture", {{"index", 0}}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}}}}},
-      {"textures", {{{"source", 0}, {"sampler", 0}}}},
-      {"samplers",
-       {{{"magFilter", linear}, {"minFilter", linear}, {"wrapS", clamped}, {"wrapT", clamped}}}},
-      {"images", {{{"bufferView", picture_view}, {"mimeType", "image/png"}}}},
-      {"accessors", accessors},
-      {"bufferViews", binary.views},
-      {"buffers", {{{"byteLength", binary.bytes.size()}}}},
-  };
-}
-
-/// `size` bytes from `offset`. Throws Error if they are out of range.
-std::span<const std::uint8_t> part(std::span<const std::uint8_t> bytes, std::size_t offset,
-                                   std::size_t size) {
-  if (offset > bytes.size() || size > bytes.size() - offset) throw Error("it is truncated");
-  return bytes.subspan(offset, size);
-}
-
-std::uint32_t count_at(std::span<const std::uint8_t> bytes, std::size_t offset) {
-  return number_at<std::uint32_t>(part(bytes, offset, sizeof(std::uint32_t)), 0);
-}
-
-std::size_t count_of(const json& number) {
-  if (!number.is_number_unsigned()) throw Error("a count is not a number");
-  return number.get<std::size_t>();
-}
-
-/// The chunk at `offset`, which must be of this kind.
-std::span<const std::uint8_t> chunk(std::span<const std::uint8_t> bytes, std::size_t offset,
-                                    std::uint32_t kind) {
-  if (count_at(bytes, offset + 4) != kind) throw Error("a chunk has an unexpected type");
-  return part(bytes, offset + 8, count_at(bytes, offset));
-}
-
-/// The numbers of an accessor, `components` for each element.
-template <std::size_t components>
-std::vector<std::array<float, components>> numbers_of(const json& document, const json& accessor_at,
-                                                      std::span<const std::uint8_t> binary) {
-  const json& accessor = document.at("accessors").at(count_of(accessor_at));
-  const json& view = document.at("bufferViews").at(count_of(accessor.at("bufferView")));
-
-  throw_if(accessor.at("componentType") != float32 || view.contains("byteStride"),
-           "its vertices are not contiguous 32-bit float");
-
-  // The count is checked against the file before memory is allocated.
-  std::vector<std::array<float, components>> numbers;
-  const std::size_t count = count_of(accessor.at("count"));
-  if (count > binary.size() / sizeof(numbers[0])) throw Error("it is truncated");
-  numbers.resize(count);
-
-  const auto offset_in = [](const json& of) { return count_of(of.value("byteOffset", json(0U))); };
-  const auto of_view = part(binary, offset_in(view), count_of(view.at("byteLength")));
-  const auto bytes = part(of_view, offset_in(accessor), count * sizeof(numbers[0]));
-
-  if (count > 0) std::memcpy(numbers.data(), bytes.data(), bytes.size());
-  return numbers;
-}
-
-StoredPoints points_in(const json& document, std::span<const std::uint8_t> binary) {
-  StoredPoints stored;
-  std::set<std::size_t> taken;
-
-  for (const json& mesh : document.at("meshes")) {
-    for (const json& primitive : mesh.at("primitives")) {
-      // Primitives may share their vertices, which are taken once.
-      const json& attributes = primitive.at("attributes");
-      const json& vertices = attributes.at("POSITION");
-      if (!taken.insert(count_of(vertices)).second) continue;
-
-      const auto positions = numbers_of<3>(document, vertices, binary);
-      std::vector<std::array<float, 1>> intensity(positions.size());
-      if (attributes.contains("_INTENSITY")) {
-        intensity = numbers_of<1>(document, attributes["_INTENSITY"], binary);
-      }
-      throw_if(intensity.size() != positions.size(),
-               "a primitive has {} vertices, but {} intensities", positions.size(),
-               intensity.size());
-
-      // Vertices of their own take at least their bytes in the file.
-      const std::size_t count = stored.points.size() + positions.size();
-      throw_if(count > binary.size() / sizeof(positions[0]),
-               "its vertices overlap; they are more than its {} bytes hold", binary.size());
-
-      for (std::size_t i = 0; i < positions.size(); ++i) {
-        const auto& [x, y, z] = positions[i];
-        // The reverse of to_gltf.
-        stored.points.push_back({1000.0 * x, -1000.0 * y, -1000.0 * z, intensity[i][0]});
-      }
-    }
-  }
-
-  return stored;
-}
-
-std::string glb_file(const Surface& surface) {
-  // Chunks are padded to four bytes: the text with blanks, the numbers with zeros.
-  Binary binary;
-  std::string text = document_of(surface, binary).dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-
-  std::string file;
-  const auto size_of = [](std::size_t bytes) { return static_cast<std::uint32_t>(bytes); };
-  append_numbers(file, glb_magic, version,
-                 size_of(glb_header + 2 * chunk_header + text.size() + binary.bytes.size()),
-                 size_of(text.size()), json_chunk);
-
-  file += text;
-  append_numbers(file, size_of(binary.bytes.size()), binary_chunk);
-  return file + binary.bytes;
 }
 
 /// The number of the vertex at a corner of an OBJ face, such as 7 of "7/3/2".
@@ -398,8 +231,12 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
     point.x = at[i];
     point.y = at[i + 1];
     point.z = at[i + 2];
-    if (coloured) point.intensity = 255 * luminance(colours[i], colours[i + 1], colours[i + 2]);
+    if (coloured) {
+      point.colour = {255 * colours[i], 255 * colours[i + 1], 255 * colours[i + 2]};
+      point.intensity = 255 * luminance(colours[i], colours[i + 1], colours[i + 2]);
+    }
   }
+  stored.has_colour = any_colour(stored.points);
 
   for (const tinyobj::shape_t& shape : shapes) {
     const auto& corners = shape.mesh.indices;
@@ -410,19 +247,6 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
   }
 
   return stored;
-}
-
-StoredPoints glb_points(std::span<const std::uint8_t> bytes) {
-  throw_if(count_at(bytes, 0) != glb_magic || count_at(bytes, 4) != version,
-           "it is not binary glTF 2.0");
-
-  const auto text = chunk(bytes, glb_header, json_chunk);
-  try {
-    return points_in(json::parse(text.begin(), text.end()),
-                     chunk(bytes, glb_header + chunk_header + text.size(), binary_chunk));
-  } catch (const json::exception&) {
-    throw Error("its JSON does not describe a mesh");
-  }
 }
 
 void require_mesh_ending(const fs::path& path) {

@@ -16,6 +16,5 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes);
 StoredPoints obj_points(std::span<const std::uint8_t> bytes);
 
 /// The vertices of a binary glTF 2.0 file, in the camera's frame.
-StoredPoints glb_points(std::span<const std::uint8_t> bytes);
 
 }  // namespace slipstream

@@ -1,5 +1,7 @@
 #include "io/photometry_entries.h"
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -17,6 +19,7 @@ constexpr const char* error_entry = "gamma_standard_error";
 constexpr const char* values_entry = "response_values";
 constexpr const char* light_entry = "response_light";
 constexpr const char* mixture_entry = "colour_mixture";
+constexpr const char* balance_entry = "white_balance";
 
 std::optional<double> number(const StoredEntries& entries, const char* name) {
   const auto found = entries.find(name);
@@ -59,6 +62,17 @@ std::optional<ColourMixture> mixture_of(const StoredEntries& entries) {
   return mixture;
 }
 
+std::optional<std::array<double, 3>> balance_of(const StoredEntries& entries) {
+  const auto found = entries.find(balance_entry);
+  if (found == entries.end()) return std::nullopt;
+
+  const std::vector<double>& numbers = found->second.numbers;
+  const auto is_factor = [](double number) { return number >= 0.01 && number <= 100; };
+  throw_if(numbers.size() != 3 || !std::ranges::all_of(numbers, is_factor),
+           "{} is not three factors of 0.01 to 100", balance_entry);
+  return std::array{numbers[0], numbers[1], numbers[2]};
+}
+
 StoredMatrix row_of(std::vector<double> numbers) {
   return {1, static_cast<int>(numbers.size()), std::move(numbers)};
 }
@@ -67,7 +81,8 @@ StoredMatrix row_of(std::vector<double> numbers) {
 
 PhotometricCalibration photometric_calibration_of(const StoredEntries& entries) {
   PhotometricCalibration read{.response = response_of(entries),
-                              .colour_mixture = mixture_of(entries)};
+                              .colour_mixture = mixture_of(entries),
+                              .white_balance = balance_of(entries)};
 
   PhotometricCalibration::for_each_setting(read, [&](const Setting& setting, auto& value) {
     if (const auto stored = number(entries, setting.name)) value = *stored;
@@ -93,6 +108,10 @@ StoredEntries entries_of(const PhotometricCalibration& calibration) {
     for (const auto& row : *mixture) {
       stored.numbers.insert(stored.numbers.end(), row.begin(), row.end());
     }
+  }
+
+  if (const auto& balance = calibration.white_balance) {
+    entries[balance_entry] = row_of({balance->begin(), balance->end()});
   }
 
   if (!calibration.response) return entries;

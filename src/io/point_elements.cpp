@@ -36,19 +36,20 @@ constexpr std::array<double, 3> weights{0.299, 0.587, 0.114};
 struct Target {
   double StoredPoint::*field = nullptr;
   double share = 1;
-  bool packed = false;  ///< a colour in three bytes, blue lowest; its luminance is added
+  bool packed = false;          ///< a colour in three bytes, blue lowest; its luminance is added
+  std::optional<int> colour{};  ///< of red, green and blue
 };
 
 /// In text, a packed colour is an integer or a float with the same bytes; those are below 1e-37 or
 /// above 1e38.
-double luminance_of_packed(double number) {
+std::array<float, 3> unpacked(double number) {
   const double size = std::abs(number);
   const auto rgb = size >= 1 && size < 0x1p32
                        ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number))
                        : std::bit_cast<std::uint32_t>(static_cast<float>(number));
 
-  return weights[0] * (rgb >> 16 & 255U) + weights[1] * (rgb >> 8 & 255U) +
-         weights[2] * (rgb & 255U);
+  const auto byte = [rgb](unsigned shift) { return static_cast<float>(rgb >> shift & 255U); };
+  return {byte(16), byte(8), byte(0)};
 }
 
 Target target_of(const PointProperty& property) {
@@ -58,9 +59,9 @@ Target target_of(const PointProperty& property) {
       {"z", {&StoredPoint::z}},
       {"intensity", {&StoredPoint::intensity}},
       {"scalar_intensity", {&StoredPoint::intensity}},
-      {"red", {&StoredPoint::intensity, weights[0]}},
-      {"green", {&StoredPoint::intensity, weights[1]}},
-      {"blue", {&StoredPoint::intensity, weights[2]}},
+      {"red", {&StoredPoint::intensity, weights[0], false, 0}},
+      {"green", {&StoredPoint::intensity, weights[1], false, 1}},
+      {"blue", {&StoredPoint::intensity, weights[2], false, 2}},
       {"rgb", {&StoredPoint::intensity, 0, true}},
       {"rgba", {&StoredPoint::intensity, 0, true}},
       {"sigma_coordinate", {&StoredPoint::sigma_coordinate}},
@@ -74,6 +75,11 @@ Target target_of(const PointProperty& property) {
   return found == targets.end() || !one ? Target{} : found->second;
 }
 
+/// Colours have a share below 1.
+bool is_intensity(const Target& target) {
+  return target.field == &StoredPoint::intensity && target.share == 1;
+}
+
 /// The targets of an element's properties; an intensity overrides colours.
 std::vector<Target> targets_of(const PointElement& element) {
   std::vector<Target> targets;
@@ -81,14 +87,11 @@ std::vector<Target> targets_of(const PointElement& element) {
 
   for (const PointProperty& property : element.properties) {
     targets.push_back(target_of(property));
-
-    // Colours have a share below 1.
-    const Target& target = targets.back();
-    has_intensity |= target.field == &StoredPoint::intensity && target.share == 1;
+    has_intensity |= is_intensity(targets.back());
   }
 
   for (Target& target : targets) {
-    if (has_intensity && target.share != 1) target = {};
+    if (has_intensity && target.share != 1) target.field = nullptr;
   }
 
   return targets;
@@ -98,8 +101,7 @@ std::vector<Target> targets_of(const PointElement& element) {
 bool has_real_colours(const PointElement& element, const std::vector<Target>& targets) {
   bool any = false;
   for (std::size_t k = 0; k < targets.size(); ++k) {
-    const bool is_colour = targets[k].field == &StoredPoint::intensity && targets[k].share < 1;
-    if (!is_colour) continue;
+    if (!targets[k].colour && !targets[k].packed) continue;
 
     const NumberType type = element.properties[k].type;
     const bool is_real = type == NumberType::float32 || type == NumberType::float64;
@@ -109,15 +111,19 @@ bool has_real_colours(const PointElement& element, const std::vector<Target>& ta
   return any;
 }
 
-/// Brings colours from 0 to 1 to grey levels of 255. Points without a colour, NaN, stay.
-void scale_colours(std::vector<StoredPoint>& points) {
-  constexpr double full_scale = 255, rounding = 1e-6;
-  const auto is_no_share = [](const StoredPoint& point) {
-    return point.intensity < 0 || point.intensity > 1 + rounding;
-  };
-  if (std::ranges::any_of(points, is_no_share)) return;
+/// Brings colours from 0 to 1 to grey levels of 255, and the intensity if it is their luminance.
+/// Points without a colour, NaN, stay.
+void scale_colours(std::vector<StoredPoint>& points, bool has_intensity) {
+  constexpr float full_scale = 255, rounding = 1e-6F;
+  const auto is_no_share = [](float level) { return level < 0 || level > 1 + rounding; };
+  for (const StoredPoint& point : points) {
+    if (std::ranges::any_of(point.colour, is_no_share)) return;
+  }
 
-  for (StoredPoint& point : points) point.intensity *= full_scale;
+  for (StoredPoint& point : points) {
+    for (float& level : point.colour) level *= full_scale;
+    if (!has_intensity) point.intensity *= full_scale;
+  }
 }
 
 /// -1 if not an index.
@@ -135,6 +141,13 @@ std::string usual_name(std::string name) {
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto initial = initials.find(name);
   return initial == initials.end() ? name : initial->second;
+}
+
+bool any_colour(const std::vector<StoredPoint>& points) {
+  return std::ranges::any_of(points, [](const StoredPoint& point) {
+    const auto& [red, green, blue] = point.colour;
+    return red != green || green != blue;
+  });
 }
 
 double luminance(double red, double green, double blue) {
@@ -175,8 +188,13 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
     StoredPoint point;
     for (std::size_t k = 0; k < targets.size(); ++k) {
       const std::vector<double> numbers = read_property(element.properties[k], reader);
-      if (const auto [field, share, packed] = targets[k]; field != nullptr) {
-        point.*field += packed ? luminance_of_packed(numbers[0]) : share * numbers[0];
+      const auto& [field, share, packed, colour] = targets[k];
+      if (colour) point.colour[static_cast<std::size_t>(*colour)] = static_cast<float>(numbers[0]);
+      if (packed) point.colour = unpacked(numbers[0]);
+
+      if (field != nullptr) {
+        const auto& [red, green, blue] = point.colour;
+        point.*field += packed ? luminance(red, green, blue) : share * numbers[0];
       }
 
       const std::string& name = element.properties[k].name;
@@ -190,8 +208,12 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
     if (vertices) stored.points.push_back(point);
   }
 
-  if (vertices && has_real_colours(element, targets)) scale_colours(stored.points);
-  stored.has_sigma |= vertices && !lacks(&StoredPoint::sigma_z);
+  if (!vertices) return;
+  if (has_real_colours(element, targets)) {
+    scale_colours(stored.points, std::ranges::any_of(targets, is_intensity));
+  }
+  stored.has_colour = any_colour(stored.points);
+  stored.has_sigma |= !lacks(&StoredPoint::sigma_z);
 }
 
 }  // namespace slipstream

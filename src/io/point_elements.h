@@ -18,8 +18,17 @@
 // without a file name, if the data are malformed or truncated.
 namespace slipstream {
 
+/// Whether red, green and blue differ in some point.
+bool any_colour(const std::vector<StoredPoint>& points);
+
 /// Luminance of red, green and blue by ITU-R BT.601, in their unit.
 double luminance(double red, double green, double blue);
+
+/// The bits 0, red, green and blue, from the highest, as a float: the convention of PCL and ROS.
+inline float packed_colour(Colour colour) {
+  return std::bit_cast<float>(std::uint32_t{colour.red} << 16U | std::uint32_t{colour.green} << 8U |
+                              colour.blue);
+}
 
 /// A property by the name that slipstream gives it: "R" and "red" are red.
 std::string usual_name(std::string name);

@@ -190,6 +190,7 @@ void ReplaySource::open_folder(const fs::path& folder) {
                                         folder.string(), name_of(scan.sequence.axis)));
   }
 
+  colour_ = std::move(scan.colour);
   frames_ = frames_of(scan.frames, folder.string());
   count_ = frames_.size();
 
@@ -208,6 +209,7 @@ void ReplaySource::open_pictures(const ScanFiles& files) {
   pictures_ = files.frames;
   bits_ = files.bits;
   channel_ = files.channel;
+  mosaic_ = files.mosaic;
   count_ = pictures_.size();
 
   header_.sequence = files.sequence;
@@ -270,7 +272,8 @@ bool ReplaySource::read(std::uint64_t index, Frame& frame) const {
     const auto cycle = static_cast<std::uint64_t>(cycle_length(*header_.sequence));
 
     try {
-      frame = frames_of(read_frames({pictures_[index]}, bits_, channel_).frames, "").front();
+      const FrameReading reading{.bits = bits_, .channel = channel_, .mosaic = mosaic_};
+      frame = frames_of(read_frames({pictures_[index]}, reading).frames, "").front();
     } catch (const Error&) {
       return false;
     }

@@ -38,6 +38,9 @@ class ReplaySource : public FrameSource {
   /// Format, strategy and scanner of the recording or folder.
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
 
+  /// Of a folder of one cycle, see Scan::colour; otherwise empty.
+  [[nodiscard]] const Image<Colour>& colour() const { return colour_; }
+
   /// "PATH: was interrupted; ..." if the recording is incomplete; otherwise empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
@@ -78,6 +81,8 @@ class ReplaySource : public FrameSource {
   std::vector<std::filesystem::path> pictures_;  ///< of a folder of more, read when due
   int bits_ = 0;                                 ///< of these
   GreyChannel channel_ = GreyChannel::by_light;  ///< of these, if in colour
+  std::string mosaic_;                           ///< of these, if raw
+  Image<Colour> colour_;
   std::uint64_t count_ = 0;
 
   /// Increments of the stamps from one round to the next.

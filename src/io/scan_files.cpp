@@ -13,6 +13,7 @@
 #include "io/file_names.h"
 #include "io/image_file.h"
 #include "io/matrix_files.h"
+#include "io/scan_colour.h"
 #include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "io/scan_scanner.h"
@@ -75,8 +76,9 @@ FrameSet white_of(const ScanFiles& files) {
   return files.white ? read_colour_frames({*files.white}) : FrameSet();
 }
 
-/// The frames as captured; grey pictures in pattern order.
-Scan taken_scan(const ScanFiles& files) {
+/// The frames as captured; grey pictures in pattern order. `colour` receives the mean of the frames
+/// that show the colours, if they are in colour; null: not wanted.
+Scan taken_scan(const ScanFiles& files, Image<ColourLevels>* colour) {
   Scan scan{.sequence = files.sequence};
   if (files.recording) {
     scan.frames = recorded_frames(files);
@@ -91,10 +93,13 @@ Scan taken_scan(const ScanFiles& files) {
 
   // Grey pictures; the order may leave out some of the folder's.
   const std::string what = files.sequence.strategy.name() + " with these steps and exposures";
-  LoadedFrames loaded = read_frames(pattern_pictures(files, frame_count(files.sequence), what),
-                                    files.bits, files.channel);
+  FrameReading reading{.bits = files.bits, .channel = files.channel, .mosaic = files.mosaic};
+  if (colour != nullptr) reading.of_colour = frames_of_colour(files.sequence);
+  LoadedFrames loaded =
+      read_frames(pattern_pictures(files, frame_count(files.sequence), what), reading);
 
   scan.frames = std::move(loaded.frames);
+  if (colour != nullptr) *colour = std::move(loaded.colour);
   scan.warnings = std::move(loaded.warnings);
 
   // A code of black and white tolerates JPEG; the phase of sinusoids does not.
@@ -108,18 +113,24 @@ Scan taken_scan(const ScanFiles& files) {
   return scan;
 }
 
-/// The frames in pattern order; separates colour channels with `mixture`, if known.
-Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixture) {
-  Scan scan = taken_scan(files);
+/// The frames in pattern order; separates colour channels with the mixture, if known. Colours of
+/// the points are read if they are wanted.
+Scan read_scan(const ScanFiles& files, const PhotometricCalibration& known, bool wants_colour) {
+  const std::optional<ColourMixture>& mixture = known.colour_mixture;
+  Image<ColourLevels> levels;
+  Scan scan = taken_scan(files, wants_colour ? &levels : nullptr);
+  FrameSet white;
 
   // Separates the projector's primaries, which the camera's channels mix.
   if (is_in_colour(files)) {
-    const FrameSet white = white_of(files);
+    white = white_of(files);
     if (mixture) scan.frames = unmixed(scan.frames, *mixture, white);
 
     const std::string doubt = doubt_about_colours(mixture.has_value(), white.count() != 0);
     if (!doubt.empty()) scan.warnings.push_back(doubt);
   }
+
+  if (wants_colour) add_colour(scan, files, white, std::move(levels), known.white_balance);
 
   // taken_scan has already put grey pictures in order.
   scan.order = files.order;
@@ -279,17 +290,16 @@ bool is_in_colour(const ScanFiles& files) {
 }
 
 Scan load_frames(const ScanFiles& files) {
-  std::optional<ColourMixture> mixture;
-  if (files.scanner && is_in_colour(files)) {
-    mixture = read_photometric_calibration(*files.scanner).colour_mixture;
-  }
+  PhotometricCalibration known;
+  if (files.scanner && is_in_colour(files)) known = read_photometric_calibration(*files.scanner);
 
-  return merged(read_scan(files, mixture));
+  return merged(read_scan(files, known, false));
 }
 
 Scan load_scan(const ScanFiles& files) {
   std::optional<Scanner> scanner = scanner_of(files);
-  Scan scan = merged(read_scan(files, scanner ? scanner->photometry.colour_mixture : std::nullopt));
+  const PhotometricCalibration known = scanner ? scanner->photometry : PhotometricCalibration();
+  Scan scan = merged(read_scan(files, known, true));
 
   add_scanner(scan, std::move(scanner), files);
   add_guard(scan, files);
@@ -302,9 +312,11 @@ Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
            "together",
            files.path.string());
 
-  Scan scan = taken_scan(files);
+  Scan scan = taken_scan(files, nullptr);
   white = white_of(files);
   add_scanner(scan, scanner_of(files), files);
+  add_colour(scan, files, white, {},
+             scan.scanner ? scan.scanner->photometry.white_balance : std::nullopt);
   return scan;
 }
 
@@ -446,6 +458,7 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   }
 
   if (scan.white) files.push_back(*scan.white);
+  files.insert(files.end(), scan.colour.begin(), scan.colour.end());
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
   if (scan.scanner) {
     const bool is_of_matrices = has_matrices(*scan.scanner);

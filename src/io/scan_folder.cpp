@@ -15,6 +15,7 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "frames/mosaic.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/unique_keys.h"
@@ -184,7 +185,7 @@ Sequence read_sequence(const YamlMap& map) {
 
 ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
-                          "scanner", "white", "second_camera", "guard"});
+                          "scanner", "white", "colour", "mosaic", "second_camera", "guard"});
 
   // Read only to refuse other versions of the file's layout.
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
@@ -196,6 +197,13 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   for (const std::string& frame : map.list<std::string>("frames", "files", "a name")) {
     scan.frames.push_back(folder / frame);
   }
+
+  for (const std::string& picture : map.list<std::string>("colour", "pictures", "a name")) {
+    scan.colour.push_back(folder / picture);
+  }
+  throw_if(scan.colour.size() > 3 || scan.colour.size() == 2,
+           "colour: expected one picture in colour, or three in red, green and blue light");
+  if (map.has("mosaic")) scan.mosaic = mosaic_named(map.value<std::string>("mosaic", "a word"));
 
   for (const auto& [key, wanted, file] : named_files) {
     if (!map.has(key)) continue;
@@ -325,6 +333,13 @@ void put_files(YAML::Emitter& yaml, const ScanFiles& scan, const fs::path& folde
     yaml << YAML::EndSeq;
   }
 
+  if (!scan.mosaic.empty()) put_value(yaml, "mosaic", scan.mosaic);
+  if (!scan.colour.empty()) {
+    std::vector<std::string> names;
+    for (const fs::path& picture : scan.colour) names.push_back(name_of(picture));
+    put_value(yaml, "colour", YAML::Flow, names);
+  }
+
   for (const auto& [key, wanted, file] : named_files) {
     if (scan.*file) put_value(yaml, key, name_of(*(scan.*file)));
   }
@@ -409,6 +424,8 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
            "`camera_bits {}` is out of range; expected 8 to 16", files.bits);
 
   files.channel = changes.channel.value_or(files.channel);
+  if (!changes.mosaic.empty()) files.mosaic = mosaic_named(changes.mosaic);
+  if (changes.grey_patch) files.grey_patch = changes.grey_patch;
   if (changes.scanner) files.scanner = changes.scanner;
   if (changes.camera_region) files.camera_region = changes.camera_region;
   if (changes.second_camera) files.second_camera = changes.second_camera;

@@ -123,7 +123,8 @@ EngineSetup of_one_camera(EngineSetup setup) {
 WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
     : whole(setup),
       sequence(std::make_shared<const Sequence>(setup.sequence)),
-      check(settings.check) {
+      check(settings.check),
+      colour(settings.colour) {
   const bool paired = settings.second_camera.has_value();
   engines.emplace_back(paired ? of_one_camera(setup) : setup);
   if (!check) check = live_check(engines.front().setup());
@@ -149,6 +150,12 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
 }
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
+  const ValidityCounts removed = reconstruct_points(window);
+  if (window.cloud.z.size() == colour.size()) window.cloud.colour = colour;
+  return removed;
+}
+
+ValidityCounts WindowEngine::reconstruct_points(LiveCloud& window) {
   if (match) return match_cameras(window);
 
   used = &engines[static_cast<std::size_t>(window.first_pattern)];

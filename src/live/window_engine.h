@@ -59,6 +59,8 @@ struct WindowEngine {
   /// Sets the window's cloud (empty without a scanner) and `motion`; returns the points that
   /// cleaning removed.
   ValidityCounts reconstruct(LiveCloud& window);
+  /// The same without colours.
+  ValidityCounts reconstruct_points(LiveCloud& window);
   /// Whether to check the window: once per cycle, when its last pattern has arrived.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);
@@ -76,6 +78,7 @@ struct WindowEngine {
   std::optional<PhaseMatcher> match;  ///< with a second camera
   PhaseMatcher::Result matched;       ///< its newest result, without the cloud
   std::function<std::vector<Finding>(const FrameViews&)> check;
+  Image<Colour> colour;                 ///< of the points; empty if unknown
   std::optional<std::uint64_t> looked;  ///< sequence number of the newest frame checked
   std::shared_ptr<Pool<Frame>> frames;  ///< pool of the windows' frames
 };

@@ -20,6 +20,7 @@
 #include "publish/mcap.h"
 #include "publish/ros2_sink.h"
 #include "publish/sink_kind.h"
+#include "publish/tcp_sink.h"
 #include "publish/web_sink.h"
 
 namespace slipstream {
@@ -37,7 +38,7 @@ const SinkKind ros2_sink{
 
 namespace {
 
-constexpr std::array kinds{&web_sink, &mcap_sink, &ros2_sink, &genicam_sink};
+constexpr std::array kinds{&web_sink, &mcap_sink, &ros2_sink, &genicam_sink, &tcp_sink};
 
 /// The kind of sink and the text after the colon.
 std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {

@@ -53,8 +53,8 @@ const points = () => points.made ??= program(`
     gl_Position = view * vec4(here, 1.0);
     gl_PointSize = clamp(size * z / gl_Position.w, 1.0, 40.0);
     float far = clamp((z - depth.z) / depth.w, 0.0, 1.0);
-    float grey = clamp((texelFetch(greys, at, 0).r - tone.x) * tone.y, 0.0, 1.0);
-    colour = inColours ? texture(palette, vec2(far, 0.5)).rgb * (0.6 + 0.4 * grey) : vec3(grey);
+    vec3 grey = clamp((texelFetch(greys, at, 0).rgb - tone.x) * tone.y, 0.0, 1.0);
+    colour = inColours ? texture(palette, vec2(far, 0.5)).rgb * (0.6 + 0.4 * grey.g) : grey;
     colour *= shade;
   }`, 'in vec3 colour; out vec4 shown; void main() { shown = vec4(colour, 1.0); }');
 const pictures = () => pictures.made ??= program(`
@@ -65,9 +65,11 @@ const pictures = () => pictures.made ??= program(`
   }`, `uniform sampler2D greys; uniform bool isPhase; uniform vec3 ground; uniform vec2 tone;
   in vec2 place; out vec4 shown;
   void main() {
-    float level = texture(greys, place).r, turn = 6.0 * (level - 1.0 / 255.0);
+    vec3 levels = texture(greys, place).rgb;
+    float level = levels.r, turn = 6.0 * (level - 1.0 / 255.0);
     vec3 hue = clamp(abs(mod(turn + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0);
-    shown = vec4(!isPhase ? vec3(clamp((level - tone.x) * tone.y, 0.0, 1.0)) : level == 0.0 ? ground : hue, 1.0);
+    vec3 picture = clamp((levels - tone.x) * tone.y, 0.0, 1.0);
+    shown = vec4(!isPhase ? picture : level == 0.0 ? ground : hue, 1.0);
   }`);
 
 // Called once the first cloud is visible, as the page freezes until WebGL answers. Drawing on the
@@ -95,13 +97,17 @@ function texture(unit, inner, width, height, format, type, data) {
 }
 
 function take(message) {
-  const [width, height, hasDepth, count] = new Int32Array(message, 0, 4);
+  const [width, height, contents, count] = new Int32Array(message, 0, 4);
+  const hasDepth = contents & 1, hasColour = contents & 2;
   const [nearest, step] = new Float32Array(message, 16, 2), all = width * height;
   cloud = { width, height, hasDepth, count, nearest, step,
             depths: new Uint16Array(message, 24, all),
             greys: new Uint8Array(message, 24 + 2 * all, all),
-            phases: new Uint8Array(message, 24 + 3 * all) };
-  tone = toneOf(cloud.greys);
+            colours: hasColour ? new Uint8Array(message, 24 + 3 * all, 3 * all) : null,
+            phases: new Uint8Array(message, 24 + (hasColour ? 6 : 3) * all) };
+  tone = hasColour ? [0, 1] : toneOf(cloud.greys);  // colours are shown as they are
+  tints = hasColour ? tintsOf(cloud.colours) : null;
+  at('grey').textContent = hasColour ? 'Colour' : 'Grey';
   greyColours.forEach((_, n) => {
     greyColours[n] = opaque(Array(3).fill(Math.max(0, Math.min(255, (n - tone[0]) * tone[1]))));
   });
@@ -217,14 +223,19 @@ function drawFast(ground, asPicture, isPhase, inColours) {
   gl.clearColor(...behind, 1);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   if (!cloud) return;
-  const { width, height, depths, greys, phases } = cloud;
+  const { width, height, depths, greys, colours, phases } = cloud;
   if (!asPicture) {
     texture(0, gl.R16UI, width, height, gl.RED_INTEGER, gl.UNSIGNED_SHORT, depths);
     if (raysOnCard !== rays) texture(1, gl.RG32F, width, height, gl.RG, gl.FLOAT, rays);
     raysOnCard = rays;
     texture(3, gl.RGB8, 256, 1, gl.RGB, gl.UNSIGNED_BYTE, palette);
   }
-  texture(2, gl.R8, width, height, gl.RED, gl.UNSIGNED_BYTE, isPhase ? phases : greys);
+  if (colours && !isPhase) {
+    texture(2, gl.RGB8, width, height, gl.RGB, gl.UNSIGNED_BYTE, colours);
+  } else {  // the same level in red, green and blue
+    const levels = isPhase ? phases : greys;
+    texture(2, gl.LUMINANCE, width, height, gl.LUMINANCE, gl.UNSIGNED_BYTE, levels);
+  }
   const used = (asPicture ? pictures : points)();
   const set = (kind, name, ...values) => gl[kind](gl.getUniformLocation(used, name), ...values);
   if (!draws++ && !gl.getProgramParameter(used, gl.LINK_STATUS)) say(gl.getProgramInfoLog(used));
@@ -258,7 +269,9 @@ const opaque = ([red, green, blue]) => 0xff000000 | blue << 16 | green << 8 | re
 // Red, green and blue, as in the shaders.
 const hue = turn => [0, 4, 2].map(
     part => 255 * Math.max(0, Math.min(1, Math.abs((6 * turn + part) % 6 - 3) - 1)));
-let tone = [0, 1];
+let tone = [0, 1], tints = null;  // the pixels' colours, if known
+const tintsOf = colours => Uint32Array.from(
+    { length: colours.length / 3 }, (_, n) => opaque(colours.subarray(3 * n, 3 * n + 3)));
 const greyColours = new Uint32Array(256);
 const phaseColours = Uint32Array.from({ length: 256 }, (_, n) => opaque(hue((n - 1) / 255)));
 // Draws without WebGL.
@@ -279,12 +292,13 @@ function drawPlain(ground, asPicture, isPhase, inColours) {
 function drawPicture(wide, high, isPhase) {
   const { width, height } = cloud, scale = Math.min(wide / width, high / height);
   const levels = isPhase ? cloud.phases : cloud.greys;
-  const colours = isPhase ? phaseColours : greyColours;
+  const colours = isPhase ? phaseColours : greyColours, own = isPhase ? null : tints;
   const left = (wide - width * scale) / 2, top = (high - height * scale) / 2;
   for (let y = Math.ceil(top); y < high - top; ++y) {
     const row = width * Math.min(height - 1, (y - top) / scale | 0);
     for (let x = Math.ceil(left); x < wide - left; ++x) {
-      pixels[y * wide + x] = colours[levels[row + Math.min(width - 1, (x - left) / scale | 0)]];
+      const n = row + Math.min(width - 1, (x - left) / scale | 0);
+      pixels[y * wide + x] = own ? own[n] : colours[levels[n]];
     }
   }
 }
@@ -305,10 +319,10 @@ function drawPoints(wide, high, inColours) {
       const left = ((a * x + d * y + g * z + j) * part + 1) * right - edge / 2 | 0;
       const top = (1 - (b * x + e * y + h * z + k) * part) * down - edge / 2 | 0;
       if (w <= 0 || left < 0 || top < 0 || left + edge > wide || top + edge > high) continue;
-      let colour = greyColours[greys[n]];
+      let colour = tints ? tints[n] : greyColours[greys[n]];
       if (inColours) {
         const tint = 3 * Math.max(0, Math.min(255, (z - pivot.near) * far | 0));
-        const lit = .6 + .4 * (colour & 255) / 255;
+        const lit = .6 + .4 * (greyColours[greys[n]] & 255) / 255;
         colour = 0xff000000 | palette[tint + 2] * lit << 16 | palette[tint + 1] * lit << 8 |
                  palette[tint] * lit;
       }

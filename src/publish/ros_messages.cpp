@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <optional>
+#include <type_traits>
 #include <variant>
 
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/point_elements.h"
 #include "publish/cdr.h"
 
 namespace slipstream {
@@ -24,7 +27,8 @@ std::string header_definition() {
          named_definition("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
 }
 
-constexpr std::uint8_t float32 = 7;  // its PointField datatype
+constexpr std::uint8_t uint32 = 6, float32 = 7;   // PointField datatypes
+constexpr std::string_view colour_field = "rgb";  // a float32 with the bits of packed_colour
 
 struct PointField {
   std::string_view name;
@@ -46,17 +50,18 @@ Cdr begin_picture(RosMessage& message, const RosHeader& header, Size size) {
   return cdr.add(static_cast<std::uint32_t>(size.width));
 }
 
-template <class Pixel, class Grey>
-void write_picture(const Image<Pixel>& picture, std::string_view encoding, Grey grey,
+/// `level_of`: a pixel as it is in the message.
+template <class Pixel, class LevelOf>
+void write_picture(const Image<Pixel>& picture, std::string_view encoding, LevelOf level_of,
                    const RosHeader& header, RosMessage& message) {
-  using Level = decltype(grey(Pixel{}));
+  using Level = std::remove_cvref_t<decltype(level_of(Pixel{}))>;
   Cdr cdr = begin_picture(message, header, picture.size());
   cdr.add_text(encoding).add(std::uint8_t{0});
   cdr.add_count(static_cast<std::size_t>(picture.width()) * sizeof(Level));
   std::uint8_t* at = cdr.add_bytes(picture.pixel_count() * sizeof(Level)).data();
 
   for (const Pixel pixel : picture) {
-    const Level level = grey(pixel);
+    const Level level = level_of(pixel);
     std::memcpy(at, &level, sizeof level);
     at += sizeof level;
   }
@@ -98,20 +103,24 @@ void skip_header(CdrReader& cdr) {
 }
 
 /// Offset of each known field within a point, if it is there.
-using FieldOffsets = std::array<std::optional<std::uint32_t>, point_fields.size()>;
+struct FieldOffsets {
+  std::array<std::optional<std::uint32_t>, point_fields.size()> numbers{};
+  std::optional<std::uint32_t> colour{};
+};
 
 FieldOffsets read_offsets(CdrReader& cdr, std::uint32_t fields) {
   FieldOffsets offsets;
   for (std::uint32_t i = 0; i < fields; ++i) {
     const std::string_view name = cdr.text();
     const std::uint32_t offset = cdr.count();
-    const bool wanted = cdr.get<std::uint8_t>() == float32;
+    const auto type = cdr.get<std::uint8_t>();
     cdr.count();  // count; only the first is used
 
     const auto known = std::ranges::find(point_fields, name, &PointField::name);
-    if (wanted && known != point_fields.end()) {
-      offsets.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
+    if (type == float32 && known != point_fields.end()) {
+      offsets.numbers.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
     }
+    if (name == colour_field && (type == float32 || type == uint32)) offsets.colour = offset;
   }
 
   return offsets;
@@ -146,24 +155,40 @@ void require_readable(const PointLayout& layout) {
   };
 
   const std::uint64_t points = std::uint64_t{width} * height;
-  throw_if(big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
-               !std::all_of(offsets.begin(), offsets.end(), lies_in_point) ||
+  const auto& numbers = offsets.numbers;
+  throw_if(big_endian || !numbers[0] || !numbers[1] || !numbers[2] || points == 0 ||
+               !std::ranges::all_of(numbers, lies_in_point) || !lies_in_point(offsets.colour) ||
                points > largest_picture || row_step < std::uint64_t{width} * step ||
                data.size() < std::uint64_t{row_step} * height,
            "cloud without little-endian 32-bit float x, y, z fields");
 }
 
+/// Calls `take` with four bytes of each point at that offset.
+template <class Take>
+void for_each_value(const PointLayout& layout, std::uint32_t offset, const Take& take) {
+  for (std::uint32_t row = 0; row < layout.height; ++row) {
+    const std::uint8_t* at = layout.data.data() + std::uint64_t{row} * layout.row_step + offset;
+    for (std::uint32_t column = 0; column < layout.width; ++column, at += layout.step) take(at);
+  }
+}
+
 /// Copies a field of all points, in mm.
 void copy_field(const PointLayout& layout, std::size_t field, Image<float>& image) {
   float* to = image.begin();
-  for (std::uint32_t row = 0; row < layout.height; ++row) {
-    const std::uint8_t* at =
-        layout.data.data() + std::uint64_t{row} * layout.row_step + *layout.offsets[field];
-    for (std::uint32_t column = 0; column < layout.width; ++column, at += layout.step) {
-      std::memcpy(to, at, sizeof *to);
-      *to++ *= point_fields[field].millimetres;
-    }
-  }
+  for_each_value(layout, *layout.offsets.numbers[field], [&](const std::uint8_t* at) {
+    std::memcpy(to, at, sizeof *to);
+    *to++ *= point_fields[field].millimetres;
+  });
+}
+
+/// The colours of all points, packed as blue, green, red and 0.
+Image<Colour> colours_of(const PointLayout& layout, Size size) {
+  Image<Colour> colours(size);
+  Colour* to = colours.begin();
+  for_each_value(layout, *layout.offsets.colour, [&](const std::uint8_t* at) {
+    *to++ = {at[2], at[1], at[0]};
+  });
+  return colours;
 }
 
 /// Points that are not finite are missing.
@@ -236,15 +261,19 @@ CloudTopic camera_info_topic() {
 void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& message,
                        const Uncertainty* uncertainty) {
   const std::size_t fields = uncertainty == nullptr ? 4 : point_fields.size();
-  const std::size_t point_bytes = fields * sizeof(float), points = cloud.z.pixel_count();
+  const bool coloured = !cloud.colour.empty();
+  const std::size_t point_bytes = (fields + (coloured ? 1 : 0)) * sizeof(float);
+  const std::size_t points = cloud.z.pixel_count();
   const auto width = static_cast<std::size_t>(cloud.size().width);
 
   // 1. The fields of a point, all floats.
   Cdr cdr = begin_picture(message, header, cloud.size());
-  cdr.add_count(fields);
-  for (std::uint32_t i = 0; i < fields; ++i) {
-    cdr.add_text(point_fields[i].name).add(4 * i).add(float32).add(std::uint32_t{1});
-  }
+  cdr.add_count(fields + (coloured ? 1 : 0));
+  const auto add_field = [&](std::string_view name, std::size_t i) {
+    cdr.add_text(name).add(static_cast<std::uint32_t>(4 * i)).add(float32).add(std::uint32_t{1});
+  };
+  for (std::size_t i = 0; i < fields; ++i) add_field(point_fields[i].name, i);
+  if (coloured) add_field(colour_field, fields);
 
   // 2. The points. ROS has metres.
   cdr.add(std::uint8_t{0}).add_count(point_bytes).add_count(width * point_bytes);
@@ -253,6 +282,11 @@ void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& 
     const std::array<float, 4> point{cloud.x.begin()[i] / 1000, cloud.y.begin()[i] / 1000,
                                      cloud.z.begin()[i] / 1000, cloud.intensity.begin()[i]};
     std::memcpy(at, point.data(), sizeof point);
+
+    if (coloured) {
+      const float packed = packed_colour(cloud.colour.begin()[i]);
+      std::memcpy(at + fields * sizeof(float), &packed, sizeof packed);
+    }
 
     if (uncertainty == nullptr) continue;
     const std::array<float, 4> sigma{
@@ -273,7 +307,7 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
   StoredCloud stored{.cloud = Cloud(size), .organised = layout.height > 1};
 
   // Without uncertainty its images are empty and left out.
-  if (layout.offsets.back()) stored.uncertainty.emplace(size);
+  if (layout.offsets.numbers.back()) stored.uncertainty.emplace(size);
   Uncertainty none;
   Uncertainty& sigma = stored.uncertainty ? *stored.uncertainty : none;
 
@@ -282,8 +316,10 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
       &sigma.coordinate, &sigma.x,        &sigma.y,        &sigma.z};
 
   for (std::size_t field = 0; field < images.size(); ++field) {
-    if (layout.offsets[field] && !images[field]->empty()) copy_field(layout, field, *images[field]);
+    if (!layout.offsets.numbers[field] || images[field]->empty()) continue;
+    copy_field(layout, field, *images[field]);
   }
+  if (layout.offsets.colour) stored.cloud.colour = colours_of(layout, size);
 
   set_validity(stored.cloud);
   return stored;
@@ -307,7 +343,10 @@ void write_image(const Frame& frame, const RosHeader& header, RosMessage& messag
 }
 
 void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& message) {
-  write_picture(cloud.intensity, "mono8", grey_level, header, message);
+  if (cloud.colour.empty()) {
+    return write_picture(cloud.intensity, "mono8", grey_level, header, message);
+  }
+  write_picture(cloud.colour, "rgb8", std::identity(), header, message);
 }
 
 Frame read_frame(std::span<const std::uint8_t> message, int bits) {

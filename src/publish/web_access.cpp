@@ -32,7 +32,8 @@ std::string_view without_port(std::string_view host) {
 
 }  // namespace
 
-boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where) {
+boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where,
+                                                 const std::string& kind) {
   const std::size_t colon = where.rfind(':');
   std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
@@ -41,9 +42,9 @@ boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where) {
   boost::system::error_code failure;
   const auto address = boost::asio::ip::make_address(host, failure);
   throw_if(!port || failure,
-           "`publish web:{}`: expected a port, or an IP address of this machine and a port, e.g. "
-           "web:8080 or web:0.0.0.0:8080",
-           where);
+           "`publish {0}:{1}`: expected a port, or an IP address of this machine and a port, e.g. "
+           "{0}:8080 or {0}:0.0.0.0:8080",
+           kind, where);
 
   return {address, *port};
 }

@@ -9,8 +9,9 @@
 namespace slipstream {
 
 /// Parses "PORT" or "ADDRESS:PORT", e.g. "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: any free
-/// port. Throws Error for any other text.
-boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where);
+/// port. `kind`: of the sink, in messages. Throws Error for any other text.
+boost::asio::ip::tcp::endpoint web_endpoint_from(const std::string& where,
+                                                 const std::string& kind = "web");
 
 /// A random text that other machines must know to use the page.
 std::string random_token();

@@ -135,6 +135,7 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   // 3. Depths and grey levels; without a scanner, the grey levels of the first frame.
   Image<std::uint16_t> depths(size);
   Image<std::uint8_t> greys(size);
+  const bool has_colour = has_depth && !cloud.colour.empty();
   if (has_depth) {
     std::ranges::transform(depth, depths.begin(), numbers);
     std::ranges::transform(subsampled(cloud.intensity, every), greys.begin(), grey_level);
@@ -152,9 +153,11 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   // 4. The message: head, then the images.
   std::string bytes;
   const int points = static_cast<int>(has_depth ? point_count(cloud) : 0);
-  append_numbers(bytes, size.width, size.height, int{has_depth}, points, nearest, step);
+  append_numbers(bytes, size.width, size.height, int{has_depth} + (has_colour ? 2 : 0), points,
+                 nearest, step);
   append(bytes, depths);
   append(bytes, greys);
+  if (has_colour) append(bytes, subsampled(cloud.colour, every));
   append(bytes, subsampled(phase, every));
   return bytes;
 }

@@ -28,10 +28,11 @@ int web_step(Size camera);
 /// direction.
 std::string web_rays(const Lens& camera);
 
-/// A cloud for the page, little-endian. 32-bit integers: width, height, 1 with depth or 0 without,
-/// points in the whole cloud; 32-bit floats: nearest depth and depth step, mm; then all depths in
-/// 16 bits, 0 if invalid, else steps from the nearest plus 1; all grey levels in 8 bits, without a
-/// scanner those of the window's first frame; and the phases of PublishedRun, if any.
+/// A cloud for the page, little-endian. 32-bit integers: width, height, contents (1 depth, 2
+/// colours, 3 both), points in the whole cloud; 32-bit floats: nearest depth and depth step, mm;
+/// then all depths in 16 bits, 0 if invalid, else steps from the nearest plus 1; all grey levels in
+/// 8 bits, without a scanner those of the window's first frame; all colours, if any, as red, green
+/// and blue bytes, sRGB; and the phases of PublishedRun, if any.
 std::string web_cloud(const LiveCloud& cloud, const Image<std::uint8_t>& phase = {});
 
 /// A run's statistics in Prometheus text format: "slipstream_" and the JSON path of each number;

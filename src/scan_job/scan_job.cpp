@@ -324,6 +324,7 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
 
   // 2. Points or maps.
   two_cameras ? match_cameras(job, result) : compute(job, result);
+  if (settings_.output == ScanOutput::points) result.cloud.colour = job.scan.colour;
   count(result, setup.settings, settings_.output);
   result.computing = watch.lap();
   if (!settings_.keep_refused) {

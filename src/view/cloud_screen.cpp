@@ -32,7 +32,7 @@ constexpr int picture_width = 480, large_picture_width = 1920;
 constexpr int most_exposures = 4;
 
 PointImages images_of(const Cloud& cloud) {
-  return {cloud.x, cloud.y, cloud.z, cloud.intensity};
+  return {cloud.x, cloud.y, cloud.z, cloud.intensity, nullptr, &cloud.colour};
 }
 
 /// The part of the framebuffer between panel and pictures.
@@ -299,6 +299,8 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
     state_.view.colour = static_cast<PointColour>(key - GLFW_KEY_1);
     state_.picture = static_cast<std::size_t>(key - GLFW_KEY_1);
   }
+
+  if (key == GLFW_KEY_8) state_.view.colour = PointColour::camera;
 
   if (key >= GLFW_KEY_4 && key <= GLFW_KEY_6) {
     requests.viewpoint = static_cast<Viewpoint>(key - GLFW_KEY_4);

@@ -87,7 +87,7 @@ void draw_view_settings(PanelState& state, PanelRequests& requests) {
 
   // Colour and size of the points.
   ViewSettings& view = state.view;
-  choose("colour", {"depth (1)", "reflectivity (2)", "modulation (3)"}, view.colour);
+  choose("colour", {"depth (1)", "reflectivity (2)", "modulation (3)", "camera (8)"}, view.colour);
   name_field("point size");
   ImGui::SliderFloat("##point size", &view.point_size, 0.3F, 6, "%.1f",
                      ImGuiSliderFlags_Logarithmic);

@@ -49,9 +49,10 @@ void main() {
   gl_Position = clip * vec4(point, 1.0);
   float growth = size_depth > 0.0 ? max(z / size_depth, 0.1) : 1.0;
   gl_PointSize = clamp(growth * pixel_size / max(gl_Position.w, 1e-6), 1.0, 64.0);
-  float share = clamp((( coloured != 0 ? z : value) - range.x) / (range.y - range.x), 0.0, 1.0);
-  vec3 lit = coloured != 0 ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb
+  float share = clamp((( coloured == 1 ? z : value) - range.x) / (range.y - range.x), 0.0, 1.0);
+  vec3 lit = coloured == 1 ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb
                            : vec3(pow(share, 1.0 / 2.2));
+  if (coloured == 2) lit = mod(floor(value / vec3(65536.0, 256.0, 1.0)), 256.0) / 255.0;
   colour = mix(veil, lit * brightness, strength);
 }
 )";
@@ -114,12 +115,13 @@ float spacing_of(const PointImages& cloud, const Box& box) {
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
 /// Indexed by PointColour.
-constexpr std::array<std::string_view, 3> colour_names{"depth", "reflectivity", "modulation"};
+constexpr std::array<std::string_view, 4> colour_names{"depth", "reflectivity", "modulation",
+                                                       "camera"};
 
 /// Intensities shown black and white, grey levels of 255: black at reflectivity 0, whose mean is
 /// `ambient`, beta, by Liu 2010, Eq. (3.3); white at `range.high` divided by the brightness.
 Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
-  const bool of_mean = colour == PointColour::reflectivity;
+  const bool of_mean = colour != PointColour::modulation;
 
   const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
   return {black, black + std::max(range.high - black, 1e-3F) / std::max(brightness, 1e-3F)};
@@ -148,7 +150,8 @@ float floor_height(const CloudExtent& extent) {
 
 PointColour point_colour_named(std::string_view name) {
   const auto colour = value_named<PointColour>(name, colour_names);
-  throw_if(!colour, "unknown point colour '{}'; expected depth, reflectivity or modulation", name);
+  throw_if(!colour, "unknown point colour '{}'; expected depth, reflectivity, modulation or camera",
+           name);
   return *colour;
 }
 
@@ -181,12 +184,22 @@ void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modu
       colour == PointColour::modulation && known ? *modulation : cloud.intensity;
   values_ = robust_range(value);
 
+  // Or a colour, which a float holds as a whole number of 24 bits.
+  in_colour_ = colour == PointColour::camera && cloud.colour != nullptr && !cloud.colour->empty();
+  Image<float> packed;
+  if (in_colour_) {
+    packed = Image<float>(cloud.colour->size(), uninitialised);
+    std::ranges::transform(*cloud.colour, packed.begin(), [](Colour of) {
+      return static_cast<float>(of.red << 16 | of.green << 8 | of.blue);
+    });
+  }
+
   count_ = cloud.z.pixel_count();
   organised_ = cloud.z.height() > 1;
   shaded_ = cloud.shading != nullptr;
 
-  const std::array<const Image<float>*, 5> images{&cloud.x, &cloud.y, &cloud.z, &value,
-                                                  cloud.shading};
+  const std::array<const Image<float>*, 5> images{&cloud.x, &cloud.y, &cloud.z,
+                                                  in_colour_ ? &packed : &value, cloud.shading};
   for (std::size_t i = 0; i < (shaded_ ? 5U : 4U); ++i) {
     glBindBuffer(GL_ARRAY_BUFFER, *buffers_[i]);
     // New memory each time, so that drawing from the old does not block.
@@ -219,7 +232,8 @@ void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Si
   glUniform1f(at("pixel_size"), size * pixels_per_slope(settings.camera, picture));
   glUniform1f(at("size_depth"), organised_ ? extent_.box.centre().z : 0.0F);
   glUniform2f(at("range"), low, std::max(high, low + 1e-6F));
-  glUniform1i(at("coloured"), coloured ? 1 : 0);
+  const int of_camera = in_colour_ ? 2 : 0;
+  glUniform1i(at("coloured"), coloured ? 1 : of_camera);
   glUniform1f(at("floor_height"), mirrored ? floor : 1e30F);
   glUniform3fv(at("veil"), 1, glm::value_ptr(mirrored ? background : glm::vec3(0)));
   glUniform1f(at("strength"), mirrored ? 0.3F : 1.0F);

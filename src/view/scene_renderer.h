@@ -16,6 +16,7 @@ struct PointImages {
   const Image<float>&x, &y, &z;           ///< mm, scanner's frame; NaN if invalid
   const Image<float>& intensity;          ///< grey levels of 255
   const Image<float>* shading = nullptr;  ///< brightness, 0 to 1; null: 1 everywhere
+  const Image<Colour>* colour = nullptr;  ///< null: unknown
 };
 
 struct Range {
@@ -59,7 +60,7 @@ class SceneRenderer {
 
   /// Whether points show depth: if requested, or if nothing else is known, as for a plain mesh.
   [[nodiscard]] bool shows_depths(PointColour asked) const {
-    return asked == PointColour::depth || values_.high <= 0;
+    return asked == PointColour::depth || (values_.high <= 0 && !in_colour_);
   }
 
   /// Clears the bound framebuffer and draws into a pane of it. `ambient`: ambient light contained
@@ -78,6 +79,7 @@ class SceneRenderer {
   opengl::PictureTexture colours_;
   std::size_t count_ = 0;
   bool organised_ = false, shaded_ = false;
+  bool in_colour_ = false;  ///< its values are colours
   LineRenderer lines_;
   CloudExtent extent_;
   Range values_;  ///< shown by grey points

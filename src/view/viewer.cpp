@@ -16,11 +16,13 @@
 namespace slipstream::view {
 namespace {
 
-ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const EngineSetup& setup) {
+ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const EngineSetup& setup,
+                         const Image<Colour>& colour) {
   const auto made = std::make_shared<std::pair<Cloud, std::shared_ptr<const FrameSet>>>();
 
   made->second = frames;
   Engine(setup).cloud(*frames, made->first);
+  if (made->first.z.size() == colour.size()) made->first.colour = colour;
 
   return {.cloud = {made, &made->first}, .frames = *frames};
 }
@@ -127,13 +129,16 @@ ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty) {
   return {.newest = [shown] { return shown; }};
 }
 
-ViewSource still_source(FrameSet frames, const EngineSetup& setup) {
+ViewSource still_source(FrameSet frames, const EngineSetup& setup, Image<Colour> colour) {
   const auto kept = std::make_shared<const FrameSet>(std::move(frames));
-  const auto shown = std::make_shared<ShownCloud>(reconstructed(kept, setup));
-  return {
-      .newest = [shown] { return *shown; },
-      .setup = setup,
-      .change = [kept, shown](const EngineSetup& other) { *shown = reconstructed(kept, other); }};
+  const auto kept_colour = std::make_shared<const Image<Colour>>(std::move(colour));
+  const auto shown = std::make_shared<ShownCloud>(reconstructed(kept, setup, *kept_colour));
+  return {.newest = [shown] { return *shown; },
+          .setup = setup,
+          .change =
+              [kept, kept_colour, shown](const EngineSetup& other) {
+                *shown = reconstructed(kept, other, *kept_colour);
+              }};
 }
 
 ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change) {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
@@ -101,6 +102,29 @@ TEST_F(CaptureProgram, ScansTheVirtualScannerAndItsReplay) {
   expect_runs(Arguments{"capture", "--source", "virtual", "-o", in_folder("scan.slip")} + small);
   expect_runs({"capture", "--source", "replay:" + in_folder("scan"), "-o", in_folder("again")});
   EXPECT_EQ(contents(in_folder("scan/frame_00.png")), contents(in_folder("again/frame_00.png")));
+}
+
+// Two exposures measure 98 % of the lit pixels of this scene, one 52 %.
+TEST_F(CaptureProgram, ChoosesItsExposures) {
+  const std::string scan = in_folder("scan");
+  const ProgramRun run =
+      run_program({"capture", "--source", "virtual", "--world", "ideal", "--scene", "contrast",
+                   "--camera", "160x120", "--strategy", "pmp", "--steps", "4", "--auto", "60", "-o",
+                   scan, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto document = nlohmann::json::parse(run.out);
+  EXPECT_GE(document["automatic"]["exposures"].size(), 2U);
+  EXPECT_GE(document["automatic"]["measured"], 0.97);
+  EXPECT_EQ(document["frames"], 4 * document["automatic"]["exposures"].size());
+  expect_runs({"reconstruct", scan, "-o", in_folder("cloud.ply")});
+
+  for (const Arguments& wrong :
+       {Arguments{"--exposures", "1,4"}, Arguments{"--poses"}, Arguments{"--auto", "0.1"}}) {
+    const ProgramRun refused = run_program(
+        Arguments{"capture", "--source", "virtual", "--auto", "-o", in_folder("no")} + wrong);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_FALSE(fs::exists(in_folder("no")));
+  }
 }
 
 TEST_F(CaptureProgram, AssistTakesAScanOrASourceThatCanBeSet) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "frames/mosaic.h"
 #include "io/file.h"
 #include "slipstream/camera.h"
 #include "tests/io/expect_error.h"

@@ -13,6 +13,7 @@
 #include "devices/genicam.h"
 #include "devices/gige_protocol.h"
 #include "devices/gige_sockets.h"
+#include "frames/mosaic.h"
 #include "simulate/rendered_reel.h"
 #include "slipstream/camera.h"
 #include "slipstream/engine.h"

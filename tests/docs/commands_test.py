@@ -252,6 +252,8 @@ STARTS = {
     "calibrate geometry": "slipstream simulate poses --boards 8 --corners 13x9 --spacing 10"
                           " --strategy dual-frequency --steps 3 --high 16 --low 1"
                           " --projector 1824x1140",
+    "calibrate colour scan": "slipstream simulate scan --colour --paint 0.5 --strategy"
+                             " dual-frequency --steps 3",
     "calibrate colour": "slipstream simulate white --scene board --primaries --camera 128x96;"
                         " slipstream simulate scan --camera 128x96; cp scan/scanner.yaml .",
     "calibrate": "for n in 1 2 3; do slipstream simulate scan_$n --scene board --strategy pmp"
@@ -274,6 +276,7 @@ STARTS = {
     "view cloud": "slipstream simulate s; slipstream reconstruct s -o cloud.ply",
     "convert scan.slip": "slipstream record --source virtual --world ideal --camera 160x120"
                          " --strategy pmp --frames 6 --rate 0 -o scan.slip",
+    "convert scanner.yaml": "slipstream simulate s --camera 160x120; cp s/scanner.yaml .",
     "convert clouds.mcap": "slipstream record --source virtual --world ideal --camera 160x120"
                            " --strategy pmp --frames 6 --rate 0 -o first.slip; mkdir clouds;"
                            " slipstream live --source replay:first.slip --headless"

@@ -1,14 +1,17 @@
-// What a browser sends to the page of a run: requests, and messages of its WebSocket.
+// What a browser sends to the page of a run: requests, and messages of its WebSocket; and what a
+// controller asks.
 #include <array>
 #include <cerrno>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <netinet/in.h>
+#include <nlohmann/json.hpp>
 #include <sys/socket.h>
 
 #include "io/file.h"
@@ -19,17 +22,17 @@
 namespace slipstream {
 namespace {
 
-/// The page of a run without points.
+/// The page of a run without points, or its place for controllers.
 class ServedPage {
  public:
-  ServedPage() {
+  explicit ServedPage(const std::string& kind) {
     try {
-      sink_ = open_sink("web:0", {.has_points = false,
-                                  .statistics = [] { return R"({"frames": 1})"; },
-                                  .trouble = [] { return ""; },
-                                  .save = [] { return "a.ply"; },
-                                  .settings = [] { return std::vector<RunSetting>(); },
-                                  .change = [](const std::string&, const std::string&) {}});
+      sink_ = open_sink(kind + ":0", {.has_points = false,
+                                      .statistics = [] { return R"({"frames": 1})"; },
+                                      .trouble = [] { return ""; },
+                                      .save = [] { return "a.ply"; },
+                                      .settings = [] { return std::vector<RunSetting>(); },
+                                      .change = [](const std::string&, const std::string&) {}});
       const std::string address = sink_->news().front();  // http://127.0.0.1:PORT/
       port_ = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
     } catch (const WorldError&) {  // the machine has no network
@@ -84,7 +87,7 @@ class ServedPage {
 };
 
 ServedPage& served_page() {
-  static ServedPage page;
+  static ServedPage page("web");
   return page;
 }
 
@@ -126,10 +129,32 @@ void answer_messages_of_page(std::span<const std::uint8_t> input) {
     throw std::logic_error("no WebSocket");
 }
 
+std::vector<Bytes> controller_requests() {
+  std::vector<Bytes> requests;
+  for (const std::string lines : {"{\"do\": \"status\"}\n{\"do\": \"pose\", \"id\": 3}\n",
+                                  "{\"do\": \"scan\", \"timeout\": 0.1}\r\n{\"do\": \"save\"}\n",
+                                  "{\"do\": \"set\", \"name\": \"exposure\", \"value\": 8}\n",
+                                  "{\"do\": \"cloud\", \"format\": \"pcd\"}\n"}) {
+    requests.push_back(bytes_of(lines));
+  }
+  return requests;
+}
+
+/// Each answer is a line of JSON that says whether it is one.
+void answer_controller(std::span<const std::uint8_t> input) {
+  static ServedPage place("tcp");
+  std::istringstream answer(place.answer_to(input));
+  for (std::string line; std::getline(answer, line);) {
+    const auto document = nlohmann::json::parse(line, nullptr, false);
+    if (!document.is_object() || !document.contains("ok")) throw std::logic_error("no answer");
+  }
+}
+
 // A kilobyte and more for each connection.
 const bool knows_web_targets =
     add_fuzz_target({"http", requests, answer_requests_of_browser, 8}, 10'000) &&
-    add_fuzz_target({"websocket", page_messages, answer_messages_of_page, 8}, 10'000);
+    add_fuzz_target({"websocket", page_messages, answer_messages_of_page, 8}, 10'000) &&
+    add_fuzz_target({"controller", controller_requests, answer_controller, 8}, 10'000);
 
 }  // namespace
 }  // namespace slipstream

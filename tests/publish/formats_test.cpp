@@ -1,4 +1,5 @@
 // Reads back the files that sinks write, with readers written here from the format specifications.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -393,6 +394,87 @@ TEST(WebCloud, thins_large_pictures_and_shows_frames_where_there_are_no_points) 
   const std::string bytes = web_cloud(*live);
   ASSERT_EQ(bytes.size(), 24U + 3U * 61 * 43);
   EXPECT_EQ(static_cast<std::uint8_t>(bytes[24 + 2 * 61 * 43]), 0xab);
+}
+
+/// The cloud with another colour at each pixel.
+Pooled<LiveCloud> coloured_cloud() {
+  Pooled<LiveCloud> live = any_cloud(3);
+  Image<Colour>& colours = live.fill().cloud.colour;
+  colours = Image<Colour>(size);
+  for_each_pixel_in_order(size, [&](int column, int row) {
+    colours(column, row) = {static_cast<std::uint8_t>(4 * column),
+                            static_cast<std::uint8_t>(5 * row),
+                            static_cast<std::uint8_t>(255 - 4 * column)};
+  });
+  return live;
+}
+
+TEST(WebCloud, has_the_colours_before_the_phase) {
+  const Pooled<LiveCloud> live = coloured_cloud();
+  const std::size_t pixels = live->cloud.z.pixel_count();
+  const std::string bytes = web_cloud(*live, Image<std::uint8_t>(size, 9));
+  ASSERT_EQ(bytes.size(), 24 + (2 + 1 + 3 + 1) * pixels);
+  EXPECT_EQ(bytes[8], 3) << "depth and colours";
+  EXPECT_EQ(std::memcmp(bytes.data() + 24 + 3 * pixels, live->cloud.colour.begin(), 3 * pixels), 0);
+  EXPECT_EQ(bytes.back(), 9);
+}
+
+// rviz and PCL read the bytes of a float named rgb: blue, green, red and nothing.
+TEST(RosMessages, have_colours_packed_in_a_float) {
+  const Pooled<LiveCloud> live = coloured_cloud();
+  for (const bool has_sigma : {false, true}) {
+    const Uncertainty sigma(size);
+    RosMessage message;
+    write_point_cloud(live->cloud, {1}, message, has_sigma ? &sigma : nullptr);
+
+    Reader cdr{message};
+    cdr.take(12);
+    cdr.aligned_text();
+    cdr.aligned<std::uint32_t>();
+    cdr.aligned<std::uint32_t>();
+    const auto fields = cdr.aligned<std::uint32_t>();
+    ASSERT_EQ(fields, has_sigma ? 9U : 5U);
+    std::uint32_t offset = 0;
+    std::string name;
+    for (std::uint32_t i = 0; i < fields; ++i) {
+      name = cdr.aligned_text();
+      offset = cdr.aligned<std::uint32_t>();
+      EXPECT_EQ(cdr.get<std::uint8_t>(), 7) << "FLOAT32";
+      EXPECT_EQ(cdr.aligned<std::uint32_t>(), 1U);
+    }
+    EXPECT_EQ(name, "rgb");
+    EXPECT_EQ(offset, 4 * (fields - 1));
+
+    cdr.get<std::uint8_t>();
+    const auto step = cdr.aligned<std::uint32_t>();
+    EXPECT_EQ(step, 4 * fields);
+    cdr.aligned<std::uint32_t>();
+    const auto data = cdr.take(cdr.aligned<std::uint32_t>());
+    for (std::size_t i = 0; i < live->cloud.z.pixel_count(); ++i) {
+      const auto [red, green, blue] = live->cloud.colour.begin()[i];
+      const std::uint8_t* const at = data.data() + i * step + offset;
+      ASSERT_TRUE(at[0] == blue && at[1] == green && at[2] == red && at[3] == 0) << i;
+    }
+
+    const Cloud read = read_point_cloud(message).cloud;
+    EXPECT_TRUE(std::ranges::equal(read.colour, live->cloud.colour));
+  }
+}
+
+TEST(RosMessages, have_a_picture_in_colour) {
+  const Pooled<LiveCloud> live = coloured_cloud();
+  RosMessage message;
+  write_image(live->cloud, {1}, message);
+  Reader cdr{message};
+  cdr.take(12);
+  cdr.aligned_text();
+  cdr.aligned<std::uint32_t>();
+  cdr.aligned<std::uint32_t>();
+  EXPECT_EQ(cdr.aligned_text(), "rgb8");
+  cdr.get<std::uint8_t>();
+  EXPECT_EQ(cdr.aligned<std::uint32_t>(), 3U * 61) << "bytes of a row";
+  const auto data = cdr.take(cdr.aligned<std::uint32_t>());
+  EXPECT_EQ(std::memcmp(data.data(), live->cloud.colour.begin(), data.size()), 0);
 }
 
 TEST(Metrics, names_what_the_statistics_say) {

@@ -124,6 +124,30 @@ TEST_F(SceneRendererTest, ColoursDepthFromRedToBlue) {
   EXPECT_GT(far_colour.blue, far_colour.red + 50);
 }
 
+TEST_F(SceneRendererTest, ShowsTheCamerasColoursAsTheyAre) {
+  const MadeUpCloud cloud = wall({160, 120}, 600);
+  const Image<Colour> colours({160, 120}, Colour{200, 90, 13});
+  ViewSettings settings = bare();
+  settings.colour = PointColour::camera;
+  settings.point_size = 2;
+
+  SceneRenderer scene;
+  scene.set_extent(extent_of(cloud.images()));
+  PointImages images = cloud.images();
+  images.colour = &colours;
+  scene.set_cloud(images, nullptr, settings.colour);
+  const opengl::RenderTarget target(picture);
+  target.bind();
+  scene.draw(settings, 0, {.size = picture});
+  EXPECT_EQ(opengl::read_pixels(picture)(160, 120), (Colour{200, 90, 13}));
+
+  // Without colours, grey.
+  scene.set_cloud(cloud.images(), nullptr, settings.colour);
+  scene.draw(settings, 0, {.size = picture});
+  const Colour grey = opengl::read_pixels(picture)(160, 120);
+  EXPECT_EQ(grey.red, grey.blue);
+}
+
 TEST_F(SceneRendererTest, ColoursDepthWhereNoBrightnessIsKnown) {
   MadeUpCloud cloud = wall({160, 120}, 600);
   std::fill(cloud.intensity.begin(), cloud.intensity.end(), 0.0F);

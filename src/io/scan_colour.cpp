@@ -1,0 +1,91 @@
+#include "io/scan_colour.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/throw_if-inl.h"
+#include "io/file.h"
+#include "io/frame_pictures.h"
+#include "io/scan_pictures.h"
+#include "slipstream/layout.h"
+#include "slipstream/strategy.h"
+
+namespace slipstream {
+
+std::vector<bool> frames_of_colour(const Sequence& sequence) {
+  std::vector<int> frames = measuring_frames(sequence.strategy.layout());
+  const auto count = static_cast<std::size_t>(frame_count(sequence.strategy));
+  if (frames.empty()) return std::vector<bool>(count, true);
+
+  std::vector<bool> of_colour(count, false);
+  for (const int n : frames) of_colour[static_cast<std::size_t>(n)] = true;
+  return of_colour;
+}
+
+Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& white,
+                                     Image<ColourLevels> mean) {
+  // 1. Pictures for the purpose: one in colour, or a grey one in each of three lights.
+  if (files.colour.size() == 1) {
+    LoadedFrames loaded = read_frames(files.colour, {.bits = files.bits,
+                                                     .channel = GreyChannel::grey,
+                                                     .mosaic = files.mosaic,
+                                                     .of_colour = {true}});
+    throw_if(loaded.colour.empty(),
+             "{}: `colour` is a grey picture; name one in colour, or three in red, green and blue "
+             "light",
+             files.colour.front().string());
+    return std::move(loaded.colour);
+  }
+  if (!files.colour.empty()) return colour_levels(read_frames(files.colour, files.bits).frames);
+
+  // 2. The channels of a white picture, or the frames.
+  return white.count() == 3 ? colour_levels(white) : std::move(mean);
+}
+
+void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image<ColourLevels> mean,
+                const std::optional<WhiteBalance>& known) {
+  const Image<ColourLevels> levels = levels_of_colour(files, white, std::move(mean));
+  const std::string path = files.path.string();
+  throw_if(files.grey_patch && levels.empty(), "{}: `grey_patch`: its pictures have no colour",
+           path);
+  if (levels.empty()) return;
+
+  throw_if(levels.size() != scan.frames.size(),
+           "{}: the picture of its colours is {}, its frames {}", path, text_of(levels.size()),
+           text_of(scan.frames.size()));
+
+  WhiteBalance balance = known.value_or(WhiteBalance{1, 1, 1});
+  if (files.grey_patch) {
+    balance = naming(path, [&] { return white_balance(levels, *files.grey_patch); });
+  }
+  scan.colour = balanced(levels, balance);
+}
+
+WhiteBalance white_balance_of(const ScanFiles& files) {
+  const std::string path = files.path.string();
+  throw_if(!files.grey_patch, "`grey_patch` is missing: name a place that is grey or white");
+  throw_if(files.recording != nullptr, "{}: a recording holds no colours; name a scan folder", path);
+
+  FrameSet white;
+  Image<ColourLevels> mean;
+  if (files.white) {
+    white = read_colour_frames({*files.white}, files.bits);
+  } else if (files.colour.empty()) {
+    const int frames = frame_count(files.sequence);
+    mean = read_frames(pattern_pictures(files, frames, files.sequence.strategy.name()),
+                       {.bits = files.bits,
+                        .channel = files.channel,
+                        .mosaic = files.mosaic,
+                        .of_colour = frames_of_colour(files.sequence)})
+               .colour;
+  }
+
+  const Image<ColourLevels> levels = levels_of_colour(files, white, std::move(mean));
+  throw_if(levels.empty(), "{}: its pictures have no colour", path);
+  return naming(path, [&] { return white_balance(levels, *files.grey_patch); });
+}
+
+}  // namespace slipstream

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "frames/point_colours.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/image.h"
+#include "slipstream/scan.h"
+#include "slipstream/scan_files.h"
+#include "slipstream/sequence.h"
+
+namespace slipstream {
+
+/// Which frames of a sequence show the colours of the scene: the sinusoids of the first exposure
+/// along the first axis, whose mean has no stripes; a code has no sinusoids, and all its frames
+/// count.
+std::vector<bool> frames_of_colour(const Sequence& sequence);
+
+/// The colours of a scan's pixels, not balanced: of ScanFiles::colour, else of the `white` picture
+/// of a scan in colour, else `mean`, of its frames. Empty if all are. Throws Error with the file's
+/// name if a picture cannot be read, or shows no colours.
+Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& white,
+                                     Image<ColourLevels> mean);
+
+/// Sets the scan's colours to these, balanced by the grey patch of `files`, else as `known`. Throws
+/// Error if they are not of the frames' size or the patch cannot be used.
+void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image<ColourLevels> mean,
+                const std::optional<WhiteBalance>& known);
+
+/// The factors that make the grey patch of a scan's colours grey. Throws Error without a patch or
+/// colours, and as reading the scan.
+WhiteBalance white_balance_of(const ScanFiles& files);
+
+}  // namespace slipstream

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "response/exposure_advice.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/sequence.h"
+
+namespace slipstream {
+
+/// What exposures may be chosen; all times in the camera's unit.
+struct ExposureLimits {
+  double first = 1;  ///< to begin with
+  double shortest = 0, longest = std::numeric_limits<double>::infinity();
+  std::size_t most = 3;  ///< exposures of one scan, 1 to 3
+  /// Of all exposures of one scan together, for each pattern.
+  double total = std::numeric_limits<double>::infinity();
+  /// Of the room's light: longer exposures are whole multiples of it; 0: steady.
+  double flicker_period = 0;
+};
+
+/// Exposures that measure nearly as many pixels as any.
+struct ChosenExposures {
+  std::vector<double> exposures{};  ///< in rising order
+  double lit = 0;                   ///< see ExposureAdvice
+  double measured = 0;              ///< predicted share of the lit pixels
+  std::vector<double> tried{};      ///< in the order they were taken
+};
+
+/// Chooses exposures from a few scans: shorter and longer ones until the brightest pixels are not
+/// saturated and longer ones show no more. `take`: the frames of one scan with that exposure.
+/// `goes_on`: false once the time for it is over; the first scan is taken anyway. Throws Error if
+/// no exposure shows the patterns, and as `take` does.
+ChosenExposures choose_exposures(const std::function<FrameSet(double exposure)>& take,
+                                 const Sequence& sequence, const ExposureLimits& limits,
+                                 const ExposureNeeds& needs, const std::function<bool()>& goes_on);
+
+/// The period, s, of the room's light, from the mean levels of frames of a still picture with their
+/// times, s: 0.01 or 1/120 s, from mains of 50 or 60 Hz, or 0.05 s if either may be; nullopt if it
+/// is steady within half a per cent, or the frames are too few or too regular to tell.
+std::optional<double> flicker_period(const std::vector<double>& times,
+                                     const std::vector<double>& levels);
+
+}  // namespace slipstream

@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "app/calibrate_photometry.h"
+#include "app/calibrate_points.h"
 #include "app/flag_names.h"
 #include "app/phase_maps.h"
-#include "app/report_facts.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
 #include "io/image_file.h"
+#include "io/point_lists.h"
 #include "io/print_file.h"
 #include "io/scan_pictures.h"
 #include "slipstream/scan_files.h"
@@ -102,12 +103,8 @@ struct CalibrateVerifyFlags {
   std::optional<std::string> output;
 };
 
-nlohmann::json json_of(const ReprojectionRms& rms) {
-  return described("camera", rms.camera, "projector", rms.projector, "stereo", rms.stereo);
-}
-
 nlohmann::json json_of(const BoardMeasure& measure) {
-  return described("epipolar_px", measure.epipolar, "rms", json_of(measure.rms), "flatness_mm",
+  return described("epipolar_px", measure.epipolar, "rms", json_of_rms(measure.rms), "flatness_mm",
                    measure.quality.flatness, "scale_error", measure.quality.scale_error);
 }
 
@@ -177,21 +174,16 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
   write_corrected(flags, found, output);
 }
 
-GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
-  GeometryCalibrationSettings settings;
-  settings.camera_coefficients = lens_model_named(flags.camera_distortion, "--camera-distortion");
-  settings.projector_coefficients =
-      lens_model_named(flags.projector_distortion, "--projector-distortion");
-
-  throw_if(flags.print != "exact" && flags.print != "estimated",
-           "--print {} is unknown; expected estimated or exact", flags.print);
-  require_in_range(flags.print_deviation > 0 && flags.print_deviation < 1, "--print-deviation",
-                   flags.print_deviation, "more than 0, less than 1");
-
-  // Without a deviation the corners are held at their nominal positions.
-  settings.print_deviation =
-      flags.print == "exact" ? std::nullopt : std::optional(flags.print_deviation);
-  return settings;
+/// The corners of all poses, as other programs read them.
+std::vector<PosePoints> points_of(const BoardViews& views, const CalibrationBoard& board) {
+  const BoardPlaces printed = printed_places(board);
+  std::vector<PosePoints> poses;
+  for (const BoardView& view : views) {
+    PosePoints pose{view.name, {}, view.camera, view.projector};
+    for (const int place : view.places) pose.board.push_back(printed[place]);
+    poses.push_back(std::move(pose));
+  }
+  return poses;
 }
 
 std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
@@ -205,138 +197,35 @@ std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
   return findings_of_ruler(board, {lengths[0], lengths[1]});
 }
 
-nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const LensChoice& choice,
-                       double covered) {
-  const Eigen::Matrix3d& K = lens.intrinsic;
-  const auto scores = as_json(choice.scores, [](const LensModelScore& score) {
-    return described("coefficients", score.coefficients, "left_out_error", score.error);
-  });
-  return described("focal_px", std::array{K(0, 0), K(1, 1)}, "focal_deviation_px", deviation.focal,
-                   "principal_point_px", std::array{K(0, 2), K(1, 2)},
-                   "principal_point_deviation_px", deviation.principal_point, "distortion",
-                   lens.distortion.coefficients, "distortion_deviation", deviation.coefficients,
-                   "distortion_coefficients", choice.coefficients, "distortion_models", scores,
-                   "covered_share", covered);
-}
-
-/// NaN becomes null.
-void add_quality(nlohmann::json& document, const std::optional<BoardQuality>& quality) {
-  const BoardQuality known = quality.value_or(BoardQuality{NAN, NAN, NAN});
-  describe(document, "flatness_mm", known.flatness, "distance_error_mm", known.distance_error,
-           "scale_error", known.scale_error);
-}
-
-nlohmann::json json_of_poses(const CalibrationReport& report) {
-  const GeometryCalibration& calibration = report.calibration;
-  const ScannerComparison* const other = report.comparison;
-
-  // The poses used, with the quality of each when left out of the calibration.
-  nlohmann::json poses = nlohmann::json::array();
-  for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
-    const CalibratedPose& pose = calibration.poses[i];
-    nlohmann::json document = described("name", pose.name, "used", true, "rms", json_of(pose.rms),
-                                        "corners", pose.corners, "lit_corners", pose.lit);
-    add_quality(document, pose.left_out);
-    if (other != nullptr) add_quality(document["compared"], other->poses[i]);
-    poses.push_back(document);
-  }
-
-  // The others, with the reason.
-  for (const UnusedPose& pose : report.unused) {
-    poses.push_back(described("name", pose.name, "used", false, "reason", pose.why));
-  }
-
-  // In the order of their names, used or not.
-  std::sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) {
-    return before_in_order(a["name"].template get<std::string>(),
-                           b["name"].template get<std::string>());
-  });
-
-  return poses;
-}
-
-nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationReport& report) {
-  const GeometryCalibration& calibration = report.calibration;
-  const Scanner& scanner = calibration.state.scanner;
-  nlohmann::json document = described(
-      "scanner", flags.scanner, "rms", json_of(calibration.rms), "poses", json_of_poses(report),
-      "camera",
-      json_of(scanner.camera, calibration.deviation.camera, calibration.camera_lens,
-              calibration.covered_camera),
-      "projector",
-      json_of(scanner.projector, calibration.deviation.projector, calibration.projector_lens,
-              calibration.covered_projector),
-      "baseline_mm", scanner.translation.norm(), "rotation_deviation_rad",
-      calibration.deviation.rotation, "translation_deviation_mm", calibration.deviation.translation,
-      "largest_tilt_rad", calibration.largest_tilt, "depths_mm",
-      std::array{scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest});
-
-  add_quality(document, overall(left_out_qualities(calibration)));
-  document["findings"] = report.findings;
-  document["verdict"] = verdict_of(report.findings).words;
-
-  if (report.comparison != nullptr) {
-    document["compared"] = described("scanner", report.comparison->name);
-    add_quality(document["compared"], overall(report.comparison->poses));
-  }
-
-  if (flags.report) document["report"] = *flags.report;
-  return document;
-}
-
 }  // namespace
 
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
-  const GeometryCalibrationSettings settings = settings_from(flags);
+  const GeometryCalibrationSettings settings = settings_from(flags.result);
   std::vector<Finding> findings = measured_findings(flags, board);
 
   // Read the files first: errors in them should not wait for the calibration.
-  std::optional<Scanner> other;
-  if (flags.compare) other = read_scanner(*flags.compare);
-  const auto response = fs::exists(flags.scanner)  // it will be overwritten
-                            ? read_photometric_calibration(flags.scanner).response
+  const std::optional<Scanner> other = compared_scanner(flags.result);
+  const auto response = fs::exists(flags.result.scanner)  // it will be overwritten
+                            ? read_photometric_calibration(flags.result.scanner).response
                             : std::nullopt;
 
   // 1. Find the board's corners in every pose, in camera pixels and projector coordinates.
   const PoseCaptures captures = captured_boards(flags.boards, board, response, output);
   require_enough_poses(captures, flags.boards.folder);
-  if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
+  if (flags.points) write_point_list(*flags.points, points_of(captures.views, board));
 
   // 2. Calibrate both lenses and the pose between them.
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
 
-  // 3. Compare with the other scanner file, and report all diagnostics together.
-  std::optional<ScannerComparison> comparison;
-  if (other) {
-    comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
-                               calibration.views, board);
-  }
-
-  for (const auto* more : {&captures.findings, &calibration.findings}) {
-    findings.insert(findings.end(), more->begin(), more->end());
-  }
-
-  // 4. Write the scanner file; entries that do not concern the geometry are kept, such as gamma.
-  const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
-
-  // 5. The report names the file as it is now.
-  CalibrationReport report{calibration, captures.unused, board, comparison ? &*comparison : nullptr,
-                           findings,    &with_flags};
-  report.facts = facts_of_run(output);
-  add_scanner(report.facts, calibration.state.scanner, flags.scanner);
-  if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
-
-  output.document = document(flags, report);
-
-  output.say_lines(text_of(report));
-  output.warn(findings);
-  output.say("{}", verdict_of(findings).words);
-  output.say("scanner file: {}", flags.scanner);
-
-  if (flags.report) output.say("report: {}", (fs::path(*flags.report) / "report.html").string());
-  if (!kept.empty()) output.say("kept from the existing file: {}", fmt::join(kept, ", "));
+  // 3. Write the scanner file and the report, with all diagnostics together.
+  findings.insert(findings.end(), captures.findings.begin(), captures.findings.end());
+  write_calibration(
+      flags.result,
+      {calibration, printed_places(board), text_of(board), captures.unused, std::move(findings)},
+      other, output);
+  if (flags.points) output.say("points: {}", *flags.points);
 }
 
 void add_calibrate_board(const Commands& calibrate) {
@@ -373,9 +262,9 @@ void add_calibrate(const Commands& program) {
       "calibrate", "calibrate a rig: geometry, response, noise, ambient light, colour");
 
   // In the order of the help.
-  for (AddCommand* const add :
-       {add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_gamma,
-        add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour, add_calibrate_height}) {
+  for (AddCommand* const add : {add_calibrate_board, add_calibrate_geometry, add_calibrate_points,
+                                add_calibrate_verify, add_calibrate_gamma, add_calibrate_ambient,
+                                add_calibrate_noise, add_calibrate_colour, add_calibrate_height}) {
     add(calibrate);
   }
 }
@@ -384,26 +273,15 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
   const auto [command, flags] = calibrate_command.add(
       calibrate_boards, "geometry",
       "calibrate camera and projector from scans of a board in several poses");
-  required(command.add_output("-o,--output", flags.scanner, "the scanner file: .yaml or .xml",
-                              scanner_output_type));
-
-  command.add_output("--report", flags.report, "folder for a report with pictures",
-                     output_folder_type);
-  command.add_file("--compare", flags.compare, "scanner file to compare the result with");
+  add_result_flags(command, flags.result);
+  command.add_output("--save-points", flags.points,
+                     "write the points that were found, for other programs: .csv");
 
   command.add("--measured", flags.measured,
               "measured on the print with a ruler, first to last corner, mm: row x column");
 
   add_board_capture_flags(command, flags.boards);
-  const FlagGroup model{command.app, "Model"};
-  const std::string lenses = fmt::format(
-      "lens distortion coefficients: auto, or {} in OpenCV's order", fmt::join(lens_models, ", "));
-  model.add("--camera-distortion", flags.camera_distortion, lenses);
-  model.add("--projector-distortion", flags.projector_distortion, lenses);
-  model.add("--print", flags.print,
-            "board corners: exact, or estimated near their nominal positions");
-  model.add("--print-deviation", flags.print_deviation,
-            "standard deviation of a printed corner's position, in spacings");
+  add_model_flags({command.app, "Model"}, flags.result);
 
   command.common({"--output", "--report", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});

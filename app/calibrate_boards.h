@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/board_flags.h"
+#include "app/calibration_result.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/scan_files.h"
 
@@ -23,10 +24,9 @@ struct BoardCaptureFlags {
 /// The flags of `calibrate geometry`.
 struct CalibrateGeometryFlags {
   BoardCaptureFlags boards;
-  std::string camera_distortion = "auto", projector_distortion = "auto", print = "estimated";
-  double print_deviation = 0.01;
-  std::string scanner;
-  std::optional<std::string> report, compare, measured;
+  CalibrationResultFlags result;
+  std::optional<std::string> measured;
+  std::optional<std::string> points;      ///< file to write the corners to
 };
 
 /// Calibrates from board scans in several poses; writes and reports the scanner file and the

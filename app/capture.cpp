@@ -214,8 +214,8 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   CalibrateGeometryFlags calibration;
   calibration.boards.folder = folder;
   calibration.boards.board = flags.board;
-  calibration.scanner = folder / "scanner.yaml";
-  calibration.report = folder / "report";
+  calibration.result.scanner = folder / "scanner.yaml";
+  calibration.result.report = folder / "report";
   calibrate_boards(calibration, output);
 
   output.add("poses_taken", taken, "folder", flags.output);

@@ -147,6 +147,12 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
                                        Size projector,
                                        const GeometryCalibrationSettings& settings = {});
 
+/// The same for a flat board of any places (mm, Z nearly 0), `spacing` mm apart, for its
+/// `print_deviation`. Corners may lack the pixel of either device (NaN).
+GeometryCalibration calibrate_geometry(BoardViews views, const BoardPlaces& printed, double spacing,
+                                       Size camera, Size projector,
+                                       const GeometryCalibrationSettings& settings = {});
+
 /// Accuracy of a scanner on a board.
 struct BoardMeasure {
   /// RMS distance of the projector's pixels from the camera's epipolar lines, projector pixels.

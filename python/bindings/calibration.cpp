@@ -129,7 +129,7 @@ struct HeldCalibration {
   std::vector<Finding> findings{};
 
   [[nodiscard]] CalibrationReport report() const {
-    return {found, unused, board, nullptr, findings};
+    return {found, unused, text_of(board), nullptr, findings};
   }
 
   void write(const fs::path& path) const { write_page(path, calibration_report(report())); }

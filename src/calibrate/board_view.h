@@ -1,6 +1,6 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -43,9 +43,16 @@ inline Eigen::Matrix2d slope_at(const BoardView& view, std::size_t corner) {
   return view.slopes.empty() ? Eigen::Matrix2d(Eigen::Matrix2d::Zero()) : view.slopes[corner];
 }
 
-/// Number of corners with a known projector pixel.
+/// Whether both devices see the corner.
+inline bool is_lit(const BoardView& view, std::size_t corner) {
+  return view.camera[corner].allFinite() && view.projector[corner].allFinite();
+}
+
+/// Number of corners that both devices see.
 inline int lit_corners(const BoardView& view) {
-  return static_cast<int>(std::ranges::count_if(view.projector, &Eigen::Vector2d::allFinite));
+  int count = 0;
+  for (std::size_t i = 0; i < view.projector.size(); ++i) count += is_lit(view, i) ? 1 : 0;
+  return count;
 }
 
 /// Number of boards that cover each cell of a device's picture, divided into 100 columns of square

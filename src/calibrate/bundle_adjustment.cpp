@@ -169,6 +169,36 @@ class PairError : public ceres::SizedCostFunction<4, lens_size, lens_size, 6, 6,
   Eigen::Matrix4d to_residuals_;
 };
 
+/// Projector residual of a corner that the camera does not see, in standard deviations. Parameters:
+/// projector, rig, pose, place.
+class ProjectorError : public ceres::SizedCostFunction<2, lens_size, 6, 6, 3> {
+ public:
+  ProjectorError(Eigen::Vector2d seen, double deviation)  // pixels
+      : seen_(std::move(seen)), deviation_(deviation) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const MovedPoint in_camera =
+        moved_point(parameters[2], Eigen::Map<const Eigen::Vector3d>(parameters[3]));
+    const MovedPoint in_projector = moved_point(parameters[1], in_camera.point);
+    const SeenPoint predicted = seen_point(parameters[0], in_projector.point);
+    Eigen::Map<Eigen::Vector2d>{residuals} = (seen_ - predicted.pixel) / deviation_;
+    if (jacobians == nullptr) return true;
+
+    const Eigen::Matrix<double, 2, 3> by_projector_point = -predicted.by_point / deviation_;
+    const Eigen::Matrix<double, 2, 3> by_point = by_projector_point * in_projector.by_point;
+    set_block<lens_size>(jacobians, 0, -predicted.by_lens / deviation_);
+    set_block<6>(jacobians, 1, by_projector_point * in_projector.by_pose);
+    set_block<6>(jacobians, 2, by_point * in_camera.by_pose);
+    set_block<3>(jacobians, 3, by_point * in_camera.by_point);
+    return true;
+  }
+
+ private:
+  Eigen::Vector2d seen_;
+  double deviation_;
+};
+
 /// Printing error of a corner, in standard deviations.
 class PrintError : public ceres::SizedCostFunction<3, 3> {
  public:
@@ -346,8 +376,8 @@ class BundleProblem {
       double* place = parameters_.places[view.places[i]].data();
       double* pose = parameters_.poses[v].data();
 
-      // A corner without a projector pixel still determines the pose and the camera's lens.
-      if (view.projector[i].allFinite()) {
+      // A corner that one device sees still determines the pose and that device's lens.
+      if (is_lit(view, i)) {
         problem_.AddResidualBlock(
             owned(std::make_unique<PairError>(view.camera[i], view.projector[i], slope_at(view, i),
                                               deviations)),
@@ -356,6 +386,10 @@ class BundleProblem {
       } else if (view.camera[i].allFinite()) {
         auto* error = owned(std::make_unique<CameraError>(view.camera[i], deviations.camera));
         problem_.AddResidualBlock(error, &huber_, parameters_.camera.data(), pose, place);
+      } else if (view.projector[i].allFinite()) {
+        problem_.AddResidualBlock(
+            owned(std::make_unique<ProjectorError>(view.projector[i], deviations.projector)),
+            &huber_, parameters_.projector.data(), parameters_.rig.data(), pose, place);
       }
     }
   }

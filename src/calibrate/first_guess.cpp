@@ -36,7 +36,8 @@ SharedCorners corners_seen_by(Device device, const BoardViews& views, const Boar
     shared.projector.emplace_back();
 
     for (std::size_t i = 0; i < view.places.size(); ++i) {
-      if (!corners_of(view, device)[i].allFinite()) continue;
+      const bool seen = view.camera[i].allFinite() && corners_of(view, device)[i].allFinite();
+      if (!seen) continue;
 
       const Eigen::Vector3d& place = printed[view.places[i]];
       shared.board.back().emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()),
@@ -139,7 +140,7 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
 
   int row = 0;
   for (std::size_t i = 0; i < view.camera.size(); ++i) {
-    if (!view.projector[i].allFinite()) continue;
+    if (!is_lit(view, i)) continue;
     camera.row(row) << view.camera[i].transpose(), 1;
     projector.row(row) = view.projector[i].transpose();
     ++row;

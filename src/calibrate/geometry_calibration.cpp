@@ -234,12 +234,12 @@ void add_reprojections(const BoardViews& views, GeometryCalibration& result) {
 
 /// The places of the board's corners. The shape of a print that is taken for exact shows only if
 /// its corners are freed.
-BoardPlaces freed_places(const BoardViews& views, const CalibrationBoard& board,
+BoardPlaces freed_places(const BoardViews& views, const BoardPlaces& printed, double spacing,
                          const BundleState& state, BundleSettings bundle) {
   if (bundle.print_deviation) return state.places;
 
-  bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * board.spacing;
-  return bundle_adjusted(views, state, printed_places(board), bundle).places;
+  bundle.print_deviation = *GeometryCalibrationSettings{}.print_deviation * spacing;
+  return bundle_adjusted(views, state, printed, bundle).places;
 }
 
 }  // namespace
@@ -268,12 +268,18 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
                                        Size projector,
                                        const GeometryCalibrationSettings& settings) {
   require_valid(board);
+  return calibrate_geometry(std::move(views), printed_places(board), board.spacing, camera,
+                            projector, settings);
+}
+
+GeometryCalibration calibrate_geometry(BoardViews views, const BoardPlaces& printed, double spacing,
+                                       Size camera, Size projector,
+                                       const GeometryCalibrationSettings& settings) {
   require_known_model(settings.camera_coefficients, "camera");
   require_known_model(settings.projector_coefficients, "projector");
   throw_if(views.size() < fewest_poses, "{} usable poses; at least {} are required, take ten",
            views.size(), fewest_poses);
 
-  const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);
 
   // 1. A simple calibration, to see whether all poses are of one rig.
@@ -284,7 +290,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
 
   // 2. The lens models that the data support.
   BundleSettings bundle;
-  if (settings.print_deviation) bundle.print_deviation = *settings.print_deviation * board.spacing;
+  if (settings.print_deviation) bundle.print_deviation = *settings.print_deviation * spacing;
   state = bundle_adjusted(views, std::move(state), printed, bundle);
   result.camera_lens = chosen_model(settings.camera_coefficients, views, state, Device::camera);
   result.projector_lens =
@@ -307,7 +313,7 @@ GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard&
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);
   result.moved = moved_rig(views, state);
-  result.print = print_shape(freed_places(views, board, state, bundle), printed);
+  result.print = print_shape(freed_places(views, printed, spacing, state, bundle), printed);
   result.views = std::move(views);
 
   result.findings = findings_about(result);

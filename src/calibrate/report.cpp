@@ -364,12 +364,17 @@ Verdict verdict_of(const std::vector<Finding>& findings) {
 }
 
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
-                                const BoardViews& views, const CalibrationBoard& board) {
+                                const BoardViews& views, const BoardPlaces& places) {
   ScannerComparison comparison{name, {}};
   for (const BoardView& view : views) {
-    comparison.poses.push_back(board_quality(view, scanner, printed_places(board)));
+    comparison.poses.push_back(board_quality(view, scanner, places));
   }
   return comparison;
+}
+
+std::string text_of(const CalibrationBoard& board) {
+  return fmt::format("{} of {}x{}, {:g} mm apart", name_of(board.kind), board.columns, board.rows,
+                     board.spacing);
 }
 
 std::vector<std::optional<BoardQuality>> left_out_qualities(
@@ -421,12 +426,9 @@ std::string text_of(const CalibrationReport& report) {
 Page calibration_report(const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   Page page("Calibration of a camera and a projector", report.wording);
-  page.paragraph(
-      "{} poses of a {} of {}x{}, {:g} mm apart. RMS: camera {:.3f} px, projector {:.3f} px, "
-      "stereo {:.3f} px.",
-      calibration.poses.size(), name_of(report.board.kind), report.board.columns, report.board.rows,
-      report.board.spacing, calibration.rms.camera, calibration.rms.projector,
-      calibration.rms.stereo);
+  page.paragraph("{} poses of a {}. RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px.",
+                 calibration.poses.size(), report.board, calibration.rms.camera,
+                 calibration.rms.projector, calibration.rms.stereo);
 
   page.facts(report.facts);
   write_findings(page, report.findings);

@@ -16,8 +16,12 @@ struct ScannerComparison {
   std::vector<std::optional<BoardQuality>> poses;
 };
 
+/// `places`: of the board's corners, mm.
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
-                                const BoardViews& views, const CalibrationBoard& board);
+                                const BoardViews& views, const BoardPlaces& places);
+
+/// "chessboard of 13x9, 10 mm apart".
+std::string text_of(const CalibrationBoard& board);
 
 /// Quality of each pose, measured with a calibration of the others.
 std::vector<std::optional<BoardQuality>> left_out_qualities(const GeometryCalibration& calibration);
@@ -32,7 +36,7 @@ Verdict verdict_of(const std::vector<Finding>& findings);
 struct CalibrationReport {
   const GeometryCalibration& calibration;
   const std::vector<UnusedPose>& unused;
-  const CalibrationBoard& board;
+  std::string board;                              ///< as text_of(board)
   const ScannerComparison* comparison = nullptr;  ///< may be null
   std::vector<Finding> findings{};                ///< of frames, ruler and calibration
   Wording wording = nullptr;                      ///< of the page

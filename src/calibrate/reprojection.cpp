@@ -30,7 +30,8 @@ void for_each_corner(const BoardViews& views, const BundleState& state, const Us
     const auto camera = residuals(views[v], state, v, Device::camera);
     const auto projector = residuals(views[v], state, v, Device::projector);
     for (std::size_t i = 0; i < camera.size(); ++i) {
-      const Eigen::Vector2d own = projector[i] - slope_at(views[v], i) * camera[i];
+      Eigen::Vector2d own = projector[i];
+      if (camera[i].allFinite()) own -= slope_at(views[v], i) * camera[i];
       use(camera[i], projector[i], own);
     }
   }
@@ -142,7 +143,7 @@ double mean_squared_error(const BoardViews& views, const BundleState& state,
   Squares squares;
   for_each_corner(views, state,
                   [&](const auto& of_camera, const auto& of_projector, const auto& own) {
-                    if (!of_projector.allFinite()) return;
+                    if (!of_camera.allFinite() || !of_projector.allFinite()) return;
                     squares.add((of_camera / deviations.camera).squaredNorm() +
                                 (own / deviations.projector).squaredNorm());
                   });

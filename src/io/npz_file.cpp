@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,23 +70,38 @@ std::string_view text_between(std::string_view text, std::string_view begin, std
   return text.substr(0, std::min(text.find(end), text.size()));
 }
 
-/// Rows and columns of a shape such as "3, 3" or "5,"; a list is a row. Nullopt for other shapes.
-std::optional<Size> size_of_shape(std::string_view shape) {
+/// The lengths in a shape such as "12, 147, 2" or "5,"; none for other texts, and for arrays of
+/// more numbers than a calibration has.
+std::vector<int> lengths_in_shape(std::string_view shape) {
+  constexpr int most = 1 << 24;
   std::vector<int> lengths;
+  double count = 1;
+
   while (!shape.empty()) {
     std::string_view word = take_until(shape, ',');
     word.remove_prefix(std::min(word.find_first_not_of(' '), word.size()));
     if (word.empty()) continue;
 
-    constexpr int most = 4096;
     const int length = number_in<int>(word).value_or(0);
-    if (length < 1 || length > most) return std::nullopt;
+    count *= length;
+    if (length < 1 || count > most) return {};
     lengths.push_back(length);
   }
 
-  if (lengths.size() > 2) return std::nullopt;
-  const int columns = lengths.empty() ? 1 : lengths.back();
-  return Size{columns, lengths.size() == 2 ? lengths.front() : 1};
+  return lengths.empty() ? std::vector{1} : lengths;
+}
+
+/// Where the file of an array ordered by columns has number `i` of the array ordered by rows.
+std::size_t place_by_columns(std::size_t i, const std::vector<int>& shape) {
+  std::size_t place = 0;
+  for (std::size_t axis = shape.size(); axis-- > 0;) {
+    std::size_t stride = 1;
+    for (std::size_t before = 0; before < axis; ++before) stride *= shape[before];
+
+    place += i % shape[axis] * stride;
+    i /= shape[axis];
+  }
+  return place;
 }
 
 /// Number `i` of an array of that type; nullopt for other types.
@@ -102,8 +119,17 @@ std::optional<double> number_of_type(NpzBytes numbers, std::string_view type, st
   return std::nullopt;
 }
 
-/// The matrix of an .npy file; empty if it is none.
-StoredMatrix matrix_of_npy(NpzBytes file) {
+/// An array as a matrix: a list is a row. Empty for arrays of more dimensions, and large ones.
+StoredMatrix matrix_of(const NumpyArray& array) {
+  constexpr int most = 4096;
+  const std::vector<int>& shape = array.shape;
+  if (array.numbers.empty() || shape.size() > 2 || std::ranges::max(shape) > most) return {};
+  return {shape.size() == 2 ? shape.front() : 1, shape.back(), array.numbers};
+}
+
+}  // namespace
+
+NumpyArray array_of_npy(NpzBytes file) {
   constexpr std::string_view magic = "\x93NUMPY";
   constexpr std::size_t preamble = 10;  // of version 1.0: the length of the header ends it
   if (file.size() < preamble || !characters_in(file).starts_with(magic) || file[6] != 1) return {};
@@ -114,24 +140,22 @@ StoredMatrix matrix_of_npy(NpzBytes file) {
 
   const std::string_view type = text_between(header, "'descr': '", "'");
   const bool by_columns = text_between(header, "'fortran_order': ", ",") == "True";
-  const auto size = size_of_shape(text_between(header, "'shape': (", ")"));
-  if (!size) return {};
+  NumpyArray array{.shape = lengths_in_shape(text_between(header, "'shape': (", ")")),
+                   .has_objects = type == "|O"};
 
-  StoredMatrix matrix{size->height, size->width};
-  for_each_pixel_in_order(*size, [&](int column, int row) {
-    const int i = by_columns ? column * size->height + row : row * size->width + column;
-    if (const auto number = number_of_type(numbers, type, static_cast<std::size_t>(i))) {
-      matrix.numbers.push_back(*number);
-    }
-  });
+  std::size_t count = array.shape.empty() ? 0 : 1;
+  for (const int each : array.shape) count *= static_cast<std::size_t>(each);
 
-  const auto count = static_cast<std::size_t>(size->width) * static_cast<std::size_t>(size->height);
-  return matrix.numbers.size() == count ? matrix : StoredMatrix();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto number =
+        number_of_type(numbers, type, by_columns ? place_by_columns(i, array.shape) : i);
+    if (!number) return {.has_objects = array.has_objects};
+    array.numbers.push_back(*number);
+  }
+  return array;
 }
 
-}  // namespace
-
-StoredEntries npz_arrays(NpzBytes bytes) {
+std::map<std::string, NumpyArray> arrays_of_npz(NpzBytes bytes, std::uint64_t largest) {
   // 1. The end of the file names the place of the directory.
   constexpr std::size_t end_size = 22, entry_size = 46;
   const std::size_t end = characters_in(bytes).rfind("PK\x05\x06");
@@ -144,7 +168,7 @@ StoredEntries npz_arrays(NpzBytes bytes) {
   // 2. The files that the directory lists.
   constexpr std::size_t most = 256;
   throw_if(count > most, "has {} arrays; a calibration has at most {}", count, most);
-  StoredEntries arrays;
+  std::map<std::string, NumpyArray> arrays;
   for (std::size_t i = 0; i < count; ++i) {
     const NpzBytes entry = part_of(bytes, at, entry_size);
     throw_if(!characters_in(entry).starts_with("PK\x01\x02"), "not a complete .npz file");
@@ -153,14 +177,22 @@ StoredEntries npz_arrays(NpzBytes bytes) {
     std::string name(characters_in(part_of(bytes, at + entry_size, name_size)));
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
 
-    // Larger arrays, such as the corners of the boards, do not belong to the calibration.
-    const bool is_small = number_at<std::uint32_t>(entry, 24) <= largest_text;
-    arrays[name] = is_small ? matrix_of_npy(unpacked_file(bytes, entry)) : StoredMatrix();
+    const bool is_small = number_at<std::uint32_t>(entry, 24) <= largest;
+    arrays[name] = is_small ? array_of_npy(unpacked_file(bytes, entry)) : NumpyArray();
 
     at += entry_size + name_size + number_at<std::uint16_t>(entry, 30) +
           number_at<std::uint16_t>(entry, 32);
   }
   return arrays;
+}
+
+StoredEntries npz_arrays(NpzBytes bytes) {
+  // Larger arrays, such as the corners of the boards, do not belong to the calibration.
+  StoredEntries matrices;
+  for (const auto& [name, array] : arrays_of_npz(bytes, largest_text)) {
+    matrices[name] = matrix_of(array);
+  }
+  return matrices;
 }
 
 }  // namespace slipstream

@@ -1,11 +1,29 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "io/opencv_storage.h"
 
 namespace slipstream {
+
+/// An array of NumPy.
+struct NumpyArray {
+  std::vector<int> shape{};
+  std::vector<double> numbers{};  ///< row by row; empty if it has none, or of another type
+  bool has_objects = false;       ///< Python objects, such as lists of different lengths
+};
+
+/// The array of an .npy file. Throws Error, without a file name, if the file is damaged.
+NumpyArray array_of_npy(std::span<const std::uint8_t> bytes);
+
+/// The arrays of an .npz file by name; those of more than `largest` bytes are empty. Throws Error,
+/// without a file name, if the file is damaged.
+std::map<std::string, NumpyArray> arrays_of_npz(std::span<const std::uint8_t> bytes,
+                                                std::uint64_t largest);
 
 /// The arrays of a NumPy .npz file by name. The entry of an array that is not a small matrix of
 /// numbers is empty.

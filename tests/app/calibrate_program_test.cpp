@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "io/file.h"
 #include "io/image_file.h"
@@ -383,6 +384,37 @@ TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
   expect_bad_input(run_program({"simulate", folder, "--boards", "2", "--spacing", "60"}),
                    {"does not fit"});
   EXPECT_FALSE(fs::exists(folder));
+}
+
+/// Points that were saved give the scanner of the frames, within its standard deviations.
+TEST_F(CalibrateProgram, CalibratesFromSavedPoints) {
+  const TemporaryFolder out;
+  const fs::path points = out.path() / "points.csv", again = out.path() / "again.yaml";
+  ProgramRun run =
+      calibrate(poses(), out.path() / "scanner.yaml", {"--save-points", points, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto of_frames = nlohmann::json::parse(run.out);
+
+  run = run_program({"calibrate", "points", points, "--camera", "320x240", "--projector",
+                     "1280x800", "-o", again, "--report", out.path() / "report", "--compare",
+                     out.path() / "scanner.yaml", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto of_points = nlohmann::json::parse(run.out);
+  EXPECT_TRUE(fs::exists(out.path() / "report" / "report.html"));
+  EXPECT_EQ(of_points["poses"].size(), of_frames["poses"].size());
+
+  const Scanner first = read_scanner(out.path() / "scanner.yaml"), second = read_scanner(again);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(first.translation[axis], second.translation[axis],
+                of_frames["translation_deviation_mm"][axis].get<double>());
+  }
+  EXPECT_NEAR(first.camera.intrinsic(0, 0), second.camera.intrinsic(0, 0),
+              of_frames["camera"]["focal_deviation_px"][0].get<double>());
+
+  run = run_program({"calibrate", "points", points, "--camera", "320x240", "--projector",
+                     "640x400", "-o", out.path() / "none.yaml"});
+  expect_bad_input(run, {"projector lie outside its picture of 640x400"});
+  EXPECT_FALSE(fs::exists(out.path() / "none.yaml"));
 }
 
 }  // namespace slipstream::calibrate_program_test

@@ -254,6 +254,9 @@ STARTS = {
                           " --projector 1824x1140",
     "calibrate colour scan": "slipstream simulate scan --colour --paint 0.5 --strategy"
                              " dual-frequency --steps 3",
+    "calibrate points": "slipstream simulate poses --boards 6 --corners 13x9 --spacing 15"
+                        " --camera 640x480; slipstream calibrate geometry poses --corners 13x9"
+                        " --spacing 15 -o first.yaml --save-points points.csv",
     "calibrate colour": "slipstream simulate white --scene board --primaries --camera 128x96;"
                         " slipstream simulate scan --camera 128x96; cp scan/scanner.yaml .",
     "calibrate": "for n in 1 2 3; do slipstream simulate scan_$n --scene board --strategy pmp"

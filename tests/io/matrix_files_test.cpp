@@ -18,67 +18,13 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/scanner_file.h"
 #include "tests/io/expect_error.h"
+#include "tests/io/numpy_files.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::matrix_files_test {
 namespace fs = std::filesystem;
 
 using Matrices = std::map<std::string, Eigen::MatrixXd>;
-
-/// A matrix as numpy.save writes it.
-std::string npy_of(const Eigen::MatrixXd& matrix, bool by_columns = false) {
-  std::string header = fmt::format("{{'descr': '<f8', 'fortran_order': {}, 'shape': ({}, {}), }}",
-                                   by_columns ? "True" : "False", matrix.rows(), matrix.cols());
-  header.append(127 - (10 + header.size()) % 64, ' ').push_back('\n');
-
-  std::string file("\x93NUMPY\x01\x00", 8);
-  append_numbers(file, static_cast<std::uint16_t>(header.size()));
-  file += header;
-  for (Eigen::Index i = 0; i < matrix.size(); ++i) {
-    const Eigen::Index row = by_columns ? i % matrix.rows() : i / matrix.cols();
-    const Eigen::Index column = by_columns ? i / matrix.rows() : i % matrix.cols();
-    append_numbers(file, matrix(row, column));
-  }
-  return file;
-}
-
-/// A ZIP file as numpy.savez writes it; with `deflated` its files are in blocks of deflate, as
-/// numpy.savez_compressed does.
-std::string zip_of(const std::vector<std::pair<std::string, std::string>>& files, bool deflated) {
-  std::string zip, directory;
-  const std::uint16_t version = 20, none = 0, method = deflated ? 8 : 0;
-
-  for (const auto& [name, content] : files) {
-    std::string packed = content;
-    if (deflated) {
-      const auto size = static_cast<std::uint16_t>(content.size());
-      std::string block(1, '\x01');  // the last one, not compressed
-      append_numbers(block, size, static_cast<std::uint16_t>(~size));
-      packed = block + content;
-    }
-
-    const auto at = static_cast<std::uint32_t>(zip.size());
-    const auto packed_size = static_cast<std::uint32_t>(packed.size());
-    const auto size = static_cast<std::uint32_t>(content.size()), sum = std::uint32_t{0};
-    const auto name_size = static_cast<std::uint16_t>(name.size());
-
-    zip += "PK\x03\x04";
-    append_numbers(zip, version, none, method, none, none, sum, packed_size, size, name_size, none);
-    zip += name + packed;
-
-    directory += "PK\x01\x02";
-    append_numbers(directory, version, version, none, method, none, none, sum, packed_size, size,
-                   name_size, none, none, none, none, std::uint32_t{0}, at);
-    directory += name;
-  }
-
-  const auto start = static_cast<std::uint32_t>(zip.size());
-  const auto count = static_cast<std::uint16_t>(files.size());
-  zip += directory + "PK\x05\x06";
-  append_numbers(zip, none, none, count, count, static_cast<std::uint32_t>(directory.size()), start,
-                 none);
-  return zip;
-}
 
 std::string npz_of(const Matrices& matrices, bool deflated = false) {
   std::vector<std::pair<std::string, std::string>> files;

@@ -41,7 +41,7 @@ function(add_suite name label filter count)
   endif()
   string(REPLACE "/" "_" file "${name}")
   string(APPEND text
-    "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] [==[--gtest_output=json:${RESULTS}/${file}.json]==])\n"
+    "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] [==[--gtest_output=xml:${RESULTS}/${file}.xml]==])\n"
     "set_tests_properties([==[${name}]==] PROPERTIES ${properties})\n")
   set(text "${text}" PARENT_SCOPE)
 endfunction()

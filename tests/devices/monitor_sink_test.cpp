@@ -1,6 +1,5 @@
 // Patterns on a monitor, real or Xvfb; skipped without either.
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -29,32 +28,24 @@ std::vector<Image<std::uint8_t>> patterns_of(const Strategy& strategy, Axis axis
 
 class OnAMonitor : public testing::Test {
  protected:
-  void SetUp() override {
-    try {
-      system_ = std::make_unique<opengl::WindowSystem>();
-    } catch (const WorldError& error) {
-      GTEST_SKIP() << error.what();
-    }
-    if (system_->monitors().empty()) GTEST_SKIP() << "no monitor";
-  }
-  [[nodiscard]] Size size() const { return system_->monitors().front().size; }
+  [[nodiscard]] Size size() const { return system_.monitors().at(0).size; }
   /// Shows the patterns in a loop on the first monitor.
   [[nodiscard]] ProjectionReport project(const std::vector<Image<std::uint8_t>>& patterns,
                                          const ProjectionSettings& settings) const {
-    MonitorSink sink(*system_, 0);
+    MonitorSink sink(system_, 0);
     sink.load(patterns);
     return project_patterns(sink, patterns.size(), settings);
   }
 
   Desktop desktop_;
-  std::unique_ptr<opengl::WindowSystem> system_;
+  const opengl::WindowSystem system_;
 };
 
 TEST_F(OnAMonitor, EveryPixelHasItsGreyLevel) {
   for (const Axis axis : {Axis::x, Axis::y}) {
     const auto patterns =
         patterns_of(DualFrequency{.steps = 3, .high = 32, .low = 1}, axis, size());
-    MonitorSink sink(*system_, 0);
+    MonitorSink sink(system_, 0);
     ASSERT_EQ(sink.size(), size());
     sink.load(patterns);
     for (std::size_t n = 0; n < patterns.size(); ++n) {
@@ -72,7 +63,7 @@ TEST_F(OnAMonitor, EveryPixelHasItsGreyLevel) {
 }
 
 TEST_F(OnAMonitor, EveryPixelHasItsColour) {
-  MonitorSink sink(*system_, 0);
+  MonitorSink sink(system_, 0);
   const std::vector<Strategy> strategies{DeBruijn{}, DualFrequency{.steps = 3, .high = 32}};
   for (const Strategy& strategy : strategies) {
     const auto channels = patterns_of(strategy, Axis::x, size());
@@ -142,13 +133,13 @@ TEST_F(OnAMonitor, ItEndsWhileAPatternStays) {
 
 TEST_F(OnAMonitor, PatternsOfAnotherSizeAreRefused) {
   const auto patterns = patterns_of(PhaseMeasuring{}, Axis::x, {64, 48});
-  MonitorSink sink(*system_, 0);
+  MonitorSink sink(system_, 0);
   EXPECT_THROW(sink.load(patterns), Error);
   EXPECT_THROW(sink.load({}), Error);
 }
 
 TEST_F(OnAMonitor, PatternsTakeThePlaceOfThoseBefore) {
-  MonitorSink sink(*system_, 0);
+  MonitorSink sink(system_, 0);
   for (const std::uint8_t level : {30, 200}) {
     sink.load({Image<std::uint8_t>(size(), level)});
     sink.draw(0);
@@ -158,15 +149,15 @@ TEST_F(OnAMonitor, PatternsTakeThePlaceOfThoseBefore) {
 }
 
 TEST_F(OnAMonitor, SaysWhatTheMonitorLacks) {
-  const MonitorSink sink(*system_, 0);
+  const MonitorSink sink(system_, 0);
   EXPECT_EQ(sink.state().empty(), sink.has_gamma_table());
   EXPECT_GT(sink.refresh_hz(), 0);
   EXPECT_FALSE(sink.closed());
 }
 
 TEST_F(OnAMonitor, AMonitorThatIsNotThereIsRefused) {
-  EXPECT_THROW(MonitorSink(*system_, 99), Error);
-  EXPECT_THROW(MonitorSink(*system_, -1), Error);
+  EXPECT_THROW(MonitorSink(system_, 99), Error);
+  EXPECT_THROW(MonitorSink(system_, -1), Error);
 }
 
 /// Records the patterns that it should show.

@@ -13,24 +13,11 @@
 
 #include "reconstruct/gpu.h"
 #include "tests/app/program.h"
+#include "tests/base/variable.h"
 
 namespace slipstream::gpu_program_test {
 
 namespace fs = std::filesystem;
-
-/// A variable of the environment, for as long as this lives.
-class Variable {
- public:
-  Variable(std::string name, const std::string& value) : name_(std::move(name)) {
-    ::setenv(name_.c_str(), value.c_str(), 1);
-  }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-  ~Variable() { ::unsetenv(name_.c_str()); }
-
- private:
-  std::string name_;
-};
 
 std::size_t count_of(const std::string& words, const std::string& text) {
   std::size_t count = 0;
@@ -43,7 +30,7 @@ std::size_t count_of(const std::string& words, const std::string& text) {
 class ProgramOnGpu : public testing::Test {
  protected:
   void SetUp() override {
-    if (gpu_devices().empty()) GTEST_SKIP() << "no device that Vulkan finds";
+    ASSERT_FALSE(gpu_devices().empty()) << "mesa-vulkan-drivers is not installed";
     ASSERT_EQ(run_program({"simulate", path("scan"), "--camera", "96x72"}).exit_code, 0);
   }
 
@@ -89,7 +76,7 @@ TEST_F(ProgramOnGpu, TakesOneOfSeveral) {
     fs::copy_file(entry.path(), path("again.json"));
     drivers = entry.path().string() + ":" + path("again.json");
   }
-  if (drivers.empty()) GTEST_SKIP() << "Mesa's software driver is not installed";
+  ASSERT_FALSE(drivers.empty()) << "mesa-vulkan-drivers is not installed";
   const Variable files("VK_ICD_FILENAMES", drivers);
   const std::string first = reconstruct("gpu:0"), second = reconstruct("gpu:1");
   EXPECT_NE(first.find("backend gpu\n"), std::string::npos) << first;
@@ -159,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(
 /// Without it the tests of this folder would be silent whatever the shaders do.
 TEST_F(ProgramOnGpu, IsValidated) {
   const char* const wanted = std::getenv("VK_INSTANCE_LAYERS");
-  if (wanted == nullptr) GTEST_SKIP() << "VK_INSTANCE_LAYERS names no layer";
+  ASSERT_NE(wanted, nullptr) << "VK_INSTANCE_LAYERS names no layer; ctest sets it";
   const auto layers = vk::raii::Context().enumerateInstanceLayerProperties();
   EXPECT_TRUE(std::any_of(layers.begin(), layers.end(),
                           [&](const vk::LayerProperties& layer) {

@@ -35,7 +35,7 @@ namespace slipstream::gpu_test {
 class OnGpu : public testing::Test {
  protected:
   void SetUp() override {
-    if (gpu_devices().empty()) GTEST_SKIP() << "no device that Vulkan finds";
+    ASSERT_FALSE(gpu_devices().empty()) << "mesa-vulkan-drivers is not installed";
   }
 };
 
@@ -487,7 +487,7 @@ std::size_t resident() {
 /// SLIPSTREAM_GPU_SCANS: how many, where not a thousand.
 TEST_F(OnGpu, KeepsItsMemoryFlat) {
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "a sanitizer keeps memory of its own";
+  GTEST_SKIP() << "no such memory under the sanitizers";
 #endif
   const Scanner scanner = example_scanner({64, 48});
   const Strategy strategy = DualFrequency{};

@@ -3,18 +3,23 @@
     python3 tests/report.py build/tests
 
 Tests of GoogleTest and pytest count once per case (results/*.xml), others once each (report.xml).
-A skipped test fails the run unless may_skip.txt allows it.
+A skipped test fails the run unless may_skip.txt allows it. night.json, in the folder above, keeps
+the day on which each nightly test last ran.
 """
 
 import collections
+import datetime
 import fnmatch
+import json
 import pathlib
 import re
+import subprocess
 import sys
 import xml.etree.ElementTree
 
 SOURCES = pathlib.Path(__file__).resolve().parents[1]
 SLOWEST = 10
+DAYS = 7  # that a nightly test may wait for its turn
 
 Test = collections.namedtuple("Test", "name seconds outcome words")
 
@@ -86,6 +91,33 @@ def judge_skips(tests):
         print(f"{count} skipped, {pattern}: {unproved}")
 
 
+def late_at_night(folder):
+    """Notes the nightly tests of this run; prints which have not run for long."""
+    report = xml.etree.ElementTree.parse(folder / "report.xml")
+    ran = {test.get("name") for test in report.iter("testcase")
+           if test.get("status") in ("run", "fail")}
+    file = folder.parent / "night.json"
+    known = json.loads(file.read_text()) if file.exists() else None
+    shown = subprocess.run(["ctest", "--show-only=json-v1"], cwd=folder.parent, check=True,
+                           capture_output=True, text=True).stdout
+    today, last = datetime.date.today(), {}
+    for test in json.loads(shown)["tests"]:
+        if any(entry["name"] == "LABELS" and entry["value"][0].startswith("night")
+               for entry in test["properties"]):
+            name = test["name"]
+            last[name] = str(today) if name in ran else (known or {}).get(name, "never")
+    file.write_text(json.dumps(last, indent=1) + "\n")
+    if known is None:
+        print(f"{len(ran & last.keys())} of {len(last)} nightly tests ran; no earlier run is known")
+        return
+
+    late = {name: day for name, day in last.items()
+            if day == "never" or (today - datetime.date.fromisoformat(day)).days > DAYS}
+    for day, count in sorted(collections.Counter(late.values()).items()):
+        one = next(name for name in late if late[name] == day)
+        print(f"{count} nightly tests last ran: {day} ({one}{' and others' if count > 1 else ''})")
+
+
 def main(folder):
     folder = pathlib.Path(folder)
     tests = [*tests_of(folder)]
@@ -94,6 +126,8 @@ def main(folder):
         print(f"{test.seconds:8.1f} s  {test.name}")
 
     tests = [*judge_skips(tests)]
+    if folder.parent.name == "build":
+        late_at_night(folder)
     for test in tests:
         if test.outcome == "failed":
             words = test.words.replace(f"{SOURCES}/", "")

@@ -15,6 +15,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::epipolar_check_test {
 
@@ -28,8 +29,7 @@ struct TrueScan {
 /// As it is loaded: the frames along x, those along y beside them; exchanged as `order` says.
 TrueScan scan_of(const char* scene, const Scanner& scanner, const Photometry& photometry,
                  const Sequence& sequence = both, const std::vector<int>& order = {}) {
-  VirtualScan taken =
-      take_scan(scanner, scene_named(scene, scanner), pattern_set(sequence), photometry);
+  VirtualScan taken = scan_of_scene(scene, scanner, pattern_set(sequence), photometry);
   if (!order.empty()) taken.frames = reordered(std::move(taken.frames), order);
   return {merged({.frames = std::move(taken.frames), .sequence = sequence, .scanner = scanner}),
           std::move(taken.depth)};

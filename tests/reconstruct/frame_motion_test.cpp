@@ -12,6 +12,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::frame_motion_test {
 
@@ -107,8 +108,8 @@ TEST(MotionMeasurement, CallsNoiseWhatItIs) {
 TEST(MovedPixels, AreNoneWhereNothingMoves) {
   const Scanner scanner = example_scanner({320, 240});
   const Sequence sequence{.strategy = PhaseMeasuring{4, 1}, .motion = 2};
-  const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner), pattern_set(sequence),
-                                     {.ambient = 5, .noise_variance = 1.5});
+  const VirtualScan scan = scan_of_scene("statue", scanner, pattern_set(sequence),
+                                         {.ambient = 5, .noise_variance = 1.5});
   Cloud cloud;
   Maps maps;
   Engine(setup_of(scanner, sequence)).cloud_and_maps(scan.frames, cloud, maps);

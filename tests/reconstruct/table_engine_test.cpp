@@ -11,6 +11,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream {
 namespace {
@@ -46,8 +47,8 @@ EngineSetup setup_of(const Case& of) {
 }
 
 VirtualScan scan_of(const EngineSetup& setup) {
-  return take_scan(setup.scanner, scene_named("statue", setup.scanner), pattern_set(setup.sequence),
-                   {.ambient = 5, .noise_variance = 1.55});
+  return scan_of_scene("statue", setup.scanner, pattern_set(setup.sequence),
+                       {.ambient = 5, .noise_variance = 1.55});
 }
 
 class TableEngineTest : public testing::TestWithParam<Case> {};

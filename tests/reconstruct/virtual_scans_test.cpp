@@ -15,6 +15,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::virtual_scans_test {
 
@@ -58,8 +59,8 @@ TEST_P(VirtualScans, ComeOutAtTheirTrueDepth) {
        {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}),
         Strategy(PhaseMeasuring{.steps = 5, .frequency = 1}),
         Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1})}) {
-    const VirtualScan scan = take_scan(scanner, scene_named(scene, scanner),
-                                       pattern_set(strategy, axis), {.bits = std::nullopt});
+    const VirtualScan scan =
+        scan_of_scene(scene, scanner, pattern_set(strategy, axis), {.bits = std::nullopt});
     for (const PhaseMethod method :
          {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
       const ReferenceEngine reconstruct(
@@ -165,9 +166,8 @@ TEST_P(EngineOfKind, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
 TEST_P(EngineOfKind, ShowsNoPointOfAWrongFringeOrder) {
   const Scanner scanner = example_scanner({640, 480});
   const Strategy strategy = DualFrequency{.steps = 4, .high = 32, .low = 1};
-  const VirtualScan scan =
-      take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x),
-                {.ambient = 5, .noise_variance = 1.55, .bits = 8});
+  const VirtualScan scan = scan_of_scene("statue", scanner, pattern_set(strategy, Axis::x),
+                                         {.ambient = 5, .noise_variance = 1.55, .bits = 8});
   const auto wrong_with = [&](const FringeOrderConsensus& consensus) {
     const Cloud cloud =
         cloud_of(scan.frames, scanner, {.strategy = strategy}, {.fringe_order = consensus});
@@ -187,8 +187,8 @@ TEST_P(EngineOfKind, AStripeFromElsewhereIsOutsideTheField) {
   // The pictures upside down: the coordinates are good, but belong to other rays.
   const Scanner scanner = example_scanner({160, 120});
   const Strategy strategy = DualFrequency{};
-  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
-                                     pattern_set(strategy, Axis::y), {.bits = 8});
+  const VirtualScan scan =
+      scan_of_scene("board", scanner, pattern_set(strategy, Axis::y), {.bits = 8});
   FrameSet::Images8 turned;
   scan.frames.visit([&](const auto& views) {
     for (const auto& view : views) {

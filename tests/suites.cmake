@@ -52,8 +52,8 @@ macro(add_nightly_suites)
 
   foreach(case IN LISTS of_night)
     list(APPEND of_part_${part} ${case})
-    # The limits of the table of broken scans are shares of the whole table.
-    if(NOT suite MATCHES "BrokenScans")
+    # Some limits are shares of a whole set.
+    if(NOT suite MATCHES "(Broken|Right|Processed)Scans|OutOfStep")
       math(EXPR part "${part} % ${night_parts} + 1")
     endif()
   endforeach()

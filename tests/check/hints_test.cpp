@@ -1,4 +1,4 @@
-// What is proposed, and how: see broken_table_test.cpp for everything that can go wrong.
+// What is proposed, and how: see broken_scans_test.cpp for everything that can go wrong.
 #include <algorithm>
 #include <filesystem>
 #include <numeric>

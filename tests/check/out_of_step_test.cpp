@@ -128,7 +128,7 @@ Table table_of(const std::string& name, const Scan& scan, int percent_step) {
 }
 
 // As in live.
-TEST(WhatMayMove, IsToldFromWhatIsOutOfStep) {
+TEST(OutOfStepWhatMayMove, IsToldFromWhatIsOutOfStep) {
   const Scan right = virtual_scan("statue", make_strategy("dual-frequency", {{"steps", 4}}));
   const Before cycle{7, 0, 1, 2, 3, 4, 5, 6};
   const CheckSettings settings{.moving = true};

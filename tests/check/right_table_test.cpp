@@ -59,7 +59,7 @@ struct RightScan {
   std::vector<VirtualScan> truths;  ///< of each camera
 };
 
-class WiresAlone : public RandomScans {
+class RightTable : public RandomScans {
  public:
   using RandomScans::RandomScans;
 
@@ -226,7 +226,7 @@ std::string true_cause(const RightScan& right, const std::vector<Finding>& found
 
 // Blur mixes the coordinates on both sides of a thing of a few pixels: it shows no slope. The table
 // has too few scans of wires alone to meet those that were refused.
-TEST(WiresAlone, AreLeftInPeace) {
+TEST(RightTable, WiresAloneAreLeftInPeace) {
   const Strategy strategy = make_strategy("gray-phase", {});
   for (const unsigned seed : {2U, 8U, 11U, 17U}) {
     VirtualWorld world{.scanner = random_scanner(seed, 0.1, {640, 480})};
@@ -272,7 +272,7 @@ std::string named(const testing::TestParamInfo<Member>& member) {
 }
 
 /// Each scan alone, and how many of a set are warned of.
-class RightScans : public testing::TestWithParam<Member> {
+class RightTableScans : public testing::TestWithParam<Member> {
  protected:
   /// A scan with findings, right if there is a cause. It must not be refused without one.
   static void judge(const RightScan& right, const std::vector<Finding>& found,
@@ -333,21 +333,21 @@ RightScan right_scan(int number) {
   return scans->next_right(static_cast<std::size_t>(number));
 }
 
-TEST_P(RightScans, AreLeftInPeace) {
+TEST_P(RightTableScans, AreLeftInPeace) {
   if (GetParam().is_share()) return judge_share(600);
   RightScan right = right_scan(GetParam().number);
   const std::vector<Finding> found = check_and_repair(right.scan).findings;
   judge(right, found, found.empty() ? "" : true_cause(right, found));
 }
 
-INSTANTIATE_TEST_SUITE_P(Day1, RightScans, testing::ValuesIn(set_of(0, 100)), named);
-INSTANTIATE_TEST_SUITE_P(Day2, RightScans, testing::ValuesIn(set_of(100, 200)), named);
-INSTANTIATE_TEST_SUITE_P(Day3, RightScans, testing::ValuesIn(set_of(200, 300)), named);
-INSTANTIATE_TEST_SUITE_P(Night1, RightScans, testing::ValuesIn(set_of(300, 800)), named);
-INSTANTIATE_TEST_SUITE_P(Night2, RightScans, testing::ValuesIn(set_of(800, 1300)), named);
-INSTANTIATE_TEST_SUITE_P(Night3, RightScans, testing::ValuesIn(set_of(1300, 1900)), named);
-INSTANTIATE_TEST_SUITE_P(Night4, RightScans, testing::ValuesIn(set_of(1900, 2400)), named);
-INSTANTIATE_TEST_SUITE_P(Night5, RightScans, testing::ValuesIn(set_of(2400, 3000)), named);
+INSTANTIATE_TEST_SUITE_P(Day1, RightTableScans, testing::ValuesIn(set_of(0, 100)), named);
+INSTANTIATE_TEST_SUITE_P(Day2, RightTableScans, testing::ValuesIn(set_of(100, 200)), named);
+INSTANTIATE_TEST_SUITE_P(Day3, RightTableScans, testing::ValuesIn(set_of(200, 300)), named);
+INSTANTIATE_TEST_SUITE_P(Night1, RightTableScans, testing::ValuesIn(set_of(300, 800)), named);
+INSTANTIATE_TEST_SUITE_P(Night2, RightTableScans, testing::ValuesIn(set_of(800, 1300)), named);
+INSTANTIATE_TEST_SUITE_P(Night3, RightTableScans, testing::ValuesIn(set_of(1300, 1900)), named);
+INSTANTIATE_TEST_SUITE_P(Night4, RightTableScans, testing::ValuesIn(set_of(1900, 2400)), named);
+INSTANTIATE_TEST_SUITE_P(Night5, RightTableScans, testing::ValuesIn(set_of(2400, 3000)), named);
 
 std::vector<Image<double>> images_of(const FrameSet& frames) {
   std::vector<Image<double>> images;
@@ -445,9 +445,9 @@ bool is_earned(const Finding& finding, const RightScan& right) {
 }
 
 /// Cameras that process their pictures, 40 scans each.
-class ProcessedScans : public RightScans {};
+class RightTableProcessedScans : public RightTableScans {};
 
-TEST_P(ProcessedScans, AreLeftInPeace) {
+TEST_P(RightTableProcessedScans, AreLeftInPeace) {
   if (GetParam().is_share()) return judge_share(1000);
 
   ProcessingCameras cameras(static_cast<std::uint64_t>(4052 + GetParam().number));
@@ -469,11 +469,15 @@ TEST_P(ProcessedScans, AreLeftInPeace) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Day, ProcessedScans, testing::ValuesIn(set_of(0, 1)), named);
-INSTANTIATE_TEST_SUITE_P(Night1, ProcessedScans, testing::ValuesIn(set_of(1, 16)), named);
-INSTANTIATE_TEST_SUITE_P(Night2, ProcessedScans, testing::ValuesIn(set_of(16, 31)), named);
-INSTANTIATE_TEST_SUITE_P(Night3, ProcessedScans, testing::ValuesIn(set_of(31, 46)), named);
-INSTANTIATE_TEST_SUITE_P(Night4, ProcessedScans, testing::ValuesIn(set_of(46, 61)), named);
-INSTANTIATE_TEST_SUITE_P(Night5, ProcessedScans, testing::ValuesIn(set_of(61, 75)), named);
+INSTANTIATE_TEST_SUITE_P(Day, RightTableProcessedScans, testing::ValuesIn(set_of(0, 1)), named);
+INSTANTIATE_TEST_SUITE_P(Night1, RightTableProcessedScans, testing::ValuesIn(set_of(1, 16)), named);
+INSTANTIATE_TEST_SUITE_P(Night2, RightTableProcessedScans, testing::ValuesIn(set_of(16, 31)),
+                         named);
+INSTANTIATE_TEST_SUITE_P(Night3, RightTableProcessedScans, testing::ValuesIn(set_of(31, 46)),
+                         named);
+INSTANTIATE_TEST_SUITE_P(Night4, RightTableProcessedScans, testing::ValuesIn(set_of(46, 61)),
+                         named);
+INSTANTIATE_TEST_SUITE_P(Night5, RightTableProcessedScans, testing::ValuesIn(set_of(61, 75)),
+                         named);
 
 }  // namespace slipstream::right_table_test

@@ -123,7 +123,7 @@ class LitScene {
   const VirtualScan truth_;
 };
 
-TEST(LiveOnAMonitor, IsInStepWithACameraThatRunsFreely) {
+TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
   const TemporaryFolder folder;
   const Desktop desktop(folder.path());
   const Screen screen(folder.path());

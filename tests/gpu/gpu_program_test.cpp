@@ -27,7 +27,7 @@ std::size_t count_of(const std::string& words, const std::string& text) {
   return count;
 }
 
-class ProgramOnGpu : public testing::Test {
+class GpuProgram : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_FALSE(gpu_devices().empty()) << "mesa-vulkan-drivers is not installed";
@@ -57,7 +57,7 @@ class ProgramOnGpu : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(ProgramOnGpu, GivesThePointsOfTheProcessor) {
+TEST_F(GpuProgram, GivesThePointsOfTheProcessor) {
   const std::string gpu = reconstruct("gpu"), fused = reconstruct("fused");
   const auto points = [](const std::string& words) { return words.substr(0, words.find(',')); };
   EXPECT_NE(gpu.find("backend gpu\n"), std::string::npos) << gpu;
@@ -68,7 +68,7 @@ TEST_F(ProgramOnGpu, GivesThePointsOfTheProcessor) {
 }
 
 /// Mesa's driver, named twice, is two devices.
-TEST_F(ProgramOnGpu, TakesOneOfSeveral) {
+TEST_F(GpuProgram, TakesOneOfSeveral) {
   std::string drivers;
   const fs::path folder = "/usr/share/vulkan/icd.d";
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -98,7 +98,7 @@ void PrintTo(const Failing& failing, std::ostream* out) {
   *out << failing.name;
 }
 
-class ProgramOnFailingGpu : public ProgramOnGpu, public testing::WithParamInterface<Failing> {
+class GpuProgramFailing : public GpuProgram, public testing::WithParamInterface<Failing> {
  protected:
   static Variable fault(int from) {
     const Failing& failing = GetParam();
@@ -113,7 +113,7 @@ class ProgramOnFailingGpu : public ProgramOnGpu, public testing::WithParamInterf
 };
 
 /// One line, and the points of the processor; a live run has a cloud of every window.
-TEST_P(ProgramOnFailingGpu, GoesOn) {
+TEST_P(GpuProgramFailing, GoesOn) {
   const std::string fused = reconstruct("fused");
   const Variable library("LD_LIBRARY_PATH", SLIPSTREAM_GPU_FAULTS);
   {
@@ -132,7 +132,7 @@ TEST_P(ProgramOnFailingGpu, GoesOn) {
 const std::string device = gpu_devices().empty() ? "" : gpu_devices().front().name;
 
 INSTANTIATE_TEST_SUITE_P(
-    Faults, ProgramOnFailingGpu,
+    Faults, GpuProgramFailing,
     testing::Values(Failing{"lost", "vkQueueSubmit", -4, 30,
                             "the GPU has failed: vk::Queue::submit: ErrorDeviceLost"},
                     Failing{"lost_while_it_computes", "vkWaitForFences", -4, 30,
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return std::string(info.param.name); });
 
 /// Without it the tests of this folder would be silent whatever the shaders do.
-TEST_F(ProgramOnGpu, IsValidated) {
+TEST_F(GpuProgram, IsValidated) {
   const char* const wanted = std::getenv("VK_INSTANCE_LAYERS");
   ASSERT_NE(wanted, nullptr) << "VK_INSTANCE_LAYERS names no layer; ctest sets it";
   const auto layers = vk::raii::Context().enumerateInstanceLayerProperties();

@@ -108,7 +108,7 @@ TEST(DimTexture, IsAskedForNoMoreLightByTheDefaults) {
   }
 }
 
-TEST(LeastModulation, IsWhereTheCuesPrintedVarianceHidesThePeriod) {
+TEST(DimTexture, LeastModulationIsWhereTheCuesPrintedVarianceHidesThePeriod) {
   const PatternLight light{.alpha_p = 200, .beta_p = 55};
   const auto reflectivity_at_least = [&](const Coding& coding) {
     const EngineSetup setup = setup_for_dim(coding, light);

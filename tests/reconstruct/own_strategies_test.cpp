@@ -119,7 +119,7 @@ TEST(OwnStrategies, ComeOutAtTheirTrueDepth) {
 }
 
 /// Without a phase the depth is known to the stripe.
-TEST(Codes, ComeOutWithinTheirStripe) {
+TEST(OwnStrategies, CodesComeOutWithinTheirStripe) {
   const Scanner scanner = example_scanner({160, 120});
   for (const Strategy& strategy : every_code()) {
     for (const Axis axis : {Axis::x, Axis::y}) {

@@ -60,7 +60,7 @@ TEST(PicturesAlone, GiveNoPoints) {
   EXPECT_THROW(static_cast<void>(engine.uncertainty(cloud, maps, frames)), Error);
 }
 
-TEST(PictureReport, TellsWhichPixelsAreTooDarkAndWhichSaturated) {
+TEST(PicturesAlone, PictureReportTellsWhichPixelsAreTooDarkAndWhichSaturated) {
   const auto report_of = [](const Photometry& light) {
     const FrameSet frames = frames_under(light);
     Maps maps;

@@ -166,7 +166,7 @@ Rehearsal small_rehearsal(const Photometry& photometry, double factor = 1) {
   return rehearsal(world, sequence, calibrated);
 }
 
-TEST(Rehearsal, InAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
+TEST(Accuracy, RehearsalInAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
   Rehearsal test = small_rehearsal({.bits = std::nullopt});
   EXPECT_EQ(test.artefacts.spheres.size(), 7U);
   EXPECT_EQ(test.artefacts.planes.size(), 6U);
@@ -178,7 +178,7 @@ TEST(Rehearsal, InAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
   EXPECT_NEAR(figure(found, "flatness"), 0, 0.004);
 }
 
-TEST(Rehearsal, MeasuresWhatACalibrationIsOff) {
+TEST(Accuracy, RehearsalMeasuresWhatACalibrationIsOff) {
   Rehearsal test = small_rehearsal({.bits = std::nullopt}, 1.002);
   test.artefacts.planes.clear();
   test.artefacts.repeated.clear();
@@ -225,7 +225,7 @@ class ArtefactsFile : public TemporaryFolder {
   [[nodiscard]] std::string beside(const char* name) const { return path() / name; }
 };
 
-TEST(Artefacts, AreReadWithPathsRelativeToTheFile) {
+TEST(AccuracyArtefacts, AreReadWithPathsRelativeToTheFile) {
   const ArtefactsFile file;
   const Artefacts read = file.read(
       "diameters: [40.002, 40.001]  # mm\ndistance: 100.005\nspheres: [bar1, /data/bar2]\n"
@@ -238,7 +238,7 @@ TEST(Artefacts, AreReadWithPathsRelativeToTheFile) {
   EXPECT_EQ(read.diagonal, 380);
 }
 
-TEST(Artefacts, AreRefusedInOneLineWhereTheyAreNone) {
+TEST(AccuracyArtefacts, AreRefusedInOneLineWhereTheyAreNone) {
   const ArtefactsFile file;
   const auto expect_refused = [&](const std::string& text,
                                   std::initializer_list<std::string> parts) {
@@ -260,7 +260,7 @@ TEST(Artefacts, AreRefusedInOneLineWhereTheyAreNone) {
   expect_refused("repeated: [s]", {"two scans"});
 }
 
-RC_GTEST_PROP(Artefacts, AreReadOrRefusedOfAnyText, ()) {
+RC_GTEST_PROP(AccuracyArtefacts, AreReadOrRefusedOfAnyText, ()) {
   const std::vector<std::string> words{"diameters", "distance", "spheres", "planes", "repeated",
                                        "diagonal",  ": ",       "\n",      "  ",     "- ",
                                        "[",         "]",        "{",       "}",      ", ",

@@ -73,7 +73,7 @@ TEST(StillSource, ReconstructsItsFramesAnewForAnotherSetup) {
   EXPECT_TRUE(source.newest().is(second)) << "what cannot be changed stays as it was";
 }
 
-TEST(CloudScreen, TakesOverWhatOthersChanged) {
+TEST(StillSource, CloudScreenTakesOverWhatOthersChanged) {
   const EngineSetup setup = statue_setup();
   EngineSetup other = setup;
   other.settings.minimum_modulation = 60;
@@ -129,7 +129,7 @@ TEST(StillSource, ShowsPicturesAloneWhereNoScannerIsKnown) {
   EXPECT_GT(lit.red, 20);
 }
 
-TEST(GreyHistogram, CountsFromDarkToBright) {
+TEST(StillSource, GreyHistogramCountsFromDarkToBright) {
   Image<std::uint8_t> dark({70, 70}, 0), bright({70, 70}, 255);
   const GreyHistogram histogram = grey_histogram(Frames<std::uint8_t>{dark, bright});
   EXPECT_EQ(histogram.front(), 1);
@@ -137,7 +137,7 @@ TEST(GreyHistogram, CountsFromDarkToBright) {
   EXPECT_EQ(*std::max_element(histogram.begin() + 1, histogram.end() - 1), 0);
 }
 
-TEST(CameraPicture, ShowsFramesOfAnyDepthAndWhereTheyAreSaturated) {
+TEST(StillSource, CameraPictureShowsFramesOfAnyDepthAndWhereTheyAreSaturated) {
   const auto picture_of = [](auto top, const auto& views_of) {
     using Pixel = decltype(top);
     Image<Pixel> dark({4, 4}), bright({4, 4});

@@ -64,6 +64,18 @@ function(slipstream_room room)
     endif()
   endforeach()
 
+  # Compiled already, by the release build: for the sanitized tests of every change.
+  list(TRANSFORM arg_USES PREPEND slipstream_ OUTPUT_VARIABLE used_targets)
+  set(compiled "")
+  if(sources AND room IN_LIST SLIPSTREAM_TAKEN_ROOMS)
+    set(compiled ${target}_compiled)
+    add_library(${compiled} STATIC IMPORTED)
+    set_target_properties(${compiled} PROPERTIES
+      IMPORTED_LOCATION ${PROJECT_SOURCE_DIR}/build/lib${target}.a
+      INTERFACE_LINK_LIBRARIES "${used_targets};${arg_LINKS};${arg_HIDES}")
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
+  endif()
+
   if(sources)
     add_library(${target} ${sources})
     slipstream_unity(${target} 10)
@@ -105,8 +117,7 @@ function(slipstream_room room)
       target_compile_options(${target} PRIVATE -Wa,-muse-unaligned-vector-move)
     endif()
   endif()
-  list(TRANSFORM arg_USES PREPEND slipstream_ OUTPUT_VARIABLE used_targets)
-  target_link_libraries(${target} ${scope} ${used_targets} ${arg_LINKS})
+  target_link_libraries(${target} ${scope} ${compiled} ${used_targets} ${arg_LINKS})
 
   list(JOIN arg_USES " " uses)
   set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOMS ${room})

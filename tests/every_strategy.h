@@ -56,4 +56,12 @@ inline std::vector<Strategy> every_code() {
           ExclusiveOrGray{.bits = 8, .base = 2, .reference = "white-black"}};
 }
 
+inline std::vector<Strategy> every_strategy() {
+  std::vector<Strategy> all = every_phase_strategy();
+  for (const auto& more : {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
 }  // namespace slipstream

@@ -33,7 +33,7 @@ function(add_suite name label filter count)
     string(APPEND properties " COST ${count}")
   endif()
   # Beside other tests its pictures reach the monitor late.
-  if(suite MATCHES "OnAMonitor")
+  if(suite MATCHES "OnAMonitor|SteppedProgram")
     string(APPEND properties " RUN_SERIAL [==[TRUE]==]")
   endif()
   if(label)
@@ -41,7 +41,7 @@ function(add_suite name label filter count)
   endif()
   string(REPLACE "/" "_" file "${name}")
   string(APPEND text
-    "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] [==[--gtest_output=json:${RESULTS}/${file}.json]==])\n"
+    "add_test([==[${name}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] [==[--gtest_output=xml:${RESULTS}/${file}.xml]==])\n"
     "set_tests_properties([==[${name}]==] PROPERTIES ${properties})\n")
   set(text "${text}" PARENT_SCOPE)
 endfunction()
@@ -52,8 +52,8 @@ macro(add_nightly_suites)
 
   foreach(case IN LISTS of_night)
     list(APPEND of_part_${part} ${case})
-    # The limits of the table of broken scans are shares of the whole table.
-    if(NOT suite MATCHES "BrokenScans")
+    # Some limits are shares of a whole set.
+    if(NOT suite MATCHES "BrokenScans|RightTable|OutOfStep")
       math(EXPR part "${part} % ${night_parts} + 1")
     endif()
   endforeach()

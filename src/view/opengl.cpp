@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 
 #ifdef __linux__
 #include <dlfcn.h>
@@ -38,7 +39,7 @@ Resource make() {
 /// The info log of a shader or a program, by its query functions.
 template <class Query, class Log>
 void require_good(GLuint number, GLenum status, const Query& query, const Log& log,
-                  const char* failure) {
+                  const std::string& failure) {
   GLint good = GL_FALSE;
   query(number, status, &good);
   if (good == GL_TRUE) return;
@@ -51,14 +52,14 @@ void require_good(GLuint number, GLenum status, const Query& query, const Log& l
   throw WorldError(fmt::format("{}: {}", failure, words));
 }
 
-Resource compile(GLenum kind, const char* source) {
+Resource compile(GLenum kind, const char* source, const std::string& file) {
   Resource shader = held(glCreateShader(kind), [](GLuint old) { glDeleteShader(old); });
 
   glShaderSource(*shader, 1, &source, nullptr);
   glCompileShader(*shader);
 
   require_good(*shader, GL_COMPILE_STATUS, glGetShaderiv, glGetShaderInfoLog,
-               "OpenGL does not compile a shader");
+               "OpenGL does not compile a shader of " + file);
 
   return shader;
 }
@@ -173,11 +174,12 @@ Resource make_texture() {
   return make<glGenTextures, glDeleteTextures>();
 }
 
-ShaderProgram::ShaderProgram(const ShaderSources& sources)
+ShaderProgram::ShaderProgram(const ShaderSources& sources, const char* path)
     : program_(held(glCreateProgram(), [](GLuint old) { glDeleteProgram(old); })) {
+  const std::string file = std::filesystem::path(path).filename();
   const auto attach = [&](GLenum kind, const char* source) {
     if (source == nullptr) return;
-    glAttachShader(*program_, *compile(kind, source));
+    glAttachShader(*program_, *compile(kind, source, file));
   };
 
   attach(GL_VERTEX_SHADER, sources.vertex);
@@ -186,7 +188,7 @@ ShaderProgram::ShaderProgram(const ShaderSources& sources)
 
   glLinkProgram(*program_);
   require_good(*program_, GL_LINK_STATUS, glGetProgramiv, glGetProgramInfoLog,
-               "OpenGL does not link the shaders");
+               "OpenGL does not link the shaders of " + file);
 }
 
 void ShaderProgram::use() const {

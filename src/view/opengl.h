@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <source_location>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,9 @@ struct ShaderSources {
 /// Shaders, compiled and linked.
 class ShaderProgram {
  public:
-  /// Throws WorldError with the driver's message if compiling fails.
-  explicit ShaderProgram(const ShaderSources& sources);
+  /// Throws WorldError with the driver's message and the sources' file if compiling fails.
+  explicit ShaderProgram(const ShaderSources& sources,
+                         const char* path = std::source_location::current().file_name());
 
   void use() const;
   /// Location for glUniform...; OpenGL ignores the location of an unknown name.

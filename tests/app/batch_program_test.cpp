@@ -269,7 +269,7 @@ TEST_F(BatchProgram, AScanThatIsGoneEndsNoPlan) {
   expect_words("2 of 3 scans complete");
 }
 
-TEST(Manifest, TornAtAnyByteItIsItsWholeLines) {
+TEST(BatchProgramManifest, TornAtAnyByteItIsItsWholeLines) {
   std::string text;
   for (std::uint64_t window = 0; window < 4; ++window) {
     auto entry = app::entry_for({"a \"b\"\n.slip", window}, {"--gamma=none"});

@@ -313,7 +313,7 @@ TEST_F(CalibrateProgram, VerifyTakesTheProjectorSizeFromTheScannerFile) {
 }
 
 // Square fringes: 16 periods across the columns, 10 down the rows.
-TEST(CalibrateLengths, InProjectorPixelsGiveTheFocalLengthsOfBothAxes) {
+TEST(CalibrateProgramLengths, InProjectorPixelsGiveTheFocalLengthsOfBothAxes) {
   const fs::path folder = shared_cases() / "01-period-pixels-along-y";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const TemporaryFolder out;
@@ -330,7 +330,7 @@ TEST(CalibrateLengths, InProjectorPixelsGiveTheFocalLengthsOfBothAxes) {
   }
 }
 
-TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
+TEST(CalibrateProgramBoard, DrawsABoardAndSaysHowLargeToPrintIt) {
   const TemporaryFolder out;
   const fs::path file = out.path() / "board.png";
   const ProgramRun run = run_program(
@@ -365,7 +365,7 @@ TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
                    {"--spacing is missing", "measure the side of a square"});
 }
 
-TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
+TEST(CalibrateProgramSimulatedBoards, RefusesTheFlagsOfAScene) {
   const TemporaryFolder out;
   const std::string folder = out.path() / "boards";
   for (const std::vector<std::string>& flag :

@@ -257,7 +257,7 @@ TEST_F(CheckProgram, RawPicturesOfAColourCameraAreToldAndThatMostPixelsAreLost) 
   EXPECT_TRUE(says(run.err, "under 50 % of the lit pixels")) << run.err;
 }
 
-TEST(CheckCases, PixelsOf14BitsIn16AreTold) {
+TEST(CheckProgramCases, PixelsOf14BitsIn16AreTold) {
   const fs::path folder = shared_cases() / "04-14-bits-in-16";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   std::vector<std::string> command{"reconstruct", folder / "scan",

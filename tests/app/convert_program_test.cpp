@@ -21,7 +21,7 @@
 namespace slipstream::convert_program_test {
 namespace fs = std::filesystem;
 
-class Convert : public testing::Test {
+class ConvertProgram : public testing::Test {
  protected:
   void SetUp() override {
     run({"record", "--source", "virtual", "--world", "bench", "--camera", "160x120", "--strategy",
@@ -63,7 +63,7 @@ void expect_same(const fs::path& path, const fs::path& expected_path) {
   EXPECT_EQ(different, 0);
 }
 
-TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them) {
+TEST_F(ConvertProgram, ARecordingToMcapAndBackToCloudsAsReconstructMakesThem) {
   run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
   run({"convert", path("scan.mcap"), "-o", path("{name}-{window}.pcd")});
   run({"reconstruct", path("scan.slip"), "--windows", ":", "--uncertainty", "-o",
@@ -78,7 +78,7 @@ TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them
   expect_same(path("two-000001.pcd"), path("expected-000002.pcd"));
 }
 
-TEST_F(Convert, a_folder_of_many_frames_is_a_recording) {
+TEST_F(ConvertProgram, AFolderOfManyFramesIsARecording) {
   const RecordingReader recorded(path("scan.slip"));
   const std::string folder = path("frames"), scanner = path("scanner.yaml");
   fs::create_directory(folder);
@@ -122,7 +122,7 @@ TEST_F(Convert, a_folder_of_many_frames_is_a_recording) {
   EXPECT_EQ(told["findings"], nlohmann::json::array());
 }
 
-TEST_F(Convert, a_folder_of_a_real_moving_hand_gives_every_cloud) {
+TEST_F(ConvertProgram, AFolderOfARealMovingHandGivesEveryCloud) {
   const fs::path hand = shared_data() / "bsc-hand";
   if (!fs::exists(hand)) GTEST_SKIP() << hand << " is not there";
   std::string scanner =
@@ -158,7 +158,7 @@ TEST_F(Convert, a_folder_of_a_real_moving_hand_gives_every_cloud) {
   for (const auto& finding : live["findings"]) EXPECT_FALSE(finding["refused"]) << finding;
 }
 
-TEST_F(Convert, pictures_in_colour_to_a_recording_and_back_bit_for_bit) {
+TEST_F(ConvertProgram, PicturesInColourToARecordingAndBackBitForBit) {
   const std::vector<std::string> pictures{"frame_00.png", "frame_01.png", "white.png"};
   run({"simulate", path("colour"), "--camera", "160x120", "--world", "ideal", "--colour", "--paint",
        "0.5", "--strategy", "dual-frequency", "--steps", "3"});
@@ -201,7 +201,7 @@ TEST_F(Convert, pictures_in_colour_to_a_recording_and_back_bit_for_bit) {
   EXPECT_FALSE(fs::exists(path("two.slip")));
 }
 
-TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_folders_and_back) {
+TEST_F(ConvertProgram, WhatALiveScanHasPublishedToItsFramesAndThoseToScanFoldersAndBack) {
   const auto reconstruct = [&](const std::string& scan, const std::string& name) {
     run({"reconstruct", path(scan), "--windows", ":", "--uncertainty", "-o",
          path(name + "-{window}.pcd")});
@@ -232,7 +232,7 @@ TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_f
   EXPECT_FALSE(fs::exists(path("a.slip")));
 }
 
-TEST_F(Convert, names_what_it_leaves_out_and_converts_the_rest) {
+TEST_F(ConvertProgram, NamesWhatItLeavesOutAndConvertsTheRest) {
   const auto whole = read_file(path("scan.slip"));
 
   // Not even one frame, and one damaged frame in the second of three cycles.
@@ -257,7 +257,7 @@ TEST_F(Convert, names_what_it_leaves_out_and_converts_the_rest) {
   EXPECT_EQ(RecordingReader(path("joined.slip")).count(), 27U);
 }
 
-TEST_F(Convert, names_the_parts_of_a_folder_that_a_recording_does_not_hold) {
+TEST_F(ConvertProgram, NamesThePartsOfAFolderThatARecordingDoesNotHold) {
   const std::vector<std::string> simulate{"simulate", "--camera", "80x60", path("folder")};
   for (const std::string flag : {"--guard", "--second-camera"}) {
     fs::remove_all(path("folder"));
@@ -269,7 +269,7 @@ TEST_F(Convert, names_the_parts_of_a_folder_that_a_recording_does_not_hold) {
   }
 }
 
-TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
+TEST_F(ConvertProgram, RefusesInOneLineAndLeavesNothingHalfDone) {
   run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {
     std::vector<std::string> all{"convert"};

@@ -9,7 +9,7 @@
 
 namespace slipstream::help_test {
 
-TEST(ProgramHelp, SaysWhichItIs) {
+TEST(Help, SaysWhichItIs) {
   const ProgramRun run = run_program({"--version"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run_program({"version"}).out, run.out);
@@ -18,7 +18,7 @@ TEST(ProgramHelp, SaysWhichItIs) {
       << run.out;
 }
 
-TEST(ProgramHelp, HasHelpWithExamples) {
+TEST(Help, HasHelpWithExamples) {
   for (const char* command : {"simulate", "reconstruct"}) {
     const ProgramRun run = run_program({command, "--help-all"});
     EXPECT_EQ(run.exit_code, 0);
@@ -31,7 +31,7 @@ TEST(ProgramHelp, HasHelpWithExamples) {
   EXPECT_NE(run_program({"help", "patterns"}).out.find("--period-pixels"), std::string::npos);
 }
 
-TEST(ProgramHelp, HelpIsShort) {
+TEST(Help, HelpIsShort) {
   for (const char* command :
        {"reconstruct", "check", "measure", "simulate", "capture", "live", "view"}) {
     const ProgramRun run = run_program({command, "--help"});
@@ -45,13 +45,13 @@ TEST(ProgramHelp, HelpIsShort) {
   }
 }
 
-TEST(ProgramHelp, ShowsAFlagOnlyByItsPresentName) {
+TEST(Help, ShowsAFlagOnlyByItsPresentName) {
   const std::string all = run_program({"reconstruct", "--help-all"}).out;
   EXPECT_NE(all.find("--widest-gap"), std::string::npos);
   EXPECT_EQ(all.find("--fill"), std::string::npos) << all;
 }
 
-TEST(ProgramHelp, FillsTheLinesOfADescription) {
+TEST(Help, FillsTheLinesOfADescription) {
   const std::string margin(26, ' ');
   std::istringstream lines(run_program({"simulate", "--help-all"}).out);
   std::string before;
@@ -63,7 +63,7 @@ TEST(ProgramHelp, FillsTheLinesOfADescription) {
   }
 }
 
-TEST(ProgramHelp, ListsItsCommandsInGroups) {
+TEST(Help, ListsItsCommandsInGroups) {
   const ProgramRun run = run_program({"--help"});
   EXPECT_EQ(run.exit_code, 0);
   std::size_t at = 0;
@@ -75,7 +75,7 @@ TEST(ProgramHelp, ListsItsCommandsInGroups) {
   EXPECT_EQ(run_program({"help"}).out, run.out);
 }
 
-TEST(ProgramHelp, GreetsWithCommandsToBeginWith) {
+TEST(Help, GreetsWithCommandsToBeginWith) {
   const ProgramRun run = run_program({});
   EXPECT_EQ(run.exit_code, 0);
   for (const char* text : {"slipstream demo", "slipstream reconstruct", "slipstream --help"}) {

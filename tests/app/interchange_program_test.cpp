@@ -39,7 +39,7 @@ struct Given {
   std::string document, file;
 };
 
-class Interchange : public testing::TestWithParam<std::vector<std::string>> {
+class InterchangeProgram : public testing::TestWithParam<std::vector<std::string>> {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
@@ -84,7 +84,7 @@ class Interchange : public testing::TestWithParam<std::vector<std::string>> {
   static inline std::unique_ptr<TemporaryFolder> folder_;
 };
 
-TEST_P(Interchange, GivesTheSame) {
+TEST_P(InterchangeProgram, GivesTheSame) {
   const Given of_folder = given(GetParam(), path("scan")),
               of_recording = given(GetParam(), path("scan.slip"));
   EXPECT_EQ(of_folder.document, of_recording.document);
@@ -96,7 +96,7 @@ TEST_P(Interchange, GivesTheSame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Commands, Interchange,
+    Commands, InterchangeProgram,
     testing::ValuesIn(std::vector<std::vector<std::string>>{
         {"check", "IN"},
         {"check", "IN", "--order", "0,1,2,3,4,5"},

@@ -62,9 +62,9 @@ class MapProgram : public testing::TestWithParam<Words> {
   TemporaryFolder folder_;
 };
 
-class MapsAlone : public MapProgram {};
+class MapProgramMapsAlone : public MapProgram {};
 
-TEST_P(MapsAlone, AreThoseThatTheScannerGives) {
+TEST_P(MapProgramMapsAlone, AreThoseThatTheScannerGives) {
   simulate(GetParam());
   const auto maps = [&](const std::string& name) {
     Words words{"--json"};
@@ -94,14 +94,14 @@ TEST_P(MapsAlone, AreThoseThatTheScannerGives) {
   EXPECT_NE(counted.out.find("no scanner is known"), std::string::npos) << counted.out;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scans, MapsAlone,
+INSTANTIATE_TEST_SUITE_P(Scans, MapProgramMapsAlone,
                          testing::Values(Words{"--strategy", "dual-frequency"},
                                          Words{"--strategy", "gray-phase", "--scene", "statue"},
                                          Words{"--strategy", "pcmp", "--axis", "y"}));
 
-class WrappedPhase : public MapProgram {};
+class MapProgramWrappedPhase : public MapProgram {};
 
-TEST_P(WrappedPhase, NeedsNeitherScannerNorFringeOrder) {
+TEST_P(MapProgramWrappedPhase, NeedsNeitherScannerNorFringeOrder) {
   simulate(GetParam());
   const auto phase = [&](const std::string& name) {
     return reconstruct({"--phase", path(name), "--modulation", path("modulation.tiff")});
@@ -128,12 +128,12 @@ TEST_P(WrappedPhase, NeedsNeitherScannerNorFringeOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Scans, WrappedPhase,
+    Scans, MapProgramWrappedPhase,
     testing::Values(Words{"--strategy", "pmp", "--steps", "3", "--frequency", "16"},
                     Words{"--strategy", "pmp", "--steps", "5", "--frequency", "16", "--axis", "y"},
                     Words{"--strategy", "double-three-step", "--frequency", "16"}));
 
-class CloudOfMap : public MapProgram {
+class MapProgramCloudOfMap : public MapProgram {
  protected:
   [[nodiscard]] ProgramRun from(const std::string& form, const std::string& map,
                                 const Words& more) const {
@@ -147,7 +147,7 @@ class CloudOfMap : public MapProgram {
   }
 };
 
-TEST_P(CloudOfMap, IsThatOfItsScan) {
+TEST_P(MapProgramCloudOfMap, IsThatOfItsScan) {
   simulate(GetParam());
   // Cleaning compares modulations, which the map has not.
   ASSERT_EQ(
@@ -172,7 +172,7 @@ TEST_P(CloudOfMap, IsThatOfItsScan) {
   }
 }
 
-TEST_P(CloudOfMap, IsCleanedByItsModulation) {
+TEST_P(MapProgramCloudOfMap, IsCleanedByItsModulation) {
   simulate(GetParam());
   ASSERT_EQ(reconstruct({"--raw", "--coordinate", path("coordinate.tiff"), "--modulation",
                          path("modulation.tiff")})
@@ -193,13 +193,13 @@ TEST_P(CloudOfMap, IsCleanedByItsModulation) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scans, CloudOfMap,
+INSTANTIATE_TEST_SUITE_P(Scans, MapProgramCloudOfMap,
                          testing::Values(Words{"--scene", "sphere"}, Words{"--scene", "statue"},
                                          Words{"--scene", "sphere", "--axis", "y"}));
 
-class RefusedMap : public CloudOfMap {};
+class MapProgramRefusedMap : public MapProgramCloudOfMap {};
 
-TEST_P(RefusedMap, IsOneThatCannotBe) {
+TEST_P(MapProgramRefusedMap, IsOneThatCannotBe) {
   simulate(GetParam());
   ASSERT_EQ(reconstruct({"--coordinate", path("coordinate.tiff"), "--phase", path("wrapped.tiff")})
                 .exit_code,
@@ -229,7 +229,7 @@ TEST_P(RefusedMap, IsOneThatCannotBe) {
   expect_refused(from("coordinate", "coordinate.tiff", {"--depth", map}), "is an input");
 }
 
-INSTANTIATE_TEST_SUITE_P(Scans, RefusedMap, testing::Values(Words{}));
+INSTANTIATE_TEST_SUITE_P(Scans, MapProgramRefusedMap, testing::Values(Words{}));
 
 /// A map of scale y + shift that is taken for another form.
 struct MistakenMap {
@@ -239,7 +239,7 @@ struct MistakenMap {
   int exit_code = 2;
 };
 
-class MistakenMaps : public CloudOfMap {
+class MapProgramMistakenMaps : public MapProgramCloudOfMap {
  protected:
   /// Flags that follow a remedy; the form becomes `form`.
   static Words flags_of(const nlohmann::json& remedy, std::string& form) {
@@ -256,7 +256,7 @@ class MistakenMaps : public CloudOfMap {
   }
 };
 
-TEST_P(MistakenMaps, AreRightOnceTheirRemedyIsFollowed) {
+TEST_P(MapProgramMistakenMaps, AreRightOnceTheirRemedyIsFollowed) {
   simulate({});
   ASSERT_EQ(
       reconstruct({"--raw", "--depth", path("depth.tiff"), "--coordinate", path("coordinate.tiff")})
@@ -296,7 +296,7 @@ TEST_P(MistakenMaps, AreRightOnceTheirRemedyIsFollowed) {
   }
 }
 
-TEST_P(MistakenMaps, LeaveOutPixelsThatShareAValue) {
+TEST_P(MapProgramMistakenMaps, LeaveOutPixelsThatShareAValue) {
   simulate({});
   ASSERT_EQ(reconstruct({"--raw", "--coordinate", path("coordinate.tiff")}).exit_code, 0);
   Image<double> map = read_map(path("coordinate.tiff"));
@@ -313,6 +313,6 @@ TEST_P(MistakenMaps, LeaveOutPixelsThatShareAValue) {
   EXPECT_GT(scan["counts"]["too dark"], 500);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scans, MistakenMaps, testing::Values(Words{}));
+INSTANTIATE_TEST_SUITE_P(Scans, MapProgramMistakenMaps, testing::Values(Words{}));
 
 }  // namespace slipstream::map_program_test

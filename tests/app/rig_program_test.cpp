@@ -17,7 +17,7 @@
 namespace slipstream::rig_program_test {
 namespace fs = std::filesystem;
 
-class Rig : public testing::Test {
+class RigProgram : public testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
@@ -40,7 +40,7 @@ constexpr const char* small_rig =
     "filters: {min-modulation: 20, keep-saturated: true}\n"
     "move: [0.1, 0, 0]\n";
 
-TEST_F(Rig, SaysWhatTheCommandLineDoesNot) {
+TEST_F(RigProgram, SaysWhatTheCommandLineDoesNot) {
   write_rig(small_rig);
   ASSERT_EQ(run({"simulate", path("scan")}).exit_code, 0);
   EXPECT_EQ(frame_count(read_scan_files(path("scan/scan.yaml")).sequence.strategy), 5);
@@ -55,7 +55,7 @@ TEST_F(Rig, SaysWhatTheCommandLineDoesNot) {
   EXPECT_EQ(run({"bench", "--help"}).exit_code, 0);
 }
 
-TEST_F(Rig, PathsAreRelativeToTheFile) {
+TEST_F(RigProgram, PathsAreRelativeToTheFile) {
   ASSERT_EQ(run_program({"simulate", path("rig/scan"), "--camera", "96x72", "--strategy", "pmp",
                          "--steps", "4"})
                 .exit_code,
@@ -84,7 +84,7 @@ TEST_F(Rig, PathsAreRelativeToTheFile) {
   EXPECT_EQ(read_file(path("c.ply")), read_file(path("a.ply")));
 }
 
-TEST_F(Rig, WhatTheCommandLineExcludesIsPassedOver) {
+TEST_F(RigProgram, WhatTheCommandLineExcludesIsPassedOver) {
   write_rig("scene: sphere\nspacing: 22\ncorners: 7x5\naxis: x\ncamera: 96x72\n");
   const ProgramRun scan = run({"simulate", path("scan")});
   EXPECT_EQ(scan.exit_code, 0) << scan.err;
@@ -92,7 +92,7 @@ TEST_F(Rig, WhatTheCommandLineExcludesIsPassedOver) {
   EXPECT_EQ(boards.exit_code, 0) << boards.err;
 }
 
-TEST_F(Rig, RefusesInOneLine) {
+TEST_F(RigProgram, RefusesInOneLine) {
   for (const auto& [text, part] : std::vector<std::pair<std::string, std::string>>{
            {"camera:\n  stratgy: pmp\n",
             "line 2: no command has a setting 'stratgy'; did you mean "
@@ -138,7 +138,8 @@ void PrintTo(const RefusedSetting& refused, std::ostream* stream) {
 
 /// Works in the folder `rig`, in which are `bashrc`, the text file `text.png` and, beside it, the
 /// folder `other`, to which the link `out` leads.
-class StrangersRig : public Rig, public testing::WithParamInterface<RefusedSetting> {
+class RigProgramOfStrangers : public RigProgram,
+                              public testing::WithParamInterface<RefusedSetting> {
  protected:
   void SetUp() override {
     write_rig("");
@@ -152,7 +153,7 @@ class StrangersRig : public Rig, public testing::WithParamInterface<RefusedSetti
   }
 };
 
-TEST_P(StrangersRig, WritesNowhereElseAndOverNothingElse) {
+TEST_P(RigProgramOfStrangers, WritesNowhereElseAndOverNothingElse) {
   const auto& [setting, command, part] = GetParam();
   write_rig("source: virtual\nworld: ideal\ncamera: 64x48\nrate: 0\nstrategy: pmp\n" + setting +
             "\n");
@@ -175,7 +176,7 @@ const std::vector<std::string> live_command{"live", "--frames", "20", "--headles
 const std::vector<std::string> reconstruct_command{"reconstruct", "scan", "--anyway"};
 
 INSTANTIATE_TEST_SUITE_P(
-    Settings, StrangersRig,
+    Settings, RigProgramOfStrangers,
     testing::Values(
         RefusedSetting{"record: bashrc", live_command, "use .slip"},
         RefusedSetting{"record: new.png", live_command, "use .slip"},
@@ -210,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
         RefusedSetting{"address: 0.0.0.0", {"camera", "serve", "--duration", "1"}, "--public"},
         RefusedSetting{"public: true", live_command, "no command has a setting 'public'"}));
 
-TEST_F(Rig, WritesNewFilesAndItsOwnAgain) {
+TEST_F(RigProgram, WritesNewFilesAndItsOwnAgain) {
   write_rig(
       "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 0\nstrategy: pmp\n"
       "record: below/frames.slip\npreview: 'preview-{name}.png'\n"
@@ -229,7 +230,7 @@ TEST_F(Rig, WritesNewFilesAndItsOwnAgain) {
   }
 }
 
-TEST_F(Rig, ItsMeshIsTheObjectOfTheVirtualScanner) {
+TEST_F(RigProgram, ItsMeshIsTheObjectOfTheVirtualScanner) {
   copy_simulated_scan({"--camera", "64x48"}, path("scan"));
   write_rig("mesh: statue.ply\n");
   const WorkingFolder folder(path("rig"));
@@ -238,7 +239,7 @@ TEST_F(Rig, ItsMeshIsTheObjectOfTheVirtualScanner) {
   EXPECT_FALSE(fs::exists(path("rig/statue.ply")));
 }
 
-TEST_F(Rig, TheCommandLineIsTrusted) {
+TEST_F(RigProgram, TheCommandLineIsTrusted) {
   write_rig(
       "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 0\nstrategy: pmp\n"
       "record: bashrc\npublish: ['web:0.0.0.0:0']\n");
@@ -251,7 +252,7 @@ TEST_F(Rig, TheCommandLineIsTrusted) {
   EXPECT_TRUE(fs::exists(path("frames.slip")));
 }
 
-TEST_F(Rig, TheExampleOfTheDocumentationWorks) {
+TEST_F(RigProgram, TheExampleOfTheDocumentationWorks) {
   const std::string page =
       contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "how-to" / "serve.md");
   const std::size_t begin = page.find("# rig.yaml"), end = page.find("```", begin);
@@ -270,7 +271,7 @@ TEST_F(Rig, TheExampleOfTheDocumentationWorks) {
   }
 }
 
-TEST(Words, AreGuessed) {
+TEST(RigProgramWords, AreGuessed) {
   const TemporaryFolder folder;
   const std::string out = folder.path() / "out";
   fs::create_directory(folder.path() / "scan");
@@ -293,7 +294,7 @@ TEST(Words, AreGuessed) {
   EXPECT_EQ(run_program({"xyzzyx"}).err.find("did you mean"), std::string::npos);
 }
 
-TEST(Errors, NoScanIsWrittenOverAnother) {
+TEST(RigProgramErrors, NoScanIsWrittenOverAnother) {
   const TemporaryFolder folder;
   for (const char* name : {"scan", "scan.slip"}) {
     ASSERT_EQ(run_program({"simulate", folder.path() / name, "--camera", "64x48"}).exit_code, 0);
@@ -305,7 +306,7 @@ TEST(Errors, NoScanIsWrittenOverAnother) {
   EXPECT_NE(run.err.find("scan.ply"), std::string::npos) << run.err;
 }
 
-TEST(Errors, AreInTheDocumentToo) {
+TEST(RigProgramErrors, AreInTheDocumentToo) {
   const TemporaryFolder folder;
   const std::string scan = folder.path() / "scan";
   for (const std::vector<std::string>& arguments :

@@ -80,7 +80,7 @@ TEST(ScanFindings, JsonHasAllOfAFinding) {
   EXPECT_TRUE(none["evidence"].is_object());
 }
 
-TEST(LiveFindings, EachIsToldOnceWhenItBeginsAndWhenItEnds) {
+TEST(ScanFindings, LiveFindingsEachIsToldOnceWhenItBeginsAndWhenItEnds) {
   std::vector<LiveFinding> told;
   Output output(true);  // text goes to stderr
   const auto news = [&](const std::vector<LiveFinding>& findings) {

@@ -260,11 +260,11 @@ void check_services(int services, int most_steps) {
   });
 }
 
-TEST(ServiceProgram, shows_what_its_file_and_its_changes_say) {
+TEST(ServiceProgram, ShowsWhatItsFileAndItsChangesSay) {
   check_services(4, 6);
 }
 
-TEST(ServiceProgram, shows_it_after_long_sequences_too) {
+TEST(ServiceProgram, ShowsItAfterLongSequencesToo) {
   check_services(30, 30);
 }
 

@@ -79,9 +79,9 @@ TEST_P(StrategiesProgram, ReconstructsWhatItSimulates) {
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgram, testing::ValuesIn(every_name()),
                          [](const auto& info) { return without_hyphens(info.param); });
 
-class StrategiesLive : public StrategiesProgram {};
+class StrategiesProgramLive : public StrategiesProgram {};
 
-TEST_P(StrategiesLive, HasTheCloudOfTheScan) {
+TEST_P(StrategiesProgramLive, HasTheCloudOfTheScan) {
   simulate();
   ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("cloud.ply")}).exit_code, 0);
   const ProgramRun live = run_program({"live", "--source", "replay:" + path("scan"), "--rate", "0",
@@ -96,12 +96,12 @@ TEST_P(StrategiesLive, HasTheCloudOfTheScan) {
   EXPECT_FALSE(std::filesystem::exists(path("scan.slip")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, StrategiesLive,
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgramLive,
                          testing::Values("multi-frequency", "gray-phase", "micro", "modulated",
                                          "de-bruijn", "m-array"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
-class StrategiesRefused : public StrategiesProgram {
+class StrategiesProgramRefused : public StrategiesProgram {
  protected:
   void expect_line(const std::vector<std::string>& arguments, const std::string& part) const {
     const ProgramRun run = run_program(arguments);
@@ -112,7 +112,7 @@ class StrategiesRefused : public StrategiesProgram {
   }
 };
 
-TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
+TEST_P(StrategiesProgramRefused, WithWhatWouldBeRight) {
   const auto patterns = [&](const std::string& strategy, std::vector<std::string> settings) {
     settings.insert(settings.begin(), {"patterns", path("new"), "--strategy", strategy});
     return settings;
@@ -141,7 +141,7 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
               "--projector");
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, StrategiesRefused, testing::Values("multi-frequency"),
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgramRefused, testing::Values("multi-frequency"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
 /// Number of measured coordinates, and of those that differ by more than `bound` from the scan's
@@ -157,9 +157,9 @@ std::pair<int, int> points_and_far(const std::string& file, const std::string& s
   return {points, far};
 }
 
-class ShiftsProgram : public StrategiesRefused {};
+class StrategiesProgramShifts : public StrategiesProgramRefused {};
 
-TEST_P(ShiftsProgram, ShowsAndReadsAnyShifts) {
+TEST_P(StrategiesProgramShifts, ShowsAndReadsAnyShifts) {
   const std::string shifts = "0,45,120,200,310";
   const auto run = [&](std::vector<std::string> arguments, std::vector<std::string> more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -205,13 +205,13 @@ TEST_P(ShiftsProgram, ShowsAndReadsAnyShifts) {
             0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, ShiftsProgram,
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgramShifts,
                          testing::Values("pmp", "dual-frequency", "multi-frequency", "gray-phase"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
-class MicroProgram : public StrategiesRefused {};
+class StrategiesProgramMicro : public StrategiesProgramRefused {};
 
-TEST_P(MicroProgram, ReadsFramesOfAlternatingSign) {
+TEST_P(StrategiesProgramMicro, ReadsFramesOfAlternatingSign) {
   std::vector<std::string> words{"simulate",      path("scan"),  "--strategy", GetParam(),
                                  "--alternating", "--backwards", "--scene",    "sphere",
                                  "--camera",      "160x120",     "--periods",  "25,23,22,19"};
@@ -234,9 +234,9 @@ TEST_P(MicroProgram, ReadsFramesOfAlternatingSign) {
   EXPECT_NE(both.out.find("try --alternating --backwards"), std::string::npos) << both.out;
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, MicroProgram, testing::Values("micro"));
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgramMicro, testing::Values("micro"));
 
-TEST(StripesInPixels, AreOfThatWidthAlongBothAxes) {
+TEST(StrategiesProgramStripesInPixels, AreOfThatWidthAlongBothAxes) {
   const TemporaryFolder folder;
   const ProgramRun run = run_program({"patterns", folder.path() / "out", "--strategy", "gray",
                                       "--bits", "10", "--stripe", "2", "--reference", "none",

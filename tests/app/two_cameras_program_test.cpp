@@ -18,7 +18,7 @@
 namespace slipstream::two_cameras_program_test {
 namespace fs = std::filesystem;
 
-class TwoCameras : public testing::Test {
+class TwoCamerasProgram : public testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const {
     return (folder_.path() / name).string();
@@ -44,7 +44,7 @@ class TwoCameras : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(TwoCameras, live_gives_the_cloud_of_reconstruct) {
+TEST_F(TwoCamerasProgram, LiveGivesTheCloudOfReconstruct) {
   for (const std::vector<std::string>& patterns :
        {std::vector<std::string>{"--strategy", "dual-frequency"},
         std::vector<std::string>{"--strategy", "dual-frequency", "--axis", "both"},
@@ -61,7 +61,7 @@ TEST_F(TwoCameras, live_gives_the_cloud_of_reconstruct) {
   }
 }
 
-TEST_F(TwoCameras, the_library_gives_the_cloud_of_reconstruct) {
+TEST_F(TwoCamerasProgram, TheLibraryGivesTheCloudOfReconstruct) {
   for (const std::vector<std::string>& patterns :
        {std::vector<std::string>{"--strategy", "dual-frequency"},
         std::vector<std::string>{"--strategy", "dual-frequency", "--axis", "both"}}) {
@@ -72,7 +72,7 @@ TEST_F(TwoCameras, the_library_gives_the_cloud_of_reconstruct) {
   }
 }
 
-TEST_F(TwoCameras, live_takes_two_virtual_cameras) {
+TEST_F(TwoCamerasProgram, LiveTakesTwoVirtualCameras) {
   const auto live = json_of({"live",
                              "--source",
                              "virtual",
@@ -100,7 +100,7 @@ TEST_F(TwoCameras, live_takes_two_virtual_cameras) {
   EXPECT_GT(fs::file_size(path("live.ply")), 50000U);
 }
 
-TEST_F(TwoCameras, flags_name_the_second_camera) {
+TEST_F(TwoCamerasProgram, FlagsNameTheSecondCamera) {
   const std::string folder = scan({"--strategy", "dual-frequency"});
   const auto own = json_of({"reconstruct", folder, "-o", path("own.ply")});
   fs::rename(folder + "/second", path("other"));
@@ -110,7 +110,7 @@ TEST_F(TwoCameras, flags_name_the_second_camera) {
   EXPECT_EQ(read_file(path("named.ply")), read_file(path("own.ply")));
 }
 
-TEST_F(TwoCameras, a_real_hand_needs_neither_depths_nor_origin) {
+TEST_F(TwoCamerasProgram, ARealHandNeedsNeitherDepthsNorOrigin) {
   const fs::path hand = shared_data() / "bsc-hand";
   if (!fs::exists(hand)) GTEST_SKIP() << hand << " is not there";
   for (const char* camera : {"1", "2"}) {
@@ -141,7 +141,7 @@ TEST_F(TwoCameras, a_real_hand_needs_neither_depths_nor_origin) {
   EXPECT_EQ(scan["findings"].size(), 1U);
 }
 
-TEST_F(TwoCameras, live_does_not_record_two_cameras) {
+TEST_F(TwoCamerasProgram, LiveDoesNotRecordTwoCameras) {
   const ProgramRun run =
       run_program({"live", "--source", "virtual", "--camera", "64x48", "--headless",
                    "--second-camera", "virtual", "--record", path("x.slip")});

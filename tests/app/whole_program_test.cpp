@@ -15,7 +15,7 @@
 namespace slipstream::whole_program_test {
 namespace fs = std::filesystem;
 
-class CopiedProgram : public testing::Test {
+class WholeProgramCopied : public testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(path("bin"));
@@ -44,13 +44,13 @@ class CopiedProgram : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(CopiedProgram, SaysWhatIsMissing) {
+TEST_F(WholeProgramCopied, SaysWhatIsMissing) {
   expect_refused();
   EXPECT_EQ(run("--version").first, 0);
   EXPECT_EQ(run("reconstruct nothing").first, 2);
 }
 
-TEST_F(CopiedProgram, RunsNoOtherProgramOfThatName) {
+TEST_F(WholeProgramCopied, RunsNoOtherProgramOfThatName) {
   for (const char* place : {"bin/whole", "libexec/slipstream"}) {
     fs::create_directories(path(place));
     std::ofstream(path(place) / "slipstream")
@@ -65,7 +65,7 @@ TEST_F(CopiedProgram, RunsNoOtherProgramOfThatName) {
   EXPECT_FALSE(fs::exists(path("run")));
 }
 
-TEST_F(CopiedProgram, RunsTheOtherOneThatIsCopiedWithIt) {
+TEST_F(WholeProgramCopied, RunsTheOtherOneThatIsCopiedWithIt) {
   const fs::path whole = fs::path(SLIPSTREAM_PROGRAM).parent_path() / "whole" / "slipstream";
   for (const char* place : {"libexec/slipstream", "bin/whole"}) {
     fs::create_directories(path(place));

@@ -60,14 +60,14 @@ TEST(ImageView, WalksRowsByStride) {
   EXPECT_EQ(reading(0, 1), 9);
 }
 
-TEST(ForEachRow, VisitsEveryRowOnceAndPassesOnExceptions) {
+TEST(Image, ForEachRowVisitsEveryRowOnceAndPassesOnExceptions) {
   std::vector<std::atomic<int>> visits(1000);
   for_each_row(1000, [&](int row) { ++visits[static_cast<std::size_t>(row)]; });
   for (const auto& count : visits) EXPECT_EQ(count, 1);
   EXPECT_THROW(for_each_row(10, [](int) { throw std::runtime_error("row"); }), std::runtime_error);
 }
 
-TEST(Quantile, IsTheValueWithThatShareBelow) {
+TEST(Image, QuantileIsTheValueWithThatShareBelow) {
   std::vector<float> values{5, 1, 4, 2, 3};
   EXPECT_EQ(quantile(values, 0), 1);
   EXPECT_EQ(quantile(values, 0.25), 2);
@@ -78,7 +78,7 @@ TEST(Quantile, IsTheValueWithThatShareBelow) {
   EXPECT_EQ(quantile(one, 0.99), 7);
 }
 
-TEST(FiniteValues, LeaveOutWhatIsNotANumber) {
+TEST(Image, FiniteValuesLeaveOutWhatIsNotANumber) {
   Image<float> image({2, 2}, 1);
   image(0, 0) = std::numeric_limits<float>::quiet_NaN();
   image(1, 0) = std::numeric_limits<float>::infinity();

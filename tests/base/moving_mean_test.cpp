@@ -64,7 +64,7 @@ TEST(MovingMean, LetsNothingPassThatRepeatsAfterItsLength) {
   }
 }
 
-TEST(OddLength, IsNextToTheOneAskedFor) {
+TEST(MovingMean, OddLengthIsNextToTheOneAskedFor) {
   EXPECT_EQ(odd_length(14.2), 15);
   EXPECT_EQ(odd_length(13.9), 13);
   EXPECT_EQ(odd_length(0.3), 1);

@@ -9,7 +9,7 @@
 
 namespace slipstream::system_failure_test {
 
-TEST(RequireDescriptors, NamesTheWorkAndHowManyAreLeft) {
+TEST(SystemFailure, RequireDescriptorsNamesTheWorkAndHowManyAreLeft) {
   EXPECT_NO_THROW(require_descriptors(16, "a camera"));
 
   const FewDescriptors none(0);
@@ -22,7 +22,7 @@ TEST(RequireDescriptors, NamesTheWorkAndHowManyAreLeft) {
   }
 }
 
-TEST(RequireDescriptors, LeavesAllOfThemFree) {
+TEST(SystemFailure, RequireDescriptorsLeavesAllOfThemFree) {
   for (int turn = 0; turn < 100; ++turn) require_descriptors(64, "a camera");
 }
 

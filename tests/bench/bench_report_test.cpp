@@ -20,7 +20,7 @@ TimedRow coding(std::string name, int steps, double milliseconds) {
   return timed;
 }
 
-TEST(BenchRatios, AreOfTheSameNAndSize) {
+TEST(BenchReport, BenchRatiosAreOfTheSameNAndSize) {
   const BenchRatios ratios = bench_ratios(
       {row("lut", 3, 6), row("fused", 3, 2), row("engine", 3, 2.5), row("engine", 4, 9),
        coding("pcmp-5", 5, 5), row("fused", 3, 1, 640, 2), row("fused", 3, 12, 1280)});
@@ -30,7 +30,7 @@ TEST(BenchRatios, AreOfTheSameNAndSize) {
   EXPECT_EQ(ratios.largest_per_pixel, 1.5);
 }
 
-TEST(BenchRatios, AreNoneWithoutTheFusedPass) {
+TEST(BenchReport, BenchRatiosAreNoneWithoutTheFusedPass) {
   const BenchRatios ratios = bench_ratios({row("lut", 3, 6), row("fused", 4, 2)});
   EXPECT_TRUE(ratios.over_fused.empty());
   EXPECT_FALSE(ratios.threads || ratios.largest_per_pixel);

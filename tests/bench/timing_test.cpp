@@ -4,7 +4,7 @@
 
 namespace slipstream::timing_test {
 
-TEST(Timed, CountsEveryRunOfEveryRow) {
+TEST(Timing, TimedCountsEveryRunOfEveryRow) {
   int runs = 0;
   const BenchRow row{.name = "counted", .run = [&runs] { ++runs; }};
   const std::vector<TimedRow> timings = timed({row, row}, {.rounds = 3, .row_seconds = 0}, [] {});

@@ -36,7 +36,7 @@ Scan scan_with_changing_light(const CalibrationBoard& board, Axis axis) {
 }
 
 // A camera's automatic exposure is on in all poses.
-TEST(CapturedPoses, ReportChangingLightOnce) {
+TEST(BoardCapture, CapturedPosesReportChangingLightOnce) {
   const CalibrationBoard board{};
   const Scan x = scan_with_changing_light(board, Axis::x);
   const Scan y = scan_with_changing_light(board, Axis::y);

@@ -82,7 +82,7 @@ TEST(BundleAdjustment, StandardDeviationsAreTheSpreadOfTheResults) {
   EXPECT_LT(predicted, 2 * std::sqrt(squares));
 }
 
-TEST(BoardQuality, OfAnExactScannerIsPerfectAndOfAWrongOneIsNot) {
+TEST(BundleAdjustment, BoardQualityOfAnExactScannerIsPerfectAndOfAWrongOneIsNot) {
   const Scanner truth = example_scanner();
   const auto places = printed_places(board);
   const VirtualViews boards = virtual_views(truth, board, places, 2, 0);

@@ -296,9 +296,9 @@ std::vector<BrokenCase> broken_corners() {
   };
 }
 
-class BrokenCalibration : public testing::TestWithParam<BrokenCase> {};
+class DoctorBrokenCalibration : public testing::TestWithParam<BrokenCase> {};
 
-TEST_P(BrokenCalibration, IsToldByItsCause) {
+TEST_P(DoctorBrokenCalibration, IsToldByItsCause) {
   const Told told = GetParam().told();
   EXPECT_TRUE(names(told, GetParam().cause)) << "not told: " << GetParam().cause << ", but\n"
                                              << text_of(told);
@@ -307,9 +307,9 @@ TEST_P(BrokenCalibration, IsToldByItsCause) {
 
 const auto name_of_case = [](const auto& broken) { return broken.param.name; };
 
-INSTANTIATE_TEST_SUITE_P(Frames, BrokenCalibration, testing::ValuesIn(broken_frames()),
+INSTANTIATE_TEST_SUITE_P(Frames, DoctorBrokenCalibration, testing::ValuesIn(broken_frames()),
                          name_of_case);
-INSTANTIATE_TEST_SUITE_P(Corners, BrokenCalibration, testing::ValuesIn(broken_corners()),
+INSTANTIATE_TEST_SUITE_P(Corners, DoctorBrokenCalibration, testing::ValuesIn(broken_corners()),
                          name_of_case);
 
 struct GoodCase {
@@ -347,17 +347,17 @@ std::vector<GoodCase> good_calibrations() {
           {"multiplexed", scene(chessboard, multiplexed, 1.55, 12, small)}};
 }
 
-class GoodCalibration : public testing::TestWithParam<GoodCase> {};
+class DoctorGoodCalibration : public testing::TestWithParam<GoodCase> {};
 
-TEST_P(GoodCalibration, GetsNoRemark) {
+TEST_P(DoctorGoodCalibration, GetsNoRemark) {
   const Told told = told_of(GetParam().scene);
   EXPECT_EQ(text_of(told), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Boards, GoodCalibration, testing::ValuesIn(good_calibrations()),
+INSTANTIATE_TEST_SUITE_P(Boards, DoctorGoodCalibration, testing::ValuesIn(good_calibrations()),
                          [](const auto& good) { return good.param.name; });
 
-TEST(UncorrectedGamma, IsNotToldOnceItIsCorrected) {
+TEST(Doctor, UncorrectedGammaIsNotToldOnceItIsCorrected) {
   BoardScene scene{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}, .poses = 4};
   scene.photometry.response = PowerLaw{2.2};
   EXPECT_TRUE(names(told_of(scene), "uncorrected gamma"));

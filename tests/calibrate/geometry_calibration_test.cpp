@@ -79,15 +79,15 @@ void expect_near(const Scanner& scanner, const Scanner& truth, double tolerance)
   EXPECT_LT(angle_between(scanner, truth), tolerance * 0.02 * degree);
 }
 
-class CalibrationFromFrames : public testing::TestWithParam<CalibrationBoard> {};
+class GeometryCalibrationFromFrames : public testing::TestWithParam<CalibrationBoard> {};
 
 // The sanitized build uses fewer poses, a coarser camera and a looser tolerance, for speed.
-TEST_P(CalibrationFromFrames, IsTheTrueScanner) {
+TEST_P(GeometryCalibrationFromFrames, IsTheTrueScanner) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr int count = 6;
   constexpr double tolerance = 10;
   const Scanner truth = example_scanner({320, 240});
-  if (GetParam().kind != BoardKind::chessboard) GTEST_SKIP() << "too small for so few pixels";
+  if (GetParam().kind != BoardKind::chessboard) GTEST_SKIP() << "too slow under the sanitizers";
 #else
   constexpr int count = 12;
   constexpr double tolerance = 1;
@@ -100,7 +100,7 @@ TEST_P(CalibrationFromFrames, IsTheTrueScanner) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Boards, CalibrationFromFrames,
+    Boards, GeometryCalibrationFromFrames,
     testing::Values(
         CalibrationBoard{.columns = 13, .rows = 9, .spacing = 15},
         CalibrationBoard{.kind = BoardKind::circles, .columns = 6, .rows = 9, .spacing = 15},
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-TEST(BoardCapture, RefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
+TEST(GeometryCalibration, BoardCaptureRefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
   const auto capture = [](const Strategy& strategy, const BoardCaptureSettings& settings = {}) {
     const Size projector{1280, 800};
     const Scan x{.sequence = {.strategy = strategy, .axis = Axis::x, .projector = projector}};
@@ -135,7 +135,7 @@ TEST(BoardCapture, RefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
   }
 }
 
-TEST(BoardCapture, RefusesScansOfTwoProjectorsOrOfNoneThatIsKnown) {
+TEST(GeometryCalibration, BoardCaptureRefusesScansOfTwoProjectorsOrOfNoneThatIsKnown) {
   const auto along = [](Axis axis, Size projector) {
     return Scan{.sequence = {.strategy = DualFrequency{}, .axis = axis, .projector = projector}};
   };
@@ -148,7 +148,7 @@ TEST(BoardCapture, RefusesScansOfTwoProjectorsOrOfNoneThatIsKnown) {
                {"projectors", "known"});
 }
 
-class CalibrationOfCorners : public testing::Test {
+class GeometryCalibrationOfCorners : public testing::Test {
  protected:
   const CalibrationBoard board{.columns = 7, .rows = 5, .spacing = 20};
   const Scanner truth = example_scanner();
@@ -163,7 +163,7 @@ class CalibrationOfCorners : public testing::Test {
   }
 };
 
-TEST_F(CalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
+TEST_F(GeometryCalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
   Scanner straight = truth;
   straight.camera.distortion = {};
   const auto views = virtual_views(straight, board, printed_places(board), 6, 0.05).views;
@@ -175,7 +175,7 @@ TEST_F(CalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
   EXPECT_EQ(k[4], 0);
 }
 
-TEST_F(CalibrationOfCorners, TellsFewPosesAndParallelBoards) {
+TEST_F(GeometryCalibrationOfCorners, TellsFewPosesAndParallelBoards) {
   const auto warned = [](const GeometryCalibration& calibration, const std::string& words) {
     for (const Finding& finding : calibration.findings) {
       if (text_of(finding).find(words) != std::string::npos) return true;
@@ -203,13 +203,13 @@ TEST_F(CalibrationOfCorners, TellsFewPosesAndParallelBoards) {
   EXPECT_TRUE(warned(calibrated(parallel, plain), "nearly parallel"));
 }
 
-TEST_F(CalibrationOfCorners, WithTooFewPosesIsAnError) {
+TEST_F(GeometryCalibrationOfCorners, WithTooFewPosesIsAnError) {
   expect_error([&] { (void)calibrated(boards(2).views, plain); }, {"2 usable poses", "at least 3"});
   expect_error([&] { (void)calibrated(boards(3).views, {.camera_coefficients = 3}); },
                {"3 distortion coefficients", "0, 1, 2, 4, 5, 8, 12"});
 }
 
-TEST_F(CalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
+TEST_F(GeometryCalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
   const auto changed = [&](const auto& change) {
     std::vector<BoardView> views = boards(4).views;
     for (BoardView& view : views) {
@@ -232,7 +232,7 @@ TEST_F(CalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
       (void)calibrated(changed([](Pixel p) { return Pixel(1279 - p.x(), 799 - p.y()); }), plain));
 }
 
-TEST_F(CalibrationOfCorners, APoseWithFewLitCornersIsNotToldAsMirrored) {
+TEST_F(GeometryCalibrationOfCorners, APoseWithFewLitCornersIsNotToldAsMirrored) {
   for (const std::size_t lit : {0U, 2U}) {
     std::vector<BoardView> views = boards(4).views;
     for (std::size_t i = lit; i < views[2].projector.size(); ++i) {
@@ -243,7 +243,7 @@ TEST_F(CalibrationOfCorners, APoseWithFewLitCornersIsNotToldAsMirrored) {
   }
 }
 
-TEST_F(CalibrationOfCorners, PosesOfAnotherCameraAreTold) {
+TEST_F(GeometryCalibrationOfCorners, PosesOfAnotherCameraAreTold) {
   Scanner other = truth;
   other.camera.intrinsic(0, 0) = other.camera.intrinsic(1, 1) = 1000;
   other.translation.x() += 20;
@@ -256,7 +256,7 @@ TEST_F(CalibrationOfCorners, PosesOfAnotherCameraAreTold) {
   expect_error([&] { (void)calibrated(half, plain); }, {"fit"});
 }
 
-TEST_F(CalibrationOfCorners, CornersOffByAFringeAreLeftOut) {
+TEST_F(GeometryCalibrationOfCorners, CornersOffByAFringeAreLeftOut) {
   std::vector<BoardView> views = boards(5).views;
   views[1].projector[3].x() += 80;
   views[1].projector[12].y() -= 50;

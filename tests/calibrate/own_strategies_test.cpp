@@ -13,7 +13,7 @@
 
 namespace slipstream::own_strategies_test {
 
-TEST(BoardCapture, TakesStrategiesOfOnesOwn) {
+TEST(OwnStrategies, BoardCaptureTakesStrategiesOfOnesOwn) {
   const Scanner scanner = example_scanner({640, 480});
   const CalibrationBoard board{.columns = 13, .rows = 9, .spacing = 15};
   constexpr int pixels_per_spacing = 100;

@@ -172,7 +172,7 @@ class HeldBoard : public ScanCamera {
 const Sequence sequence{.strategy = DualFrequency{.steps = 3, .high = 8, .low = 1},
                         .projector = truth.projector.size};
 
-TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
+TEST(PoseGuide, GuidedPosesTakesGoodOnesAndWritesWhatCalibrateReads) {
   const TemporaryFolder folder;
   const fs::path poses = folder.path() / "poses";
   HeldBoard camera(sequence);
@@ -198,7 +198,7 @@ TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
   EXPECT_EQ(captures.views[1].name, "board02");
 }
 
-TEST(GuidedPoses, RefusesAnUnlitBoardOnceUntilItMoves) {
+TEST(PoseGuide, GuidedPosesRefusesAnUnlitBoardOnceUntilItMoves) {
   const TemporaryFolder folder;
   Sequence dim = sequence;
   dim.light = {.alpha_p = 6, .beta_p = 200};  // bright, but fringes too weak
@@ -217,7 +217,7 @@ TEST(GuidedPoses, RefusesAnUnlitBoardOnceUntilItMoves) {
   EXPECT_NE(words.find("refused: "), std::string::npos) << words;
 }
 
-TEST(GuidedPoses, LeavesAFolderAloneThatHoldsSomething) {
+TEST(PoseGuide, GuidedPosesLeavesAFolderAloneThatHoldsSomething) {
   const TemporaryFolder folder;
   fs::create_directories(folder.path() / "poses" / "board01");
   HeldBoard camera(sequence);

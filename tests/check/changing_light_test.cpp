@@ -38,7 +38,7 @@ Finding light_of(const Scan& scan, std::string& told) {
   return found;
 }
 
-TEST(ChangedLight, OfOneFrameIsToldBySize) {
+TEST(ChangingLight, ChangedLightOfOneFrameIsToldBySize) {
   for (const Strategy& strategy :
        {make_strategy("dual-frequency", {{"steps", 4}}), make_strategy("pmp", {{"steps", 4}}),
         make_strategy("gray-phase", {{"steps", 4}}), make_strategy("micro", {}),
@@ -61,7 +61,7 @@ TEST(ChangedLight, OfOneFrameIsToldBySize) {
 }
 
 // An automatic exposure changes every frame, by more than lamps do.
-TEST(ChangedLight, OfAllFramesIsNotBlamedOnThePatterns) {
+TEST(ChangingLight, ChangedLightOfAllFramesIsNotBlamedOnThePatterns) {
   const std::vector<double> gains{1, 0.6, 0.9, 0.5, 0.8, 0.7, 0.95, 0.55, 0.85};
   for (const Strategy& strategy :
        {make_strategy("dual-frequency", {{"steps", 4}}),
@@ -77,7 +77,7 @@ TEST(ChangedLight, OfAllFramesIsNotBlamedOnThePatterns) {
   }
 }
 
-TEST(ChangedLight, OfACodeIsAWarningAtMost) {
+TEST(ChangingLight, ChangedLightOfACodeIsAWarningAtMost) {
   const Scan right =
       scene_scan("statue", make_strategy("gray", {{"bits", 9}, {"reference", "inverse"}}));
   const std::vector<double> gains{1, 1, 0.6, 1, 0.9, 1, 0.6};
@@ -89,7 +89,7 @@ TEST(ChangedLight, OfACodeIsAWarningAtMost) {
 }
 
 // Bits that are darker than other frames as a whole are not mixed with the bit before.
-TEST(ChangedLight, OfHalfOfTheFramesIsNotCalledOutOfStep) {
+TEST(ChangingLight, ChangedLightOfHalfOfTheFramesIsNotCalledOutOfStep) {
   const Scan right = scene_scan("statue", make_strategy("gray-phase", {{"steps", 4}}));
   std::vector<double> gains(static_cast<std::size_t>(right.frames.count()), 0.6);
   std::fill_n(gains.begin(), 5, 1.0);

@@ -25,7 +25,7 @@ bool blames(const ScanFindings& found, CauseKind cause) {
 }
 
 /// Sets, each with a scan of its own: a code's coordinate changes by whole stripes.
-class CodeInSpace : public testing::TestWithParam<const char*> {
+class FitCodeInSpace : public testing::TestWithParam<const char*> {
  protected:
   static void for_each_code(auto use) {
     for (const char* const reference : {"inverse", "white-black"}) {
@@ -34,11 +34,11 @@ class CodeInSpace : public testing::TestWithParam<const char*> {
   }
 };
 
-TEST_P(CodeInSpace, IsLeftInPeaceAsItIs) {
+TEST_P(FitCodeInSpace, IsLeftInPeaceAsItIs) {
   for_each_code([](const Scan& scan, int bits) { EXPECT_EQ(told(check_scan(scan)), "") << bits; });
 }
 
-TEST_P(CodeInSpace, IsRefusedIfMirrored) {
+TEST_P(FitCodeInSpace, IsRefusedIfMirrored) {
   for_each_code([](Scan scan, int bits) {
     resampled([](double x, double y, Size size) { return std::pair(size.width - 1 - x, y); })(scan);
     const ScanFindings found = check_scan(scan);
@@ -47,7 +47,7 @@ TEST_P(CodeInSpace, IsRefusedIfMirrored) {
   });
 }
 
-TEST_P(CodeInSpace, IsRefusedAlongTheOtherAxis) {
+TEST_P(FitCodeInSpace, IsRefusedAlongTheOtherAxis) {
   for_each_code([](Scan scan, int bits) {
     scan.sequence.axis = Axis::y;
     const ScanFindings found = check_scan(scan);
@@ -56,7 +56,7 @@ TEST_P(CodeInSpace, IsRefusedAlongTheOtherAxis) {
   });
 }
 
-TEST_P(CodeInSpace, IsRefusedWithItsFirstFrameBlack) {
+TEST_P(FitCodeInSpace, IsRefusedWithItsFirstFrameBlack) {
   for_each_code([](Scan scan, int bits) {
     pixels({0}, [](double, int, int) { return 1; })(scan);
     const ScanFindings found = check_scan(scan);
@@ -64,6 +64,6 @@ TEST_P(CodeInSpace, IsRefusedWithItsFirstFrameBlack) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, CodeInSpace, testing::Values("statue", "board", "boxes"));
+INSTANTIATE_TEST_SUITE_P(Scenes, FitCodeInSpace, testing::Values("statue", "board", "boxes"));
 
 }  // namespace slipstream::fit_test

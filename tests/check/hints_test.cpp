@@ -1,4 +1,4 @@
-// What is proposed, and how: see broken_table_test.cpp for everything that can go wrong.
+// What is proposed, and how: see broken_scans_test.cpp for everything that can go wrong.
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
@@ -40,7 +40,7 @@ std::string advice_for(const Scan& scan) {
   return text;
 }
 
-TEST(RealCodes, GiveOriginAndDirection) {
+TEST(Hints, RealCodesGiveOriginAndDirection) {
   const fs::path folder = shared_data() / "slmaster-mono";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const auto names = names_of(18, [](int n) { return fmt::format("frame_{:02}.png", n); });
@@ -54,7 +54,7 @@ TEST(RealCodes, GiveOriginAndDirection) {
       << advice_for(scan);
 }
 
-TEST(RealMicroPhaseShifting, GivesOriginAndDirection) {
+TEST(Hints, RealMicroPhaseShiftingGivesOriginAndDirection) {
   const fs::path folder = shared_data() / "microps-waxbowl" / "32-08";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const auto names = names_of(10, [](int n) { return fmt::format("Frame{:03}.png", n + 1); });
@@ -212,7 +212,7 @@ AddOrder collect_in(std::vector<Order>& orders) {
   };
 }
 
-TEST(FrameOrders, InterleaveBandsThatBeginAfterAnotherFrame) {
+TEST(Hints, FrameOrdersInterleaveBandsThatBeginAfterAnotherFrame) {
   std::vector<Order> orders;
   const std::vector<StepRun> runs{{1, 4}, {6, 4}};
 
@@ -222,7 +222,7 @@ TEST(FrameOrders, InterleaveBandsThatBeginAfterAnotherFrame) {
   EXPECT_EQ(orders[2], (Order{0, 2, 4, 7, 9, 5, 1, 3, 6, 8}));
 }
 
-TEST(FrameOrders, PutInversesAfterTheBitsWhateverTheirFrames) {
+TEST(Hints, FrameOrdersPutInversesAfterTheBitsWhateverTheirFrames) {
   std::vector<Order> orders;
   const Code code{.stripes = 8, .frames = {1, 3, 9}, .inverses = {0, 2, 8}};
 
@@ -231,7 +231,7 @@ TEST(FrameOrders, PutInversesAfterTheBitsWhateverTheirFrames) {
   EXPECT_EQ(orders[2], (Order{3, 0, 8, 1, 4, 5, 6, 7, 9, 2}));
 }
 
-TEST(Fit, NamesNoRelationThatNoiseHides) {
+TEST(Hints, FitNamesNoRelationThatNoiseHides) {
   const BandRelation hidden{.agreement = 0.1, .offset = 0.4, .noise = 0.2};
   const BandRelation off{.agreement = 0.9, .offset = 0.2, .noise = 0.9};
   const BandRelation right{.agreement = 0.9, .offset = 0.01, .noise = 0.9};

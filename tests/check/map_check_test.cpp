@@ -64,9 +64,9 @@ std::vector<Finding> findings_of(Image<double> map, const MapForm& form, Axis ax
 
 const MapForm phase{.unit = MapUnit::phase, .periods = 16};
 
-class RightMap : public testing::TestWithParam<std::tuple<std::string, Axis>> {};
+class MapCheckRightMap : public testing::TestWithParam<std::tuple<std::string, Axis>> {};
 
-TEST_P(RightMap, IsAcceptedInEveryForm) {
+TEST_P(MapCheckRightMap, IsAcceptedInEveryForm) {
   const auto& [scene, axis] = GetParam();
   const Image<double> coordinates = coordinates_of(scene, axis);
 
@@ -79,7 +79,7 @@ TEST_P(RightMap, IsAcceptedInEveryForm) {
   }
 }
 
-TEST_P(RightMap, MayHaveWholePixels) {
+TEST_P(MapCheckRightMap, MayHaveWholePixels) {
   const auto& [scene, axis] = GetParam();
   const MapForm pixels{.unit = MapUnit::pixels};
   Image<double> map = written_as(pixels, coordinates_of(scene, axis), axis);
@@ -89,7 +89,7 @@ TEST_P(RightMap, MayHaveWholePixels) {
   for (const Finding& finding : findings) ADD_FAILURE() << text_of(finding);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, RightMap,
+INSTANTIATE_TEST_SUITE_P(Scenes, MapCheckRightMap,
                          testing::Combine(testing::Values("statue", "sphere", "boxes", "fish"),
                                           testing::Values(Axis::x, Axis::y)),
                          [](const auto& info) {
@@ -109,9 +109,9 @@ struct MistakenMap {
   }
 };
 
-class MistakenForm : public testing::TestWithParam<MistakenMap> {};
+class MapCheckMistakenForm : public testing::TestWithParam<MistakenMap> {};
 
-TEST_P(MistakenForm, IsNamed) {
+TEST_P(MapCheckMistakenForm, IsNamed) {
   const MistakenMap& mistaken = GetParam();
   const std::vector<Finding> findings =
       findings_of(written_as(mistaken.is, coordinates_of("statue", Axis::x)), mistaken.given);
@@ -130,7 +130,7 @@ MapForm phase_of(double periods, std::optional<double> origin = {}, bool backwar
 const MapForm coordinate{}, pixels{.unit = MapUnit::pixels};
 
 INSTANTIATE_TEST_SUITE_P(
-    Forms, MistakenForm,
+    Forms, MapCheckMistakenForm,
     testing::Values(
         MistakenMap{"from_minus_pi",
                     phase_of(16, -std::numbers::pi),

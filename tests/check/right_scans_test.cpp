@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,7 @@ ScanFindings findings_of(const VirtualWorld& world, const Strategy& strategy) {
 }
 
 // From one pixel of a large picture to the next a single period changes by less than its noise.
-TEST(LargePictures, AreLeftInPeace) {
+TEST(RightScans, LargePicturesAreLeftInPeace) {
   VirtualWorld world{.scanner = example_scanner({1280, 960})};
   world.scene = scene_named("board", world.scanner);
   world.scene.front().texture = uniform_texture(0.25);
@@ -48,23 +49,26 @@ TEST(LargePictures, AreLeftInPeace) {
             "");
 }
 
-TEST(EveryStrategy, IsLeftInPeace) {
-  std::vector<Strategy> all = every_phase_strategy();
-  for (const auto& more : {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
-    all.insert(all.end(), more.begin(), more.end());
-  }
-  for (const char* const scene : {"boxes", "statue"}) {
-    VirtualWorld world{.scanner = example_scanner({640, 480})};
-    world.scene = scene_named(scene, world.scanner);
-    world.photometry = {.ambient = 3, .noise_variance = 1.5};
-    for (const Strategy& strategy : all) {
-      EXPECT_EQ(told(findings_of(world, strategy)), "") << label_of(strategy) << ", " << scene;
-    }
-  }
+class RightScansEveryStrategy : public testing::TestWithParam<std::tuple<const char*, Strategy>> {};
+
+TEST_P(RightScansEveryStrategy, IsLeftInPeace) {
+  const auto& [scene, strategy] = GetParam();
+  VirtualWorld world{.scanner = example_scanner({640, 480})};
+  world.photometry = {.ambient = 3, .noise_variance = 1.5};
+  const Sequence sequence{strategy, Axis::x, {}, world.scanner.projector.size};
+
+  const VirtualScan taken =
+      scan_of_scene(scene, world.scanner, pattern_set(sequence), world.photometry);
+  EXPECT_EQ(told(check_frames(taken.frames, sequence, as_calibrated(world))), "")
+      << label_of(strategy) << ", " << scene;
 }
 
+INSTANTIATE_TEST_SUITE_P(Scenes, RightScansEveryStrategy,
+                         testing::Combine(testing::Values("boxes", "statue"),
+                                          testing::ValuesIn(every_strategy())));
+
 // The first bit of a code, and a part of each sinusoid, is dark wherever the object is.
-TEST(ObjectsInHalfOfTheLight, AreLeftInPeace) {
+TEST(RightScans, ObjectsInHalfOfTheLightAreLeftInPeace) {
   VirtualWorld world{.scanner = example_scanner({640, 480})};
   world.scene = scene_named("statue", world.scanner);
   world.photometry = {.ambient = 3, .noise_variance = 1.5};
@@ -110,7 +114,7 @@ void sharpen(Scan& scan) {
 }
 
 // A code is right as long as its bits stay on their side of the threshold.
-TEST(CodesOfOrdinaryCameras, AreLeftInPeace) {
+TEST(RightScans, CodesOfOrdinaryCamerasAreLeftInPeace) {
   const auto tone_curve = [](double gamma) {
     return [gamma](double level, int, int) { return 255 * std::pow(level / 255, 1 / gamma); };
   };
@@ -145,7 +149,7 @@ TEST(CodesOfOrdinaryCameras, AreLeftInPeace) {
 }
 
 // Frames of motion are seen through the response as the cycle's own are.
-TEST(FramesOfMotion, AreLeftInPeace) {
+TEST(RightScans, FramesOfMotionAreLeftInPeace) {
   VirtualWorld world{.scanner = example_scanner({320, 240})};
   world.scene = scene_named("statue", world.scanner);
   world.photometry = {.ambient = 3, .response = PowerLaw{2.2}, .noise_variance = 1.5};
@@ -159,7 +163,7 @@ TEST(FramesOfMotion, AreLeftInPeace) {
 }
 
 // Seen by a small thing in the middle of the field, the first frame is dark all over.
-TEST(SmallThings, AreLeftInPeace) {
+TEST(RightScans, SmallThingsAreLeftInPeace) {
   VirtualWorld world{.scanner = example_scanner({640, 480})};
   const WorkingVolume volume = working_volume(world.scanner);
   world.scene = scene_named("sphere", world.scanner);
@@ -178,14 +182,14 @@ Scan merged_scan(const WorldSettings& settings, const Strategy& strategy,
   const Sequence sequence{
       .strategy = strategy, .projector = world.scanner.projector.size, .exposures = exposures};
   VirtualScan taken =
-      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+      scan_of_scene(settings.scene, world.scanner, pattern_set(sequence), world.photometry);
   if (!order.empty()) taken.frames = reordered(std::move(taken.frames), order);
   return merged(
       {.frames = std::move(taken.frames), .sequence = sequence, .scanner = as_calibrated(world)});
 }
 
 // Beside pixels that are saturated at every exposure, others are right.
-TEST(MergedExposures, AreNotRefused) {
+TEST(RightScans, MergedExposuresAreNotRefused) {
   int warned = 0;
   for (const char* const world : {"ideal", "bench"}) {
     for (const Strategy& strategy :
@@ -212,7 +216,7 @@ TEST(MergedExposures, AreNotRefused) {
   EXPECT_EQ(warned, 0);
 }
 
-TEST(MergedExposures, OfSwappedFramesAreRefused) {
+TEST(RightScans, MergedExposuresOfSwappedFramesAreRefused) {
   const Strategy strategy = make_strategy("dual-frequency", {{"steps", 4}, {"high", 16}});
   const WorldSettings settings{.scene = "contrast", .camera = {320, 240}};
   std::vector<int> order;
@@ -225,7 +229,7 @@ TEST(MergedExposures, OfSwappedFramesAreRefused) {
 }
 
 // The projector's and the camera's blur leave little of stripes of one pixel.
-TEST(FinestStripes, AreLeftInPeace) {
+TEST(RightScans, FinestStripesAreLeftInPeace) {
   for (const char* const world : {"bench"}) {
     const VirtualWorld virtually = virtual_world({.world = world});
     for (const char* const reference : {"white-black", "inverse"}) {
@@ -236,7 +240,7 @@ TEST(FinestStripes, AreLeftInPeace) {
 }
 
 // A tone curve moves what is blurred to one side of the middle of white and black.
-TEST(BlurredStripes, AreNotRefusedThroughAToneCurve) {
+TEST(RightScans, BlurredStripesAreNotRefusedThroughAToneCurve) {
   const Strategy strategy = make_strategy("gray", {{"bits", 9}, {"reference", "white-black"}});
   const VirtualWorld blurred = virtual_world(
       {.camera = {320, 240}, .world = "harsh,no-response,no-interreflection,tone-curve"});
@@ -245,7 +249,7 @@ TEST(BlurredStripes, AreNotRefusedThroughAToneCurve) {
 }
 
 // Compression leaves no noise where several frames of a code are black.
-TEST(CompressedFrames, OfACodeAreNotCalledTheSame) {
+TEST(RightScans, CompressedFramesOfACodeAreNotCalledTheSame) {
   for (const char* const scene : {"sphere", "statue"}) {
     VirtualWorld world = virtual_world({.scene = scene, .camera = {320, 240}});
     world.photometry.physics.jpeg_quality = 50;
@@ -262,14 +266,14 @@ TEST(CompressedFrames, OfACodeAreNotCalledTheSame) {
   }
 }
 
-TEST(DimStripes, AreBlamedOnTheLightOnce) {
+TEST(RightScans, DimStripesAreBlamedOnTheLightOnce) {
   const VirtualWorld dim = virtual_world({.reflectivity = 0.06, .ambient = 20});
   const ScanFindings found = findings_of(dim, make_strategy("gray", {{"bits", 10}}));
   EXPECT_EQ(found.findings.size(), 1U) << told(found);
 }
 
 // The optical axis of rectified pictures may lie anywhere.
-TEST(RectifiedPictures, AreNotCalledCropped) {
+TEST(RightScans, RectifiedPicturesAreNotCalledCropped) {
   VirtualWorld world = virtual_world({.camera = {640, 480}, .world = "ideal"});
   world.scanner.camera.intrinsic(0, 2) -= 0.28 * 640;
   world.scanner.camera.distortion = {};
@@ -285,7 +289,7 @@ TEST(RectifiedPictures, AreNotCalledCropped) {
   EXPECT_EQ(told(found).find("optical axis"), std::string::npos) << told(found);
 }
 
-TEST(DeclaredMotion, IsNotCalledGammaOrMixedFrames) {
+TEST(RightScans, DeclaredMotionIsNotCalledGammaOrMixedFrames) {
   for (const int steps : {3, 4, 5}) {
     WorldSettings settings{.scene = "sphere", .camera = {320, 240}, .world = "ideal"};
     settings.motion.step = {3, 0, 0};
@@ -302,7 +306,7 @@ TEST(DeclaredMotion, IsNotCalledGammaOrMixedFrames) {
 }
 
 // A hand that moves through 28.5 periods, taken by rectified cameras of others.
-TEST(DeclaredMotion, OfARealHandIsLeftInPeace) {
+TEST(RightScans, DeclaredMotionOfARealHandIsLeftInPeace) {
   const fs::path folder = shared_data() / "bsc-hand";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   int warned = 0;  // of 20
@@ -325,7 +329,7 @@ TEST(DeclaredMotion, OfARealHandIsLeftInPeace) {
   EXPECT_LE(warned, 1);
 }
 
-TEST(RealScans, WithNoiseAreLeftInPeace) {
+TEST(RightScans, RealScansWithNoiseAreLeftInPeace) {
   const fs::path folder = shared_data() / "skull";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   std::vector<fs::path> files;
@@ -370,7 +374,7 @@ bool warns_of(const ScanFindings& found, CauseKind cause) {
 }
 
 // No other evidence shows gamma in so few steps and periods. Linear frames prove that they are.
-TEST(UnknownResponses, AreToldWhereTheyBendThePhaseUnseen) {
+TEST(RightScans, UnknownResponsesAreToldWhereTheyBendThePhaseUnseen) {
   const std::vector<Strategy> few{
       make_strategy("pmp", {{"steps", 3}}),
       make_strategy("two-plus-one", {}),
@@ -393,7 +397,7 @@ TEST(UnknownResponses, AreToldWhereTheyBendThePhaseUnseen) {
 }
 
 // All sinusoids are brighter than the code's frames are.
-TEST(UnknownResponses, AreToldWhereTheyPartPhaseAndCode) {
+TEST(RightScans, UnknownResponsesAreToldWhereTheyPartPhaseAndCode) {
   const Strategy strategy = GrayPhase{.periods = 16, .reference = "inverse"};
   for (const double gamma : {0.65, 0.7, 0.8}) {
     const ScanFindings found = check_scan(BentWorld(gamma, "board").scan_of({strategy}));
@@ -401,7 +405,7 @@ TEST(UnknownResponses, AreToldWhereTheyPartPhaseAndCode) {
   }
 }
 
-TEST(OneBitPatterns, AreToldInFocusAlone) {
+TEST(RightScans, OneBitPatternsAreToldInFocusAlone) {
   for (const char* const name : {"fast-three-step", "dual-frequency", "gray-phase"}) {
     Sequence sequence{make_strategy(name, {})};
     sequence.binary = true;
@@ -413,7 +417,7 @@ TEST(OneBitPatterns, AreToldInFocusAlone) {
   }
 }
 
-TEST(StripesAlongTheBaseline, AreToldWithTheOtherAxis) {
+TEST(RightScans, StripesAlongTheBaselineAreToldWithTheOtherAxis) {
   BentWorld above(1);
   Scanner& scanner = above.world.scanner;
   scanner.rotation = Eigen::AngleAxisd(0.22, Eigen::Vector3d::UnitX()).toRotationMatrix();
@@ -425,7 +429,7 @@ TEST(StripesAlongTheBaseline, AreToldWithTheOtherAxis) {
   EXPECT_EQ(told(check_scan(above.scan_of({strategy, Axis::y}))), "");
 }
 
-TEST(ScannersInOtherUnits, AreToldByTheirSize) {
+TEST(RightScans, ScannersInOtherUnitsAreToldByTheirSize) {
   Scan scan = BentWorld(1).scan_of({make_strategy("dual-frequency", {{"steps", 4}})});
   scan.scanner->calibrated_depths.reset();
   EXPECT_GT(check_scan(scan).median_depth, 300);
@@ -437,7 +441,7 @@ TEST(ScannersInOtherUnits, AreToldByTheirSize) {
   }
 }
 
-TEST(RealScans, AreLeftInPeace) {
+TEST(RightScans, RealScansAreLeftInPeace) {
   const fs::path folder = shared_data() / "skull";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const Sequence dual{make_strategy("dual-frequency", {{"steps", 3}, {"high", 16}, {"low", 1}}),

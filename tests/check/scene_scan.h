@@ -3,12 +3,11 @@
 #include <string>
 
 #include "slipstream/check.h"
-#include "slipstream/named_scenes.h"
 #include "slipstream/scan.h"
 #include "slipstream/sequence.h"
 #include "slipstream/strategy.h"
-#include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream {
 
@@ -17,13 +16,12 @@ namespace slipstream {
 inline Scan scene_scan(const std::string& scene, const Strategy& strategy,
                        const Response& response = PowerLaw{1}, bool binary = false) {
   VirtualWorld world{.scanner = example_scanner({320, 240})};
-  world.scene = scene_named(scene, world.scanner);
   world.photometry = {.ambient = 3, .response = response, .noise_variance = 1.5};
 
   Sequence sequence{.strategy = strategy, .projector = world.scanner.projector.size};
   sequence.binary = binary;
   const VirtualScan taken =
-      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+      scan_of_scene(scene, world.scanner, pattern_set(sequence), world.photometry);
   return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
 }
 

@@ -287,7 +287,7 @@ Scene steps_in_depth(const Scanner& scanner, double step, double turn) {
 }
 
 /// A point that is more than a tenth of the step from both sides is mixed.
-TEST(CleanScans, MixedPixelsOfDepthStepsGoAndGoodOnesStay) {
+TEST(Cleaner, CleanScansMixedPixelsOfDepthStepsGoAndGoodOnesStay) {
   const Scanner scanner = example_scanner({320, 240});
   const Sequence sequence{.strategy = DualFrequency{.steps = 4, .high = 16, .low = 1}};
   for (const double step : {40.0, 80.0}) {
@@ -350,7 +350,7 @@ WireCounts count_wires(const VirtualScan& scan, const Cloud& all, const Cloud& c
   return counts;
 }
 
-TEST(CleanScans, WiresBeforeAWallStay) {
+TEST(Cleaner, CleanScansWiresBeforeAWallStay) {
   const Scanner scanner = example_scanner({320, 240});
   const WorkingVolume volume = working_volume(scanner);
   const double pixel = volume.centre.z() / scanner.camera.intrinsic(0, 0), step = 80;
@@ -388,7 +388,7 @@ TEST(CleanScans, WiresBeforeAWallStay) {
 
 // In focus, dots of one bit are no noise of the camera, and a pixel at an edge sees a part of
 // itself.
-TEST(Sigma, GrowsWithWhatNoiseDoesNotExplain) {
+TEST(Cleaner, SigmaGrowsWithWhatNoiseDoesNotExplain) {
   VirtualWorld world{.scanner = example_scanner({320, 240})};
   world.scene = scene_named("sphere", world.scanner);
   const auto beyond = [&](const Sequence& sequence, const char* named, double deviations) {
@@ -415,7 +415,7 @@ TEST(Sigma, GrowsWithWhatNoiseDoesNotExplain) {
   EXPECT_LT(beyond({.strategy = DualFrequency{.steps = 8}}, "bench", 5), 0.002);
 }
 
-TEST(CleanScans, LowTrustIsThatOfThePredictedSigma) {
+TEST(Cleaner, CleanScansLowTrustIsThatOfThePredictedSigma) {
   Scanner scanner = example_scanner({320, 240});
   scanner.photometry.noise_variance = 1.6;
   for (const Axis axis : {Axis::x, Axis::y}) {
@@ -454,7 +454,7 @@ TEST(CleanScans, LowTrustIsThatOfThePredictedSigma) {
   }
 }
 
-TEST(CleanScans, TheSkullsSpecksGoAndItsFaceStays) {
+TEST(Cleaner, CleanScansTheSkullsSpecksGoAndItsFaceStays) {
   const std::filesystem::path folder = shared_data() / "skull";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const Scanner scanner = read_scanner(folder / "calibration.xml");

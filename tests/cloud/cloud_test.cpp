@@ -39,7 +39,7 @@ TEST(Cloud, StartsWithoutPointsAndCountsThem) {
   EXPECT_EQ(name_of(Validity::too_dark), "too dark");
 }
 
-TEST(SurfaceNormals, AreThoseOfAPlane) {
+TEST(Cloud, SurfaceNormalsAreThoseOfAPlane) {
   const Normals normals = surface_normals(plane({40, 30}, 0.3, -0.2));
   const double length = std::sqrt(0.3 * 0.3 + 0.2 * 0.2 + 1);
   for (int row = 0; row < 30; ++row) {
@@ -51,7 +51,7 @@ TEST(SurfaceNormals, AreThoseOfAPlane) {
   }
 }
 
-TEST(SurfaceNormals, DoNotReachAcrossADepthEdge) {
+TEST(Cloud, SurfaceNormalsDoNotReachAcrossADepthEdge) {
   Cloud cloud = plane({40, 30}, 0, 0);
   for (int row = 0; row < 30; ++row) {
     for (int column = 20; column < 40; ++column) {
@@ -65,7 +65,7 @@ TEST(SurfaceNormals, DoNotReachAcrossADepthEdge) {
   EXPECT_NEAR(normals.z(20, 10), -1, 1e-5);
 }
 
-TEST(SurfaceNormals, DoNotReachAcrossADepthEdgeOffTheAxis) {
+TEST(Cloud, SurfaceNormalsDoNotReachAcrossADepthEdgeOffTheAxis) {
   Cloud cloud({40, 30});
   for (int row = 0; row < 30; ++row) {
     for (int column = 0; column < 40; ++column) {
@@ -105,13 +105,13 @@ float expected(float slope) {
   return 0.3F + 0.7F * (1 - 0.4F * slope) / (length * std::sqrt(1 + slope * slope));
 }
 
-TEST(Shading, IsThatOfThePlanesNormal) {
+TEST(Cloud, ShadingIsThatOfThePlanesNormal) {
   for (const float slope : {-0.5F, 0.0F, 0.5F}) {
     EXPECT_NEAR(shading(sloping(slope))(32, 24), expected(slope), 1e-3) << slope;
   }
 }
 
-TEST(Shading, OfAListOfPointsIsThatOfTheirPicture) {
+TEST(Cloud, ShadingOfAListOfPointsIsThatOfTheirPicture) {
   for (const float slope : {-0.5F, 0.0F, 0.5F}) {
     const Cloud plane = sloping(slope);
     Cloud list({64 * 48, 1});
@@ -125,7 +125,7 @@ TEST(Shading, OfAListOfPointsIsThatOfTheirPicture) {
   }
 }
 
-TEST(Shading, OfAListThatShowsNoSurfaceIsInBetween) {
+TEST(Cloud, ShadingOfAListThatShowsNoSurfaceIsInBetween) {
   Cloud line({100, 1});
   EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
   std::fill(line.z.begin(), line.z.end(), -5.0F);
@@ -143,7 +143,7 @@ TEST(Shading, OfAListThatShowsNoSurfaceIsInBetween) {
   EXPECT_FLOAT_EQ(shading(line)(50, 0), 0.82F);
 }
 
-TEST(Shading, HidesTheNoiseOfDepth) {
+TEST(Cloud, ShadingHidesTheNoiseOfDepth) {
   const Image<float> brightness = shading(sloping(0, 0.4F));
   double sum = 0;
   for (int row = 4; row < 44; ++row) {
@@ -155,7 +155,7 @@ TEST(Shading, HidesTheNoiseOfDepth) {
   EXPECT_LT(std::sqrt(sum / (40 * 56)), 0.04);
 }
 
-TEST(Shading, FadesWhereNoiseLeavesNoSlope) {
+TEST(Cloud, ShadingFadesWhereNoiseLeavesNoSlope) {
   // A pixel is 2.5 mm wide: with 20 mm of noise, normals point every way.
   const Image<float> brightness = shading(sloping(0, 20));
   double sum = 0;
@@ -167,7 +167,7 @@ TEST(Shading, FadesWhereNoiseLeavesNoSlope) {
   EXPECT_LT(std::sqrt(sum / (40 * 56)), 0.05);
 }
 
-TEST(Shading, IsInBetweenWhereTheSlopeIsNotKnown) {
+TEST(Cloud, ShadingIsInBetweenWhereTheSlopeIsNotKnown) {
   Cloud cloud = sloping(0);
   std::fill(cloud.z.begin(), cloud.z.end(), std::numeric_limits<float>::quiet_NaN());
   EXPECT_FLOAT_EQ(shading(cloud)(10, 10), 0.82F);

@@ -37,7 +37,7 @@ Points patch(const Depth& depth, double noise, unsigned seed) {
   return points;
 }
 
-RC_GTEST_PROP(FitPlane, FindsThePlaneUnderNoiseAndAThirdOfOutliers, (unsigned seed)) {
+RC_GTEST_PROP(MeasureFitPlane, FindsThePlaneUnderNoiseAndAThirdOfOutliers, (unsigned seed)) {
   const double slope_x = 0.01 * *rc::gen::inRange(-80, 80);
   const double slope_y = 0.01 * *rc::gen::inRange(-80, 80);
   const int third = *rc::gen::inRange(3, 20);
@@ -60,7 +60,7 @@ RC_GTEST_PROP(FitPlane, FindsThePlaneUnderNoiseAndAThirdOfOutliers, (unsigned se
   RC_ASSERT(!plane.residuals.noise);
 }
 
-RC_GTEST_PROP(FitSphere, FindsTheRadiusUnderNoiseAndAThirdOfOutliers, (unsigned seed)) {
+RC_GTEST_PROP(MeasureFitSphere, FindsTheRadiusUnderNoiseAndAThirdOfOutliers, (unsigned seed)) {
   const double radius = *rc::gen::inRange(75, 200);
   const int third = *rc::gen::inRange(3, 20);
   const auto depth = [&](double x, double y) {
@@ -78,7 +78,7 @@ RC_GTEST_PROP(FitSphere, FindsTheRadiusUnderNoiseAndAThirdOfOutliers, (unsigned 
   RC_ASSERT(sphere.residuals.rms < 0.022);
 }
 
-TEST(FitPlane, IsExactWithoutNoise) {
+TEST(MeasureFitPlane, IsExactWithoutNoise) {
   const FittedPlane plane = fit_plane(patch([](double x, double) { return 600 + 0.5 * x; }, 0, 1));
   EXPECT_EQ(plane.residuals.outliers, 0U);
   EXPECT_LT(plane.residuals.largest, 1e-9);
@@ -96,7 +96,7 @@ std::string error_of(const Fit& fit, const Points& points) {
   return "";
 }
 
-TEST(Fits, RefusePointsThatMakeOutNoShape) {
+TEST(Measure, FitsRefusePointsThatMakeOutNoShape) {
   Points line;
   for (int i = 0; i < 50; ++i) line.push_back({Vector3d(i, 2.0 * i, 500), std::nullopt});
   const auto flat = patch([](double x, double) { return 600 + 0.1 * x; }, 0.01, 3);
@@ -111,7 +111,7 @@ TEST(Fits, RefusePointsThatMakeOutNoShape) {
   EXPECT_NE(error_of(plane, Points(10, flat[0])).find("line"), std::string::npos);
 }
 
-RC_GTEST_PROP(FitSphere, RefusesAFlatPatch, (unsigned seed)) {
+RC_GTEST_PROP(MeasureFitSphere, RefusesAFlatPatch, (unsigned seed)) {
   const double noise = 0.001 * *rc::gen::inRange(1, 500);
   const auto sphere = [](const Points& points) { return fit_sphere(points); };
   const std::string error = error_of(
@@ -119,7 +119,7 @@ RC_GTEST_PROP(FitSphere, RefusesAFlatPatch, (unsigned seed)) {
   RC_ASSERT(error.find("too flat") != std::string::npos);
 }
 
-TEST(Distance, ErrsAlongTheRaysOfBothPoints) {
+TEST(Measure, DistanceErrsAlongTheRaysOfBothPoints) {
   // On the axis noise moves a point along z alone, which an upright distance does not feel.
   const MeasuredPoint near{{0, 0, 500}, Vector3d(0, 0, 0.3)}, far{{0, 0, 600}, Vector3d(0, 0, 0.4)};
   const Distance along = distance(near, far);
@@ -131,7 +131,7 @@ TEST(Distance, ErrsAlongTheRaysOfBothPoints) {
   EXPECT_FALSE(distance(near, {{0, 0, 1}, std::nullopt}).sigma);
 }
 
-TEST(PointAt, KnowsNothingOfOtherPixels) {
+TEST(Measure, PointAtKnowsNothingOfOtherPixels) {
   Cloud cloud({4, 3});
   cloud.x(1, 2) = 5;
   cloud.y(1, 2) = 6;
@@ -174,7 +174,7 @@ MeasuredScene measured(const char* scene) {
   return result;
 }
 
-TEST(VirtualBoard, ItsResidualIsThatOfTheNoise) {
+TEST(Measure, VirtualBoardItsResidualIsThatOfTheNoise) {
   const MeasuredScene board = measured("board");
   const Residuals residuals =
       fit_plane(points_in(board.cloud, &board.sigma, Rectangle{60, 40, {200, 160}})).residuals;
@@ -183,7 +183,7 @@ TEST(VirtualBoard, ItsResidualIsThatOfTheNoise) {
   EXPECT_NEAR(residuals.rms / *residuals.noise, 1, 0.05);
 }
 
-TEST(VirtualSphere, HasItsRadius) {
+TEST(Measure, VirtualSphereHasItsRadius) {
   const Scanner scanner = example_scanner({320, 240});
   const double radius = std::get<Sphere>(scene_named("sphere", scanner).front().shape).radius;
   const MeasuredScene scene = measured("sphere");
@@ -199,7 +199,7 @@ Body placed(Shape shape, const Vector3d& place, double tilt = 0) {
           .pose = Eigen::Translation3d(place) * Eigen::AngleAxisd(tilt, Vector3d::UnitY())};
 }
 
-RC_GTEST_PROP(FindSpheres, FindsTwoAmongPlanesAndBoxesUnderNoise, (unsigned seed)) {
+RC_GTEST_PROP(MeasureFindSpheres, FindsTwoAmongPlanesAndBoxesUnderNoise, (unsigned seed)) {
   const auto between = [](int low, int high) { return 1.0 * *rc::gen::inRange(low, high); };
   const std::array radii{between(12, 30), between(12, 30)};
   const Vector3d left(between(-85, -50), between(-40, 40), between(530, 680));
@@ -219,7 +219,7 @@ RC_GTEST_PROP(FindSpheres, FindsTwoAmongPlanesAndBoxesUnderNoise, (unsigned seed
   for (std::size_t i = 0; i < 2; ++i) RC_ASSERT(std::abs(found[i].radius - radii[i]) < 0.3);
 }
 
-TEST(FindSpheres, LeavesToEachOfNearlyOneSizeItsOwn) {
+TEST(MeasureFindSpheres, LeavesToEachOfNearlyOneSizeItsOwn) {
   const Vector3d left(-63, -39, 530), right(50, -40, 530);
   const Cloud cloud = cast_cloud({sphere_at(left, 21), sphere_at(right, 19)});
   for (const std::array radii : {std::array{21.0, 19.0}, std::array{19.0, 21.0}}) {
@@ -230,7 +230,7 @@ TEST(FindSpheres, LeavesToEachOfNearlyOneSizeItsOwn) {
   }
 }
 
-TEST(FindSpheres, RefusesWhereThereIsNone) {
+TEST(MeasureFindSpheres, RefusesWhereThereIsNone) {
   const Scene scene{placed(Board{800, 800}, {0, 0, 650}, 0.3), sphere_at({0, 0, 600}, 30)};
   const Cloud cloud = cast_cloud(scene);
   const auto expect_refused = [&](const std::vector<double>& radii,
@@ -244,7 +244,7 @@ TEST(FindSpheres, RefusesWhereThereIsNone) {
   expect_error([&] { (void)find_spheres(Cloud({0, 0}), std::array{30.0}); }, {"60 mm"});
 }
 
-TEST(IsOnCap, AsksTheRayAndNotTheDistance) {
+TEST(Measure, IsOnCapAsksTheRayAndNotTheDistance) {
   const FittedSphere sphere{.centre = {0, 0, 600}, .radius = 30, .residuals = {}};
   for (const MeasuredPoint& point :
        points_in(cast_cloud({sphere_at({0, 0, 600}, 30)}), nullptr, Rectangle{0, 0, {320, 240}})) {

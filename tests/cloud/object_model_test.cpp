@@ -178,7 +178,7 @@ TEST(ObjectModel, GoesOnWithFewerElementsThanItBegan) {
   EXPECT_LT(model.elements().size(), 1000U) << "those seen through are gone";
 }
 
-TEST(Registration, FindsAPoseFromNearIt) {
+TEST(ObjectModel, RegistrationFindsAPoseFromNearIt) {
   const Scanner scanner = example_scanner({320, 240});
   const Scene scene = turning_object(scanner);
   DepthCamera camera(scanner, 0);
@@ -194,7 +194,7 @@ TEST(Registration, FindsAPoseFromNearIt) {
   EXPECT_GT(found.share, 0.9);
 }
 
-TEST(Registration, LeavesATurnOfASphereAsItIs) {
+TEST(ObjectModel, RegistrationLeavesATurnOfASphereAsItIs) {
   const Scanner scanner = example_scanner({160, 120});
   const Scene scene = scene_named("sphere", scanner);
   DepthCamera camera(scanner, 0.05);

@@ -10,7 +10,7 @@
 
 namespace slipstream::symbol_grid_test {
 
-TEST(ColouredStripes, AreKnownByFewTransitions) {
+TEST(Demodulation, ColouredStripesAreKnownByFewTransitions) {
   for (int stripes = 8; stripes <= 256; ++stripes) {
     const SymbolGrid grid = coloured_stripes(stripes);
     ASSERT_EQ(grid.columns, stripes);
@@ -32,7 +32,7 @@ TEST(ColouredStripes, AreKnownByFewTransitions) {
   }
 }
 
-TEST(SymbolArray, IsKnownBySmallSquares) {
+TEST(Demodulation, SymbolArrayIsKnownBySmallSquares) {
   for (const auto& [columns, rows] : {std::pair{8, 8}, {8, 512}, {512, 8}, {40, 25}, {64, 64}}) {
     const SymbolGrid grid = symbol_array(columns, rows);
     ASSERT_EQ(grid.columns, columns);
@@ -52,7 +52,7 @@ TEST(SymbolArray, IsKnownBySmallSquares) {
   }
 }
 
-TEST(SymbolGrid, RefusesWhatCannotBeKnownOrSeen) {
+TEST(Demodulation, SymbolGridRefusesWhatCannotBeKnownOrSeen) {
   EXPECT_THROW(coloured_stripes(7), Error);
   EXPECT_THROW(coloured_stripes(257), Error);
   EXPECT_THROW(symbol_array(7, 40), Error);
@@ -60,7 +60,7 @@ TEST(SymbolGrid, RefusesWhatCannotBeKnownOrSeen) {
   EXPECT_THROW(symbol_array(1000000, 1000000), Error);
 }
 
-TEST(SymbolGrid, ShowsLevelsEverywhere) {
+TEST(Demodulation, SymbolGridShowsLevelsEverywhere) {
   for (const SymbolGrid& grid : {coloured_stripes(20), symbol_array(12, 9)}) {
     for (const double y : {0.0, 0.3, 1.0, -0.2, 1.2}) {
       for (const double across : {0.0, 0.7, 1.0}) {

@@ -12,7 +12,7 @@
 
 namespace slipstream::multiplexing_design_test {
 
-TEST(MultiplexingDesign, MeetsItsGoalAtTheLeastNoise) {
+TEST(Design, MultiplexingDesignMeetsItsGoalAtTheLeastNoise) {
   for (const int steps : {3, 4, 5, 8}) {
     const DesignGoal goal{.steps = steps, .alpha = 0.4, .ambient = -5};
     const Design best = best_design(goal);
@@ -30,7 +30,7 @@ TEST(MultiplexingDesign, MeetsItsGoalAtTheLeastNoise) {
   }
 }
 
-TEST(MultiplexingDesign, KeepsThreeStandardDeviationsOffBothEnds) {
+TEST(Design, MultiplexingDesignKeepsThreeStandardDeviationsOffBothEnds) {
   for (const double noise_variance : {0.5, 1.6, 2.0, 3.0}) {
     const DesignGoal goal{.alpha = 0.5, .noise_variance = noise_variance};
     const auto& [alpha_p, beta_p] = brightest_light(goal);
@@ -40,7 +40,7 @@ TEST(MultiplexingDesign, KeepsThreeStandardDeviationsOffBothEnds) {
   }
 }
 
-TEST(MultiplexingDesign, AsksLessOfBetterLight) {
+TEST(Design, MultiplexingDesignAsksLessOfBetterLight) {
   const auto sigma = [](double alpha, double noise_variance) {
     return best_design({.alpha = alpha, .noise_variance = noise_variance}).coordinate_sigma;
   };
@@ -48,7 +48,7 @@ TEST(MultiplexingDesign, AsksLessOfBetterLight) {
   EXPECT_LT(sigma(0.4, 1.6), sigma(0.4, 4));
 }
 
-TEST(MultiplexingDesign, DoubtsPeriodsOfFewPixels) {
+TEST(Design, MultiplexingDesignDoubtsPeriodsOfFewPixels) {
   const auto doubt = [](double high, int pixels) {
     return doubt_about({.strategy = DualFrequency{.high = high}, .projector = {pixels, 1000}});
   };
@@ -60,14 +60,14 @@ TEST(MultiplexingDesign, DoubtsPeriodsOfFewPixels) {
   }
 }
 
-TEST(MultiplexingDesign, DoubtsCuesByTheirOwnShare) {
+TEST(Design, MultiplexingDesignDoubtsCuesByTheirOwnShare) {
   EXPECT_EQ(doubt_about({.strategy = PeriodCoded{}}), "");
   const std::string told = doubt_about({.strategy = PeriodCoded{.high = 32}});
   EXPECT_NE(told.find("only 64 %"), std::string::npos) << told;
   EXPECT_EQ(told.find("`share`"), std::string::npos) << "it has none: " << told;
 }
 
-TEST(MultiplexingDesign, RefusesWhatCannotBe) {
+TEST(Design, MultiplexingDesignRefusesWhatCannotBe) {
   EXPECT_THROW(best_design({.steps = 2}), Error);
   EXPECT_THROW(best_design({.alpha = 0}), Error);
   EXPECT_THROW(best_design({.success = 1}), Error);
@@ -81,7 +81,7 @@ TEST(MultiplexingDesign, RefusesWhatCannotBe) {
 
 namespace slipstream::strategy_design_test {
 
-TEST(StrategyDesign, OffersTheBestOfEachKind) {
+TEST(Design, StrategyDesignOffersTheBestOfEachKind) {
   const std::vector<StrategyDesign> designs = strategy_designs({.frames = 10});
   ASSERT_GE(designs.size(), 6U);
   for (std::size_t i = 0; i < designs.size(); ++i) {
@@ -103,7 +103,7 @@ TEST(StrategyDesign, OffersTheBestOfEachKind) {
   }
 }
 
-TEST(StrategyDesign, TakesTheFewestFramesThatReachANoise) {
+TEST(Design, StrategyDesignTakesTheFewestFramesThatReachANoise) {
   const double wanted = 2e-4;
   for (const auto& [strategy, success, sigma] :
        strategy_designs({.frames = 16, .coordinate_sigma = wanted})) {
@@ -118,7 +118,7 @@ TEST(StrategyDesign, TakesTheFewestFramesThatReachANoise) {
   }
 }
 
-TEST(StrategyDesign, RefusesWhatIsOutOfRange) {
+TEST(Design, StrategyDesignRefusesWhatIsOutOfRange) {
   EXPECT_THROW(strategy_designs({.frames = 2}), Error);
   EXPECT_THROW(strategy_designs({.coordinate_sigma = 0}), Error);
   EXPECT_THROW(strategy_designs({.alpha = 0}), Error);

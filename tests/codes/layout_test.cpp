@@ -173,7 +173,7 @@ TEST(Layout, BeatsAreUnwrappedByTheSurestChain) {
   EXPECT_GE(unwrapping_margin(layout), by_beats);
 }
 
-TEST(Code, NumbersItsStripes) {
+TEST(Layout, CodeNumbersItsStripes) {
   for (const int base : {-1, 5, 4}) {
     for (const bool gray : {false, true}) {
       Code code{.stripes = 50, .frames = {0, 1, 2, 3, 4, 5}, .gray = gray};
@@ -207,7 +207,7 @@ std::vector<double> frames_of(const Code& code, int stripe, int blurred, double 
   return I;
 }
 
-TEST(Code, IsMeasuredByItsReferenceWithBitsThatAreDoubtfulAlone) {
+TEST(Layout, CodeIsMeasuredByItsReferenceWithBitsThatAreDoubtfulAlone) {
   Code code{.stripes = 64, .frames = {0, 1, 2, 3, 4, 5}};
   code.reference = {0, 0, 0, 0, 0, 0, 0.5, 0.5};
   for (int stripe = 0; stripe < 64; ++stripe) {
@@ -405,7 +405,7 @@ TEST(Layout, IsEqualWhereNothingDiffers) {
             with_reference(CueReference([](double y) { return 1 - 2 * y; })));
 }
 
-TEST(CueReference, FollowsTheFieldThereAndBack) {
+TEST(Layout, CueReferenceFollowsTheFieldThereAndBack) {
   for (const CueReference& reference : {CueReference(), CueReference(CueReference::Form::cosine),
                                         CueReference([](double y) { return 1 - 2 * y * y; }),
                                         CueReference([](double y) { return y * y * y; })}) {

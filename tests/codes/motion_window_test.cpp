@@ -47,7 +47,7 @@ TEST(MotionWindow, IsBinomialForFourSteps) {
   }
 }
 
-RC_GTEST_PROP(MotionWindow, sees_what_stands_still_as_one_cycle_does, ()) {
+RC_GTEST_PROP(MotionWindow, SeesWhatStandsStillAsOneCycleDoes, ()) {
   const int N = *rc::gen::inRange(3, 13), extra = *rc::gen::inRange(0, 9);
   const int first = *rc::gen::inRange(0, N);
   const double phi = *rc::gen::inRange(0, 6283) / 1000.0;
@@ -58,7 +58,7 @@ RC_GTEST_PROP(MotionWindow, sees_what_stands_still_as_one_cycle_does, ()) {
   RC_ASSERT(std::abs(still.error) < 1e-11);
 }
 
-RC_GTEST_PROP(MotionWindow, errs_by_no_more_than_the_ripple_that_is_told, ()) {
+RC_GTEST_PROP(MotionWindow, ErrsByNoMoreThanTheRippleThatIsTold, ()) {
   const int N = *rc::gen::inRange(3, 9), extra = *rc::gen::inRange(0, 5);
   const double speed = *rc::gen::inRange(-300, 301) / 1000.0;
   const Layout cycle = PhaseMeasuring{N, 4}.layout();
@@ -113,7 +113,7 @@ TEST(MotionWindow, ReadsCuesThroughMotion) {
   }
 }
 
-TEST(MotionRipple, FallsByAPowerOfTheSpeedForEachFrame) {
+TEST(MotionWindowMotionRipple, FallsByAPowerOfTheSpeedForEachFrame) {
   for (const int N : {3, 4, 5, 6, 8}) {
     const Layout cycle = PhaseMeasuring{N, 1}.layout();
     for (int extra = 0; extra < 4; ++extra) {
@@ -134,7 +134,7 @@ TEST(MotionWindow, RefusesWhatIsNoCycleOfOneSinusoid) {
   }
 }
 
-TEST(StrategyInMotion, ShowsTheCycleFromThatPatternOn) {
+TEST(MotionWindowStrategyInMotion, ShowsTheCycleFromThatPatternOn) {
   const Strategy steps = PhaseMeasuring{3, 4}, window = steps.in_motion(2, 1);
   EXPECT_EQ(frame_count(window), 5);
   for (int n = 0; n < 5; ++n) EXPECT_EQ(window.shape(n, 0.3), steps.shape((n + 1) % 3, 0.3));

@@ -12,7 +12,7 @@
 
 namespace slipstream::axis_test {
 
-TEST(Axis, NamesAndLengths) {
+TEST(PatternSet, AxisNamesAndLengths) {
   EXPECT_EQ(axis_named("x"), Axis::x);
   EXPECT_EQ(axis_named(name_of(Axis::y)), Axis::y);
   EXPECT_THROW(axis_named("z"), Error);
@@ -33,7 +33,7 @@ PatternSet pmp(int N, double f, Axis axis, PatternLight light = {}) {
           }};
 }
 
-TEST(Pattern, IsEquation31) {
+TEST(PatternSet, IsEquation31) {
   const PatternSet patterns = pmp(5, 7.5, Axis::y, {.alpha_p = 200, .beta_p = 30});
   for (int n = 0; n < 5; ++n) {
     for (const double y : {0.0, 0.1, 0.77}) {
@@ -43,7 +43,7 @@ TEST(Pattern, IsEquation31) {
   }
 }
 
-TEST(Pattern, RendersAlongEitherAxisRoundedToGreyLevels) {
+TEST(PatternSet, RendersAlongEitherAxisRoundedToGreyLevels) {
   for (const Axis axis : {Axis::x, Axis::y}) {
     for (const int bits : {8, 10, 16}) {
       const PatternSet patterns = pmp(3, 2, axis, {.alpha_p = 250, .beta_p = 5});
@@ -61,7 +61,7 @@ TEST(Pattern, RendersAlongEitherAxisRoundedToGreyLevels) {
   }
 }
 
-TEST(Pattern, WithACarrierVariesAcrossItsAxisToo) {
+TEST(PatternSet, WithACarrierVariesAcrossItsAxisToo) {
   const PatternSet patterns{.count = 2,
                             .shape =
                                 [](int n, double y, double across) {
@@ -86,7 +86,7 @@ TEST(Pattern, WithACarrierVariesAcrossItsAxisToo) {
   EXPECT_EQ(render_pattern(marked, 2, projector)(7, 5), 0);
 }
 
-TEST(Pattern, MayTurnToTheOtherAxis) {
+TEST(PatternSet, MayTurnToTheOtherAxis) {
   PatternSet patterns{.count = 4, .shape = [](int, double y) { return y; }, .turn = 1};
   for (int n = 0; n < 4; ++n) {
     const Image<std::uint16_t> picture = render_pattern(patterns, n, {16, 8});
@@ -99,7 +99,7 @@ TEST(Pattern, MayTurnToTheOtherAxis) {
   }
 }
 
-TEST(Pattern, RefusesWhatNoProjectorShows) {
+TEST(PatternSet, RefusesWhatNoProjectorShows) {
   EXPECT_THROW(require_valid(PatternLight{.alpha_p = 250, .beta_p = 6}), Error);
   EXPECT_THROW(require_valid(PatternLight{.alpha_p = 0, .beta_p = 0}), Error);
   EXPECT_THROW(require_valid(PatternLight{.alpha_p = std::nan(""), .beta_p = 0}), Error);
@@ -125,7 +125,7 @@ PatternSet binary_sinusoid(double periods, Axis axis, PatternLight light = {}) {
           .binary = true};
 }
 
-TEST(OneBit, HoldsTheMeanOfAnyLevel) {
+TEST(PatternSet, OneBitHoldsTheMeanOfAnyLevel) {
   for (double level = 0; level <= 255; level += 2.5) {
     const Image<double> bits = one_bit(Image<double>({64, 48}, level));
     double sum = 0;
@@ -137,7 +137,7 @@ TEST(OneBit, HoldsTheMeanOfAnyLevel) {
   }
 }
 
-TEST(OneBit, HoldsTheMeanAboutEachPlaceOfAPattern) {
+TEST(PatternSet, OneBitHoldsTheMeanAboutEachPlaceOfAPattern) {
   constexpr int side = 8;
   const PatternSet patterns = binary_sinusoid(5, Axis::x, {.alpha_p = 200, .beta_p = 30});
   PatternSet grey = patterns;
@@ -159,7 +159,7 @@ TEST(OneBit, HoldsTheMeanAboutEachPlaceOfAPattern) {
   }
 }
 
-TEST(OneBit, IsTheSameAlongEitherAxis) {
+TEST(PatternSet, OneBitIsTheSameAlongEitherAxis) {
   const Image<std::uint16_t> upright = render_pattern(binary_sinusoid(3, Axis::x), 1, {60, 40});
   const Image<std::uint16_t> lying = render_pattern(binary_sinusoid(3, Axis::y), 1, {40, 60}, 10);
   for (int row = 0; row < 40; ++row) {
@@ -169,7 +169,7 @@ TEST(OneBit, IsTheSameAlongEitherAxis) {
   }
 }
 
-TEST(OneBit, KeepsWhatIsDarkOrBrightAlready) {
+TEST(PatternSet, OneBitKeepsWhatIsDarkOrBrightAlready) {
   const PatternSet stripes{.count = 1,
                            .light = {},
                            .shape = [](int, double y) { return y < 0.3 || y > 0.8 ? 1.0 : 0.0; },
@@ -182,7 +182,7 @@ TEST(OneBit, KeepsWhatIsDarkOrBrightAlready) {
   }
 }
 
-TEST(Lengths, InProjectorPixelsHoldAlongBothAxes) {
+TEST(PatternSet, LengthsInProjectorPixelsHoldAlongBothAxes) {
   const Size projector{1280, 800};
   const Sequence both = default_sequence(
       projector,
@@ -208,7 +208,7 @@ TEST(Lengths, InProjectorPixelsHoldAlongBothAxes) {
   EXPECT_TRUE(changed(both, {.settings = {{"periods", "1,16"}}}).lengths.empty());
 }
 
-TEST(Lengths, OfTheCoarsestMayLackTheLastPixel) {
+TEST(PatternSet, LengthsOfTheCoarsestMayLackTheLastPixel) {
   const auto bands = [](std::vector<double> lengths) {
     return default_sequence({1280, 800}, {.strategy = "multi-frequency",
                                           .settings = {{"steps", "4"}},
@@ -224,7 +224,7 @@ TEST(Lengths, OfTheCoarsestMayLackTheLastPixel) {
   EXPECT_NEAR(bands({1270, 160, 20})[0].periods, 1280 / 1270.0, 1e-12);
 }
 
-TEST(Lengths, OfPeriodsSetTheFrequenciesOfEachStrategy) {
+TEST(PatternSet, LengthsOfPeriodsSetTheFrequenciesOfEachStrategy) {
   const auto settings = [](const char* strategy, std::vector<double> lengths) {
     return default_sequence({1920, 1080},
                             {.strategy = strategy, .period_pixels = std::move(lengths)})
@@ -244,7 +244,7 @@ TEST(Lengths, OfPeriodsSetTheFrequenciesOfEachStrategy) {
 }
 
 /// OpenCV's codes have as many bits as each axis needs; so has a code of periods.
-TEST(Lengths, MakeACodeAsLongAsItsAxisNeeds) {
+TEST(PatternSet, LengthsMakeACodeAsLongAsItsAxisNeeds) {
   struct Code {
     Size projector;
     SequenceChanges changes;

@@ -43,7 +43,7 @@ TEST(Strategy, RefusesWhatItDoesNotKnow) {
   EXPECT_THROW(make_strategy("dual-frequency", {{"low_steps", 2}}), Error);
 }
 
-TEST(Shifts, ReplaceTheSteps) {
+TEST(Strategy, ShiftsReplaceTheSteps) {
   const Strategy made = make_strategy("dual-frequency", {{"shifts", "0,45,120,200,310"}});
   EXPECT_EQ(made, Strategy(DualFrequency{.angles = {0, 45, 120, 200, 310}}));
   EXPECT_EQ(frame_count(made), 10);
@@ -54,7 +54,7 @@ TEST(Shifts, ReplaceTheSteps) {
   EXPECT_EQ(step_counts(quarters), std::vector{4});
 }
 
-TEST(Shifts, GiveThePhaseOfAllStrategiesThatHaveThem) {
+TEST(Strategy, ShiftsGiveThePhaseOfAllStrategiesThatHaveThem) {
   const Shifts elsewhere{.origin = 2.1, .backwards = true};
   for (const std::vector<double>& angles :
        {std::vector<double>{0, 90, 180, 270}, {0, 90, 180, 270, 360}, {0, 45, 120, 200, 310}}) {
@@ -83,7 +83,7 @@ TEST(Shifts, GiveThePhaseOfAllStrategiesThatHaveThem) {
   }
 }
 
-TEST(Shifts, AreRefusedUnlessThreeDiffer) {
+TEST(Strategy, ShiftsAreRefusedUnlessThreeDiffer) {
   for (const char* shifts : {"0,90", "0,0,0", "0,180,360,540", "0,90,90.5,450", "0,x,90"}) {
     EXPECT_THROW(make_strategy("pmp", {{"shifts", shifts}}), Error) << shifts;
   }
@@ -93,7 +93,7 @@ TEST(Shifts, AreRefusedUnlessThreeDiffer) {
   EXPECT_THROW(make_strategy("micro", {{"shifts", "0,90,180"}}), Error);
 }
 
-TEST(Shifts, AndStepsReplaceEachOtherInASequence) {
+TEST(Strategy, ShiftsAndStepsReplaceEachOtherInASequence) {
   using Settings = std::map<std::string, std::optional<std::string>>;
   const Sequence known{.strategy = DualFrequency{.low_steps = 5}};
   const auto with = [](const Sequence& sequence, const Settings& settings) {
@@ -105,14 +105,14 @@ TEST(Shifts, AndStepsReplaceEachOtherInASequence) {
   EXPECT_THROW(with(known, Settings{{"shifts", "0,90,180"}, {"steps", "3"}}), Error);
 }
 
-TEST(GrayPhase, HasAllBitsOfACodeWithOrWithoutTheComplementaryOne) {
+TEST(Strategy, GrayPhaseHasAllBitsOfACodeWithOrWithoutTheComplementaryOne) {
   EXPECT_NO_THROW(Strategy(GrayPhase{.bits = most_code_bits - 1}));
   EXPECT_NO_THROW(Strategy(GrayPhase{.bits = most_code_bits, .complementary = false}));
   EXPECT_THROW(Strategy(GrayPhase{.bits = most_code_bits}), Error);
   EXPECT_THROW(Strategy(GrayPhase{.bits = most_code_bits + 1, .complementary = false}), Error);
 }
 
-TEST(MicroPhaseShifting, InvertsEverySecondSingleFrame) {
+TEST(Strategy, MicroPhaseShiftingInvertsEverySecondSingleFrame) {
   // As SLStudio draws them: cos(2 pi x / p + 2 pi n / 3), then -cos and cos in turn.
   const std::vector<double> pixels{75.02, 70.00, 71.32, 72.47};
   MicroPhaseShifting coding{.periods = {}, .alternating = true, .shifts = {.backwards = true}};
@@ -164,7 +164,7 @@ TEST(Strategy, RefusesFrequenciesThatTheProjectorCannotShow) {
   EXPECT_THROW(require_resolved(modulated, Axis::y, {32, 40}), Error);
 }
 
-TEST(ModulatedPhaseShifting, IsABaseTimesACarrierOrItsObliqueSinusoids) {
+TEST(Strategy, ModulatedPhaseShiftingIsABaseTimesACarrierOrItsObliqueSinusoids) {
   using std::numbers::pi;
   const Strategy product =
       ModulatedPhaseShifting{.carrier_steps = 2, .periods = {1, 6}, .carrier = 20};
@@ -224,7 +224,7 @@ struct Adjustable {
   }
 };
 
-TEST(OwnStrategy, SaysWhatItsStructSays) {
+TEST(Strategy, OwnStrategySaysWhatItsStructSays) {
   const Strategy plain = Adjustable{}, fine = Adjustable{.steps = 5, .periods = 7};
   EXPECT_EQ(plain.name(), "adjustable");
   EXPECT_EQ(plain.name(), "adjustable");
@@ -239,14 +239,14 @@ TEST(OwnStrategy, SaysWhatItsStructSays) {
   EXPECT_EQ(fine.layout(), (Adjustable{.steps = 5, .periods = 7}.layout()));
 }
 
-TEST(OwnStrategy, IsRefusedWhereItsSettingsOrItsLayoutAreNone) {
+TEST(Strategy, OwnStrategyIsRefusedWhereItsSettingsOrItsLayoutAreNone) {
   EXPECT_THROW(Strategy(Adjustable{.steps = 2}), Error);
   EXPECT_THROW(Strategy(Adjustable{.periods = -1}), Error);
   EXPECT_THROW(Strategy(Adjustable{.sine_of_constant_light = 0.1}), Error);
   EXPECT_THROW(make_strategy("adjustable", {}), Error) << "the registry does not know it";
 }
 
-TEST(OwnStrategy, IsEqualByNameSettingsAndLayout) {
+TEST(Strategy, OwnStrategyIsEqualByNameSettingsAndLayout) {
   EXPECT_EQ(Strategy(Adjustable{}), Strategy(Adjustable{}));
   EXPECT_EQ(Strategy(Adjustable{}), Strategy(Adjustable{.sine_of_constant_light = 0}));
   EXPECT_NE(Strategy(Adjustable{}), Strategy(Adjustable{.steps = 5}));
@@ -259,7 +259,7 @@ TEST(OwnStrategy, IsEqualByNameSettingsAndLayout) {
   EXPECT_NE(copy, Strategy(ThreeFrequencies{.first = 36, .second = 6, .third = 1}));
 }
 
-TEST(OwnStrategy, IsShownAsPatterns) {
+TEST(Strategy, OwnStrategyIsShownAsPatterns) {
   constexpr PatternLight light{.alpha_p = 200, .beta_p = 30};
   for (const Strategy& strategy : own_strategies()) {
     Sequence sequence{.strategy = strategy, .axis = Axis::y, .light = light};
@@ -280,7 +280,7 @@ TEST(OwnStrategy, IsShownAsPatterns) {
   }
 }
 
-TEST(OwnStrategy, IsRefusedAProjectorThatCannotShowIt) {
+TEST(Strategy, OwnStrategyIsRefusedAProjectorThatCannotShowIt) {
   Sequence sequence{.strategy = ThreeFrequencies{}};
   EXPECT_NO_THROW(require_shown(sequence)) << "not known";
   sequence.projector = {72, 800};

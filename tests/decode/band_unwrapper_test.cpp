@@ -16,7 +16,7 @@ double wrapped(double phase) {
   return phase - 2 * pi * std::floor(phase / (2 * pi));
 }
 
-TEST(FringeOrder, FindsThePeriodFromACoarseCoordinate) {
+TEST(BandUnwrapper, FringeOrderFindsThePeriodFromACoarseCoordinate) {
   for (const double f : {4.0, 16.0, 64.0}) {
     for (double y = 0; y < 1; y += 0.0037) {
       for (const double error : {-0.4 / f, 0.0, 0.4 / f}) {
@@ -28,7 +28,7 @@ TEST(FringeOrder, FindsThePeriodFromACoarseCoordinate) {
   }
 }
 
-TEST(FringeOrderResidual, IsHowFarTheCoarseCoordinateLies) {
+TEST(BandUnwrapper, FringeOrderResidualIsHowFarTheCoarseCoordinateLies) {
   constexpr double f = 16;
   constexpr double y = 0.43;
   const double phi = wrapped(2 * pi * f * y);
@@ -39,7 +39,7 @@ TEST(FringeOrderResidual, IsHowFarTheCoarseCoordinateLies) {
   }
 }
 
-TEST(CoordinateInField, KeepsNoiseAtTheEndWhereItArose) {
+TEST(BandUnwrapper, CoordinateInFieldKeepsNoiseAtTheEndWhereItArose) {
   constexpr int length = 1000;
   EXPECT_DOUBLE_EQ(coordinate_in_field(0.3, 1, length), 0.3);
   EXPECT_NEAR(coordinate_in_field(0.9996, 1, length), -0.0004, 1e-15);  // left of pixel 0
@@ -51,7 +51,7 @@ TEST(CoordinateInField, KeepsNoiseAtTheEndWhereItArose) {
   EXPECT_DOUBLE_EQ(coordinate_in_field(1.1, 2, length), 1.1);
 }
 
-TEST(ModulationMask, KeepsTheLeastModulationAndLeavesOutNan) {
+TEST(BandUnwrapper, ModulationMaskKeepsTheLeastModulationAndLeavesOutNan) {
   Image<double> modulation({3, 1});
   modulation(0, 0) = 14.999;
   modulation(1, 0) = 15;

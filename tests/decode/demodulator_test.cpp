@@ -53,9 +53,9 @@ double largest_error(const FrameViews& read, const Scene& scene, int margin) {
   return worst;
 }
 
-class Carriers : public testing::TestWithParam<Scene> {};
+class DemodulatorCarriers : public testing::TestWithParam<Scene> {};
 
-TEST_P(Carriers, AreFoundAndTakenOut) {
+TEST_P(DemodulatorCarriers, AreFoundAndTakenOut) {
   const Scene scene = GetParam();
   const Size size{320, 240};
   const double periods = (scene.along_rows ? size.width : size.height) / scene.period;
@@ -72,7 +72,7 @@ TEST_P(Carriers, AreFoundAndTakenOut) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Carriers,
+INSTANTIATE_TEST_SUITE_P(Scenes, DemodulatorCarriers,
                          testing::Values(Scene{}, Scene{.period = 6, .lean = -0.2},
                                          Scene{.period = 17.3, .lean = 0.1},
                                          Scene{.period = 9, .bend = 2},

@@ -34,18 +34,18 @@ struct Surface {
   }
 };
 
-TEST(FringeOrderConsensus, BelievesASmoothSurface) {
+TEST(Maps, FringeOrderConsensusBelievesASmoothSurface) {
   EXPECT_EQ(Surface().count_unconfirmed(), 0);
 }
 
-TEST(FringeOrderConsensus, FindsAPixelThatIsOffByAnOrder) {
+TEST(Maps, FringeOrderConsensusFindsAPixelThatIsOffByAnOrder) {
   Surface surface;
   surface.coordinate(4, 3) += fringe;
   EXPECT_EQ(surface.unconfirmed()(4, 3), 1);
   EXPECT_EQ(surface.count_unconfirmed(), 1);
 }
 
-TEST(FringeOrderConsensus, WantsMoreNeighboursWhereTheFrequenciesDisagree) {
+TEST(Maps, FringeOrderConsensusWantsMoreNeighboursWhereTheFrequenciesDisagree) {
   Surface surface;
   surface.coordinate(4, 3) += fringe;
   surface.coordinate(5, 3) += fringe;
@@ -55,7 +55,7 @@ TEST(FringeOrderConsensus, WantsMoreNeighboursWhereTheFrequenciesDisagree) {
   EXPECT_EQ(surface.unconfirmed()(5, 3), 0);
 }
 
-TEST(FringeOrderConsensus, KeepsBothSidesOfADepthEdge) {
+TEST(Maps, FringeOrderConsensusKeepsBothSidesOfADepthEdge) {
   Surface surface;
   for (int row = 0; row < 7; ++row) {
     for (int column = 5; column < 9; ++column) surface.coordinate(column, row) += 3.4 * fringe;
@@ -63,7 +63,7 @@ TEST(FringeOrderConsensus, KeepsBothSidesOfADepthEdge) {
   EXPECT_EQ(surface.count_unconfirmed(), 0);
 }
 
-TEST(FringeOrderConsensus, ListensToLitNeighboursOnly) {
+TEST(Maps, FringeOrderConsensusListensToLitNeighboursOnly) {
   Surface surface;
   std::fill(surface.lit.begin(), surface.lit.end(), std::uint8_t{0});
   surface.lit(4, 3) = 1;

@@ -66,7 +66,7 @@ double slope(int column, int row) {
   return 3.2 + 0.07 * column + 0.03 * row;
 }
 
-TEST(NeighbourhoodFringeOrder, MendsScatteredPixelsAlsoWhereThePhaseWraps) {
+TEST(NeighbourhoodVote, NeighbourhoodFringeOrderMendsScatteredPixelsAlsoWhereThePhaseWraps) {
   Surface surface(slope);
   EXPECT_EQ(surface.count_wrong(), 0);
   for (int row = 1; row < size.height; row += 3) {
@@ -77,21 +77,21 @@ TEST(NeighbourhoodFringeOrder, MendsScatteredPixelsAlsoWhereThePhaseWraps) {
   EXPECT_EQ(surface.count_wrong(), 0);
 }
 
-TEST(NeighbourhoodFringeOrder, DoesNotReachAcrossAnEdge) {
+TEST(NeighbourhoodVote, NeighbourhoodFringeOrderDoesNotReachAcrossAnEdge) {
   // A tongue one pixel wide before a wall whose cue says another order, everywhere.
   Surface surface(
       [](int column, int row) { return slope(column, row) + (column == 12 && row > 5 ? 2.4 : 0); });
   EXPECT_EQ(surface.count_wrong(), 0);
 }
 
-TEST(NeighbourhoodFringeOrder, KeepsWhatStandsAtAnEdgeOfWholePeriods) {
+TEST(NeighbourhoodVote, NeighbourhoodFringeOrderKeepsWhatStandsAtAnEdgeOfWholePeriods) {
   // The wrapped phase shows nothing of it; the corner has most of its neighbours on the other side.
   Surface surface(
       [](int column, int row) { return slope(column, row) + (column > 8 && row > 8 ? 1 : 0); });
   EXPECT_EQ(surface.count_wrong(), 0);
 }
 
-TEST(NeighbourhoodFringeOrder, AsksNobodyInTheDark) {
+TEST(NeighbourhoodVote, NeighbourhoodFringeOrderAsksNobodyInTheDark) {
   Surface surface(slope);
   surface.said(10, 10) += 1;
   for (const auto& [column, row] : {std::pair{9, 10}, {11, 10}, {10, 9}, {10, 11}}) {
@@ -100,7 +100,7 @@ TEST(NeighbourhoodFringeOrder, AsksNobodyInTheDark) {
   EXPECT_EQ(surface.count_wrong(), 1) << "nothing is known of it but what it says itself";
 }
 
-TEST(NeighbourhoodFringeOrder, EvidenceOfItsOwnStandsAgainstTheNeighbours) {
+TEST(NeighbourhoodVote, NeighbourhoodFringeOrderEvidenceOfItsOwnStandsAgainstTheNeighbours) {
   Surface surface(slope);
   surface.said(10, 10) += 1;
   surface.certainty = 1000;
@@ -202,9 +202,9 @@ double wrong_on_wires(const Coding& coding, CueRule rule, double reflectivity, i
   return 100.0 * wrong / all;
 }
 
-class OnWires : public testing::TestWithParam<Coding> {};
+class NeighbourhoodVoteOnWires : public testing::TestWithParam<Coding> {};
 
-TEST_P(OnWires, NeighboursMakeNoMoreOrdersWrongThanEachPixelAloneWould) {
+TEST_P(NeighbourhoodVoteOnWires, NeighboursMakeNoMoreOrdersWrongThanEachPixelAloneWould) {
   for (const double reflectivity : {0.3, 0.5}) {
     for (const int width : {1, 2, 3}) {
       for (const bool random_depth : {false, true}) {
@@ -220,7 +220,7 @@ TEST_P(OnWires, NeighboursMakeNoMoreOrdersWrongThanEachPixelAloneWould) {
 }
 
 // The defaults, and what docs/background/pcmp.md says of more periods.
-INSTANTIATE_TEST_SUITE_P(Codings, OnWires,
+INSTANTIATE_TEST_SUITE_P(Codings, NeighbourhoodVoteOnWires,
                          testing::Values(Coding{3, 3, 0.5}, Coding{4, 6, 0.6}, Coding{5, 12, 0.6},
                                          Coding{5, 25, 0.49}, Coding{5, 25, 0.6}),
                          [](const auto& info) {

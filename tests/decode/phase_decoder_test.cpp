@@ -21,7 +21,7 @@ namespace slipstream::equations_test {
 
 using std::numbers::pi;
 
-TEST(PhaseEquations, GiveBackMeanModulationAndPhaseForAnyN) {
+TEST(PhaseDecoder, PhaseEquationsGiveBackMeanModulationAndPhaseForAnyN) {
   for (const int N : {3, 4, 5, 6, 7, 8, 16, 31}) {
     const PhaseEquations decode(N);
     for (double phi = 0; phi < 2 * pi; phi += 0.05) {
@@ -35,11 +35,11 @@ TEST(PhaseEquations, GiveBackMeanModulationAndPhaseForAnyN) {
   }
 }
 
-TEST(PhaseEquations, RefuseTooFewSteps) {
+TEST(PhaseDecoder, PhaseEquationsRefuseTooFewSteps) {
   EXPECT_THROW(PhaseEquations(2), Error);
 }
 
-TEST(WrappedAngle, StaysInTheCircleAndOffItsEnd) {
+TEST(PhaseDecoder, WrappedAngleStaysInTheCircleAndOffItsEnd) {
   EXPECT_EQ(wrapped_angle(-1e-14, 1), 0);
   EXPECT_EQ(wrapped_angle(0, 0), 0);
   EXPECT_NEAR(wrapped_angle(-1, 0), 1.5 * pi, 1e-15);
@@ -61,7 +61,7 @@ PhaseCorrection of_sine(int steps, double amplitude) {
   return correction;
 }
 
-TEST(PhaseCorrection, RepeatsNTimesAroundTheCircle) {
+TEST(PhaseDecoder, PhaseCorrectionRepeatsNTimesAroundTheCircle) {
   for (const int steps : {3, 4, 5, 6}) {
     const PhaseCorrection correction = of_sine(steps, 0.1);
     for (double phi = 0.2; phi < two_pi - 0.2; phi += 0.001) {
@@ -70,7 +70,7 @@ TEST(PhaseCorrection, RepeatsNTimesAroundTheCircle) {
   }
 }
 
-TEST(PhaseCorrection, StaysOnTheCircle) {
+TEST(PhaseDecoder, PhaseCorrectionStaysOnTheCircle) {
   const PhaseCorrection up{3, {0.1}};
   const PhaseCorrection down{3, {-0.1}};
   EXPECT_NEAR(corrected_phase(up, two_pi - 0.05), 0.05, 1e-12);
@@ -78,7 +78,7 @@ TEST(PhaseCorrection, StaysOnTheCircle) {
   EXPECT_LT(corrected_phase({4, {-1e-18}}, 0), two_pi);
 }
 
-TEST(PhaseCorrection, IsRefusedWhereItIsNone) {
+TEST(PhaseDecoder, PhaseCorrectionIsRefusedWhereItIsNone) {
   EXPECT_NO_THROW(require_valid(PhaseCorrection{3, {0}}, 3));
   EXPECT_THROW(require_valid(PhaseCorrection{3, {}}, 3), Error);
   EXPECT_THROW(require_valid(PhaseCorrection{3, {0}}, 4), Error);
@@ -129,9 +129,9 @@ std::optional<std::vector<double>> intensities_for(int steps, int U, int V) {
                              double((*C)[1]), double((*A)[1]), double((*B)[1])};
 }
 
-class PhaseTablesOf : public testing::TestWithParam<int> {};
+class PhaseDecoderTables : public testing::TestWithParam<int> {};
 
-TEST_P(PhaseTablesOf, EqualTheEquationsAtEveryReachableIndex) {
+TEST_P(PhaseDecoderTables, EqualTheEquationsAtEveryReachableIndex) {
   const int N = GetParam();
   const PhaseTables tables(N);
   const PhaseEquations equations(N);
@@ -159,9 +159,9 @@ TEST_P(PhaseTablesOf, EqualTheEquationsAtEveryReachableIndex) {
   EXPECT_EQ(reachable, N == 4 ? table : N == 3 ? 195841 : 781831);
 }
 
-INSTANTIATE_TEST_SUITE_P(N, PhaseTablesOf, testing::Values(3, 4, 6));
+INSTANTIATE_TEST_SUITE_P(N, PhaseDecoderTables, testing::Values(3, 4, 6));
 
-TEST(PhaseTables, RefuseOtherN) {
+TEST(PhaseDecoder, PhaseTablesRefuseOtherN) {
   EXPECT_THROW(PhaseTables(5), Error);
   EXPECT_EQ(closed_form(8), nullptr);
 }

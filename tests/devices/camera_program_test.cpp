@@ -105,9 +105,9 @@ struct Wired {
   bool in_step;
 };
 
-class WiredCamera : public CameraProgram, public testing::WithParamInterface<Wired> {};
+class CameraProgramWiredCamera : public CameraProgram, public testing::WithParamInterface<Wired> {};
 
-TEST_P(WiredCamera, ShowsEachPatternInItsFrameIfTheClientUsesTheWire) {
+TEST_P(CameraProgramWiredCamera, ShowsEachPatternInItsFrameIfTheClientUsesTheWire) {
   const auto& [served, client, in_step] = GetParam();
   RunningProgram server = serve(with(served, {"--rate", "100"}));
   ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
@@ -126,7 +126,7 @@ TEST_P(WiredCamera, ShowsEachPatternInItsFrameIfTheClientUsesTheWire) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Wires, WiredCamera,
+    Wires, CameraProgramWiredCamera,
     testing::Values(Wired{{"--wired", "trigger"}, {"--trigger", "Line1"}, true},
                     Wired{{"--wired", "strobe"}, {"--strobe", "Line1"}, true},
                     Wired{{"--wired", "strobe"},
@@ -139,9 +139,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Wired{{"--wired", "strobe"}, {}, false},
                     Wired{{"--wired", "strobe"}, {"--strobe", "Line0"}, false}));
 
-class WiredRehearsal : public CameraProgram, public testing::WithParamInterface<std::string> {};
+class CameraProgramWiredRehearsal : public CameraProgram,
+                                    public testing::WithParamInterface<std::string> {};
 
-TEST_P(WiredRehearsal, OfTheLivePageIsInStep) {
+TEST_P(CameraProgramWiredRehearsal, OfTheLivePageIsInStep) {
   const std::vector<std::string> sequence{"--strategy", "dual-frequency", "--steps", "3", "--high",
                                           "16",         "--low",          "1"};
   const std::string scanner = folder_.path() / "scanner.yaml";
@@ -164,7 +165,7 @@ TEST_P(WiredRehearsal, OfTheLivePageIsInStep) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, WiredRehearsal, testing::Values("trigger", "strobe"));
+INSTANTIATE_TEST_SUITE_P(Both, CameraProgramWiredRehearsal, testing::Values("trigger", "strobe"));
 
 TEST_F(CameraProgram, ANodeThatIsMissingRefusesOrReadsBackDifferentIsOneLine) {
   RunningProgram server = serve();

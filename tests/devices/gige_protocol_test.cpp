@@ -19,9 +19,9 @@ Bytes some_memory() {
   return memory;
 }
 
-class GigeControlTest : public testing::Test {
+class GigeProtocolControl : public testing::Test {
  protected:
-  GigeControlTest() {
+  GigeProtocolControl() {
     const std::pair<GigeRegister, std::uint32_t> numbers[] = {
         {GigeRegister::sensor_width, 64},
         {GigeRegister::sensor_height, 48},
@@ -60,7 +60,7 @@ class GigeControlTest : public testing::Test {
   GigeControl::Time now_;
 };
 
-TEST_F(GigeControlTest, AnswersWithWhatItsMemoryHolds) {
+TEST_F(GigeProtocolControl, AnswersWithWhatItsMemoryHolds) {
   const Bytes memory = some_memory();
   const Bytes answer = ask(command(read_memory, {0x10000 + 988, 12}, 99));
   ASSERT_EQ(answer.size(), 8U + 4 + 12);
@@ -70,7 +70,7 @@ TEST_F(GigeControlTest, AnswersWithWhatItsMemoryHolds) {
   EXPECT_EQ(ask(command(read_register, {0xfffc})).size(), 8U + 4);
 }
 
-TEST_F(GigeControlTest, RefusesWhatLiesBesideItsMemory) {
+TEST_F(GigeProtocolControl, RefusesWhatLiesBesideItsMemory) {
   for (const std::uint32_t address : {0xfffffffcU, 0xffffffffU, 0x80000000U, 0x103e8U}) {
     EXPECT_EQ(status(command(read_register, {address})), invalid_address) << address;
     EXPECT_EQ(status(command(read_memory, {address, 512})), invalid_address) << address;
@@ -89,7 +89,7 @@ TEST_F(GigeControlTest, RefusesWhatLiesBesideItsMemory) {
   for (std::size_t size = 0; size < 8; ++size) EXPECT_TRUE(ask(Bytes(size, 0x42)).empty());
 }
 
-TEST_F(GigeControlTest, OnlyWhoHasControlWritesAndSilenceEndsIt) {
+TEST_F(GigeProtocolControl, OnlyWhoHasControlWritesAndSilenceEndsIt) {
   EXPECT_EQ(write(GigeRegister::width, 32), access_denied) << "nobody has control yet";
   start_stream();
   EXPECT_EQ(write(GigeRegister::width, 32, other), access_denied);
@@ -103,7 +103,7 @@ TEST_F(GigeControlTest, OnlyWhoHasControlWritesAndSilenceEndsIt) {
   EXPECT_EQ(control_.read(GigeRegister::acquisition), 0U) << "the next finds it as it was";
 }
 
-TEST_F(GigeControlTest, AStallOfTheCameraIsNoSilenceOfItsClient) {
+TEST_F(GigeProtocolControl, AStallOfTheCameraIsNoSilenceOfItsClient) {
   start_stream();
   control_.listen(now_);
   now_ += 10s;  // the client's packets wait, behind a request of another one
@@ -117,14 +117,14 @@ TEST_F(GigeControlTest, AStallOfTheCameraIsNoSilenceOfItsClient) {
   EXPECT_EQ(write(GigeRegister::control_privilege, 2, other), ok);
 }
 
-TEST_F(GigeControlTest, AHeartbeatOfForEverEndsWithinMinutes) {
+TEST_F(GigeProtocolControl, AHeartbeatOfForEverEndsWithinMinutes) {
   start_stream();
   EXPECT_EQ(write(GigeRegister::heartbeat_timeout, 0xffffffff), ok);
   EXPECT_TRUE(control_.stream(now_ + 59s));
   EXPECT_FALSE(control_.stream(now_ + 61s));
 }
 
-TEST_F(GigeControlTest, StreamsOnlyToItsClientAndOnlyWhatTheSensorHas) {
+TEST_F(GigeProtocolControl, StreamsOnlyToItsClientAndOnlyWhatTheSensorHas) {
   start_stream();
   EXPECT_EQ(ntohl(control_.stream(now_)->to.sin_addr.s_addr), loopback);
   EXPECT_EQ(ntohs(control_.stream(now_)->to.sin_port), 6000);
@@ -146,7 +146,7 @@ TEST_F(GigeControlTest, StreamsOnlyToItsClientAndOnlyWhatTheSensorHas) {
   }
 }
 
-TEST_F(GigeControlTest, NoPacketWritesBesideWhatClientsMayOrEnlargesAnAnswer) {
+TEST_F(GigeProtocolControl, NoPacketWritesBesideWhatClientsMayOrEnlargesAnAnswer) {
   std::mt19937 random(18);
   const Bytes before = ask(command(read_memory, {0, 0x100}));
   const Bytes description = ask(command(read_memory, {0x10000, 512}));

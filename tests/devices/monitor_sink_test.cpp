@@ -1,6 +1,5 @@
 // Patterns on a monitor, real or Xvfb; skipped without either.
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -27,34 +26,26 @@ std::vector<Image<std::uint8_t>> patterns_of(const Strategy& strategy, Axis axis
   return patterns;
 }
 
-class OnAMonitor : public testing::Test {
+class MonitorSinkOnAMonitor : public testing::Test {
  protected:
-  void SetUp() override {
-    try {
-      system_ = std::make_unique<opengl::WindowSystem>();
-    } catch (const WorldError& error) {
-      GTEST_SKIP() << error.what();
-    }
-    if (system_->monitors().empty()) GTEST_SKIP() << "no monitor";
-  }
-  [[nodiscard]] Size size() const { return system_->monitors().front().size; }
+  [[nodiscard]] Size size() const { return system_.monitors().at(0).size; }
   /// Shows the patterns in a loop on the first monitor.
   [[nodiscard]] ProjectionReport project(const std::vector<Image<std::uint8_t>>& patterns,
                                          const ProjectionSettings& settings) const {
-    MonitorSink sink(*system_, 0);
+    MonitorSink sink(system_, 0);
     sink.load(patterns);
     return project_patterns(sink, patterns.size(), settings);
   }
 
   Desktop desktop_;
-  std::unique_ptr<opengl::WindowSystem> system_;
+  const opengl::WindowSystem system_;
 };
 
-TEST_F(OnAMonitor, EveryPixelHasItsGreyLevel) {
+TEST_F(MonitorSinkOnAMonitor, EveryPixelHasItsGreyLevel) {
   for (const Axis axis : {Axis::x, Axis::y}) {
     const auto patterns =
         patterns_of(DualFrequency{.steps = 3, .high = 32, .low = 1}, axis, size());
-    MonitorSink sink(*system_, 0);
+    MonitorSink sink(system_, 0);
     ASSERT_EQ(sink.size(), size());
     sink.load(patterns);
     for (std::size_t n = 0; n < patterns.size(); ++n) {
@@ -71,8 +62,8 @@ TEST_F(OnAMonitor, EveryPixelHasItsGreyLevel) {
   }
 }
 
-TEST_F(OnAMonitor, EveryPixelHasItsColour) {
-  MonitorSink sink(*system_, 0);
+TEST_F(MonitorSinkOnAMonitor, EveryPixelHasItsColour) {
+  MonitorSink sink(system_, 0);
   const std::vector<Strategy> strategies{DeBruijn{}, DualFrequency{.steps = 3, .high = 32}};
   for (const Strategy& strategy : strategies) {
     const auto channels = patterns_of(strategy, Axis::x, size());
@@ -101,7 +92,7 @@ TEST_F(OnAMonitor, EveryPixelHasItsColour) {
   EXPECT_EQ(shown, (Colour{grey[0](7, 5), grey[0](7, 5), grey[0](7, 5)}));
 }
 
-TEST_F(OnAMonitor, PatternsComeInTheirOrderAndAreTold) {
+TEST_F(MonitorSinkOnAMonitor, PatternsComeInTheirOrderAndAreTold) {
   const auto patterns = patterns_of(PhaseMeasuring{.steps = 4, .frequency = 8}, Axis::x, size());
   std::vector<PatternSwap> swaps;
   ProjectionSettings settings;
@@ -117,7 +108,7 @@ TEST_F(OnAMonitor, PatternsComeInTheirOrderAndAreTold) {
   }
 }
 
-TEST_F(OnAMonitor, APatternStaysForItsRefreshes) {
+TEST_F(MonitorSinkOnAMonitor, APatternStaysForItsRefreshes) {
   const auto patterns = patterns_of(PhaseMeasuring{.steps = 3, .frequency = 8}, Axis::x, size());
   int swaps = 0;
   ProjectionSettings settings;
@@ -129,7 +120,7 @@ TEST_F(OnAMonitor, APatternStaysForItsRefreshes) {
   EXPECT_EQ(report.refreshes, 6U * 3 + 1);
 }
 
-TEST_F(OnAMonitor, ItEndsWhileAPatternStays) {
+TEST_F(MonitorSinkOnAMonitor, ItEndsWhileAPatternStays) {
   const auto patterns = patterns_of(PhaseMeasuring{.steps = 3, .frequency = 8}, Axis::x, size());
   int asked = 0;
   ProjectionSettings settings;
@@ -140,15 +131,15 @@ TEST_F(OnAMonitor, ItEndsWhileAPatternStays) {
   EXPECT_LE(report.refreshes, 6U);
 }
 
-TEST_F(OnAMonitor, PatternsOfAnotherSizeAreRefused) {
+TEST_F(MonitorSinkOnAMonitor, PatternsOfAnotherSizeAreRefused) {
   const auto patterns = patterns_of(PhaseMeasuring{}, Axis::x, {64, 48});
-  MonitorSink sink(*system_, 0);
+  MonitorSink sink(system_, 0);
   EXPECT_THROW(sink.load(patterns), Error);
   EXPECT_THROW(sink.load({}), Error);
 }
 
-TEST_F(OnAMonitor, PatternsTakeThePlaceOfThoseBefore) {
-  MonitorSink sink(*system_, 0);
+TEST_F(MonitorSinkOnAMonitor, PatternsTakeThePlaceOfThoseBefore) {
+  MonitorSink sink(system_, 0);
   for (const std::uint8_t level : {30, 200}) {
     sink.load({Image<std::uint8_t>(size(), level)});
     sink.draw(0);
@@ -157,16 +148,16 @@ TEST_F(OnAMonitor, PatternsTakeThePlaceOfThoseBefore) {
   EXPECT_THROW(sink.show(1), std::out_of_range);
 }
 
-TEST_F(OnAMonitor, SaysWhatTheMonitorLacks) {
-  const MonitorSink sink(*system_, 0);
+TEST_F(MonitorSinkOnAMonitor, SaysWhatTheMonitorLacks) {
+  const MonitorSink sink(system_, 0);
   EXPECT_EQ(sink.state().empty(), sink.has_gamma_table());
   EXPECT_GT(sink.refresh_hz(), 0);
   EXPECT_FALSE(sink.closed());
 }
 
-TEST_F(OnAMonitor, AMonitorThatIsNotThereIsRefused) {
-  EXPECT_THROW(MonitorSink(*system_, 99), Error);
-  EXPECT_THROW(MonitorSink(*system_, -1), Error);
+TEST_F(MonitorSinkOnAMonitor, AMonitorThatIsNotThereIsRefused) {
+  EXPECT_THROW(MonitorSink(system_, 99), Error);
+  EXPECT_THROW(MonitorSink(system_, -1), Error);
 }
 
 /// Records the patterns that it should show.
@@ -181,7 +172,7 @@ class WitnessSink : public PatternSink {
   std::vector<std::size_t> seen;
 };
 
-TEST(Projection, ShowsPatternsOnAnySink) {
+TEST(MonitorSink, ProjectionShowsPatternsOnAnySink) {
   WitnessSink sink;
   const ProjectionReport report = project_patterns(
       sink, 2, {.refresh_hz = 1000, .hold = 2, .ends = [&] { return sink.shown() >= 7; }});
@@ -190,14 +181,14 @@ TEST(Projection, ShowsPatternsOnAnySink) {
   EXPECT_EQ(report.refreshes, 7U);
 }
 
-TEST(Projection, RefusesWhatShowsNothing) {
+TEST(MonitorSink, ProjectionRefusesWhatShowsNothing) {
   WitnessSink sink;
   EXPECT_THROW(project_patterns(sink, 0, {}), Error);
   EXPECT_THROW(project_patterns(sink, 2, {.hold = 0}), Error);
   EXPECT_THROW(project_patterns(sink, 2, {.refresh_hz = 0}), Error);
 }
 
-TEST(RefreshesForRate, AreWholeNumbers) {
+TEST(MonitorSink, RefreshesForRateAreWholeNumbers) {
   EXPECT_EQ(refreshes_for(60, {}, 60), 1);
   EXPECT_EQ(refreshes_for(30, {}, 59.94), 2);
   EXPECT_EQ(refreshes_for(0.5, {}, 60), 120);

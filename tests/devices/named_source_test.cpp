@@ -34,7 +34,7 @@ VirtualWorld some_world() {
 
 const Strategy four_steps = PhaseMeasuring{.steps = 4};
 
-TEST(OpenSource, VirtualKnowsItsScannerAndWhatIsShown) {
+TEST(NamedSource, OpenSourceVirtualKnowsItsScannerAndWhatIsShown) {
   SourceRequest request{.rate = 0, .world = some_world()};
   request.sequence.strategy = "pmp";
   request.sequence.settings = {{"steps", "4"}};
@@ -49,7 +49,7 @@ TEST(OpenSource, VirtualKnowsItsScannerAndWhatIsShown) {
   expect_error([] { (void)open_source({.source = "virtual"}); }, {"virtual"});
 }
 
-TEST(OpenSource, ReplayedFolderSaysWhatItShowsUnlessToldOtherwise) {
+TEST(NamedSource, OpenSourceReplayedFolderSaysWhatItShowsUnlessToldOtherwise) {
   const TemporaryFolder folder;
   const VirtualWorld world = some_world();
   const Sequence sequence{.strategy = four_steps, .projector = world.scanner.projector.size};
@@ -68,7 +68,7 @@ TEST(OpenSource, ReplayedFolderSaysWhatItShowsUnlessToldOtherwise) {
   EXPECT_EQ(open_source(request).sequence.axis, Axis::y);
 }
 
-TEST(OpenSource, TakesARecordingInColourApartUnlessItIsToBeKept) {
+TEST(NamedSource, OpenSourceTakesARecordingInColourApartUnlessItIsToBeKept) {
   const TemporaryFolder folder;
   VirtualWorld world = some_world();
   world.scanner.photometry.colour_mixture = usual_mixture;
@@ -108,7 +108,7 @@ TEST(OpenSource, TakesARecordingInColourApartUnlessItIsToBeKept) {
   expect_error([&] { (void)open_source(request); }, {path, "4 frames", "a multiple of 3"});
 }
 
-TEST(OpenSource, NamesWhatThereIs) {
+TEST(NamedSource, OpenSourceNamesWhatThereIs) {
   for (const char* const scheme : {"virtual", "replay:", "v4l2:"}) {
     EXPECT_NE(source_forms().find(scheme), std::string::npos) << scheme;
   }
@@ -116,22 +116,22 @@ TEST(OpenSource, NamesWhatThereIs) {
   expect_error([] { (void)open_source({.source = "telepathy:now"}); }, {"telepathy", "replay"});
 }
 
-TEST(OpenCamera, RefusesNamesThatNameNone) {
+TEST(NamedSource, OpenCameraRefusesNamesThatNameNone) {
   expect_error([] { open_camera("tape:1", {}); }, {"tape:1", "aravis:NAME, v4l2:NUMBER"});
   expect_error([] { open_camera("v4l2:x", {}); }, {"v4l2:x", "v4l2:0"});
   expect_error([] { open_camera("v4l2:-1", {}); }, {"v4l2:-1"});
   expect_error([] { open_camera("v4l2", {}); }, {"expected a number"});
 }
 
-TEST(OpenCamera, SaysWhichCameraDoesNotAnswer) {
+TEST(NamedSource, OpenCameraSaysWhichCameraDoesNotAnswer) {
   EXPECT_THROW(open_camera("v4l2:4000", {}), WorldError);
 }
 
-TEST(OpenCamera, RefusesSettingsBeforeItLooksForTheCamera) {
+TEST(NamedSource, OpenCameraRefusesSettingsBeforeItLooksForTheCamera) {
   EXPECT_THROW(open_camera("v4l2:4000", {.trigger = "Line1"}), Error);
 }
 
-TEST(ListCameras, NamesThemAsTheyAreOpened) {
+TEST(NamedSource, ListCamerasNamesThemAsTheyAreOpened) {
   for (const CameraDescription& camera : list_cameras()) {
     EXPECT_TRUE(camera.name.starts_with("aravis:") || camera.name.starts_with("v4l2:"))
         << camera.name;

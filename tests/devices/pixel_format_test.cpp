@@ -108,7 +108,7 @@ Frame mosaic_of(const FrameFormat& format, std::string_view order, const Light& 
   return frame;
 }
 
-TEST(Mosaic, GivesEachColourItsShareAtEveryPixel) {
+TEST(PixelFormat, MosaicGivesEachColourItsShareAtEveryPixel) {
   for (const char* order : {"RG", "GR", "GB", "BG"}) {
     for (const FrameFormat& format : {FrameFormat{{9, 6}, 8}, FrameFormat{{6, 5}, 12}}) {
       Frame frame = mosaic_of(format, order, [](int, int) { return 200.0; });
@@ -127,7 +127,7 @@ TEST(Mosaic, GivesEachColourItsShareAtEveryPixel) {
   }
 }
 
-TEST(Mosaic, LeavesThePhaseInPlace) {
+TEST(PixelFormat, MosaicLeavesThePhaseInPlace) {
   constexpr int steps = 4;
   const auto phase = [](int column, int row) { return 0.35 * column + 0.1 * row; };
   std::vector<Frame> frames;
@@ -150,7 +150,7 @@ TEST(Mosaic, LeavesThePhaseInPlace) {
   }
 }
 
-TEST(Mosaic, ASaturatedColourSaturatesThePixel) {
+TEST(PixelFormat, MosaicASaturatedColourSaturatesThePixel) {
   Frame frame(FrameFormat{{5, 5}, 8});
   std::get<0>(frame.pixels)(2, 2) = 255;
   make_grey(frame);

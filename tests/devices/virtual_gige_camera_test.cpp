@@ -210,9 +210,9 @@ void wait_until_gone(FrameSource& source, Frame& frame) {
   }
 }
 
-class GoneFor : public testing::TestWithParam<std::chrono::milliseconds> {};
+class VirtualGigeCameraGoneFor : public testing::TestWithParam<std::chrono::milliseconds> {};
 
-TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
+TEST_P(VirtualGigeCameraGoneFor, IsFoundAgainWhenItIsBack) {
   const std::vector<Frame> rendered = some_frames(4, {320, 240});
   auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
@@ -245,7 +245,7 @@ TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(VirtualGigeCamera, GoneFor, testing::Values(0ms, 2500ms));
+INSTANTIATE_TEST_SUITE_P(VirtualGigeCamera, VirtualGigeCameraGoneFor, testing::Values(0ms, 2500ms));
 
 TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
   const std::vector<Frame> rendered = some_frames(4, {320, 240});
@@ -435,7 +435,7 @@ TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
   expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, served_address, "S"); }, {"8-bit"});
 }
 
-TEST(GenICamCamera, GivesColoursSideBySide) {
+TEST(VirtualGigeCamera, GenICamCameraGivesColoursSideBySide) {
   arv_enable_interface("Fake");  // Aravis's fake camera, without a network
   const auto source = open_genicam_camera(
       "Fake_1", {.region = Rectangle{.size = {64, 48}}, .pixel_format = PixelFormat::rgb8});
@@ -451,7 +451,7 @@ TEST(GenICamCamera, GivesColoursSideBySide) {
   arv_disable_interface("Fake");
 }
 
-TEST(GenICamCamera, MakesAMosaicGrey) {
+TEST(VirtualGigeCamera, GenICamCameraMakesAMosaicGrey) {
   const auto frames = some_frames(1, {64, 48});
   const auto camera = serve(frames);
   REQUIRE_CAMERA(camera);
@@ -466,7 +466,7 @@ TEST(GenICamCamera, MakesAMosaicGrey) {
   EXPECT_TRUE(same_pixels(frame, grey));
 }
 
-TEST(GenICamCamera, SaysWhatItCannotDo) {
+TEST(VirtualGigeCamera, GenICamCameraSaysWhatItCannotDo) {
   EXPECT_THROW(open_genicam_camera("no such camera", {}), WorldError);
   const auto camera = serve(some_frames(1, {160, 120}));
   REQUIRE_CAMERA(camera);

@@ -1,7 +1,8 @@
 """Runs every command that the pages print and that needs no device, page by page.
 
-Tier: a fifth of the pages in each ./dev test, all in ./dev test all. Unlike pages_test.py, which
-compares commands with the program's help, this runs them in the order in which a reader would.
+Tier: pages that the last commit changed and a fifth of all in each ./dev test, all in ./dev test all.
+Unlike pages_test.py, which compares commands with the program's help, this runs them in the order in
+which a reader would.
 
     python3 -m pytest -s tests/docs/commands_test.py   # all pages, with counts and times
 """
@@ -75,7 +76,8 @@ def display(tmp_path_factory):
 class Page:
     """Commands of one page, in one folder."""
 
-    def __init__(self, folder, display):
+    def __init__(self, name, folder, display):
+        self.name = name
         self.folder = folder
         self.environment = dict(os.environ, DISPLAY=display,
                                 PATH=f"{folder / 'build'}:{os.environ['PATH']}")
@@ -86,7 +88,7 @@ class Page:
     def run(self, line):
         done = subprocess.run(["bash", "-euc", line], cwd=self.folder, env=self.environment,
                               capture_output=True, text=True)
-        assert done.returncode == 0, f"{line}\n{done.stderr}"
+        assert done.returncode == 0, f"{self.name}: {line}\n{done.stderr}"
         return done.stdout
 
     def begin(self, line):
@@ -109,7 +111,7 @@ class Page:
             time.sleep(0.1)
             if "camera serve" in line and "127.0.0.1" in self.text_of(running):
                 break
-        assert running.poll() is None, f"ended by itself: {line}\n{self.text_of(running)}"
+        assert running.poll() is None, f"{self.name}: {line} ended by itself\n{self.text_of(running)}"
         if not re.search(SERVING, line):
             self.end_all(lambda other: other is running)
 
@@ -131,7 +133,7 @@ class Page:
                 os.killpg(running.pid, signal.SIGKILL)
                 code = "none within 60 s of Ctrl-C"
             allowed = [0] if re.search(COMPLETED, running.args[-1]) else [0, -signal.SIGINT]
-            assert code in allowed, f"exit code {code}: {running.args[-1]}\n{self.text_of(running)}"
+            assert code in allowed, f"{self.name}: {running.args[-1]}: exit code {code}\n{self.text_of(running)}"
 
     def kill_all(self):
         for running in self.endless:
@@ -204,23 +206,22 @@ def has_commands(page):
     return any(block.is_shell() for block in blocks_of(page)) or any(inline_commands(page))
 
 
-@pytest.mark.parametrize("page", [*filter(has_commands, PAGES)], ids=name_of)
-def test_commands_run(page, tmp_path, display):
+def run_page(page, folder, display):
     # 1. A folder as a reader has it: the built program, the interpreter that has Debian's modules,
     # and the folders that pages name.
-    (tmp_path / "build").mkdir()
-    (tmp_path / "build" / "slipstream").symlink_to(PROGRAM)
-    (tmp_path / "build" / "python3").symlink_to(sys.executable)
-    for folder in ("tests", "tools"):
-        (tmp_path / folder).symlink_to(SOURCES / folder)
+    (folder / "build").mkdir()
+    (folder / "build" / "slipstream").symlink_to(PROGRAM)
+    (folder / "build" / "python3").symlink_to(sys.executable)
+    for name in ("tests", "tools"):
+        (folder / name).symlink_to(SOURCES / name)
 
     # 2. Blocks in their order, then commands within sentences.
-    commands, began = Page(tmp_path, display), time.monotonic()
+    commands, began = Page(name_of(page), folder, display), time.monotonic()
     try:
         for block in blocks_of(page):
             file = re.match(r"# (\S+\.yaml)\n", block.text)
             if file:
-                (tmp_path / file[1]).write_text(block.text)
+                (folder / file[1]).write_text(block.text)
             if block.is_shell():
                 run_block(block, commands)
         for command in inline_commands(page):
@@ -234,6 +235,20 @@ def test_commands_run(page, tmp_path, display):
           f"{time.monotonic() - began:.0f} s, {len(commands.not_run)} did not")
     for why, line in commands.not_run:
         print(f"  not run, {why}: {line}")
+
+
+@pytest.mark.parametrize("page", [*filter(has_commands, PAGES)], ids=name_of)
+def test_commands_run(page, tmp_path, display):
+    run_page(page, tmp_path, display)
+
+
+def test_commands_of_changed_pages_run(tmp_path_factory, display):
+    """Pages that the last commit or the working tree changed."""
+    changed = subprocess.run(["git", "diff", "--name-only", "HEAD~1", "--", "*.md"], cwd=SOURCES,
+                             capture_output=True, text=True).stdout.split()
+    for page in filter(has_commands, PAGES):
+        if name_of(page) in changed:
+            run_page(page, tmp_path_factory.mktemp("page"), display)
 
 
 # What the examples of --help start from, by how they begin; the first entry that fits.
@@ -307,7 +322,7 @@ def test_examples_of_help_run(tmp_path, display):
         start = next(start for begin, start in STARTS.items()
                      if example.removeprefix("slipstream ").startswith(begin))
 
-        commands = Page(folder, display)
+        commands = Page(f"example {number} of --help", folder, display)
         try:
             if not any(re.search(need, example) for need in NEEDS.values()):
                 commands.run(start)

@@ -42,13 +42,13 @@ TooDark told(const std::string& arguments) {
   return clean;
 }
 
-TEST(OwnCleaningSetting, IsToldOnTheCommandLine) {
+TEST(CleaningSetting, OwnCleaningSettingIsToldOnTheCommandLine) {
   EXPECT_EQ(told("--least-intensity 150").least_intensity, 150);
   EXPECT_THROW(told("--least-intensity 256"), Error);
   EXPECT_THROW(require_in_range(TooDark{.least_intensity = -1}), Error);
 }
 
-TEST(OwnCleaningSetting, IsObeyed) {
+TEST(CleaningSetting, OwnCleaningSettingIsObeyed) {
   const Seen seen = seen_under(DualFrequency{});
   Cloud cloud;
   Engine(seen.setup).cloud(seen.scan.frames, cloud);

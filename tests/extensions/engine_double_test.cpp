@@ -20,7 +20,7 @@ std::shared_ptr<const CustomEngine> flat_wall(float z) {
       }});
 }
 
-TEST(CustomEngine, IsChosenOnceAndCleanedLikeOthers) {
+TEST(EngineDouble, CustomEngineIsChosenOnceAndCleanedLikeOthers) {
   Seen seen = seen_under(DualFrequency{});
   seen.setup.settings.clean = CleanSettings::none();
   seen.setup.settings.clean.box = PointBox{{-1000, -1000, 0}, {1000, 1000, 500}};

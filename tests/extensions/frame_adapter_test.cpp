@@ -55,7 +55,7 @@ class TurnedSource : public FrameSource {
   std::unique_ptr<FrameSource> source_;
 };
 
-TEST(OwnFrameAdapter, StandsBeforeTheLivePipeline) {
+TEST(FrameAdapter, OwnFrameAdapterStandsBeforeTheLivePipeline) {
   const Seen seen = seen_under(DualFrequency{}, {.clean = CleanSettings::none()});
   Cloud expected;
   Engine(seen.setup).cloud(seen.scan.frames, expected);

@@ -35,7 +35,7 @@ struct ThreeSinusoids {
   }
 };
 
-TEST(OwnStrategy, IsReconstructedByTheFusedPass) {
+TEST(Strategy, OwnStrategyIsReconstructedByTheFusedPass) {
   const Seen seen = seen_under(ThreeSinusoids{.finest = 30});
   Engine engine(seen.setup);
   EXPECT_EQ(engine.backend_for(seen.scan.frames), "fused");

@@ -47,7 +47,7 @@ struct TwoSinusoids {
   }
 };
 
-TEST(OwnUnwrapping, IsDoneByTheReferenceEngine) {
+TEST(Unwrapping, OwnUnwrappingIsDoneByTheReferenceEngine) {
   const Seen seen = seen_under(TwoSinusoids{});
   Engine engine(seen.setup);
   EXPECT_NE(engine.backend_for(seen.scan.frames), "fused");

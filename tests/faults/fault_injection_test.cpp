@@ -134,9 +134,6 @@ class FaultInjection : public testing::TestWithParam<Case> {
  protected:
   /// The inputs that the command takes are made, and what is to be there before.
   void SetUp() override {
-    if (GetParam().when_asked && std::getenv("SLIPSTREAM_FAULTS") == nullptr) {
-      GTEST_SKIP() << "where SLIPSTREAM_FAULTS asks for it";
-    }
     make_inputs(GetParam().arguments);
     for (const std::vector<std::string>& words : GetParam().before) {
       fs::create_directories(output());
@@ -339,7 +336,15 @@ TEST_P(FaultInjection, EndsAsPromisedWithFewDescriptors) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Command, FaultInjection, testing::ValuesIn(cases),
+std::vector<Case> chosen_cases() {
+  std::vector<Case> chosen = cases;
+  if (std::getenv("SLIPSTREAM_FAULTS") == nullptr) {
+    std::erase_if(chosen, [](const Case& one) { return one.when_asked; });
+  }
+  return chosen;
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, FaultInjection, testing::ValuesIn(chosen_cases()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace slipstream::fault_injection_test

@@ -52,7 +52,7 @@ class Pictures : public FrameSource {
 
 constexpr FrameFormat of_pictures{{3 * picture_size.width, picture_size.height}, 8};
 
-TEST(ColourSource, GivesTheChannelsOneAfterAnother) {
+TEST(ColourChannels, ColourSourceGivesTheChannelsOneAfterAnother) {
   ColourSource source(std::make_unique<Pictures>(of_pictures));
   EXPECT_EQ(source.format(), (FrameFormat{picture_size, 8}));
   for (int round = 0; round < 2; ++round) {
@@ -101,7 +101,7 @@ std::string refusal(const FrameSet& frames, const FrameSet& white = {}) {
   return "";
 }
 
-TEST(Unmixed, SaysWhatIsNoPicture) {
+TEST(ColourChannels, UnmixedSaysWhatIsNoPicture) {
   const auto frames = [](std::size_t count, Size size) {
     return FrameSet(FrameSet::Images8(count, Image<std::uint8_t>(size)));
   };
@@ -140,7 +140,7 @@ void expect_apart(FrameSource& source, int picture) {
   });
 }
 
-TEST(UnmixedSource, TakesThemApart) {
+TEST(ColourChannels, UnmixedSourceTakesThemApart) {
   UnmixedSource source(std::make_unique<ColourSource>(std::make_unique<Pictures>(of_pictures)),
                        mixture);
   EXPECT_EQ(source.format(), (FrameFormat{picture_size, 16}));
@@ -166,7 +166,7 @@ class Lossy : public ColourSource {
   std::vector<std::uint64_t> lost_;
 };
 
-TEST(UnmixedSource, LeavesOutPicturesThatLackAChannel) {
+TEST(ColourChannels, UnmixedSourceLeavesOutPicturesThatLackAChannel) {
   // Pictures 0, 2 and 4 are frames 0 to 2, 6 to 8 and 12 to 14.
   const std::vector<std::vector<std::uint64_t>> losses{{0}, {1}, {2}, {1, 2}, {2, 6}, {0, 8}};
   for (const std::vector<std::uint64_t>& lost : losses) {
@@ -187,7 +187,7 @@ TEST(UnmixedSource, LeavesOutPicturesThatLackAChannel) {
   }
 }
 
-TEST(ColourSource, RefusesOtherFrames) {
+TEST(ColourChannels, ColourSourceRefusesOtherFrames) {
   EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{16, 4}, 8})), Error);
   EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{15, 4}, 12})), Error);
 }

@@ -81,7 +81,7 @@ Frames<Pixel> views_of(const std::vector<Image<Pixel>>& images) {
   return {images.begin(), images.end()};
 }
 
-TEST(FrameViews, AreTheFramesWhereTheyStand) {
+TEST(FrameSet, FrameViewsAreTheFramesWhereTheyStand) {
   const std::vector<Image<std::uint8_t>> bytes(3, Image<std::uint8_t>({4, 2}, 7));
   const FrameViews views(views_of(bytes));
   EXPECT_EQ(views.count(), 3);
@@ -103,7 +103,7 @@ TEST(FrameViews, AreTheFramesWhereTheyStand) {
   EXPECT_EQ(FrameViews().size(), Size{});
 }
 
-TEST(FrameViews, RefuseFramesThatAreNoScan) {
+TEST(FrameSet, FrameViewsRefuseFramesThatAreNoScan) {
   const std::vector<Image<std::uint8_t>> bytes{Image<std::uint8_t>({4, 2}),
                                                Image<std::uint8_t>({4, 3})};
   EXPECT_THROW(FrameViews(views_of(bytes)), Error);
@@ -111,7 +111,7 @@ TEST(FrameViews, RefuseFramesThatAreNoScan) {
   for (const int bits : {7, 17}) EXPECT_THROW(FrameViews(views_of(words), bits), Error) << bits;
 }
 
-TEST(FrameViews, GiveAPartInOrder) {
+TEST(FrameSet, FrameViewsGiveAPartInOrder) {
   std::vector<Image<std::uint16_t>> words;
   for (std::uint16_t n = 0; n < 5; ++n) words.emplace_back(Size{2, 1}, n);
   const FrameViews part = FrameViews(views_of(words), 10).part(1, 3);
@@ -123,7 +123,7 @@ TEST(FrameViews, GiveAPartInOrder) {
   });
 }
 
-TEST(FrameViews, AreWeighedAndAskedForTheirEnds) {
+TEST(FrameSet, FrameViewsAreWeighedAndAskedForTheirEnds) {
   std::vector<Image<std::uint8_t>> bytes(3, Image<std::uint8_t>({3, 1}, 10));
   bytes[1](1, 0) = 255;
   bytes[2](2, 0) = 0;

@@ -93,7 +93,7 @@ std::string text_of(const Strategy& strategy) {
   return text;
 }
 
-TEST(PatternWindows, give_one_window_for_each_frame_once_there_are_enough) {
+TEST(PatternWindows, GiveOneWindowForEachFrameOnceThereAreEnough) {
   for (const Strategy& strategy : strategies) {
     SCOPED_TRACE(text_of(strategy));
     const int N = frame_count(strategy);
@@ -110,7 +110,7 @@ TEST(PatternWindows, give_one_window_for_each_frame_once_there_are_enough) {
   }
 }
 
-TEST(PatternWindows, a_lost_frame_costs_the_windows_that_contain_it) {
+TEST(PatternWindows, ALostFrameCostsTheWindowsThatContainIt) {
   for (const Strategy& strategy : strategies) {
     SCOPED_TRACE(text_of(strategy));
     const int N = frame_count(strategy);
@@ -127,7 +127,7 @@ TEST(PatternWindows, a_lost_frame_costs_the_windows_that_contain_it) {
   }
 }
 
-TEST(PatternWindows, a_frame_that_comes_late_is_put_in_its_place) {
+TEST(PatternWindows, AFrameThatComesLateIsPutInItsPlace) {
   for (const Strategy& strategy : strategies) {
     SCOPED_TRACE(text_of(strategy));
     const int N = frame_count(strategy);
@@ -145,7 +145,7 @@ TEST(PatternWindows, a_frame_that_comes_late_is_put_in_its_place) {
   }
 }
 
-TEST(PatternWindows, a_frame_that_comes_later_than_any_window_can_wait_is_refused) {
+TEST(PatternWindows, AFrameThatComesLaterThanAnyWindowCanWaitIsRefused) {
   const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
   auto script = in_a_row(24, 4);
   std::rotate(script.begin() + 9, script.begin() + 10, script.begin() + 15);
@@ -154,7 +154,7 @@ TEST(PatternWindows, a_frame_that_comes_later_than_any_window_can_wait_is_refuse
   EXPECT_EQ(outcome.lost, 4U);
 }
 
-TEST(PatternWindows, a_slip_is_found_and_set_right) {
+TEST(PatternWindows, ASlipIsFoundAndSetRight) {
   for (const Strategy& strategy : strategies) {
     const int N = frame_count(strategy);
     for (const Eigen::Vector3d& motion :
@@ -179,7 +179,7 @@ TEST(PatternWindows, a_slip_is_found_and_set_right) {
   }
 }
 
-TEST(PatternWindows, what_the_source_tells_wrongly_is_set_right_too) {
+TEST(PatternWindows, WhatTheSourceTellsWronglyIsSetRightToo) {
   const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
   auto script = in_a_row(40, 4, true);
   for (std::size_t n = 13; n < script.size(); ++n) script[n].told = (*script[n].told + 1) % 4;
@@ -189,7 +189,7 @@ TEST(PatternWindows, what_the_source_tells_wrongly_is_set_right_too) {
   EXPECT_EQ(outcome.lost, 3U);
 }
 
-TEST(PatternWindows, a_slip_that_the_source_tells_of_is_no_resynchronisation) {
+TEST(PatternWindows, ASlipThatTheSourceTellsOfIsNoResynchronisation) {
   const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
   auto script = in_a_row(40, 4, true);
   for (std::size_t n = 13; n < script.size(); ++n) {
@@ -204,7 +204,7 @@ TEST(PatternWindows, a_slip_that_the_source_tells_of_is_no_resynchronisation) {
   EXPECT_TRUE(outcome.has_window_of(16));
 }
 
-TEST(PatternWindows, one_frame_of_another_pattern_is_in_no_window) {
+TEST(PatternWindows, OneFrameOfAnotherPatternIsInNoWindow) {
   for (const Strategy& strategy : strategies) {
     SCOPED_TRACE(text_of(strategy));
     const int N = frame_count(strategy);
@@ -219,7 +219,7 @@ TEST(PatternWindows, one_frame_of_another_pattern_is_in_no_window) {
   }
 }
 
-TEST(PatternWindows, motion_is_no_slip) {
+TEST(PatternWindows, MotionIsNoSlip) {
   for (const Strategy& strategy : strategies) {
     const int N = frame_count(strategy);
     for (const Eigen::Vector3d& motion :
@@ -234,7 +234,7 @@ TEST(PatternWindows, motion_is_no_slip) {
   }
 }
 
-TEST(PatternWindows, two_frequencies_tell_where_they_begin) {
+TEST(PatternWindows, TwoFrequenciesTellWhereTheyBegin) {
   for (const Strategy& strategy :
        {Strategy(DualFrequency{.steps = 3}), Strategy(DualFrequency{.steps = 4, .low_steps = 3}),
         Strategy(DualFrequency{.steps = 6, .high = 8})}) {
@@ -252,7 +252,7 @@ TEST(PatternWindows, two_frequencies_tell_where_they_begin) {
   }
 }
 
-TEST(PatternWindows, three_frequencies_tell_where_they_begin) {
+TEST(PatternWindows, ThreeFrequenciesTellWhereTheyBegin) {
   for (const Strategy& strategy :
        {Strategy(ThreeFrequencies{}), Strategy(ThreeFrequencies{36, 1, 6}),
         Strategy(ThreeFrequencies{6, 36, 1})}) {
@@ -270,7 +270,7 @@ TEST(PatternWindows, three_frequencies_tell_where_they_begin) {
   }
 }
 
-TEST(PatternWindows, a_marker_tells_where_the_cycle_begins) {
+TEST(PatternWindows, AMarkerTellsWhereTheCycleBegins) {
   for (const Strategy& strategy : strategies) {
     const int N = frame_count(strategy);
     for (const double brightness : {0.0, 1.0}) {
@@ -289,7 +289,7 @@ TEST(PatternWindows, a_marker_tells_where_the_cycle_begins) {
   }
 }
 
-TEST(PatternWindows, a_marker_that_slips_is_followed) {
+TEST(PatternWindows, AMarkerThatSlipsIsFollowed) {
   for (const Strategy& strategy : strategies) {
     const int N = frame_count(strategy);
     const auto loop = frames_of(with_marker(pattern_set(strategy, Axis::x), 0));
@@ -306,7 +306,7 @@ TEST(PatternWindows, a_marker_that_slips_is_followed) {
   }
 }
 
-TEST(PatternWindows, nothing_is_told_from_the_dark) {
+TEST(PatternWindows, NothingIsToldFromTheDark) {
   const Strategy strategy = DualFrequency{.steps = 3};
   const auto loop = frames_of(with_marker({.count = 0, .shape = {}}, 0), {.cycles = 30});
   const Outcome outcome = run(strategy, PatternIndexing::counted, loop, in_a_row(60, 6));

@@ -9,7 +9,7 @@
 
 namespace slipstream::pool_test {
 
-TEST(Pool, gives_each_value_to_one_taker_and_again_after_the_last_share) {
+TEST(Pool, GivesEachValueToOneTakerAndAgainAfterTheLastShare) {
   Pool<int> pool(2, [made = 0]() mutable { return ++made; });
   Pooled<int> first = pool.take();
   const Pooled<int> second = pool.take();
@@ -26,7 +26,7 @@ TEST(Pool, gives_each_value_to_one_taker_and_again_after_the_last_share) {
   EXPECT_EQ(*again, value);
 }
 
-TEST(Pool, shares_outlive_the_pool) {
+TEST(Pool, SharesOutliveThePool) {
   Pooled<int> share;
   {
     Pool<int> pool(1, [] { return 7; });
@@ -35,7 +35,7 @@ TEST(Pool, shares_outlive_the_pool) {
   EXPECT_EQ(*share, 7);
 }
 
-TEST(Pool, tells_of_a_value_only_when_its_last_share_is_dropped) {
+TEST(Pool, TellsOfAValueOnlyWhenItsLastShareIsDropped) {
   int returned = 0;
   Pool<int> pool(
       1, [] { return 7; }, [&] { ++returned; });
@@ -50,7 +50,7 @@ TEST(Pool, tells_of_a_value_only_when_its_last_share_is_dropped) {
   EXPECT_EQ(returned, 2);
 }
 
-TEST(Pool, values_pass_between_threads) {
+TEST(Pool, ValuesPassBetweenThreads) {
   Pool<int> pool(1, [] { return 0; });
   int sum = 0;
   for (int turn = 1; turn <= 1000; ++turn) {
@@ -66,7 +66,7 @@ TEST(Pool, values_pass_between_threads) {
   EXPECT_EQ(sum, 500500);
 }
 
-TEST(Frame, has_the_pixels_of_its_format) {
+TEST(Pool, FrameHasThePixelsOfItsFormat) {
   const FrameFormat format{{5, 3}, 12};
   EXPECT_EQ(Frame(format).format(), format);
   EXPECT_EQ(Frame({{5, 3}, 8}).pixels.index(), 0U);

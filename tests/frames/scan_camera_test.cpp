@@ -12,12 +12,12 @@ namespace slipstream::pattern_sink_test {
 
 using Picture = Image<std::uint8_t>;
 
-TEST(RequirePatterns, TakesPatternsOfOneSizeAndOfTheDevices) {
+TEST(ScanCamera, RequirePatternsTakesPatternsOfOneSizeAndOfTheDevices) {
   EXPECT_NO_THROW(require_patterns({Picture({6, 4}), Picture({6, 4})}, std::nullopt, "a folder"));
   EXPECT_NO_THROW(require_patterns({Picture({6, 4})}, Size{6, 4}, "monitor 1"));
 }
 
-TEST(RequirePatterns, SaysWhatDoesNotFit) {
+TEST(ScanCamera, RequirePatternsSaysWhatDoesNotFit) {
   expect_error([] { require_patterns({}, Size{6, 4}, "monitor 1"); }, {"no pattern"});
   expect_error(
       [] {
@@ -45,7 +45,7 @@ FrameSet set_of(std::uint8_t level, int changed_rows = 0) {
   return FrameSet(std::vector{image, image});
 }
 
-TEST(Stillness, FollowsWhatChangesByMoreThanNoise) {
+TEST(ScanCamera, StillnessFollowsWhatChangesByMoreThanNoise) {
   EXPECT_TRUE(is_still(set_of(100), set_of(100)));
   EXPECT_TRUE(is_still(set_of(100), set_of(110)));
   EXPECT_FALSE(is_still(set_of(100), set_of(140)));
@@ -54,7 +54,7 @@ TEST(Stillness, FollowsWhatChangesByMoreThanNoise) {
   EXPECT_FALSE(is_still(FrameSet(), set_of(100)));
 }
 
-TEST(Stillness, KnowsTheCamerasBits) {
+TEST(ScanCamera, StillnessKnowsTheCamerasBits) {
   const auto of_12_bits = [](std::uint16_t level) {
     return FrameSet(std::vector{Image<std::uint16_t>({8, 8}, level)}, 12);
   };
@@ -110,7 +110,7 @@ int level_of(const FrameSet& frames, std::size_t n) {
   return frames.visit([&](const auto& views) { return static_cast<int>(views[n](3, 3)); });
 }
 
-TEST(ShownScans, TakesAFrameOfEachPatternAndShowsLightMeanwhile) {
+TEST(ScanCamera, ShownScansTakesAFrameOfEachPatternAndShowsLightMeanwhile) {
   for (const bool paced : {false, true}) {
     Rig rig(paced);
     ShownScans camera(rig, rig, patterns(), {.settling = 1ms});
@@ -128,7 +128,7 @@ TEST(ShownScans, TakesAFrameOfEachPatternAndShowsLightMeanwhile) {
   }
 }
 
-TEST(ShownScans, TakesNothingOfWhatMovedMeanwhile) {
+TEST(ScanCamera, ShownScansTakesNothingOfWhatMovedMeanwhile) {
   Rig rig(false);
   ShownScans camera(rig, rig, patterns());
   ASSERT_TRUE(camera.look(100ms));
@@ -136,7 +136,7 @@ TEST(ShownScans, TakesNothingOfWhatMovedMeanwhile) {
   EXPECT_FALSE(camera.take());
 }
 
-TEST(ShownScans, NeedsPatterns) {
+TEST(ScanCamera, ShownScansNeedsPatterns) {
   Rig rig(false);
   EXPECT_THROW(ShownScans(rig, rig, {}), Error);
 }

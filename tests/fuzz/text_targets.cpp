@@ -93,12 +93,8 @@ const bool photometry_known = add_fuzz_target({"photometry", calibrations_of_lig
                                               bytes_of_yaml);
 
 std::vector<Bytes> scan_yamls() {
-  std::vector<Strategy> strategies = every_phase_strategy();
-  for (const auto& more : {every_strategy_on_cpu(), every_strategy_with_cue(), every_code()}) {
-    strategies.insert(strategies.end(), more.begin(), more.end());
-  }
   std::vector<Bytes> seeds;
-  for (const Strategy& strategy : strategies) {
+  for (const Strategy& strategy : every_strategy()) {
     ScanFiles scan{.sequence = {.strategy = strategy, .projector = {1824, 1140}},
                    .frames = {"a.png", "b.png"}};
     scan.bits = static_cast<int>(8 + seeds.size() % 2 * 4);

@@ -134,12 +134,12 @@ int check(const Scanner& scanner, Axis axis) {
   return points;
 }
 
-TEST(RayBlocks, SayWhatTheGeometrySays) {
+TEST(RayTable, RayBlocksSayWhatTheGeometrySays) {
   const Scanner scanner = example_scanner({653, 478});
   for (const Axis axis : {Axis::x, Axis::y}) EXPECT_GT(check(scanner, axis), 10000);
 }
 
-TEST(RayBlocks, AreRightForAnyScanner) {
+TEST(RayTable, RayBlocksAreRightForAnyScanner) {
   int points = 0;
   for (unsigned seed = 0; seed < 100 && !HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
@@ -150,7 +150,7 @@ TEST(RayBlocks, AreRightForAnyScanner) {
 }
 
 /// A camera that sees twice as wide as the projector lights: rays diverge within a block.
-TEST(RayBlocks, AreRightInNarrowPictures) {
+TEST(RayTable, RayBlocksAreRightInNarrowPictures) {
   for (const int width : {32, 40, 48}) {
     SCOPED_TRACE(width);
     Scanner scanner;
@@ -163,7 +163,7 @@ TEST(RayBlocks, AreRightInNarrowPictures) {
   }
 }
 
-TEST(RayBlocks, AreNotForSmallPictures) {
+TEST(RayTable, RayBlocksAreNotForSmallPictures) {
   const Scanner scanner = example_scanner({64, 25});
   const auto geometry = stripe_geometry(scanner, Axis::x, 0.02);
   EXPECT_FALSE(ray_blocks(*geometry, *ray_table(scanner.camera)));

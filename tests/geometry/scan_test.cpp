@@ -19,7 +19,7 @@ Scan scan_of(int frames) {
           .sequence = changed(Sequence{}, patterns)};
 }
 
-TEST(MergedScan, HasTheFramesAlongEachAxis) {
+TEST(Scan, MergedScanHasTheFramesAlongEachAxis) {
   const Scan scan = merged(scan_of(12 + 11));
   EXPECT_EQ(scan.frames.count(), 12);
   EXPECT_EQ(scan.sequence.axis, Axis::x);
@@ -29,7 +29,7 @@ TEST(MergedScan, HasTheFramesAlongEachAxis) {
   EXPECT_EQ(scan.other_axis.front().sequence.axis, Axis::y);
 }
 
-TEST(MergedScan, RefusesTooFewFrames) {
+TEST(Scan, MergedScanRefusesTooFewFrames) {
   expect_error([] { (void)merged(scan_of(12 + 10)); }, {"22 frames", "are 23"});
   expect_error([] { (void)merged(scan_of(1)); }, {"1 frame", "are 23"});
 }

@@ -37,7 +37,7 @@ double relative_difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return (a - b).norm() / b.norm();
 }
 
-RC_GTEST_PROP(PointForms, GiveThePointsOfEquation115, ()) {
+RC_GTEST_PROP(TriangulatorPointForms, GiveThePointsOfEquation115, ()) {
   const auto seed = *rc::gen::arbitrary<unsigned>();
   const Axis axis = *rc::gen::element(Axis::x, Axis::y);
   const ProjectionMatrices matrices = random_matrices(seed, axis);
@@ -58,7 +58,7 @@ RC_GTEST_PROP(PointForms, GiveThePointsOfEquation115, ()) {
   }
 }
 
-RC_GTEST_PROP(Triangulate, FindsThePointThatBothDevicesSee, ()) {
+RC_GTEST_PROP(TriangulatorRays, FindsThePointThatBothDevicesSee, ()) {
   const auto seed = *rc::gen::arbitrary<unsigned>();
   const Axis axis = *rc::gen::element(Axis::x, Axis::y);
   const ProjectionMatrices m = random_matrices(seed, axis);
@@ -73,7 +73,7 @@ RC_GTEST_PROP(Triangulate, FindsThePointThatBothDevicesSee, ()) {
   RC_ASSERT((found - point.head<3>()).norm() < 1e-6);
 }
 
-TEST(PointForms, HaveTheCoefficientsOfThePrint) {
+TEST(TriangulatorPointForms, HaveTheCoefficientsOfThePrint) {
   // One of each letter of Section 2.1, spelled out; indices as printed, from 1.
   const ProjectionMatrices matrices = random_matrices(5, Axis::y);
   const auto c = [&](int row, int column) { return matrices.camera(row - 1, column - 1); };
@@ -103,7 +103,7 @@ TEST(PointForms, HaveTheCoefficientsOfThePrint) {
   expect_equal(coefficients.constant(3, 0), d_1);
 }
 
-TEST(PointForm1, HoldsAtAPixelWhoseRayIsParallelToTheFirstStripe) {
+TEST(Triangulator, PointForm1HoldsAtAPixelWhoseRayIsParallelToTheFirstStripe) {
   // A camera and a projector with the same lens side by side: at column 0 the ray runs along y = 0.
   Scanner scanner;
   scanner.camera.intrinsic << 500, 0, 320, 0, 500, 240, 0, 0, 1;

@@ -13,24 +13,11 @@
 
 #include "reconstruct/gpu.h"
 #include "tests/app/program.h"
+#include "tests/base/variable.h"
 
 namespace slipstream::gpu_program_test {
 
 namespace fs = std::filesystem;
-
-/// A variable of the environment, for as long as this lives.
-class Variable {
- public:
-  Variable(std::string name, const std::string& value) : name_(std::move(name)) {
-    ::setenv(name_.c_str(), value.c_str(), 1);
-  }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-  ~Variable() { ::unsetenv(name_.c_str()); }
-
- private:
-  std::string name_;
-};
 
 std::size_t count_of(const std::string& words, const std::string& text) {
   std::size_t count = 0;
@@ -40,10 +27,10 @@ std::size_t count_of(const std::string& words, const std::string& text) {
   return count;
 }
 
-class ProgramOnGpu : public testing::Test {
+class GpuProgram : public testing::Test {
  protected:
   void SetUp() override {
-    if (gpu_devices().empty()) GTEST_SKIP() << "no device that Vulkan finds";
+    ASSERT_FALSE(gpu_devices().empty()) << "mesa-vulkan-drivers is not installed";
     ASSERT_EQ(run_program({"simulate", path("scan"), "--camera", "96x72"}).exit_code, 0);
   }
 
@@ -70,7 +57,7 @@ class ProgramOnGpu : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(ProgramOnGpu, GivesThePointsOfTheProcessor) {
+TEST_F(GpuProgram, GivesThePointsOfTheProcessor) {
   const std::string gpu = reconstruct("gpu"), fused = reconstruct("fused");
   const auto points = [](const std::string& words) { return words.substr(0, words.find(',')); };
   EXPECT_NE(gpu.find("backend gpu\n"), std::string::npos) << gpu;
@@ -81,7 +68,7 @@ TEST_F(ProgramOnGpu, GivesThePointsOfTheProcessor) {
 }
 
 /// Mesa's driver, named twice, is two devices.
-TEST_F(ProgramOnGpu, TakesOneOfSeveral) {
+TEST_F(GpuProgram, TakesOneOfSeveral) {
   std::string drivers;
   const fs::path folder = "/usr/share/vulkan/icd.d";
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -89,7 +76,7 @@ TEST_F(ProgramOnGpu, TakesOneOfSeveral) {
     fs::copy_file(entry.path(), path("again.json"));
     drivers = entry.path().string() + ":" + path("again.json");
   }
-  if (drivers.empty()) GTEST_SKIP() << "Mesa's software driver is not installed";
+  ASSERT_FALSE(drivers.empty()) << "mesa-vulkan-drivers is not installed";
   const Variable files("VK_ICD_FILENAMES", drivers);
   const std::string first = reconstruct("gpu:0"), second = reconstruct("gpu:1");
   EXPECT_NE(first.find("backend gpu\n"), std::string::npos) << first;
@@ -111,7 +98,7 @@ void PrintTo(const Failing& failing, std::ostream* out) {
   *out << failing.name;
 }
 
-class ProgramOnFailingGpu : public ProgramOnGpu, public testing::WithParamInterface<Failing> {
+class GpuProgramFailing : public GpuProgram, public testing::WithParamInterface<Failing> {
  protected:
   static Variable fault(int from) {
     const Failing& failing = GetParam();
@@ -126,7 +113,7 @@ class ProgramOnFailingGpu : public ProgramOnGpu, public testing::WithParamInterf
 };
 
 /// One line, and the points of the processor; a live run has a cloud of every window.
-TEST_P(ProgramOnFailingGpu, GoesOn) {
+TEST_P(GpuProgramFailing, GoesOn) {
   const std::string fused = reconstruct("fused");
   const Variable library("LD_LIBRARY_PATH", SLIPSTREAM_GPU_FAULTS);
   {
@@ -145,7 +132,7 @@ TEST_P(ProgramOnFailingGpu, GoesOn) {
 const std::string device = gpu_devices().empty() ? "" : gpu_devices().front().name;
 
 INSTANTIATE_TEST_SUITE_P(
-    Faults, ProgramOnFailingGpu,
+    Faults, GpuProgramFailing,
     testing::Values(Failing{"lost", "vkQueueSubmit", -4, 30,
                             "the GPU has failed: vk::Queue::submit: ErrorDeviceLost"},
                     Failing{"lost_while_it_computes", "vkWaitForFences", -4, 30,
@@ -157,9 +144,9 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return std::string(info.param.name); });
 
 /// Without it the tests of this folder would be silent whatever the shaders do.
-TEST_F(ProgramOnGpu, IsValidated) {
+TEST_F(GpuProgram, IsValidated) {
   const char* const wanted = std::getenv("VK_INSTANCE_LAYERS");
-  if (wanted == nullptr) GTEST_SKIP() << "VK_INSTANCE_LAYERS names no layer";
+  ASSERT_NE(wanted, nullptr) << "VK_INSTANCE_LAYERS names no layer; ctest sets it";
   const auto layers = vk::raii::Context().enumerateInstanceLayerProperties();
   EXPECT_TRUE(std::any_of(layers.begin(), layers.end(),
                           [&](const vk::LayerProperties& layer) {

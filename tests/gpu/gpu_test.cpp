@@ -32,10 +32,10 @@
 
 namespace slipstream::gpu_test {
 
-class OnGpu : public testing::Test {
+class GpuOnGpu : public testing::Test {
  protected:
   void SetUp() override {
-    if (gpu_devices().empty()) GTEST_SKIP() << "no device that Vulkan finds";
+    ASSERT_FALSE(gpu_devices().empty()) << "mesa-vulkan-drivers is not installed";
   }
 };
 
@@ -165,10 +165,10 @@ void expect_same(const Results& gpu, const Results& fused, std::size_t i, double
   expect_near(gpu.maps.fringe_order_doubt, fused.maps.fringe_order_doubt, 2e-3);
 }
 
-class EveryStrategyOnGpu : public OnGpu, public testing::WithParamInterface<Scene> {};
+class GpuEveryStrategyOnGpu : public GpuOnGpu, public testing::WithParamInterface<Scene> {};
 
 /// The pixels of the fused pass, and the points of the equations.
-TEST_P(EveryStrategyOnGpu, GivesTheSame) {
+TEST_P(GpuEveryStrategyOnGpu, GivesTheSame) {
   std::size_t pixels = 0, points = 0, differing = 0, ties = 0;
   unsigned number = 0;
   for (const Strategy& strategy : every_strategy_on_gpu()) {
@@ -210,7 +210,7 @@ TEST_P(EveryStrategyOnGpu, GivesTheSame) {
   EXPECT_LE(ties, pixels / 20'000);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryStrategyOnGpu,
+INSTANTIATE_TEST_SUITE_P(Scenes, GpuEveryStrategyOnGpu,
                          testing::Values(Scene{"quiet", quiet},
                                          Scene{"noisy", noisy, "two-frequency-4n"},
                                          Scene{"bent", bent, "pcmp, steps 5"},
@@ -237,7 +237,7 @@ bool is_at_a_limit(const BasicMaps<double>& maps, const FringeOrderConsensus& co
   return found;
 }
 
-TEST_F(OnGpu, LeavesOutTheSamePixelsForTheSameReasons) {
+TEST_F(GpuOnGpu, LeavesOutTheSamePixelsForTheSameReasons) {
   const Scanner scanner = example_scanner({320, 240});
   const DualFrequency strategy;
   const FrameSet frames =
@@ -270,7 +270,7 @@ TEST_F(OnGpu, LeavesOutTheSamePixelsForTheSameReasons) {
   }
 }
 
-TEST_F(OnGpu, GivesDepthAlone) {
+TEST_F(GpuOnGpu, GivesDepthAlone) {
   const Scanner scanner = example_scanner({171, 90});
   const Strategy strategy = DualFrequency{};
   EngineSetup setup = setup_of(scanner, strategy, Axis::x);
@@ -313,7 +313,7 @@ bool same_bytes(const Image<Pixel>& a, const Image<Pixel>& b) {
 }
 
 /// Wherever a picture is cut, the results are to the bit those of the whole.
-TEST_F(OnGpu, CutsLargePictures) {
+TEST_F(GpuOnGpu, CutsLargePictures) {
   const Scanner scanner = example_scanner({171, 91});
   Image<float> coarse(scanner.camera.size);
   for (int i = 0; i < 171 * 91; ++i) coarse.begin()[i] = static_cast<float>(i % 171) / 171;
@@ -350,7 +350,7 @@ TEST_F(OnGpu, CutsLargePictures) {
 }
 
 /// So are those of scans that one submission computes.
-TEST_F(OnGpu, TakesManySmallScansAtOnce) {
+TEST_F(GpuOnGpu, TakesManySmallScansAtOnce) {
   const Scanner scanner = example_scanner({67, 49});
   const Strategy strategy = DualFrequency{};
   const auto fused = FusedEngine::make(setup_of(scanner, strategy, Axis::x), {}).value();
@@ -392,7 +392,7 @@ TEST_F(OnGpu, TakesManySmallScansAtOnce) {
 }
 
 /// Where the picture gives the order, the coordinate so found is handed to the device.
-TEST_F(OnGpu, TakesOrdersOfThePicture) {
+TEST_F(GpuOnGpu, TakesOrdersOfThePicture) {
   const Scanner scanner = example_scanner({320, 240});
   const Strategy strategy = PhaseMeasuring{.frequency = 4};
   const FrameSet frames =
@@ -412,7 +412,7 @@ TEST_F(OnGpu, TakesOrdersOfThePicture) {
   }
 }
 
-TEST_F(OnGpu, LetsPixelsWithoutACoordinateNotConfirmEachOther) {
+TEST_F(GpuOnGpu, LetsPixelsWithoutACoordinateNotConfirmEachOther) {
   const Scanner scanner = example_scanner({67, 49});
   const Strategy strategy = PhaseMeasuring{.frequency = 4};
   const EngineSetup setup = setup_of(scanner, strategy, Axis::x, {.nearest = 490, .farthest = 610});
@@ -433,7 +433,7 @@ TEST_F(OnGpu, LetsPixelsWithoutACoordinateNotConfirmEachOther) {
 
 /// A device that is lost costs no cloud: the processor makes the same points from then on, and a
 /// new engine has the device again.
-TEST_F(OnGpu, GoesOnWithoutADeviceThatIsLost) {
+TEST_F(GpuOnGpu, GoesOnWithoutADeviceThatIsLost) {
   const Scanner scanner = example_scanner({171, 90});
   const Strategy strategy = DualFrequency{};
   EngineSetup setup = setup_of(scanner, strategy, Axis::x);
@@ -454,7 +454,7 @@ TEST_F(OnGpu, GoesOnWithoutADeviceThatIsLost) {
   EXPECT_EQ(again.backend_for(frames), "gpu");
 }
 
-TEST_F(OnGpu, IsSharedByThreads) {
+TEST_F(GpuOnGpu, IsSharedByThreads) {
   const Scanner scanner = example_scanner({171, 90});
   const Strategy strategy = DualFrequency{};
   EngineSetup setup = setup_of(scanner, strategy, Axis::x);
@@ -485,9 +485,9 @@ std::size_t resident() {
 }
 
 /// SLIPSTREAM_GPU_SCANS: how many, where not a thousand.
-TEST_F(OnGpu, KeepsItsMemoryFlat) {
+TEST_F(GpuOnGpu, KeepsItsMemoryFlat) {
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "a sanitizer keeps memory of its own";
+  GTEST_SKIP() << "no such memory under the sanitizers";
 #endif
   const Scanner scanner = example_scanner({64, 48});
   const Strategy strategy = DualFrequency{};
@@ -509,7 +509,7 @@ TEST_F(OnGpu, KeepsItsMemoryFlat) {
             << " half way\n";
 }
 
-TEST_F(OnGpu, RefusesADeviceThatIsNotThere) {
+TEST_F(GpuOnGpu, RefusesADeviceThatIsNotThere) {
   const Scanner scanner = example_scanner({64, 48});
   EXPECT_THROW(
       Engine(scanner, {.strategy = DualFrequency{}}, {.engine = EngineKind::gpu, .gpu = 99}),

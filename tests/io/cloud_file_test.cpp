@@ -210,7 +210,7 @@ TEST(CloudFile, OtherEndingsAreRefused) {
   EXPECT_EQ(entries_in(folder.path()), 0);
 }
 
-TEST(Preview, IsAPictureWithAScaleBesideIt) {
+TEST(CloudFilePreview, IsAPictureWithAScaleBesideIt) {
   const TemporaryFolder folder;
   write_depth_preview(folder.path() / "preview.png", small_cloud());
   const LoadedFrames loaded = read_frames({folder.path() / "preview.png"});
@@ -220,7 +220,7 @@ TEST(Preview, IsAPictureWithAScaleBesideIt) {
                {".png"});
 }
 
-TEST(Preview, RangeLeavesOutOutliers) {
+TEST(CloudFilePreview, RangeLeavesOutOutliers) {
   Image<double> map({100, 100}, 5.0);
   for (int i = 0; i < 50; ++i) map(i, 0) = 1e6;
   const ValueRange range = robust_range(map);

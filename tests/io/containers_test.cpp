@@ -93,7 +93,7 @@ void write_stack(const fs::path& path, const FrameSet& frames, const StackKind& 
   TIFFClose(tiff);
 }
 
-TEST(TiffStack, IsItsFrames) {
+TEST(Containers, TiffStackIsItsFrames) {
   const TemporaryFolder folder;
   for (const int bits : {8, 16}) {
     const FrameSet frames = frames_of_bits(bits);
@@ -108,7 +108,7 @@ TEST(TiffStack, IsItsFrames) {
   }
 }
 
-TEST(TiffStack, MayBeOneOfSeveralFiles) {
+TEST(Containers, TiffStackMayBeOneOfSeveralFiles) {
   const TemporaryFolder folder;
   const FrameSet frames = frames_of_bits(8);
   write_stack(folder.path() / "part10.TIF", frames, {.pages = 2}, 2);
@@ -117,7 +117,7 @@ TEST(TiffStack, MayBeOneOfSeveralFiles) {
   expect_same_frames(load_frames(scan_files_in(folder.path(), shown(four_steps))).frames, frames);
 }
 
-TEST(TiffStack, IsNamedInAScanYaml) {
+TEST(Containers, TiffStackIsNamedInAScanYaml) {
   const TemporaryFolder folder;
   const FrameSet frames = frames_of_bits(8);
   const fs::path stack = folder.path() / "stack.tif", yaml = folder.path() / "scan.yaml";
@@ -135,7 +135,7 @@ TEST(TiffStack, IsNamedInAScanYaml) {
   expect_error([&] { distinct.add_output(stack); }, {"stack.tif", "is an input"});
 }
 
-TEST(TiffStack, HasWindows) {
+TEST(Containers, TiffStackHasWindows) {
   const TemporaryFolder folder;
   const FrameSet frames = frames_of_bits(8);
   write_stack(folder.path() / "a.tif", frames);
@@ -152,7 +152,7 @@ TEST(TiffStack, HasWindows) {
   expect_same_frames(load_frames(scan_files_in(folder.path(), changes)).frames, frames);
 }
 
-TEST(TiffStack, IsListedOnceForAllItsWindows) {
+TEST(Containers, TiffStackIsListedOnceForAllItsWindows) {
   const TemporaryFolder folder;
   const FrameSet frames = frames_of_bits(8);
   write_stack(folder.path() / "a.tif", frames);
@@ -171,7 +171,7 @@ TEST(TiffStack, IsListedOnceForAllItsWindows) {
   }
 }
 
-TEST(TiffStack, IsNoSinglePicture) {
+TEST(Containers, TiffStackIsNoSinglePicture) {
   const TemporaryFolder folder;
   const fs::path stack = folder.path() / "stack.tif";
   write_stack(stack, frames_of_bits(8), {.compression = COMPRESSION_LZW, .pages = 3});
@@ -187,7 +187,7 @@ TEST(TiffStack, IsNoSinglePicture) {
   expect_error([&] { (void)read_levels(folder.path() / "a.pgm[0]"); }, {"a.pgm[0]", "not a TIFF"});
 }
 
-TEST(TiffStack, IsRefusedIfPagesAreMissing) {
+TEST(Containers, TiffStackIsRefusedIfPagesAreMissing) {
   const TemporaryFolder folder;
   const fs::path stack = folder.path() / "stack.tif";
   const FrameSet frames = frames_of_bits(8);
@@ -226,7 +226,7 @@ void write_pgms(const fs::path& folder, const FrameSet& frames, int highest, boo
   });
 }
 
-TEST(Pgm, HighestLevelTellsTheBits) {
+TEST(Containers, PgmHighestLevelTellsTheBits) {
   for (const auto& [bits, highest, text] :
        {std::tuple{10, 1023, false}, {12, 4095, true}, {14, 16383, false}, {16, 65535, false}}) {
     const TemporaryFolder folder;
@@ -239,7 +239,7 @@ TEST(Pgm, HighestLevelTellsTheBits) {
   }
 }
 
-TEST(Pgm, LargestHighestLevelCounts) {
+TEST(Containers, PgmLargestHighestLevelCounts) {
   const TemporaryFolder folder;
   write_file(folder.path() / "a.pgm", "P2\n1 1\n900\n7\n");
   write_file(folder.path() / "b.pgm", "P2\n1 1\n4000\n7\n");
@@ -263,7 +263,7 @@ void write_jpegs(const fs::path& folder, const FrameSet& frames, int quality, in
   });
 }
 
-TEST(Jpeg, IsReadWithOneWarning) {
+TEST(Containers, JpegIsReadWithOneWarning) {
   const FrameSet frames = frames_of_bits(8);
   for (const auto& [quality, channels, most] :
        {std::tuple{100, 1, 1.0}, {90, 3, 6.0}, {50, 1, 20.0}}) {
@@ -282,14 +282,14 @@ TEST(Jpeg, IsReadWithOneWarning) {
   }
 }
 
-TEST(Jpeg, OfCodesNeedsNoWarning) {
+TEST(Containers, JpegOfCodesNeedsNoWarning) {
   const TemporaryFolder folder;
   const Sequence gray{.strategy = GrayCode{}, .projector = scanner.projector.size};
   write_jpegs(folder.path(), frames_of_bits(8, gray), 80);
   EXPECT_TRUE(load_frames(scan_files_in(folder.path(), shown(gray))).warnings.empty());
 }
 
-TEST(Jpeg, HasNoMoreScansThanTheLimit) {
+TEST(Containers, JpegHasNoMoreScansThanTheLimit) {
   const TemporaryFolder folder;
   write_jpegs(folder.path(), frames_of_bits(8), 95);
   const fs::path jpeg = folder.path() / "0.jpg";
@@ -300,7 +300,7 @@ TEST(Jpeg, HasNoMoreScansThanTheLimit) {
   expect_error([&] { (void)read_frames({jpeg}); }, {"0.jpg", "121 scans; limit 100"});
 }
 
-TEST(Jpeg, IsNoMapNoColourScanAndNoneBesideOthers) {
+TEST(Containers, JpegIsNoMapNoColourScanAndNoneBesideOthers) {
   const TemporaryFolder folder;
   const FrameSet frames = frames_of_bits(8);
   write_jpegs(folder.path(), frames, 95);

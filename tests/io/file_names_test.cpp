@@ -26,7 +26,7 @@ std::vector<fs::path> names_of_threads(const Get& get) {
   return names;
 }
 
-TEST(NewFile, has_a_name_of_its_own_in_each_thread) {
+TEST(FileNames, NewFileHasANameOfItsOwnInEachThread) {
   const TemporaryFolder folder;
   const fs::path wanted = folder.path() / "scan.slip";
 
@@ -41,7 +41,7 @@ TEST(NewFile, has_a_name_of_its_own_in_each_thread) {
   EXPECT_TRUE(fs::exists(folder.path() / "scan-8.slip"));
 }
 
-TEST(NewFile, is_removed_if_it_stays_empty) {
+TEST(FileNames, NewFileIsRemovedIfItStaysEmpty) {
   const TemporaryFolder folder;
   const fs::path wanted = folder.path() / "cloud.ply";
   { const NewFile file(wanted); }
@@ -50,7 +50,7 @@ TEST(NewFile, is_removed_if_it_stays_empty) {
   EXPECT_THROW(NewFile(folder.path() / "missing" / "cloud.ply"), WorldError);
 }
 
-TEST(NewFile, is_written_over_time_under_its_own_name) {
+TEST(FileNames, NewFileIsWrittenOverTimeUnderItsOwnName) {
   const TemporaryFolder folder;
   const NewFile file(folder.path() / "scan.slip");
   OutputFile written(file.path(), OutputFile::Writing::over_time);
@@ -62,7 +62,7 @@ TEST(NewFile, is_written_over_time_under_its_own_name) {
   EXPECT_EQ(read_text(file.path()), "frames");
 }
 
-TEST(FreeFolder, is_another_one_in_each_thread) {
+TEST(FileNames, FreeFolderIsAnotherOneInEachThread) {
   const TemporaryFolder folder;
   const fs::path wanted = folder.path() / "saved" / "scan-20260131";
 
@@ -71,7 +71,7 @@ TEST(FreeFolder, is_another_one_in_each_thread) {
   for (const fs::path& name : names) EXPECT_TRUE(fs::is_directory(name)) << name;
 }
 
-TEST(FreeFolder, is_refused_below_a_file) {
+TEST(FileNames, FreeFolderIsRefusedBelowAFile) {
   const TemporaryFolder folder;
   write_file(folder.path() / "file", "text");
   EXPECT_THROW(make_free_folder(folder.path() / "file" / "scan"), WorldError);

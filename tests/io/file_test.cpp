@@ -33,7 +33,7 @@ void expect_not_written(const Action& action, const std::string& part) {
 
 }  // namespace
 
-TEST(WriteFile, ReplacesWholeAndLeavesNothingBehind) {
+TEST(File, WriteFileReplacesWholeAndLeavesNothingBehind) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "note.txt";
   write_file(path, "first, and longer");
@@ -44,9 +44,9 @@ TEST(WriteFile, ReplacesWholeAndLeavesNothingBehind) {
 }
 
 /// Which of three files existed before.
-class KeptTogether : public testing::TestWithParam<std::vector<const char*>> {};
+class FileKeptTogether : public testing::TestWithParam<std::vector<const char*>> {};
 
-TEST_P(KeptTogether, AllOrNone) {
+TEST_P(FileKeptTogether, AllOrNone) {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return folder.path() / name; };
   const auto text = [&](const char* name) {
@@ -74,11 +74,11 @@ TEST_P(KeptTogether, AllOrNone) {
   EXPECT_EQ(entries_in(folder.path()), 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Before, KeptTogether,
+INSTANTIATE_TEST_SUITE_P(Before, FileKeptTogether,
                          testing::Values(std::vector<const char*>{}, std::vector<const char*>{"b"},
                                          std::vector<const char*>{"a", "b", "c"}));
 
-TEST(OutputFile, OnlyOneWritesOverTime) {
+TEST(File, OutputFileOnlyOneWritesOverTime) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a";
   const auto other_name = folder.path() / "link";
@@ -95,7 +95,7 @@ TEST(OutputFile, OnlyOneWritesOverTime) {
   }
 }
 
-TEST(WriteFile, FailsWithoutATrace) {
+TEST(File, WriteFileFailsWithoutATrace) {
   const TemporaryFolder folder;
   EXPECT_THROW(write_file(folder.path() / "missing" / "note.txt", "text"), WorldError);
   make_folder(folder.path() / "taken");
@@ -106,13 +106,13 @@ TEST(WriteFile, FailsWithoutATrace) {
   EXPECT_THROW(make_folder(folder.path() / "file" / "below"), WorldError);
 }
 
-TEST(ReadFile, NamesWhatIsMissing) {
+TEST(File, ReadFileNamesWhatIsMissing) {
   const TemporaryFolder folder;
   expect_error([&] { read_file(folder.path() / "none.png"); }, {"none.png", "no such file"});
   expect_error([&] { read_file(folder.path()); }, {"folder"});
 }
 
-TEST(ReadFile, RefusesWhatIsNoFileAtOnce) {
+TEST(File, ReadFileRefusesWhatIsNoFileAtOnce) {
   const TemporaryFolder folder;
   const auto pipe = folder.path() / "pipe", loop = folder.path() / "loop";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
@@ -125,7 +125,7 @@ TEST(ReadFile, RefusesWhatIsNoFileAtOnce) {
   expect_error([&] { read_file(std::string(5000, 'a')); }, {"aaa", "too long"});
 }
 
-TEST(ReadFile, RefusesWhatIsTooLargeBeforeItIsRead) {
+TEST(File, ReadFileRefusesWhatIsTooLargeBeforeItIsRead) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "large";
   write_file(path, "");
@@ -134,7 +134,7 @@ TEST(ReadFile, RefusesWhatIsTooLargeBeforeItIsRead) {
   expect_error([&] { read_text(path); }, {"large", "limit 1048576"});
 }
 
-TEST(WriteFile, ReplacesTheTargetOfALink) {
+TEST(File, WriteFileReplacesTheTargetOfALink) {
   const TemporaryFolder folder;
   const auto below = folder.path() / "below", link = folder.path() / "link",
              other = below / "other";
@@ -150,7 +150,7 @@ TEST(WriteFile, ReplacesTheTargetOfALink) {
   }
 }
 
-TEST(WriteFile, RefusesLinksToDevicesPipesFoldersAndInARing) {
+TEST(File, WriteFileRefusesLinksToDevicesPipesFoldersAndInARing) {
   const TemporaryFolder folder;
   const auto pipe = folder.path() / "pipe", link = folder.path() / "link";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
@@ -170,7 +170,7 @@ TEST(WriteFile, RefusesLinksToDevicesPipesFoldersAndInARing) {
   }
 }
 
-TEST(WriteFile, RefusesAnOpenFileWithoutAName) {
+TEST(File, WriteFileRefusesAnOpenFileWithoutAName) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "gone", link = folder.path() / "link";
   const Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
@@ -181,7 +181,7 @@ TEST(WriteFile, RefusesAnOpenFileWithoutAName) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
-TEST(OutputFile, KeepsThePermissionsOfTheFileItReplaces) {
+TEST(File, OutputFileKeepsThePermissionsOfTheFileItReplaces) {
   using std::filesystem::perms;
   const TemporaryFolder folder;
   const auto path = folder.path() / "note";
@@ -196,14 +196,14 @@ TEST(OutputFile, KeepsThePermissionsOfTheFileItReplaces) {
   }
 }
 
-TEST(WriteFile, NamesAsLongAsTheyMayBe) {
+TEST(File, WriteFileNamesAsLongAsTheyMayBe) {
   const TemporaryFolder folder;
   const auto path = folder.path() / std::string(255, 'n');
   write_file(path, "text");
   EXPECT_EQ(read_text(path), "text");
 }
 
-TEST(OutputFile, TemporaryNamesAreNoTwiceTheSame) {
+TEST(File, OutputFileTemporaryNamesAreNoTwiceTheSame) {
   const TemporaryFolder folder;
   const OutputFile first(folder.path() / "note"), second(folder.path() / "note");
   EXPECT_EQ(entries_in(folder.path()), 2);
@@ -212,7 +212,7 @@ TEST(OutputFile, TemporaryNamesAreNoTwiceTheSame) {
   }
 }
 
-TEST(OutputFile, HandlersRemoveWhatIsBeingWritten) {
+TEST(File, OutputFileHandlersRemoveWhatIsBeingWritten) {
   const TemporaryFolder folder;
   write_file(folder.path() / "note", "first");
   OutputFile kept(folder.path() / "note");
@@ -227,7 +227,7 @@ TEST(OutputFile, HandlersRemoveWhatIsBeingWritten) {
       testing::ExitedWithCode(1), "");
 }
 
-TEST(OutputFile, OverTimeHasItsOwnNameWhereThatIsFree) {
+TEST(File, OutputFileOverTimeHasItsOwnNameWhereThatIsFree) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "note";
   const auto put = [](OutputFile& file, std::string_view text) {
@@ -248,7 +248,7 @@ TEST(OutputFile, OverTimeHasItsOwnNameWhereThatIsFree) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
-TEST(OutputFile, WhatGrowsByMuchIsWholeThoughItLeavesTheMemory) {
+TEST(File, OutputFileWhatGrowsByMuchIsWholeThoughItLeavesTheMemory) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "large";
   std::vector<std::uint8_t> all(OutputFile::most_unsynced + (10 << 20) + 7);
@@ -262,7 +262,7 @@ TEST(OutputFile, WhatGrowsByMuchIsWholeThoughItLeavesTheMemory) {
   EXPECT_TRUE(read_file(path) == all);
 }
 
-TEST(OutputFile, FullDiskLeavesWhatWasThere) {
+TEST(File, OutputFileFullDiskLeavesWhatWasThere) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "note";
   write_file(path, "first");
@@ -274,7 +274,7 @@ TEST(OutputFile, FullDiskLeavesWhatWasThere) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
-TEST(ReadFile, FailureToOpenAnyFileIsTheSystems) {
+TEST(File, ReadFileFailureToOpenAnyFileIsTheSystems) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "note";
   write_file(path, "first");
@@ -284,7 +284,7 @@ TEST(ReadFile, FailureToOpenAnyFileIsTheSystems) {
   EXPECT_THROW(write_file(path, "second"), WorldError);
 }
 
-TEST(OutputFile, WithoutItsLockLeavesWhatWasThere) {
+TEST(File, OutputFileWithoutItsLockLeavesWhatWasThere) {
   const TemporaryFolder folder;
   write_file(folder.path() / "before", "first");
 

@@ -44,13 +44,13 @@ std::string pcd(const std::string& fields, const std::string& data) {
 
 constexpr std::uint32_t green = 100U << 8, bright = 0xff000000U | 200U << 16 | 130U << 8 | 45U;
 
-TEST(Pcd, HasDoubles) {
+TEST(ForeignClouds, PcdHasDoubles) {
   std::string text = pcd("FIELDS z y x\nSIZE 8 8 8\nTYPE F F F\n", "binary\n");
   append_numbers(text, 3.0, 2.0, 1.0, 6.0, 5.5, 4.0);
   expect_two_points(cloud_of("cloud.pcd", text), 0, 0);
 }
 
-TEST(Pcd, HasFieldsOfAllTypes) {
+TEST(ForeignClouds, PcdHasFieldsOfAllTypes) {
   std::string text =
       pcd("FIELDS t x _ y ring z normal intensity\nSIZE 8 4 1 8 2 4 4 2\nTYPE U F U F I I F U\n"
           "COUNT 1 1 3 1 1 1 3 1\n",
@@ -65,7 +65,7 @@ TEST(Pcd, HasFieldsOfAllTypes) {
   expect_error([&] { cloud_of("cloud.pcd", text); }, {"cloud.pcd", "truncated"});
 }
 
-TEST(Pcd, HasPackedColours) {
+TEST(ForeignClouds, PcdHasPackedColours) {
   for (const std::string type : {"F", "U", "I"}) {
     std::string text =
         pcd("FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F " + type + "\nCOUNT 1 1 1 1\n", "binary\n");
@@ -78,7 +78,7 @@ TEST(Pcd, HasPackedColours) {
                                                     std::bit_cast<float>(green), bright))));
 }
 
-TEST(Pcd, OfUnknownTypesIsRefused) {
+TEST(ForeignClouds, PcdOfUnknownTypesIsRefused) {
   const std::string begin = "FIELDS x y z\nSIZE 4 4 4\n";
   const auto expect_refused = [](const std::string& fields, const std::string& why) {
     expect_error([&] { cloud_of("cloud.pcd", pcd(fields, "ascii\n1 2 3\n4 5 6\n")); },
@@ -90,7 +90,7 @@ TEST(Pcd, OfUnknownTypesIsRefused) {
   expect_refused(begin + "TYPE F F F\nCOUNT 1 1 x\n", "'x' is not a number");
 }
 
-TEST(Xyz, HasNamesCommasAndColours) {
+TEST(ForeignClouds, XyzHasNamesCommasAndColours) {
   for (const char* const text :
        {"X,Y,Z,R,G,B\n1,2,3,0,100,0\n4,5.5,6,200,130,45\n",
         "//X Y Z nx R G B\n2\n1 2 3 0.5 0 100 0\n4 5.5 6 1 200 130 45\n\n",
@@ -104,28 +104,28 @@ TEST(Xyz, HasNamesCommasAndColours) {
   expect_two_points(cloud_of("cloud.xyz", "x y z a\n1 2 3 5\n4 5.5 6 5\n"), 0, 0);
 }
 
-TEST(Xyz, HasOtherEndingsToo) {
+TEST(ForeignClouds, XyzHasOtherEndingsToo) {
   for (const char* const name : {"cloud.asc", "cloud.txt", "cloud.csv", "cloud.pts"}) {
     SCOPED_TRACE(name);
     expect_two_points(cloud_of(name, "1 2 3 0 100 0\n4 5.5 6 200 130 45\n"));
   }
 }
 
-TEST(Pts, HasAnIntensityBeforeTheColour) {
+TEST(ForeignClouds, PtsHasAnIntensityBeforeTheColour) {
   const std::string text = "2\n1 2 3 250 0 100 0\n4 5.5 6 4 200 130 45\n";
   expect_two_points(cloud_of("cloud.pts", text));
   expect_two_points(cloud_of("cloud.pts", "1 2 3 -900 0 100 0\n4 5.5 6 2047 200 130 45\n"));
   expect_two_points(cloud_of("cloud.pts", "2\n1 2 3 58.7\n4 5.5 6 141.24\n"));
 }
 
-TEST(Xyz, MayBeginWithTheMarkOfUtf8AndHavePluses) {
+TEST(ForeignClouds, XyzMayBeginWithTheMarkOfUtf8AndHavePluses) {
   const std::string mark = "\xEF\xBB\xBF";
   expect_two_points(cloud_of("cloud.csv", mark + "x,i,y,z\n+1,58.7,2,+3\n4,141.24,+5.5,6\n"));
   expect_two_points(cloud_of("cloud.csv", mark + "1,2,3,58.7\n4,5.5,6,141.24\n"));
   expect_two_points(cloud_of("cloud.asc", "+1 +2 +3 58.7\n4 5.5 6 141.24\n"));
 }
 
-TEST(Xyz, LeavesOutWhatIsNoNumberOf32Bits) {
+TEST(ForeignClouds, XyzLeavesOutWhatIsNoNumberOf32Bits) {
   expect_two_points(cloud_of("cloud.txt",
                              "x y z r g b\n"
                              "nan nan nan nan nan nan\n"
@@ -141,7 +141,7 @@ std::string two_points_ply(const std::string& type, const std::string& propertie
          " y\nproperty " + type + " z\n" + properties + "end_header\n" + points;
 }
 
-TEST(Ply, NamesItsColoursInManyWays) {
+TEST(ForeignClouds, PlyNamesItsColoursInManyWays) {
   const auto of = [](const std::string& type, const std::string& names) {
     std::string text;
     std::istringstream words(names);
@@ -161,7 +161,7 @@ TEST(Ply, NamesItsColoursInManyWays) {
                                                          "1 2 3 58.7\n4 5.5 6 141.24\n")));
 }
 
-TEST(Ply, TellsHowMuchDoublesAreRounded) {
+TEST(ForeignClouds, PlyTellsHowMuchDoublesAreRounded) {
   const auto rounding = [](const std::string& points) {
     return stored_as("cloud.ply", two_points_ply("double", "", points)).rounding;
   };
@@ -170,7 +170,7 @@ TEST(Ply, TellsHowMuchDoublesAreRounded) {
   EXPECT_NEAR(rounding("500000.015 5300000.0225 3\n4 5.5 6\n"), 0.0225, 1e-6);
 }
 
-TEST(Xyz, OfUnequalLinesIsRefused) {
+TEST(ForeignClouds, XyzOfUnequalLinesIsRefused) {
   const auto expect_refused = [](const std::string& text, const std::string& why) {
     expect_error([&] { cloud_of("cloud.xyz", text); }, {"cloud.xyz", why});
   };
@@ -181,7 +181,7 @@ TEST(Xyz, OfUnequalLinesIsRefused) {
   expect_refused("", "no points");
 }
 
-TEST(Xyz, WithDecimalCommasIsRefused) {
+TEST(ForeignClouds, XyzWithDecimalCommasIsRefused) {
   for (const char* const line : {"1,5;2,5;3,5\n", "1,5 2 3,5\n", "1\t2,5\t3\n"}) {
     expect_error([&] { cloud_of("cloud.csv", "x y z\n1 2 3\n" + std::string(line)); },
                  {"cloud.csv", "line 3", "decimal comma"});

@@ -40,7 +40,7 @@ cv::Mat mat_of(const Image<Pixel>& image) {
           const_cast<Pixel*>(image.begin())};
 }
 
-TEST(Frames, ComeBackAsTheyWereWritten) {
+TEST(ImageFile, FramesComeBackAsTheyWereWritten) {
   const TemporaryFolder folder;
   for (const char* ending : {"png", "tiff", "bmp", "pgm"}) {
     const auto path = folder.path() / (std::string("frame.") + ending);
@@ -85,7 +85,7 @@ void expect_read_as_written(Size size, int compression) {
   });
 }
 
-TEST(Frames, ComeBackWhateverFilterTheirRowsHave) {
+TEST(ImageFile, FramesComeBackWhateverFilterTheirRowsHave) {
   for (const Size size : {Size{1, 1}, Size{1, 40}, Size{61, 40}, Size{640, 64}}) {
     for (const int compression : {0, 1, 6, 9}) {
       expect_read_as_written<std::uint8_t>(size, compression);
@@ -94,7 +94,7 @@ TEST(Frames, ComeBackWhateverFilterTheirRowsHave) {
   }
 }
 
-TEST(Frames, SixteenBitsAndUnquantisedAreExact) {
+TEST(ImageFile, FramesSixteenBitsAndUnquantisedAreExact) {
   const TemporaryFolder folder;
   const auto wide = random_image<std::uint16_t>({20, 10}, 4095);
   write_frames({folder.path() / "wide.png"}, FrameSet(FrameSet::Images16{wide}, 12));
@@ -110,7 +110,7 @@ TEST(Frames, SixteenBitsAndUnquantisedAreExact) {
   read_exact.visit([&](const auto& frames) { EXPECT_EQ(frames[0](4, 5), M_PI); });
 }
 
-TEST(Frames, ColourIsConvertedWithAWarning) {
+TEST(ImageFile, FramesColourIsConvertedWithAWarning) {
   const TemporaryFolder folder;
   const auto path = (folder.path() / "colour.png").string();
   cv::imwrite(path, cv::Mat(8, 8, CV_8UC3, cv::Scalar(90, 90, 90)));
@@ -120,7 +120,7 @@ TEST(Frames, ColourIsConvertedWithAWarning) {
   loaded.frames.visit([](const auto& frames) { EXPECT_EQ(frames[0](3, 3), 90); });
 }
 
-TEST(Frames, BadOnesAreNamed) {
+TEST(ImageFile, FramesBadOnesAreNamed) {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return folder.path() / name; };
   write_image(path("good.png"), random_image<std::uint8_t>({64, 48}, 255));
@@ -185,7 +185,7 @@ void write_short_tiff(const fs::path& path, int compression) {
   TIFFClose(tiff);
 }
 
-TEST(Frames, FileIsLongEnoughForItsPixels) {
+TEST(ImageFile, FramesFileIsLongEnoughForItsPixels) {
   const TemporaryFolder folder;
   const auto png = folder.path() / "short.png", tiff = folder.path() / "short.tiff";
   for (const int bits : {1, 8}) {  // by libpng and without
@@ -199,7 +199,7 @@ TEST(Frames, FileIsLongEnoughForItsPixels) {
   }
 }
 
-TEST(Frames, TilesReachNotFarBeyondThePicture) {
+TEST(ImageFile, FramesTilesReachNotFarBeyondThePicture) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "tiled.tiff";
   for (const int side : {256, 2048}) {
@@ -218,7 +218,7 @@ TEST(Frames, TilesReachNotFarBeyondThePicture) {
   }
 }
 
-TEST(Frames, BlackOneIsReadHoweverSmallItsFile) {
+TEST(ImageFile, FramesBlackOneIsReadHoweverSmallItsFile) {
   const TemporaryFolder folder;
   for (const char* name : {"black.png", "black.tiff"}) {
     const Image<std::uint8_t> black({2000, 1500});
@@ -233,7 +233,7 @@ TEST(Frames, BlackOneIsReadHoweverSmallItsFile) {
   EXPECT_EQ(read_frames({best}).frames.size(), (Size{2000, 1500}));
 }
 
-TEST(Frames, PngOfEveryKindComesBackAsOpenCvReadsIt) {
+TEST(ImageFile, FramesPngOfEveryKindComesBackAsOpenCvReadsIt) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "frame.png";
   const auto expect_like_opencv = [&] {
@@ -288,7 +288,7 @@ void expect_both_ways(const fs::path& path, const std::vector<int>& settings = {
   expect_pixels<Pixel>(mat_of(image), path);
 }
 
-TEST(Frames, PicturesOfEveryKindGoToOpenCvAndBack) {
+TEST(ImageFile, FramesPicturesOfEveryKindGoToOpenCvAndBack) {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "a.tif", "a.bmp", "a.pgm"}) {
     expect_both_ways<std::uint8_t>(folder.path() / name);
@@ -302,7 +302,7 @@ TEST(Frames, PicturesOfEveryKindGoToOpenCvAndBack) {
   }
 }
 
-TEST(Frames, ColoursGoToOpenCvAndBack) {
+TEST(ImageFile, FramesColoursGoToOpenCvAndBack) {
   const TemporaryFolder folder;
   Image<Colour> image({33, 17});
   for (int i = 0; i < 33; ++i) image(i, 3) = {static_cast<std::uint8_t>(7 * i), 20, 200};
@@ -326,7 +326,7 @@ TEST(Frames, ColoursGoToOpenCvAndBack) {
   }
 }
 
-TEST(Frames, PgmMayBeText) {
+TEST(ImageFile, FramesPgmMayBeText) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frame.pgm";
   write_file(path, "P2\n# by hand\n3 2\n300\n0 1 2\n3 300 5\n");
@@ -341,7 +341,7 @@ TEST(Frames, PgmMayBeText) {
   expect_error([&] { read_frames({path}); }, {"frame.pgm", "one bit"});
 }
 
-TEST(Frames, TiledTiffIsReadAndOtherKindsAreNamed) {
+TEST(ImageFile, FramesTiledTiffIsReadAndOtherKindsAreNamed) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frame.tif";
   const Image<std::uint8_t> image = random_image<std::uint8_t>({50, 37}, 255);
@@ -401,7 +401,7 @@ std::string png_chunk(const std::string& name, const std::string& data) {
   return big_endian(static_cast<std::uint32_t>(data.size())) + checked + big_endian(~sum);
 }
 
-TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
+TEST(ImageFile, FramesLargerThanTheLimitAreRefusedByTheirHeaders) {
   const TemporaryFolder folder;
   const auto expect_refused = [&](const std::string& name, const std::string& bytes) {
     write_file(folder.path() / name, bytes);
@@ -438,7 +438,7 @@ TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
                                  with_numbers(std::string(4, '\0'), {30000, 0}));
 }
 
-TEST(Frames, OfMoreBytesThanAScanMayHaveAreRefusedBeforeTheyAreDecoded) {
+TEST(ImageFile, FramesOfMoreBytesThanAScanMayHaveAreRefusedBeforeTheyAreDecoded) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frame.pgm";
   write_file(path, "P5\n12000 10000\n255\n");  // header without pixels
@@ -446,7 +446,7 @@ TEST(Frames, OfMoreBytesThanAScanMayHaveAreRefusedBeforeTheyAreDecoded) {
                {"frame.pgm", "40 frames of 120000000 bytes"});
 }
 
-TEST(Maps, KeepNanAndThirtyTwoBits) {
+TEST(ImageFile, MapsKeepNanAndThirtyTwoBits) {
   const TemporaryFolder folder;
   Image<double> map({5, 4}, std::numeric_limits<double>::quiet_NaN());
   map(2, 1) = 412.3456789;
@@ -463,7 +463,7 @@ TEST(Maps, KeepNanAndThirtyTwoBits) {
 }
 
 /// The last four bytes of a TIFF file only say that no other picture follows.
-TEST(Frames, EveryTruncationOfPixelsIsFound) {
+TEST(ImageFile, FramesEveryTruncationOfPixelsIsFound) {
   const TemporaryFolder folder;
   for (const char* name : {"frame.png", "frame.tif", "frame.bmp", "frame.pgm"}) {
     const auto path = folder.path() / name;

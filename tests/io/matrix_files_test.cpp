@@ -64,12 +64,12 @@ void expect_known(const Scanner& read) {
   EXPECT_EQ(read.translation, truth.translation);
 }
 
-class NamedMatrices : public testing::TestWithParam<std::vector<std::string>> {
+class MatrixFilesNamed : public testing::TestWithParam<std::vector<std::string>> {
  protected:
   TemporaryFolder folder_;
 };
 
-TEST_P(NamedMatrices, AreReadFromNpz) {
+TEST_P(MatrixFilesNamed, AreReadFromNpz) {
   for (const bool deflated : {false, true}) {
     const fs::path path = folder_.path() / "scanner.npz";
     write_file(path, npz_of(named(GetParam()), deflated));
@@ -77,7 +77,7 @@ TEST_P(NamedMatrices, AreReadFromNpz) {
   }
 }
 
-TEST_P(NamedMatrices, AreReadFromTextFiles) {
+TEST_P(MatrixFilesNamed, AreReadFromTextFiles) {
   for (const auto& [name, matrix] : named(GetParam())) {
     std::string text = "# " + name + "\n";
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
@@ -93,7 +93,7 @@ TEST_P(NamedMatrices, AreReadFromTextFiles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Names, NamedMatrices,
+    Names, MatrixFilesNamed,
     testing::Values(std::vector<std::string>{"cameraMatrix1", "distCoeffs1", "cameraMatrix2",
                                              "distCoeffs2", "R", "T"},
                     std::vector<std::string>{"K1", "D1", "K2", "D2", "R", "T"},

@@ -54,7 +54,7 @@ TEST(NpyFile, ReadsWhatNumPyWrites) {
   expect_error([&] { (void)read_map(path); }, {"not a complete NumPy file"});
 }
 
-TEST(Levels, AreThoseOfPicturesAndMaps) {
+TEST(NpyFile, LevelsAreThoseOfPicturesAndMaps) {
   const TemporaryFolder folder;
   write_image(folder.path() / "deep.png", Image<std::uint16_t>({3, 2}, 40000));
   EXPECT_EQ(read_levels(folder.path() / "deep.png")(2, 1), 40000);

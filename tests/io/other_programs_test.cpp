@@ -18,7 +18,7 @@
 
 namespace slipstream::other_programs_test {
 
-class OtherProgram : public testing::Test {
+class OtherPrograms : public testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
@@ -40,7 +40,7 @@ class OtherProgram : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(OtherProgram, PclReadsExactlyTheValidPoints) {
+TEST_F(OtherPrograms, PclReadsExactlyTheValidPoints) {
   if (!has("pcl_ply2pcd")) GTEST_SKIP() << "no pcl_ply2pcd; it is in Debian's pcl-tools";
   write_cloud(path("cloud.ply"), cloud_);
   ASSERT_TRUE(run("pcl_ply2pcd cloud.ply read.pcd && pcl_pcd2ply -format 0 read.pcd back.ply"))
@@ -57,7 +57,7 @@ TEST_F(OtherProgram, PclReadsExactlyTheValidPoints) {
 }
 
 // OBJ is not tested: Debian's MeshLab aborts on every OBJ file (Debian bug 1054006).
-TEST_F(OtherProgram, MeshLabKeepsColoursAndTriangles) {
+TEST_F(OtherPrograms, MeshLabKeepsColoursAndTriangles) {
   if (!has("meshlabserver") || !has("xvfb-run")) {
     GTEST_SKIP() << "no meshlabserver or xvfb-run; they are in Debian's meshlab and xvfb";
   }
@@ -75,7 +75,7 @@ TEST_F(OtherProgram, MeshLabKeepsColoursAndTriangles) {
   }
 }
 
-TEST_F(OtherProgram, CloudCompareKeepsColours) {
+TEST_F(OtherPrograms, CloudCompareKeepsColours) {
   if (!has("CloudCompare")) GTEST_SKIP() << "no CloudCompare; it is in Debian's cloudcompare";
   write_cloud(path("cloud.ply"), cloud_);
   ASSERT_TRUE(
@@ -95,7 +95,7 @@ TEST_F(OtherProgram, CloudCompareKeepsColours) {
 }
 
 // The validator notes every texture whose sides are not powers of two; camera images never are.
-TEST_F(OtherProgram, ValidatorFindsNoErrorInGltf) {
+TEST_F(OtherPrograms, ValidatorFindsNoErrorInGltf) {
   if (!run("node -e \"require('gltf-validator')\"")) {
     GTEST_SKIP() << "no gltf-validator of npm where NODE_PATH says";
   }

@@ -60,7 +60,7 @@ TEST(PhotometricFile, RefusesWhatIsOutOfRange) {
 
 namespace fs = std::filesystem;
 
-class ResponseInAFile : public testing::TestWithParam<const char*> {
+class PhotometricFileResponse : public testing::TestWithParam<const char*> {
  protected:
   [[nodiscard]] fs::path file(const std::string& name) const {
     return folder_.path() / (name + GetParam());
@@ -83,7 +83,7 @@ class ResponseInAFile : public testing::TestWithParam<const char*> {
   TemporaryFolder folder_;
 };
 
-TEST_P(ResponseInAFile, KeepsEveryOtherEntry) {
+TEST_P(PhotometricFileResponse, KeepsEveryOtherEntry) {
   write_scanner(file("scanner"), example_scanner());
   EXPECT_FALSE(read("scanner"));
   write_file(file("scanner"),
@@ -105,7 +105,7 @@ TEST_P(ResponseInAFile, KeepsEveryOtherEntry) {
   EXPECT_EQ(text_of("copy").find("2.21"), std::string::npos);
 }
 
-TEST_P(ResponseInAFile, HoldsACurve) {
+TEST_P(PhotometricFileResponse, HoldsACurve) {
   std::vector<double> values, intensities;
   for (int i = 0; i <= 16; ++i) {
     values.push_back(i / 16.0);
@@ -120,7 +120,7 @@ TEST_P(ResponseInAFile, HoldsACurve) {
   EXPECT_EQ(read("alone"), power_law);
 }
 
-TEST_P(ResponseInAFile, IsRefusedWhereItIsNone) {
+TEST_P(PhotometricFileResponse, IsRefusedWhereItIsNone) {
   const auto refused = [&](const std::map<std::string, StoredMatrix>& entries,
                            const std::string& words) {
     write_scanner(file("scanner"), example_scanner());
@@ -135,7 +135,7 @@ TEST_P(ResponseInAFile, IsRefusedWhereItIsNone) {
           "does not rise");
 }
 
-INSTANTIATE_TEST_SUITE_P(Endings, ResponseInAFile, testing::Values(".yaml", ".xml"),
+INSTANTIATE_TEST_SUITE_P(Endings, PhotometricFileResponse, testing::Values(".yaml", ".xml"),
                          [](const auto& info) { return std::string(info.param).substr(1); });
 
 }  // namespace slipstream::photometric_file_test

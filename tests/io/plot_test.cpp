@@ -6,7 +6,7 @@
 
 namespace slipstream::plot_test {
 
-TEST(RoundAxis, SpansTheValuesWithRoundMarks) {
+TEST(Plot, RoundAxisSpansTheValuesWithRoundMarks) {
   const PlotAxis axis = round_axis(0.13, 6.28, 8);
   EXPECT_DOUBLE_EQ(axis.low, 0);
   EXPECT_DOUBLE_EQ(axis.high, 7);
@@ -14,7 +14,7 @@ TEST(RoundAxis, SpansTheValuesWithRoundMarks) {
   EXPECT_DOUBLE_EQ(axis.marks[1], 1);
 }
 
-TEST(RoundAxis, HasRoomAroundOneValue) {
+TEST(Plot, RoundAxisHasRoomAroundOneValue) {
   for (const double value : {0.0, 3.0, -2.0}) {
     const PlotAxis axis = round_axis(value, value, 8);
     EXPECT_LT(axis.low, value);
@@ -22,7 +22,7 @@ TEST(RoundAxis, HasRoomAroundOneValue) {
   }
 }
 
-TEST(DecadeAxis, SpansWholePowersOfTen) {
+TEST(Plot, DecadeAxisSpansWholePowersOfTen) {
   const PlotAxis axis = decade_axis(3e-8, 0.4, 10);
   EXPECT_DOUBLE_EQ(axis.low, -8);
   EXPECT_DOUBLE_EQ(axis.high, 0);

@@ -136,7 +136,7 @@ class RecordedCamera {
   int steps_ = 3;
 };
 
-TEST(RecordedSource, is_its_model_after_any_sequence_of_steps) {
+TEST(RecordedSource, IsItsModelAfterAnySequenceOfSteps) {
   check_sequences(
       {"frames", "camera gone", "camera back", "record", "finish", "strategy", "restart"}, 30, 20,
       [](const std::vector<std::string>& steps) {

@@ -78,7 +78,7 @@ TEST(Recorder, FullDiskEndsTheRecordingAndIsToldOnce) {
   EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
 }
 
-TEST(FileLimit, ReadsSizesTimesAndRing) {
+TEST(Recorder, FileLimitReadsSizesTimesAndRing) {
   EXPECT_EQ(file_limit_from("500MB").bytes, 500'000'000U);
   EXPECT_EQ(file_limit_from("0.5TB,ring").bytes, 500'000'000'000U);
   EXPECT_TRUE(file_limit_from("0.5TB,ring").ring);
@@ -145,7 +145,7 @@ std::unique_ptr<FrameSource> some_source(const fs::path& path, int count) {
   return std::make_unique<ReplaySource>(path, ReplaySettings{.rate = 0.0, .loop = true});
 }
 
-TEST(RecordedSource, RecordsWhatPassesBetweenBeginningAndEnd) {
+TEST(Recorder, RecordedSourceRecordsWhatPassesBetweenBeginningAndEnd) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16), {});
   source.start();
@@ -170,7 +170,7 @@ TEST(RecordedSource, RecordsWhatPassesBetweenBeginningAndEnd) {
   EXPECT_EQ(frame.stamp.sequence, 7U);
 }
 
-TEST(RecordedSource, GoesOnAfterTheLimit) {
+TEST(Recorder, RecordedSourceGoesOnAfterTheLimit) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16), {}, {.seconds = 0.001});
   source.start();
@@ -187,7 +187,7 @@ TEST(RecordedSource, GoesOnAfterTheLimit) {
   EXPECT_TRUE(RecordingReader(folder.path() / "first").finished());
 }
 
-TEST(RecordedSource, RecordingsNameTheStrategyThatIsShownWhenTheyBegin) {
+TEST(Recorder, RecordedSourceRecordingsNameTheStrategyThatIsShownWhenTheyBegin) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16),
                         {.sequence = Sequence{.strategy = PhaseMeasuring{.steps = 4}}});
@@ -207,7 +207,7 @@ TEST(RecordedSource, RecordingsNameTheStrategyThatIsShownWhenTheyBegin) {
   EXPECT_EQ(steps("second"), 6);
 }
 
-TEST(RecordedSource, KeepsGivingFramesWhenTheDiskIsFull) {
+TEST(Recorder, RecordedSourceKeepsGivingFramesWhenTheDiskIsFull) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16), {});
   source.start();
@@ -223,7 +223,7 @@ TEST(RecordedSource, KeepsGivingFramesWhenTheDiskIsFull) {
   EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
 }
 
-TEST(RecordedSource, RecordingsComeAndGoWhileFramesPass) {
+TEST(Recorder, RecordedSourceRecordingsComeAndGoWhileFramesPass) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16), {});
   source.start();

@@ -41,7 +41,7 @@ TEST(ResultFiles, StayInTheirFolderWhateverTheNameOfTheScan) {
   }
 }
 
-TEST(FilesReplacedBy, AreThoseBesideItAndThoseOfPlaceholders) {
+TEST(ResultFiles, FilesReplacedByAreThoseBesideItAndThoseOfPlaceholders) {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return folder.path() / name; };
   for (const char* name : {"a.png", "b.png", ".c.png", "a.ply", "m.obj", "m.mtl", "[x].png"}) {
@@ -57,7 +57,7 @@ TEST(FilesReplacedBy, AreThoseBesideItAndThoseOfPlaceholders) {
   EXPECT_EQ(count("m.obj"), 2U);
 }
 
-TEST(FormatOfEnding, IsToldByTheBeginning) {
+TEST(ResultFiles, FormatOfEndingIsToldByTheBeginning) {
   const TemporaryFolder folder;
   const auto holds = [&](const char* name, const std::string& text) {
     write_file(folder.path() / name, text);

@@ -248,7 +248,7 @@ TEST(SavedScan, IsComparedWithTheTruthBesideIt) {
   expect_error([&] { (void)error_against_truth(folder.path(), cloud); }, {"3x2", "48x36"});
 }
 
-TEST(PathNamedByTime, IsNoneThatIsThere) {
+TEST(SavedScan, PathNamedByTimeIsNoneThatIsThere) {
   const TemporaryFolder folder;
   const fs::path first = path_named_by_time(folder.path(), "scan", ".slip");
   fs::create_directory(first);

@@ -13,7 +13,7 @@
 
 namespace slipstream::scan_folder_test {
 
-TEST(ScanFiles, ComesBackAsItWasWritten) {
+TEST(ScanFolder, ScanFilesComesBackAsItWasWritten) {
   const TemporaryFolder folder;
   const ScanFiles scan{
       .sequence = {.strategy = DualFrequency{.steps = 4, .low_steps = 3, .high = 12, .low = 0.5},
@@ -37,7 +37,7 @@ TEST(ScanFiles, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.second_camera, scan.second_camera);
 }
 
-TEST(ScanFiles, HaveOneAxisOrBoth) {
+TEST(ScanFolder, ScanFilesHaveOneAxisOrBoth) {
   const TemporaryFolder folder;
   for (const char* const axes : {"x", "y", "both"}) {
     ScanFiles scan{.frames = {folder.path() / "a.png"}};
@@ -55,7 +55,7 @@ TEST(ScanFiles, HaveOneAxisOrBoth) {
   EXPECT_EQ(scan_files_from(text, "scan.yaml", folder.path()).sequence, scan.sequence) << text;
 }
 
-TEST(ScanFiles, IsAsTheDocumentationHasIt) {
+TEST(ScanFolder, ScanFilesIsAsTheDocumentationHasIt) {
   const TemporaryFolder folder;
   write_file(folder.path() / "scan.yaml",
              "slipstream: 1\n"
@@ -68,7 +68,7 @@ TEST(ScanFiles, IsAsTheDocumentationHasIt) {
   EXPECT_EQ(scan.frames.at(1), folder.path() / "frame_1.png");
 }
 
-TEST(ScanFiles, BadOnesAreNamed) {
+TEST(ScanFolder, ScanFilesBadOnesAreNamed) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "scan.yaml";
   const std::string good_strategy = "strategy: {name: pmp, steps: 3}\n";
@@ -107,7 +107,7 @@ TEST(ScanFiles, BadOnesAreNamed) {
   EXPECT_NO_THROW(read_scan_files(path));
 }
 
-TEST(ImagesInFolder, AreInTheOrderOfTheirNumbers) {
+TEST(ScanFolder, ImagesInFolderAreInTheOrderOfTheirNumbers) {
   const TemporaryFolder folder;
   for (const char* name :
        {"f_10.png", "f_2.png", "f_1.PNG", "notes.txt", "f_02b.png", ".DS_Store", "._f_2.png"}) {

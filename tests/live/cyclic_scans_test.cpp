@@ -93,7 +93,7 @@ TEST(CyclicScans, NothingIsTakenBeforeAGlimpse) {
   EXPECT_FALSE(camera.take());
 }
 
-TEST(Exposures, OneWindowOfASourceIsInPatternOrder) {
+TEST(CyclicScans, ExposuresOneWindowOfASourceIsInPatternOrder) {
   const Scanner scanner = example_scanner({64, 48});
   const Sequence sequence{.strategy = DualFrequency{}};
   const auto loop =

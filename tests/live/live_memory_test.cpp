@@ -25,7 +25,7 @@ long resident_kilobytes() {
   return resident * ::sysconf(_SC_PAGESIZE) / 1024;
 }
 
-TEST(LivePipeline, takes_no_more_memory_the_longer_it_runs) {
+TEST(LiveMemory, LivePipelineTakesNoMoreMemoryTheLongerItRuns) {
   for (const Strategy& strategy : {Strategy(PhaseMeasuring{.steps = 4, .frequency = 1}),
                                    Strategy(DualFrequency{.steps = 3})}) {
     std::uint64_t clouds = 0;

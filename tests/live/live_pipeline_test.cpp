@@ -99,7 +99,7 @@ Ran run(const Strategy& strategy, const std::vector<Frame>& pictures,
   return {check.equal, check.other, check.newest, pipeline.statistics()};
 }
 
-TEST(LivePipeline, each_frame_gives_the_cloud_that_its_window_gives_by_itself) {
+TEST(LivePipeline, EachFrameGivesTheCloudThatItsWindowGivesByItself) {
   for (const Strategy& strategy :
        {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}), four_steps,
         Strategy(PhaseMeasuring{.steps = 6, .frequency = 1}), Strategy(DualFrequency{.steps = 3}),
@@ -123,7 +123,7 @@ TEST(LivePipeline, each_frame_gives_the_cloud_that_its_window_gives_by_itself) {
   }
 }
 
-TEST(LivePipeline, without_a_fused_pass_clouds_are_those_in_double) {
+TEST(LivePipeline, WithoutAFusedPassCloudsAreThoseInDouble) {
   const Size size{12, 16};
   EngineSetup scan = scan_of(four_steps, size);
   scan.settings.clean = CleanSettings::none();
@@ -144,7 +144,7 @@ TEST(LivePipeline, without_a_fused_pass_clouds_are_those_in_double) {
   }
 }
 
-TEST(LivePipeline, lost_damaged_and_wrong_frames_cost_their_windows_alone) {
+TEST(LivePipeline, LostDamagedAndWrongFramesCostTheirWindowsAlone) {
   auto pictures = frames_of(four_steps);
   pictures.resize(4);
   auto script = in_a_row(60);
@@ -165,7 +165,7 @@ TEST(LivePipeline, lost_damaged_and_wrong_frames_cost_their_windows_alone) {
   EXPECT_EQ(ran.statistics.resynchronisations, 0U);
 }
 
-TEST(LivePipeline, repeated_and_reordered_frames_cost_nothing) {
+TEST(LivePipeline, RepeatedAndReorderedFramesCostNothing) {
   auto script = in_a_row(40);
   script.insert(script.begin() + 15, script[14]);
   script.insert(script.begin() + 20, script[17]);
@@ -180,7 +180,7 @@ TEST(LivePipeline, repeated_and_reordered_frames_cost_nothing) {
   EXPECT_EQ(ran.statistics.windows_lost, 0U);
 }
 
-TEST(LivePipeline, slipped_indices_are_set_right_and_no_cloud_is_wrong) {
+TEST(LivePipeline, SlippedIndicesAreSetRightAndNoCloudIsWrong) {
   for (const Strategy& strategy : {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}), four_steps,
                                    Strategy(PhaseMeasuring{.steps = 6, .frequency = 1}),
                                    Strategy(DualFrequency{.steps = 3})}) {
@@ -198,7 +198,7 @@ TEST(LivePipeline, slipped_indices_are_set_right_and_no_cloud_is_wrong) {
   }
 }
 
-TEST(LivePipeline, resumes_when_the_source_is_back) {
+TEST(LivePipeline, ResumesWhenTheSourceIsBack) {
   auto script = in_a_row(20);
   script.insert(script.begin() + 10, 5,
                 {.arrival = Arrival::nothing, .state = "the camera is gone; looking for it"});
@@ -227,7 +227,7 @@ TEST(LivePipeline, resumes_when_the_source_is_back) {
   EXPECT_EQ(pipeline.statistics().source_state, "");
 }
 
-TEST(LivePipeline, a_camera_that_counts_anew_costs_the_windows_across) {
+TEST(LivePipeline, ACameraThatCountsAnewCostsTheWindowsAcross) {
   auto script = in_a_row(200);
   for (std::size_t n = 100; n < script.size(); ++n) script[n].sequence -= 100;
   const auto pictures = frames_of(four_steps);
@@ -239,7 +239,7 @@ TEST(LivePipeline, a_camera_that_counts_anew_costs_the_windows_across) {
   EXPECT_EQ(pipeline.statistics().windows_lost, 3U);
 }
 
-TEST(LivePipeline, a_newest_cloud_may_be_kept) {
+TEST(LivePipeline, ANewestCloudMayBeKept) {
   const auto pictures = frames_of(four_steps);
   LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps));
   EXPECT_FALSE(pipeline.newest());
@@ -258,7 +258,7 @@ TEST(LivePipeline, a_newest_cloud_may_be_kept) {
   EXPECT_GT(pipeline.newest()->newest.sequence, sequence);
 }
 
-TEST(LivePipeline, stops_in_every_state_and_starts_again) {
+TEST(LivePipeline, StopsInEveryStateAndStartsAgain) {
   const auto pictures = frames_of(four_steps);
   LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
                         {.most_frames = 50});
@@ -281,7 +281,7 @@ TEST(LivePipeline, stops_in_every_state_and_starts_again) {
   pipeline.start();  // the destructor stops it
 }
 
-TEST(LivePipeline, waits_for_its_end_whoever_brings_it) {
+TEST(LivePipeline, WaitsForItsEndWhoeverBringsIt) {
   LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(four_steps)),
                         scan_of(four_steps));
   pipeline.wait();  // it has not begun
@@ -300,7 +300,7 @@ TEST(LivePipeline, waits_for_its_end_whoever_brings_it) {
   pipeline.wait();
 }
 
-TEST(LivePipeline, stops_at_once_while_the_source_is_silent) {
+TEST(LivePipeline, StopsAtOnceWhileTheSourceIsSilent) {
   LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(four_steps), 0.001),
                         scan_of(four_steps));
   pipeline.start();
@@ -310,7 +310,7 @@ TEST(LivePipeline, stops_at_once_while_the_source_is_silent) {
   EXPECT_EQ(pipeline.statistics().frames.captured, 0U);
 }
 
-TEST(LivePipeline, what_a_stage_throws_ends_it_and_can_be_asked_for) {
+TEST(LivePipeline, WhatAStageThrowsEndsItAndCanBeAskedFor) {
   const auto pictures = frames_of(four_steps);
   const auto message_of = [](const std::exception_ptr& failure) -> std::string {
     try {
@@ -339,7 +339,7 @@ TEST(LivePipeline, what_a_stage_throws_ends_it_and_can_be_asked_for) {
   EXPECT_EQ(message_of(pipeline.failure()), "the bus is broken");
 }
 
-TEST(LivePipeline, scan_is_changed_while_it_runs) {
+TEST(LivePipeline, ScanIsChangedWhileItRuns) {
   // Dark frames, so their number does not matter.
   const auto pictures = frames_of(with_marker({.shape = {}}), {.cycles = 4});
   std::atomic<std::size_t> window = 0;
@@ -367,7 +367,7 @@ TEST(LivePipeline, scan_is_changed_while_it_runs) {
   EXPECT_EQ(pipeline.failure(), nullptr);
 }
 
-TEST(LivePipeline, frames_for_motion_are_added_and_left_out_while_it_runs) {
+TEST(LivePipeline, FramesForMotionAreAddedAndLeftOutWhileItRuns) {
   std::atomic<std::size_t> window = 0;
   LivePipeline pipeline(
       std::make_unique<VirtualCamera>(frames_of(four_steps)), scan_of(four_steps),
@@ -388,7 +388,7 @@ TEST(LivePipeline, frames_for_motion_are_added_and_left_out_while_it_runs) {
   EXPECT_EQ(pipeline.failure(), nullptr);
 }
 
-TEST(LivePipeline, each_cloud_knows_the_sequence_of_its_frames) {
+TEST(LivePipeline, EachCloudKnowsTheSequenceOfItsFrames) {
   const EngineSetup before = scan_of(PhaseMeasuring{.steps = 6, .frequency = 1});
   const EngineSetup after = scan_of(DualFrequency{.steps = 3});  // the same number of frames
   std::atomic<bool> changed = false;
@@ -410,7 +410,7 @@ TEST(LivePipeline, each_cloud_knows_the_sequence_of_its_frames) {
   EXPECT_EQ(unknown, 0);
 }
 
-TEST(LivePipeline, refuses_what_does_not_fit_the_frames) {
+TEST(LivePipeline, RefusesWhatDoesNotFitTheFrames) {
   const auto pictures = frames_of(four_steps);
   const auto make = [&](const EngineSetup& scan) {
     LivePipeline(std::make_unique<VirtualCamera>(pictures), scan);
@@ -420,7 +420,7 @@ TEST(LivePipeline, refuses_what_does_not_fit_the_frames) {
   EXPECT_THROW(make(scan_of(PhaseMeasuring{.steps = 2, .frequency = 1})), Error);
 }
 
-TEST(LivePipeline, tells_what_its_stages_did) {
+TEST(LivePipeline, TellsWhatItsStagesDid) {
   const auto pictures = frames_of(four_steps);
   LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
                         {.most_frames = 500});
@@ -442,7 +442,7 @@ TEST(LivePipeline, tells_what_its_stages_did) {
   EXPECT_NEAR(statistics.clouds_per_second, 497 / statistics.seconds, 1e-6);
 }
 
-TEST(LivePipeline, without_a_scanner_hands_on_frames_and_findings_without_points) {
+TEST(LivePipeline, WithoutAScannerHandsOnFramesAndFindingsWithoutPoints) {
   const EngineSetup scan{.scanner = without_geometry({64, 48}, {}),
                          .sequence = {.strategy = DualFrequency{.steps = 4, .high = 16}}};
   std::vector<Frame> pictures = frames_of(scan.sequence.strategy);

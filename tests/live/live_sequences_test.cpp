@@ -50,7 +50,7 @@ Made made_live(const Strategy& strategy, std::uint64_t frames, std::size_t begin
   return made;
 }
 
-TEST(LivePipeline, each_frame_gives_a_cloud_of_a_strategy_of_ones_own) {
+TEST(LiveSequences, LivePipelineEachFrameGivesACloudOfAStrategyOfOnesOwn) {
   for (const Strategy& strategy : own_strategies()) {
     SCOPED_TRACE(strategy.name());
     const auto N = static_cast<std::size_t>(frame_count(strategy));
@@ -62,7 +62,7 @@ TEST(LivePipeline, each_frame_gives_a_cloud_of_a_strategy_of_ones_own) {
   }
 }
 
-TEST(Exposures, LiveCloudsAreThoseOfAFolder) {
+TEST(LiveSequences, ExposuresLiveCloudsAreThoseOfAFolder) {
   const Scanner scanner = example_scanner({96, 72});
   const Sequence sequence{.strategy = DualFrequency{}, .exposures = {0.5, 2, 8}};
   const auto loop = virtual_frames(scanner, scene_named("contrast", scanner), pattern_set(sequence),
@@ -99,7 +99,7 @@ double largest_difference(const Cloud& a, const Cloud& b) {
   return largest;
 }
 
-TEST(LiveMotion, gives_a_cloud_for_each_frame_wherever_its_window_begins) {
+TEST(LiveSequences, LiveMotionGivesACloudForEachFrameWhereverItsWindowBegins) {
   constexpr std::uint64_t frames = 40;
   for (const int steps : {3, 4}) {
     const Strategy cycle = PhaseMeasuring{

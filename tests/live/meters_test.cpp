@@ -8,7 +8,7 @@
 namespace slipstream::meters_test {
 using namespace std::chrono_literals;
 
-TEST(LatencyHistogram, percentiles_are_within_a_step_and_the_maximum_is_exact) {
+TEST(Meters, LatencyHistogramPercentilesAreWithinAStepAndTheMaximumIsExact) {
   LatencyHistogram histogram;
   EXPECT_EQ(histogram.latency().p99, 0);
   for (int i = 1; i <= 1000; ++i) histogram.add(i * 10us);
@@ -20,7 +20,7 @@ TEST(LatencyHistogram, percentiles_are_within_a_step_and_the_maximum_is_exact) {
   EXPECT_DOUBLE_EQ(latency.max, 10.0);
 }
 
-TEST(LatencyHistogram, takes_whatever_it_is_given) {
+TEST(Meters, LatencyHistogramTakesWhateverItIsGiven) {
   LatencyHistogram histogram;
   histogram.add(-5ms);
   histogram.add(0ns);
@@ -30,7 +30,7 @@ TEST(LatencyHistogram, takes_whatever_it_is_given) {
   EXPECT_GE(histogram.latency().p99, 1e5);
 }
 
-TEST(StageMeter, rate_is_that_of_the_second_before) {
+TEST(Meters, StageMeterRateIsThatOfTheSecondBefore) {
   StageMeter meter;
   const auto start = StageMeter::Clock::now();
   for (int i = 0; i < 30; ++i) meter.done(start);
@@ -41,7 +41,7 @@ TEST(StageMeter, rate_is_that_of_the_second_before) {
   EXPECT_DOUBLE_EQ(meter.statistics(start).rate, 0);
 }
 
-TEST(SequenceWatch, counts_gaps_and_takes_back_what_comes_late) {
+TEST(Meters, SequenceWatchCountsGapsAndTakesBackWhatComesLate) {
   SequenceWatch watch;
   EXPECT_TRUE(watch.look(5));
   EXPECT_TRUE(watch.look(6));
@@ -59,7 +59,7 @@ TEST(SequenceWatch, counts_gaps_and_takes_back_what_comes_late) {
   EXPECT_EQ(watch.lost(), 991U);
 }
 
-TEST(SequenceWatch, a_damaged_frame_is_lost_once) {
+TEST(Meters, SequenceWatchADamagedFrameIsLostOnce) {
   SequenceWatch watch;
   watch.look(0);
   watch.damaged();
@@ -75,7 +75,7 @@ Finding finding(const std::string& what, double value = 0) {
   return {.what = what, .evidence = {{"value", value}}, .subject = what};
 }
 
-TEST(FindingLog, KnowsWhenWhatBeganAndEnded) {
+TEST(Meters, FindingLogKnowsWhenWhatBeganAndEnded) {
   FindingLog log;
   log.replace({}, 3);
   EXPECT_TRUE(log.all().empty());
@@ -92,7 +92,7 @@ TEST(FindingLog, KnowsWhenWhatBeganAndEnded) {
   EXPECT_EQ(log.all().back().end, 23U);
 }
 
-TEST(FindingLog, ForgetsTheOldestThatHasEnded) {
+TEST(Meters, FindingLogForgetsTheOldestThatHasEnded) {
   FindingLog log;
   for (std::uint64_t n = 0; n < 3 * FindingLog::most; ++n) {
     log.replace({finding("always"), finding(std::to_string(n))}, n);
@@ -102,7 +102,7 @@ TEST(FindingLog, ForgetsTheOldestThatHasEnded) {
   EXPECT_EQ(log.all().back().finding.what, std::to_string(3 * FindingLog::most - 1));
 }
 
-TEST(LiveStatistics, CountsOfWhatGoesWrongAreSaid) {
+TEST(Meters, LiveStatisticsCountsOfWhatGoesWrongAreSaid) {
   const LiveStatistics statistics{
       .frames = {.lost = 5, .overwritten = 3}, .windows_lost = 2, .latency = {.p99 = 4}};
   std::string numbers, wrong;

@@ -91,7 +91,7 @@ TEST(ObjectTracker, LosesWhatIsNotThereAndFindsItAgain) {
   EXPECT_EQ(tracker.track().velocity.norm(), 0);
 }
 
-TEST(TrackedShape, IsASphereOrAPlane) {
+TEST(ObjectTrack, TrackedShapeIsASphereOrAPlane) {
   EXPECT_EQ(tracked_shape_named("sphere:12.5").radius, 12.5);
   EXPECT_FALSE(tracked_shape_named("plane").radius);
   for (const char* bad : {"", "sphere", "sphere:", "sphere:0", "sphere:-1", "sphere:1mm",
@@ -100,7 +100,7 @@ TEST(TrackedShape, IsASphereOrAPlane) {
   }
 }
 
-TEST(FollowedObject, TimesACloudByOneClockThoughThatBeginsAtZero) {
+TEST(ObjectTrack, FollowedObjectTimesACloudByOneClockThoughThatBeginsAtZero) {
   using namespace std::chrono_literals;
   Pool<Frame> pool(2, [] { return Frame(); });
   LiveCloud cloud;
@@ -114,7 +114,7 @@ TEST(FollowedObject, TimesACloudByOneClockThoughThatBeginsAtZero) {
   EXPECT_DOUBLE_EQ(seconds_of(cloud), 0.05);
 }
 
-TEST(LivePipeline, follows_an_object_and_makes_a_model) {
+TEST(ObjectTrack, LivePipelineFollowsAnObjectAndMakesAModel) {
   const Scanner scanner = example_scanner({160, 120});
   const Scene scene = scene_named("sphere", scanner);
   const double radius = std::get<Sphere>(scene.front().shape).radius;

@@ -17,7 +17,7 @@ Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {
 
 /// With frames lost and the rest shuffled by up to N - 1 places, it gives every complete window in
 /// order and counts the others.
-RC_GTEST_PROP(RollingWindow, gives_every_window_whose_frames_came, ()) {
+RC_GTEST_PROP(RollingWindow, GivesEveryWindowWhoseFramesCame, ()) {
   const auto N = static_cast<std::uint64_t>(*rc::gen::inRange(2, 8));
   const auto seed = *rc::gen::arbitrary<unsigned>();
   std::mt19937 random(seed);
@@ -62,7 +62,7 @@ RC_GTEST_PROP(RollingWindow, gives_every_window_whose_frames_came, ()) {
   RC_ASSERT(windows.lost() == count - (N - 1) - expected.size());
 }
 
-TEST(RollingWindow, a_long_gap_costs_nothing_but_the_windows) {
+TEST(RollingWindow, ALongGapCostsNothingButTheWindows) {
   Pool<Frame> pool(16, [] { return Frame(); });
   RollingWindow windows(4, 4);
   std::vector<Pooled<Frame>> window;
@@ -77,7 +77,7 @@ TEST(RollingWindow, a_long_gap_costs_nothing_but_the_windows) {
   EXPECT_EQ(windows.lost(), far + 3 - 4);
 }
 
-TEST(RollingWindow, refuses_a_frame_that_came_before) {
+TEST(RollingWindow, RefusesAFrameThatCameBefore) {
   Pool<Frame> pool(8, [] { return Frame(); });
   RollingWindow windows(3, 3);
   EXPECT_TRUE(windows.put(7, numbered(pool, 7)));

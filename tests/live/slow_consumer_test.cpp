@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 const Strategy four_steps = PhaseMeasuring{.steps = 4, .frequency = 1};
 
-TEST(ChangeSignal, a_change_between_look_and_wait_is_not_missed) {
+TEST(SlowConsumerChangeSignal, AChangeBetweenLookAndWaitIsNotMissed) {
   ChangeSignal signal;
   const std::uint64_t seen = signal.count();
   signal.announce();
@@ -27,7 +27,7 @@ TEST(ChangeSignal, a_change_between_look_and_wait_is_not_missed) {
   EXPECT_EQ(signal.count(), seen + 1);
 }
 
-TEST(ChangeSignal, wakes_a_waiting_thread_and_gives_up_in_time) {
+TEST(SlowConsumerChangeSignal, WakesAWaitingThreadAndGivesUpInTime) {
   ChangeSignal signal;
   auto woken = std::async(std::launch::async, [&] { signal.wait(0); });
   std::this_thread::sleep_for(5ms);
@@ -39,7 +39,7 @@ TEST(ChangeSignal, wakes_a_waiting_thread_and_gives_up_in_time) {
   EXPECT_GE(std::chrono::steady_clock::now(), end);
 }
 
-TEST(SlowConsumers, a_source_without_pace_goes_on_once_a_held_cloud_is_released) {
+TEST(SlowConsumers, ASourceWithoutPaceGoesOnOnceAHeldCloudIsReleased) {
   std::mutex mutex;
   std::vector<Pooled<LiveCloud>> held;
   LivePipeline pipeline(
@@ -58,7 +58,7 @@ TEST(SlowConsumers, a_source_without_pace_goes_on_once_a_held_cloud_is_released)
   EXPECT_GT(pipeline.statistics().clouds, 100U);
 }
 
-TEST(SlowConsumers, capture_goes_on_while_a_consumer_holds_every_cloud) {
+TEST(SlowConsumers, CaptureGoesOnWhileAConsumerHoldsEveryCloud) {
   const auto pictures = frames_of(four_steps);
   const int count = 5000;
   std::vector<Pooled<LiveCloud>> held;
@@ -103,7 +103,7 @@ TEST(SlowConsumers, capture_goes_on_while_a_consumer_holds_every_cloud) {
 class SlowConsumer : public testing::TestWithParam<int> {};
 
 // Shows a frame only when the queue has room, so that no thread's share of time matters.
-TEST_P(SlowConsumer, costs_whole_windows_and_each_is_counted) {
+TEST_P(SlowConsumer, CostsWholeWindowsAndEachIsCounted) {
   const int extra = GetParam();
   const auto pictures = frames_of(four_steps);
   const std::size_t count = 400, waiting = 16;
@@ -154,7 +154,7 @@ TEST_P(SlowConsumer, costs_whole_windows_and_each_is_counted) {
 
 INSTANTIATE_TEST_SUITE_P(LivePipeline, SlowConsumer, testing::Values(0, 2));
 
-TEST(SlowConsumers, stops_while_a_consumer_holds_every_cloud) {
+TEST(SlowConsumers, StopsWhileAConsumerHoldsEveryCloud) {
   std::vector<Pooled<LiveCloud>> held;
   LivePipeline pipeline(
       std::make_unique<ScriptedSource>(frames_of(four_steps), in_a_row(1000)), scan_of(four_steps),
@@ -167,7 +167,7 @@ TEST(SlowConsumers, stops_while_a_consumer_holds_every_cloud) {
   EXPECT_LT(held.size(), 20U);
 }
 
-TEST(SlowConsumers, a_source_without_pace_waits_for_slow_consumers) {
+TEST(SlowConsumers, ASourceWithoutPaceWaitsForSlowConsumers) {
   const auto pictures = frames_of(four_steps);
   int clouds = 0;
   LivePipeline pipeline(

@@ -171,7 +171,7 @@ void expect_points(const Bytes& message, const Cloud& cloud) {
   EXPECT_EQ(cdr.at, message.size());
 }
 
-TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_written) {
+TEST(Formats, McapHoldsEveryPointBitForBitAndCanBeReadBeforeItsEndIsWritten) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "clouds.mcap";
   const auto sink = open_sink("mcap:" + path.string(), {.camera = camera()});
@@ -195,7 +195,7 @@ TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_writt
   EXPECT_EQ(image.back(), grey_level(any_cloud(0)->cloud.intensity(60, 42)));
 }
 
-TEST(Mcap, ends_with_the_chunk_before_where_the_disk_is_full) {
+TEST(Formats, McapEndsWithTheChunkBeforeWhereTheDiskIsFull) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "clouds.mcap";
   const auto sink = open_sink("mcap:" + path.string(), {.camera = camera()});
@@ -214,7 +214,7 @@ TEST(Mcap, ends_with_the_chunk_before_where_the_disk_is_full) {
   EXPECT_EQ(left.chunks, 1);
 }
 
-TEST(Mcap, without_a_cloud_leaves_the_old_one) {
+TEST(Formats, McapWithoutACloudLeavesTheOldOne) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "clouds.mcap";
   write_file(path, "old");
@@ -224,7 +224,7 @@ TEST(Mcap, without_a_cloud_leaves_the_old_one) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
-TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
+TEST(Formats, McapHoldsFramesStatisticsAndWhatTheScanWasMadeWith) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "clouds.mcap";
   Pooled<LiveCloud> cloud = any_cloud(9);
@@ -274,7 +274,7 @@ TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
   EXPECT_EQ(stored.uncertainty->z(60, 42), 50);
 }
 
-TEST(Mcap, stops_at_its_limit_or_keeps_the_newest) {
+TEST(Formats, McapStopsAtItsLimitOrKeepsTheNewest) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a.mcap", before = folder.path() / "a-before.mcap";
   constexpr std::uint64_t most = 1'000'000, cloud = 50'000;  // bytes
@@ -300,7 +300,7 @@ TEST(Mcap, stops_at_its_limit_or_keeps_the_newest) {
   EXPECT_LE(clouds_in(path) + clouds_in(before), 40U);
 }
 
-TEST(Mcap, is_given_clouds_that_share_no_frame) {
+TEST(Formats, McapIsGivenCloudsThatShareNoFrame) {
   const TemporaryFolder folder;
   const auto sink = open_sink("mcap:" + (folder.path() / "a.mcap").string(), {.camera = camera()});
   std::vector<std::uint64_t> wanted;
@@ -329,7 +329,7 @@ std::vector<std::uint8_t> packed_zeros(int chunks) {
   return file;
 }
 
-TEST(Mcap, unpacks_no_more_than_its_size_allows) {
+TEST(Formats, McapUnpacksNoMoreThanItsSizeAllows) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "zeros.mcap";
   const auto read = [&] { (void)slipstream::read_mcap(path, [](const McapMessage&) {}); };
@@ -343,7 +343,7 @@ TEST(Mcap, unpacks_no_more_than_its_size_allows) {
   expect_error(read, {"zeros.mcap", "200 times its size"});
 }
 
-TEST(Mcap, names_of_channels_are_short) {
+TEST(Formats, McapNamesOfChannelsAreShort) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "long.mcap";
   std::vector<std::uint8_t> content, file(mcap::magic.begin(), mcap::magic.end());
@@ -354,7 +354,7 @@ TEST(Mcap, names_of_channels_are_short) {
                {"long.mcap", "5000 letters; limit 4096"});
 }
 
-TEST(WebCloud, gives_back_each_point_within_half_a_step) {
+TEST(Formats, WebCloudGivesBackEachPointWithinHalfAStep) {
   const Pooled<LiveCloud> live = any_cloud(5);
   const std::string rays = web_rays(camera()), bytes = web_cloud(*live);
   const std::size_t pixels = live->cloud.z.pixel_count();
@@ -382,7 +382,7 @@ TEST(WebCloud, gives_back_each_point_within_half_a_step) {
   EXPECT_EQ(message.get<std::uint8_t>(), grey_level(live->cloud.intensity(0, 0)));
 }
 
-TEST(WebCloud, thins_large_pictures_and_shows_frames_where_there_are_no_points) {
+TEST(Formats, WebCloudThinsLargePicturesAndShowsFramesWhereThereAreNoPoints) {
   EXPECT_EQ(web_step({640, 480}), 1);
   EXPECT_EQ(web_step({4096, 3000}), 4);
   Pooled<LiveCloud> live = any_cloud(1);
@@ -409,7 +409,7 @@ Pooled<LiveCloud> coloured_cloud() {
   return live;
 }
 
-TEST(WebCloud, has_the_colours_before_the_phase) {
+TEST(Formats, WebCloudHasTheColoursBeforeThePhase) {
   const Pooled<LiveCloud> live = coloured_cloud();
   const std::size_t pixels = live->cloud.z.pixel_count();
   const std::string bytes = web_cloud(*live, Image<std::uint8_t>(size, 9));
@@ -420,7 +420,7 @@ TEST(WebCloud, has_the_colours_before_the_phase) {
 }
 
 // rviz and PCL read the bytes of a float named rgb: blue, green, red and nothing.
-TEST(RosMessages, have_colours_packed_in_a_float) {
+TEST(Formats, RosMessagesHaveColoursPackedInAFloat) {
   const Pooled<LiveCloud> live = coloured_cloud();
   for (const bool has_sigma : {false, true}) {
     const Uncertainty sigma(size);
@@ -461,7 +461,7 @@ TEST(RosMessages, have_colours_packed_in_a_float) {
   }
 }
 
-TEST(RosMessages, have_a_picture_in_colour) {
+TEST(Formats, RosMessagesHaveAPictureInColour) {
   const Pooled<LiveCloud> live = coloured_cloud();
   RosMessage message;
   write_image(live->cloud, {1}, message);
@@ -477,7 +477,7 @@ TEST(RosMessages, have_a_picture_in_colour) {
   EXPECT_EQ(std::memcmp(data.data(), live->cloud.colour.begin(), data.size()), 0);
 }
 
-TEST(Metrics, names_what_the_statistics_say) {
+TEST(Formats, MetricsNamesWhatTheStatisticsSay) {
   EXPECT_EQ(metrics_of(R"({"frames": {"lost": 2}, "latency_ms": {"p99": 1.5}, "source": "virtual",
                            "stages": [{"name": "a\"b", "rate": 3, "done": 4}], "findings": [{}, {}],
                            "track": {"centre_mm": [1, 2]}, "model": null})"),

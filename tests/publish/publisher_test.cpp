@@ -41,7 +41,7 @@ Pooled<LiveCloud> cloud_of(Pool<LiveCloud>& pool, std::uint64_t sequence) {
   return cloud;
 }
 
-TEST(Publisher, waits_for_no_sink_drops_the_oldest_and_says_so_once) {
+TEST(Publisher, WaitsForNoSinkDropsTheOldestAndSaysSoOnce) {
   std::promise<void> may;
   const std::shared_future<void> when = may.get_future().share();
   auto slow = std::make_unique<SlowSink>(when);
@@ -81,7 +81,7 @@ TEST(Publisher, waits_for_no_sink_drops_the_oldest_and_says_so_once) {
   EXPECT_NE(warned[1].find("broken: the disk is full"), std::string::npos) << warned[1];
 }
 
-TEST(NamedSink, says_which_kinds_there_are) {
+TEST(Publisher, NamedSinkSaysWhichKindsThereAre) {
   const auto refusal = [](const std::string& name) -> std::string {
     try {
       require_sink(name);
@@ -106,7 +106,7 @@ TEST(NamedSink, says_which_kinds_there_are) {
   }
 }
 
-TEST(RunSetting, takes_what_it_can_be_and_says_what_that_is) {
+TEST(Publisher, RunSettingTakesWhatItCanBeAndSaysWhatThatIs) {
   const std::vector<RunSetting> settings{
       {.name = "exposure", .help = "", .unit = "ms", .least = 0.1, .most = 50},
       {.name = "record", .help = "", .choices = {"off", "on"}}};

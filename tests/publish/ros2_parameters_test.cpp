@@ -107,7 +107,7 @@ void publish_settings() {
   while (true) std::this_thread::sleep_for(100ms);
 }
 
-TEST(Ros2, parameters_are_not_set_while_the_run_cannot_tell_them) {
+TEST(Ros2Parameters, ParametersAreNotSetWhileTheRunCannotTellThem) {
   const PublishedRun run{
       .settings = []() -> std::vector<RunSetting> { throw WorldError("the camera shuts down"); }};
   RosMessage request, reply;
@@ -123,7 +123,7 @@ TEST(Ros2, parameters_are_not_set_while_the_run_cannot_tell_them) {
   EXPECT_EQ(answered.get<std::uint8_t>(), 0) << "the type of a parameter that is not set";
 }
 
-TEST(Ros2, settings_are_a_nodes_parameters) {
+TEST(Ros2Parameters, SettingsAreANodesParameters) {
   choose_domain();
   const Child publisher(publish_settings);
   const Client client;

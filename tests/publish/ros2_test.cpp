@@ -126,7 +126,7 @@ void expect_camera(const Info& message) {
             (std::vector<double>{80, 0, 30, 0, 0, 82, 20, 0, 0, 0, 1, 0}));
 }
 
-TEST(Ros2, a_subscriber_by_the_public_definitions_gets_every_point_bit_for_bit) {
+TEST(Ros2, ASubscriberByThePublicDefinitionsGetsEveryPointBitForBit) {
   choose_domain();
   Shared& shared = *Shared::make();
   const Child publisher([&] { publish_clouds(shared); });
@@ -193,7 +193,7 @@ struct Caller : ServiceCaller<Request, Response> {
 
 using Answer = std::pair<bool, std::string>;
 
-TEST(Ros2, services_save_a_cloud_and_say_what_is_amiss) {
+TEST(Ros2, ServicesSaveACloudAndSayWhatIsAmiss) {
   choose_domain();
   Shared& shared = *Shared::make();
   const Child publisher([&] { publish_clouds(shared); });
@@ -206,7 +206,7 @@ TEST(Ros2, services_save_a_cloud_and_say_what_is_amiss) {
   EXPECT_EQ(capture.call_until_true(), Answer(true, "folder-2"));
 }
 
-TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothing) {
+TEST(Ros2, SubscribersThatStopReadingOrSendGarbageOrGoAwayChangeNothing) {
   choose_domain();
   Shared& shared = *Shared::make();
   const Child publisher([&] { publish_clouds(shared); });
@@ -252,7 +252,7 @@ TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothi
   ASSERT_TRUE(wait_for_more(20));
 }
 
-TEST(Ros2, the_program_saves_the_newest_cloud_when_asked_by_service) {
+TEST(Ros2, TheProgramSavesTheNewestCloudWhenAskedByService) {
   choose_domain();
   const TemporaryFolder folder;
   RunningProgram program({"live", "--source", "virtual", "--world", "ideal", "--camera", "160x120",
@@ -268,7 +268,7 @@ TEST(Ros2, the_program_saves_the_newest_cloud_when_asked_by_service) {
   EXPECT_EQ(program.wait(), 0) << program.err();
 }
 
-TEST(Ros2, names_that_ROS_2_does_not_take_are_refused) {
+TEST(Ros2, NamesThatROS2DoesNotTakeAreRefused) {
   for (const char* name :
        {"ros2:/", "ros2:a/", "ros2:a//b", "ros2:1a", "ros2:a__b", "ros2:a-b", "ros2:a b"}) {
     EXPECT_THROW(require_sink(name), Error) << name;
@@ -281,7 +281,7 @@ TEST(Ros2, names_that_ROS_2_does_not_take_are_refused) {
   EXPECT_THROW(open_sink("ros2:another", {}), Error) << "one ROS 2 namespace";
 }
 
-TEST(Ros2, only_this_machine_reaches_the_sockets_of_ROS_LOCALHOST_ONLY) {
+TEST(Ros2, OnlyThisMachineReachesTheSocketsOfROSLOCALHOSTONLY) {
   choose_domain();
   const auto sockets = [](bool bound) {
     int count = 0;
@@ -309,7 +309,7 @@ TEST(Ros2, only_this_machine_reaches_the_sockets_of_ROS_LOCALHOST_ONLY) {
   EXPECT_GT(sockets(true), 1);
 }
 
-TEST(Ros2, says_that_descriptors_are_missing_before_any_is_needed) {
+TEST(Ros2, SaysThatDescriptorsAreMissingBeforeAnyIsNeeded) {
   choose_domain();
   const FewDescriptors few(32);
   try {
@@ -321,7 +321,7 @@ TEST(Ros2, says_that_descriptors_are_missing_before_any_is_needed) {
   }
 }
 
-TEST(Ros2, says_why_there_is_no_network) {
+TEST(Ros2, SaysWhyThereIsNoNetwork) {
   choose_domain();
   ::unsetenv("ROS_LOCALHOST_ONLY");
   ::setenv("CYCLONEDDS_URI",

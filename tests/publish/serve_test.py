@@ -12,6 +12,7 @@ import socket
 import subprocess
 import time
 
+import numpy
 import pytest
 
 from web_test import PATIENCE, PROGRAM, SOURCES, Live, ask_for_page, say, take_message, wait_for
@@ -158,7 +159,6 @@ def test_it_is_ready_when_it_answers_and_ends_whole_by_sigterm(tmp_path):
 
 
 def test_the_phase_that_a_page_gets_is_that_of_the_frames(tmp_path):
-    numpy = pytest.importorskip("numpy", reason="python3-numpy is not there")
     for words in ("record --source virtual --world ideal --camera 64x48 --strategy pmp --steps 4 "
                   "--frames 4 --rate 0 -o scan.slip",
                   "reconstruct scan.slip -o cloud.ply --phase phase.npy --modulation light.npy"):

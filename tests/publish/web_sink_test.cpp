@@ -61,7 +61,7 @@ class Page {
   std::string taken_;
 };
 
-TEST(WebSink, sends_the_last_cloud_before_a_pause_too) {
+TEST(WebSink, SendsTheLastCloudBeforeAPauseToo) {
   const auto sink = open_sink("web:0", {.camera = camera()});
   const std::string address = sink->news().front();  // http://127.0.0.1:PORT/
   Page page(static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));

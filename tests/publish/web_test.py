@@ -13,6 +13,7 @@ import struct
 import subprocess
 import time
 
+import prometheus_client.parser
 import pytest
 
 from chromium import PROGRAM as CHROMIUM, Chromium
@@ -162,10 +163,8 @@ def test_pages_say_what_the_document_says(live):
 
 
 def test_prometheus_reads_the_metrics(live):
-    parser = pytest.importorskip("prometheus_client.parser",
-                                 reason="python3-prometheus-client is not there")
     families = {family.name: family for family
-                in parser.text_string_to_metric_families(live.get("/metrics")[1])}
+                in prometheus_client.parser.text_string_to_metric_families(live.get("/metrics")[1])}
     captured = families["slipstream_frames_captured"]
     assert captured.type == "counter" and captured.samples[0].value > 0
     stages = {sample.labels["name"] for sample in families["slipstream_stages_rate"].samples}

@@ -3,7 +3,6 @@
 import re
 import shutil
 
-import pytest
 from conftest import SOURCES, program, taken
 
 import slipstream
@@ -17,7 +16,6 @@ def run_blocks_of(page):
 
 
 def test_glossary(tmp_path, monkeypatch):
-    pytest.importorskip("matplotlib", reason="package python3-matplotlib is not installed")
     monkeypatch.chdir(tmp_path)
     run_blocks_of("reference/glossary.md")
     kept = {path.name for path in (SOURCES / "docs" / "reference" / "glossary").iterdir()}

@@ -43,7 +43,6 @@ def test_loop_over_scans():
 
 
 def test_plot_depth(scan, tmp_path):
-    pytest.importorskip("matplotlib", reason="package python3-matplotlib is not installed")
     assert "points drawn" in run("plot_depth", scan, tmp_path / "depth.png")
     assert (tmp_path / "depth.png").read_bytes().startswith(b"\x89PNG")
 
@@ -96,7 +95,6 @@ def test_read_recording(tmp_path):
 
 def test_notebook():
     """In Jupyter's kernel where that is there, else cell by cell."""
-    pytest.importorskip("matplotlib", reason="package python3-matplotlib is not installed")
     path = EXAMPLES / "notebook.ipynb"
     cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
     assert not any(cell["outputs"] or cell["execution_count"] for cell in cells)

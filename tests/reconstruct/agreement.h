@@ -14,6 +14,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream {
 
@@ -96,8 +97,7 @@ inline Agreement agreement_on(const EngineSetup& setup, const FrameViews& frames
 
 inline FrameSet statue_frames(const Scanner& scanner, const Strategy& strategy, Axis axis,
                               Photometry photometry = {.ambient = 5, .noise_variance = 1.55}) {
-  return take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, axis), photometry)
-      .frames;
+  return scan_of_scene("statue", scanner, pattern_set(strategy, axis), photometry).frames;
 }
 
 /// For clouds as they are computed, not cleaned.

@@ -64,7 +64,7 @@ void expect_none(const Strategy& strategy, Size size, const FrameViews& frames) 
             0);
 }
 
-TEST(Engine, AllocatesNothingOnceItsOutputHasBeenUsed) {
+TEST(Allocation, EngineAllocatesNothingOnceItsOutputHasBeenUsed) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const Size size{96, 64};
   for (const Strategy& strategy : strategies) {
@@ -76,7 +76,7 @@ TEST(Engine, AllocatesNothingOnceItsOutputHasBeenUsed) {
 }
 
 /// Building one allocates tables for every ray of the camera.
-TEST(Engine, CopiesShareTheTables) {
+TEST(Allocation, EngineCopiesShareTheTables) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   for (const Strategy& strategy : strategies) {
     const long before_first = allocations;

@@ -127,9 +127,9 @@ TEST(Captures, BoardByFourFrequenciesAsItsAuthorsUnwrapIt) {
   EXPECT_LE(worst, 1e-9);
 }
 
-class WaxBowl : public testing::TestWithParam<std::pair<std::string, double>> {};
+class CapturesWaxBowl : public testing::TestWithParam<std::pair<std::string, double>> {};
 
-TEST_P(WaxBowl, HasTheColumnsOfItsAuthors) {
+TEST_P(CapturesWaxBowl, HasTheColumnsOfItsAuthors) {
   const auto& [name, least_share] = GetParam();
   const fs::path folder = shared_data() / "microps-waxbowl" / name;
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
@@ -161,7 +161,7 @@ TEST_P(WaxBowl, HasTheColumnsOfItsAuthors) {
   EXPECT_GE(share, least_share);
 }
 
-INSTANTIATE_TEST_SUITE_P(Captures, WaxBowl,
+INSTANTIATE_TEST_SUITE_P(Captures, CapturesWaxBowl,
                          testing::Values(std::pair(std::string("16-05"), 0.87),
                                          std::pair(std::string("32-08"), 0.995),
                                          std::pair(std::string("64-15"), 0.999)));

@@ -21,6 +21,7 @@
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::depth_range_test {
 
@@ -68,8 +69,8 @@ TEST_P(DepthRange, GivesTrueDepthWithoutNoise) {
   const Scanner scanner = example_scanner({160, 120});
   for (const char* scene : {"board", "sphere", "boxes"}) {
     const Strategy strategy = fringes(4);
-    const VirtualScan scan = take_scan(scanner, scene_named(scene, scanner),
-                                       pattern_set(strategy, GetParam()), {.bits = std::nullopt});
+    const VirtualScan scan =
+        scan_of_scene(scene, scanner, pattern_set(strategy, GetParam()), {.bits = std::nullopt});
     const ReconstructSettings settings = range_around(scan, 1, 1);
     const ReferenceResult result = ReferenceEngine(
         {scanner, {.strategy = strategy, .axis = GetParam()}, settings}, {})(scan.frames);
@@ -90,9 +91,8 @@ INSTANTIATE_TEST_SUITE_P(Along, DepthRange, testing::Values(Axis::x, Axis::y),
 
 TEST(DepthRangeUnderNoise, ShowsNoWrongOrder) {
   const Scanner scanner = example_scanner({320, 240});
-  const VirtualScan scan =
-      take_scan(scanner, scene_named("boxes", scanner), pattern_set(fringes(4), Axis::x),
-                {.ambient = 5, .noise_variance = 1.6, .bits = 8});
+  const VirtualScan scan = scan_of_scene("boxes", scanner, pattern_set(fringes(4), Axis::x),
+                                         {.ambient = 5, .noise_variance = 1.6, .bits = 8});
   Engine engine(scanner, {.strategy = fringes(4)}, range_around(scan, 1, 1));
   Cloud cloud;
   engine.cloud(scan.frames, cloud);
@@ -118,8 +118,8 @@ TEST(DepthRangeTooWide, IsDoubtfulOrRefusedButNeverWrong) {
   int refused = 0, doubtful = 0;
   for (const Axis axis : {Axis::x, Axis::y}) {
     const Sequence sequence{.strategy = fringes(12), .axis = axis};
-    const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner),
-                                       pattern_set(sequence), {.noise_variance = 1.6});
+    const VirtualScan scan =
+        scan_of_scene("sphere", scanner, pattern_set(sequence), {.noise_variance = 1.6});
     // Ever nearer to the widest range that is taken, from both sides.
     double taken = 1, too_wide = 400;
     for (int i = 0; i < 20; ++i) {

@@ -14,6 +14,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_channel_multiplexing.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 // Where noise hides the cue from a pixel and from its neighbours, there is no point.
 
@@ -69,8 +70,7 @@ struct Shown {
 Shown shown_of(const EngineSetup& setup, int patch, double most) {
   const PatternSet patterns =
       pattern_set(setup.sequence.strategy, setup.sequence.axis, setup.sequence.light);
-  const Image<double> y =
-      take_scan(setup.scanner, scene_named("board", setup.scanner), patterns).coordinate;
+  const Image<double> y = scan_of_scene("board", setup.scanner, patterns).coordinate;
   Cloud cloud;
   Maps maps;
   Engine(setup).cloud_and_maps(frames_of(patterns, y, patch, most), cloud, maps);
@@ -108,7 +108,7 @@ TEST(DimTexture, IsAskedForNoMoreLightByTheDefaults) {
   }
 }
 
-TEST(LeastModulation, IsWhereTheCuesPrintedVarianceHidesThePeriod) {
+TEST(DimTexture, LeastModulationIsWhereTheCuesPrintedVarianceHidesThePeriod) {
   const PatternLight light{.alpha_p = 200, .beta_p = 55};
   const auto reflectivity_at_least = [&](const Coding& coding) {
     const EngineSetup setup = setup_for_dim(coding, light);

@@ -20,6 +20,7 @@
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/own_strategies.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::engine_test {
 
@@ -41,8 +42,8 @@ Scanner scanner_of(Size size) {
 }
 
 FrameSet frames_of(const Scanner& scanner, const Strategy& strategy, int bits = 8) {
-  return take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x),
-                   {.ambient = ambient, .noise_variance = 4, .bits = bits})
+  return scan_of_scene("statue", scanner, pattern_set(strategy, Axis::x),
+                       {.ambient = ambient, .noise_variance = 4, .bits = bits})
       .frames;
 }
 
@@ -76,10 +77,9 @@ bool same_bytes(const Maps& a, const Maps& b) {
 TEST(Engine, LeastModulationIsInGreyLevelsOf255WhateverTheBits) {
   const Scanner scanner = example_scanner({64, 48});
   const auto points = [&](int bits, EngineKind kind) {
-    const FrameSet frames =
-        take_scan(scanner, scene_named("board", scanner), pattern_set(DualFrequency{}, Axis::x),
-                  {.ambient = 5, .noise_variance = 0, .bits = bits})
-            .frames;
+    const FrameSet frames = scan_of_scene("board", scanner, pattern_set(DualFrequency{}, Axis::x),
+                                          {.ambient = 5, .noise_variance = 0, .bits = bits})
+                                .frames;
     Engine engine(scanner, {.strategy = DualFrequency{}},
                   {.engine = kind, .minimum_modulation = 60});
     Cloud cloud;

@@ -15,6 +15,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::epipolar_check_test {
 
@@ -28,8 +29,7 @@ struct TrueScan {
 /// As it is loaded: the frames along x, those along y beside them; exchanged as `order` says.
 TrueScan scan_of(const char* scene, const Scanner& scanner, const Photometry& photometry,
                  const Sequence& sequence = both, const std::vector<int>& order = {}) {
-  VirtualScan taken =
-      take_scan(scanner, scene_named(scene, scanner), pattern_set(sequence), photometry);
+  VirtualScan taken = scan_of_scene(scene, scanner, pattern_set(sequence), photometry);
   if (!order.empty()) taken.frames = reordered(std::move(taken.frames), order);
   return {merged({.frames = std::move(taken.frames), .sequence = sequence, .scanner = scanner}),
           std::move(taken.depth)};
@@ -55,7 +55,7 @@ Checked checked(const Scan& scan, ReconstructSettings settings = {}) {
   return result;
 }
 
-TEST(EpipolarDistance, IsNothingWithoutNoise) {
+TEST(EpipolarCheck, EpipolarDistanceIsNothingWithoutNoise) {
   const Scanner scanner = example_scanner({160, 120});
   for (const Strategy& strategy :
        {Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1}),
@@ -84,7 +84,7 @@ TEST(EpipolarDistance, IsNothingWithoutNoise) {
   }
 }
 
-TEST(EpipolarDistance, IsThatOfThePixelAcrossTheLine) {
+TEST(EpipolarCheck, EpipolarDistanceIsThatOfThePixelAcrossTheLine) {
   Scanner scanner = example_scanner({160, 120});
   scanner.projector.distortion = {};
   const auto [width, height] = scanner.projector.size;
@@ -99,7 +99,7 @@ TEST(EpipolarDistance, IsThatOfThePixelAcrossTheLine) {
   EXPECT_NEAR(at(pixel + Eigen::Vector2d(-normal.y(), normal.x())).distance, 0, 1e-9);
 }
 
-TEST(BothAxes, GiveTheCloudOfTheFirst) {
+TEST(EpipolarCheck, BothAxesGiveTheCloudOfTheFirst) {
   const Scanner scanner = example_scanner({320, 240});
   const Photometry photometry{.ambient = 5, .noise_variance = 1.6};
   const TrueScan taken = scan_of("statue", scanner, photometry);
@@ -131,7 +131,7 @@ Scanner turned(const Scanner& scanner, double degrees, int axis) {
 }
 
 /// Errors of calibrations of RMS 0.5 to 1 pixel move all points alike and contradict none.
-TEST(BothAxes, KeepThePointsOfAnOrdinaryCalibration) {
+TEST(EpipolarCheck, BothAxesKeepThePointsOfAnOrdinaryCalibration) {
   const Scanner scanner = example_scanner({320, 240});
   Scan scan = scan_of("board", scanner, {.noise_variance = 1.6}).scan;
   const std::size_t all = point_count(checked(scan).cloud);
@@ -152,7 +152,7 @@ TEST(BothAxes, KeepThePointsOfAnOrdinaryCalibration) {
   }
 }
 
-TEST(BothAxes, KeepThePointsOfASmallObjectInALargePicture) {
+TEST(EpipolarCheck, BothAxesKeepThePointsOfASmallObjectInALargePicture) {
   Scan scan = scan_of("board", example_scanner({480, 360}), {.noise_variance = 1.6}).scan;
   scan.scanner->projector.intrinsic(1, 2) += 1.5;
 
@@ -176,7 +176,7 @@ TEST(BothAxes, KeepThePointsOfASmallObjectInALargePicture) {
   }
 }
 
-TEST(BothAxes, SeeARigThatMoved) {
+TEST(EpipolarCheck, BothAxesSeeARigThatMoved) {
   const Scanner scanner = example_scanner({320, 240});
   Scan scan = scan_of("board", scanner, {.noise_variance = 1.6}).scan;
   for (const int axis : {0, 1, 2}) {
@@ -189,7 +189,7 @@ TEST(BothAxes, SeeARigThatMoved) {
 
 /// Whichever two of the frames are exchanged: if the axes do not contradict each other, what is
 /// still shown is as far off as half a projector pixel makes it.
-TEST(BothAxes, ShowNoWrongPointOfExchangedFrames) {
+TEST(EpipolarCheck, BothAxesShowNoWrongPointOfExchangedFrames) {
   const Scanner scanner = example_scanner({160, 120});
   std::size_t wrong_before = 0;
   for (int a = 0; a < 12; ++a) {
@@ -210,7 +210,7 @@ TEST(BothAxes, ShowNoWrongPointOfExchangedFrames) {
   EXPECT_GT(wrong_before, 50000U);
 }
 
-TEST(BothAxes, AreNotTakenWhereOneIsExpected) {
+TEST(EpipolarCheck, BothAxesAreNotTakenWhereOneIsExpected) {
   const Scanner scanner = example_scanner({160, 120});
   EXPECT_THROW(Engine(scanner, both), Error);
   const Sequence fine{.strategy = PhaseMeasuring{.steps = 3, .frequency = 4}, .both_axes = true};

@@ -12,6 +12,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::frame_motion_test {
 
@@ -43,7 +44,7 @@ FrameSet drifting(const Sequence& sequence, double speed, double noise_variance,
   return FrameSet(std::move(images));
 }
 
-TEST(MotionMeasurement, IsTheSameAtEveryWidth) {
+TEST(FrameMotion, MotionMeasurementIsTheSameAtEveryWidth) {
   const Sequence window = merged_sequence(window_of(4, 2));
   const MotionMeasurement measure(window.strategy.layout().bands.front());
   FrameMotion wide, narrow;
@@ -58,7 +59,7 @@ TEST(MotionMeasurement, IsTheSameAtEveryWidth) {
   }
 }
 
-TEST(MotionMeasurement, FindsHowFarThePhaseMovesFromFrameToFrame) {
+TEST(FrameMotion, MotionMeasurementFindsHowFarThePhaseMovesFromFrameToFrame) {
   for (const int steps : {3, 4, 5, 7}) {
     for (const int extra : {1, 2, 3, 4}) {
       for (const bool backwards : {false, true}) {
@@ -92,7 +93,7 @@ TEST(MotionMeasurement, FindsHowFarThePhaseMovesFromFrameToFrame) {
       window_of(4, 0).strategy.in_motion(0, 0).layout().bands.front()));
 }
 
-TEST(MotionMeasurement, CallsNoiseWhatItIs) {
+TEST(FrameMotion, MotionMeasurementCallsNoiseWhatItIs) {
   for (const int extra : {2, 4}) {
     const Sequence window = merged_sequence(window_of(4, extra));
     FrameMotion motion;
@@ -104,11 +105,11 @@ TEST(MotionMeasurement, CallsNoiseWhatItIs) {
   }
 }
 
-TEST(MovedPixels, AreNoneWhereNothingMoves) {
+TEST(FrameMotion, MovedPixelsAreNoneWhereNothingMoves) {
   const Scanner scanner = example_scanner({320, 240});
   const Sequence sequence{.strategy = PhaseMeasuring{4, 1}, .motion = 2};
-  const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner), pattern_set(sequence),
-                                     {.ambient = 5, .noise_variance = 1.5});
+  const VirtualScan scan = scan_of_scene("statue", scanner, pattern_set(sequence),
+                                         {.ambient = 5, .noise_variance = 1.5});
   Cloud cloud;
   Maps maps;
   Engine(setup_of(scanner, sequence)).cloud_and_maps(scan.frames, cloud, maps);
@@ -117,7 +118,7 @@ TEST(MovedPixels, AreNoneWhereNothingMoves) {
 }
 
 /// Of a sphere that moves across the view its outline passes over pixels, which are no points then.
-TEST(MovedPixels, AreThoseThatEdgesPass) {
+TEST(FrameMotion, MovedPixelsAreThoseThatEdgesPass) {
   const Scanner scanner = example_scanner({320, 240});
   const Sequence sequence = {.strategy = PhaseMeasuring{4, 1}, .motion = 2};
   Scene scene = scene_named("sphere", scanner);

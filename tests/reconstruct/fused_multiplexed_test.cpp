@@ -18,6 +18,7 @@
 #include "reconstruct/engine_setup.h"
 #include "slipstream/engine.h"
 #include "tests/reconstruct/agreement.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::fused_multiplexed_test {
 
@@ -164,9 +165,9 @@ TEST(FusedMultiplexed, HasThePointsOfTheEquationsAndTheTruthInLargePictures) {
   const Scanner scanner = example_scanner({640, 480});
   for (const int steps : {3, 4, 5}) {
     SCOPED_TRACE(testing::Message() << steps << " steps");
-    const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner),
-                                       pattern_set(Strategy(pcmp(steps)), Axis::x),
-                                       {.ambient = ambient, .noise_variance = 1.55});
+    const VirtualScan scan =
+        scan_of_scene("statue", scanner, pattern_set(Strategy(pcmp(steps)), Axis::x),
+                      {.ambient = ambient, .noise_variance = 1.55});
     const EngineSetup setup = setup_for_pcmp(scanner, steps);
     Engine reconstruct(setup);
     EXPECT_EQ(reconstruct.backend_for(scan.frames), "fused");

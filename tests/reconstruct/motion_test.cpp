@@ -23,7 +23,7 @@ namespace slipstream::motion_test {
 namespace fs = std::filesystem;
 
 /// A hand that moves, under four steps of 28.5 periods shown over and over, seen by two cameras.
-class Hand : public testing::Test {
+class MotionHand : public testing::Test {
  protected:
   void SetUp() override {
     if (!fs::exists(folder_)) GTEST_SKIP() << folder_ << " is not there";
@@ -70,7 +70,7 @@ double ripple(const Maps& maps, const Maps& truth) {
   return fitted.tail<2>().norm();
 }
 
-TEST_F(Hand, HasNoRippleUnderMotionWindows) {
+TEST_F(MotionHand, HasNoRippleUnderMotionWindows) {
   const auto maps_of = [&](int extra, int middle) {  // of the window between frames middle, + 1
     const int first = middle - 1 - extra / 2;
     const Sequence sequence{.strategy = cycle_, .projector = {1280, 800}, .motion = extra};
@@ -98,7 +98,7 @@ TEST_F(Hand, HasNoRippleUnderMotionWindows) {
   EXPECT_LE(sum / 8, 0.003);
 }
 
-TEST_F(Hand, HasItsFringeOrdersFromTheSecondCamera) {
+TEST_F(MotionHand, HasItsFringeOrdersFromTheSecondCamera) {
   const Scanner first = scanner("mCamera1Rectified.txt"), second = scanner("mCamera2Rectified.txt");
   for (const int extra : {0, 2, 4}) {
     constexpr int begin = 8;
@@ -121,7 +121,7 @@ TEST_F(Hand, HasItsFringeOrdersFromTheSecondCamera) {
   }
 }
 
-TEST_F(Hand, IsFoundWithoutDepthsOrOrigin) {
+TEST_F(MotionHand, IsFoundWithoutDepthsOrOrigin) {
   const Scanner first = scanner("mCamera1Rectified.txt"), second = scanner("mCamera2Rectified.txt");
   const Sequence sequence{.strategy = PhaseMeasuring{4, 28.5}, .projector = {1280, 800}};
   PhaseMatcher match(first, second, sequence);

@@ -24,6 +24,7 @@
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/shared_data.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::one_frame_test {
 namespace fs = std::filesystem;
@@ -327,8 +328,8 @@ TEST(OneFrame, IsFusedAsItIsByTheEquations) {
       {CompositePattern{}, {}},
       {PhaseMeasuring{.frequency = 4}, {.nearest = 490, .farthest = 610}}};
   for (const auto& [strategy, settings] : cases) {
-    const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
-                                       pattern_set(strategy, Axis::x), {.noise_variance = 1});
+    const VirtualScan scan =
+        scan_of_scene("board", scanner, pattern_set(strategy, Axis::x), {.noise_variance = 1});
     ReconstructSettings of_reference = settings;
     of_reference.engine = EngineKind::reference;
     Engine fused(scanner, {.strategy = strategy}, settings),
@@ -360,8 +361,8 @@ TEST(OneFrame, OfBothAxesAndAnotherOriginIsTheSameSurface) {
     for (const double origin : {0.0, 2.5}) {
       const Strategy strategy =
           FourierProfilometry{.frequency = 40, .pi_shift = true, .shifts = {origin}};
-      const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
-                                         pattern_set(strategy, axis), {.bits = std::nullopt});
+      const VirtualScan scan =
+          scan_of_scene("board", scanner, pattern_set(strategy, axis), {.bits = std::nullopt});
       Engine engine(scanner, {.strategy = strategy, .axis = axis},
                     {.nearest = 490, .farthest = 770});
       Maps maps;

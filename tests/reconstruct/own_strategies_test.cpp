@@ -18,6 +18,7 @@
 #include "slipstream/unwrapping.h"
 #include "tests/every_strategy.h"
 #include "tests/reconstruct/agreement.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::own_strategies_test {
 
@@ -96,8 +97,8 @@ TEST(OwnStrategies, ComeOutAtTheirTrueDepth) {
   for (const Strategy& strategy : phase_strategies()) {
     for (const Axis axis : {Axis::x, Axis::y}) {
       SCOPED_TRACE(text_of(strategy) + ", axis " + std::string(name_of(axis)));
-      const VirtualScan scan = take_scan(scanner, scene_named("boxes", scanner),
-                                         pattern_set(strategy, axis), {.bits = std::nullopt});
+      const VirtualScan scan =
+          scan_of_scene("boxes", scanner, pattern_set(strategy, axis), {.bits = std::nullopt});
       for (const PhaseMethod method :
            {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
         const ReferenceEngine reconstruct(
@@ -118,14 +119,13 @@ TEST(OwnStrategies, ComeOutAtTheirTrueDepth) {
 }
 
 /// Without a phase the depth is known to the stripe.
-TEST(Codes, ComeOutWithinTheirStripe) {
+TEST(OwnStrategies, CodesComeOutWithinTheirStripe) {
   const Scanner scanner = example_scanner({160, 120});
   for (const Strategy& strategy : every_code()) {
     for (const Axis axis : {Axis::x, Axis::y}) {
       const int length = length_along(axis, scanner.projector.size);
       SCOPED_TRACE(label_of(strategy) + ", axis " + std::string(name_of(axis)));
-      const VirtualScan scan =
-          take_scan(scanner, scene_named("boxes", scanner), pattern_set(strategy, axis), {});
+      const VirtualScan scan = scan_of_scene("boxes", scanner, pattern_set(strategy, axis), {});
       Engine engine(setup_of(scanner, strategy, axis, {.minimum_modulation = 1}));
       EXPECT_EQ(engine.backend_for(scan.frames), "fused");
       Cloud cloud;
@@ -145,7 +145,7 @@ TEST(Codes, ComeOutWithinTheirStripe) {
 
 /// To be taken again under other patterns.
 VirtualScan statue_scan(const Scanner& scanner, Axis axis) {
-  return take_scan(scanner, scene_named("statue", scanner), pattern_set(PhaseMeasuring{}, axis));
+  return scan_of_scene("statue", scanner, pattern_set(PhaseMeasuring{}, axis));
 }
 
 /// A code without a bit more than numbers the periods: where the phase wraps it may be one off.
@@ -362,9 +362,8 @@ TEST(OwnStrategies, AreCorrectedForTheResponseWhereTheyAreRunsOfSteps) {
   for (const Strategy& strategy :
        {Strategy(ThreeFrequencies{}), Strategy(ModulatedPhaseShifting{.periods = {1, 4, 16}})}) {
     SCOPED_TRACE(text_of(strategy));
-    const VirtualScan scan =
-        take_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x),
-                  {.response = PowerLaw{1.6}, .bits = 16});
+    const VirtualScan scan = scan_of_scene("board", scanner, pattern_set(strategy, Axis::x),
+                                           {.response = PowerLaw{1.6}, .bits = 16});
     const auto rms_depth_error = [&](EngineKind kind) {
       Cloud cloud;
       Engine(setup_of(scanner, strategy, Axis::x, {.engine = kind})).cloud(scan.frames, cloud);

@@ -9,6 +9,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::pcmp_scans_test {
 
@@ -34,8 +35,8 @@ TEST(PcmpScans, ComeOutAtTheirTrueDepth) {
   for (const int steps : {3, 4, 5, 6}) {
     for (const Axis axis : {Axis::x, Axis::y}) {
       const VirtualScan scan =
-          take_scan(scanner, scene_named("boxes", scanner), pattern_set(pcmp(steps), axis, light),
-                    {.ambient = ambient, .bits = std::nullopt});
+          scan_of_scene("boxes", scanner, pattern_set(pcmp(steps), axis, light),
+                        {.ambient = ambient, .bits = std::nullopt});
       for (const PhaseMethod method :
            {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
         for (const CueRule rule : {CueRule::published, CueRule::consensus}) {
@@ -64,8 +65,8 @@ struct Counts {
 Counts noisy_statue(int steps, CueRule rule, int bits) {
   const Scanner scanner = example_scanner({640, 480});
   const VirtualScan scan =
-      take_scan(scanner, scene_named("statue", scanner), pattern_set(pcmp(steps), Axis::x, light),
-                {.ambient = ambient, .noise_variance = 1.55, .bits = bits});
+      scan_of_scene("statue", scanner, pattern_set(pcmp(steps), Axis::x, light),
+                    {.ambient = ambient, .noise_variance = 1.55, .bits = bits});
   const ReferenceResult made = engine(scanner, steps, Axis::x, rule)(scan.frames);
   Counts counts;
   for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {

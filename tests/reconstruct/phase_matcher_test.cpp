@@ -62,7 +62,7 @@ DepthError error_of(const Cloud& cloud, const Image<double>& depth) {
   return error;
 }
 
-TEST(PhaseMatching, IsFreeOfGamma) {
+TEST(PhaseMatcher, PhaseMatchingIsFreeOfGamma) {
   const Pair board("board", {640, 480});
   const Strategy strategy = DualFrequency{.steps = 3, .low_steps = 6, .high = 32, .low = 1};
   const Photometry linear{.ambient = 5, .noise_variance = 1.55, .bits = 8};
@@ -83,7 +83,7 @@ TEST(PhaseMatching, IsFreeOfGamma) {
   EXPECT_GT(error_of(one, depth).rms, 50 * distorted.rms);
 }
 
-TEST(PhaseMatching, FindsTheFringeThatThreeStepsMistake) {
+TEST(PhaseMatcher, PhaseMatchingFindsTheFringeThatThreeStepsMistake) {
   // Three steps of the low frequency, bent, are off by more than half a fringe in places; in both
   // cameras alike.
   const Pair board("board", {160, 120});
@@ -129,7 +129,7 @@ void expect_order_by_second_camera(const char* scene, double periods, double lea
   EXPECT_LE(wrong, right / 500) << scene << ", " << periods << " periods";
 }
 
-TEST(PhaseMatching, FindsTheOrderOfOneBandByTheSecondCamera) {
+TEST(PhaseMatcher, PhaseMatchingFindsTheOrderOfOneBandByTheSecondCamera) {
   expect_order_by_second_camera("board", 8, 0.95);
   expect_order_by_second_camera("board", 16, 0.95);
   expect_order_by_second_camera("sphere", 16, 0.65);
@@ -146,9 +146,9 @@ struct SceneAndStrategy {
   double least_share;  ///< of the lit pixels that become points
 };
 
-class EveryPair : public testing::TestWithParam<SceneAndStrategy> {};
+class PhaseMatcherEveryPair : public testing::TestWithParam<SceneAndStrategy> {};
 
-TEST_P(EveryPair, IsTheTruth) {
+TEST_P(PhaseMatcherEveryPair, IsTheTruth) {
   const auto& [scene, name, least_share] = GetParam();
   const Pair pair(scene, camera);
   const Strategy strategy = make_strategy(name, {});
@@ -168,7 +168,7 @@ TEST_P(EveryPair, IsTheTruth) {
   EXPECT_LE(far, error.points / 1000) << scene << ", " << name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryPair,
+INSTANTIATE_TEST_SUITE_P(Scenes, PhaseMatcherEveryPair,
                          testing::Values(SceneAndStrategy{"board", "dual-frequency", 0.9},
                                          SceneAndStrategy{"statue", "multi-frequency", 0.7},
                                          SceneAndStrategy{"statue", "pcmp", 0.6},

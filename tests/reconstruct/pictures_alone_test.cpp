@@ -8,6 +8,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::pictures_alone_test {
 
@@ -26,9 +27,7 @@ EngineSetup uncalibrated() {
 
 FrameSet frames_under(const Photometry& light) {
   const EngineSetup setup = calibrated();
-  return take_scan(setup.scanner, scene_named("statue", setup.scanner), pattern_set(setup.sequence),
-                   light)
-      .frames;
+  return scan_of_scene("statue", setup.scanner, pattern_set(setup.sequence), light).frames;
 }
 
 TEST(PicturesAlone, HaveTheMapsThatTheScannerGives) {
@@ -61,7 +60,7 @@ TEST(PicturesAlone, GiveNoPoints) {
   EXPECT_THROW(static_cast<void>(engine.uncertainty(cloud, maps, frames)), Error);
 }
 
-TEST(PictureReport, TellsWhichPixelsAreTooDarkAndWhichSaturated) {
+TEST(PicturesAlone, PictureReportTellsWhichPixelsAreTooDarkAndWhichSaturated) {
   const auto report_of = [](const Photometry& light) {
     const FrameSet frames = frames_under(light);
     Maps maps;

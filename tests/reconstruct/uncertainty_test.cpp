@@ -8,6 +8,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::uncertainty_test {
 
@@ -77,8 +78,8 @@ TEST(Uncertainty, IsThatOfTheVirtualScannerWithinTenPercent) {
 /// Whose pixels have neighbours on one side alone.
 TEST(Uncertainty, IsSaidOfAPictureOfOneRow) {
   const Scanner scanner = example_scanner({200, 1});
-  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
-                                     pattern_set(PhaseMeasuring{}, Axis::x, light), photometry);
+  const VirtualScan scan =
+      scan_of_scene("board", scanner, pattern_set(PhaseMeasuring{}, Axis::x, light), photometry);
   Engine engine(scanner, {.strategy = PhaseMeasuring{}, .light = light});
   Cloud cloud;
   Maps maps;
@@ -92,8 +93,8 @@ TEST(Uncertainty, IsSaidOfAPictureOfOneRow) {
 TEST(Uncertainty, IsNotSaidWhereThereIsNoPoint) {
   const Scanner scanner = example_scanner({80, 60});
   const Strategy strategy = DualFrequency{};
-  const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner),
-                                     pattern_set(strategy, Axis::x), photometry);
+  const VirtualScan scan =
+      scan_of_scene("sphere", scanner, pattern_set(strategy, Axis::x), photometry);
   Engine engine(scanner, {.strategy = strategy});
   Cloud cloud;
   Maps maps;

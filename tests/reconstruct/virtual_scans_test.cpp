@@ -15,6 +15,7 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::virtual_scans_test {
 
@@ -58,8 +59,8 @@ TEST_P(VirtualScans, ComeOutAtTheirTrueDepth) {
        {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}),
         Strategy(PhaseMeasuring{.steps = 5, .frequency = 1}),
         Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1})}) {
-    const VirtualScan scan = take_scan(scanner, scene_named(scene, scanner),
-                                       pattern_set(strategy, axis), {.bits = std::nullopt});
+    const VirtualScan scan =
+        scan_of_scene(scene, scanner, pattern_set(strategy, axis), {.bits = std::nullopt});
     for (const PhaseMethod method :
          {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
       const ReferenceEngine reconstruct(
@@ -87,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
     case_name);
 
 /// Both engines, which are held to the same.
-class EngineOfKind : public testing::TestWithParam<EngineKind> {
+class VirtualScansEngineOfKind : public testing::TestWithParam<EngineKind> {
  protected:
   [[nodiscard]] static Cloud cloud_of(const FrameViews& frames, const Scanner& scanner,
                                       const Sequence& sequence, ReconstructSettings settings = {}) {
@@ -101,13 +102,13 @@ class EngineOfKind : public testing::TestWithParam<EngineKind> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Kind, EngineOfKind,
+INSTANTIATE_TEST_SUITE_P(Kind, VirtualScansEngineOfKind,
                          testing::Values(EngineKind::reference, EngineKind::fused),
                          [](const auto& info) {
                            return info.param == EngineKind::fused ? "fused" : "reference";
                          });
 
-TEST_P(EngineOfKind, TwoDisjointBoxesStandAtTheirOwnDepths) {
+TEST_P(VirtualScansEngineOfKind, TwoDisjointBoxesStandAtTheirOwnDepths) {
   const Scanner scanner = example_scanner({320, 240});
   const Strategy strategy = DualFrequency{.steps = 3, .high = 32, .low = 1};
   const Scene boxes = scene_named("boxes", scanner);
@@ -130,7 +131,7 @@ TEST_P(EngineOfKind, TwoDisjointBoxesStandAtTheirOwnDepths) {
   EXPECT_NEAR(far_sum / far_count, 0, 0.05);
 }
 
-TEST_P(EngineOfKind, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
+TEST_P(VirtualScansEngineOfKind, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   const Scanner scanner = example_scanner({160, 120});
   const Strategy strategy = DualFrequency{};
   const Scene statue = scene_named("statue", scanner);
@@ -162,12 +163,11 @@ TEST_P(EngineOfKind, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   EXPECT_EQ(out_of_range({.farthest = 5000}), 0U);
 }
 
-TEST_P(EngineOfKind, ShowsNoPointOfAWrongFringeOrder) {
+TEST_P(VirtualScansEngineOfKind, ShowsNoPointOfAWrongFringeOrder) {
   const Scanner scanner = example_scanner({640, 480});
   const Strategy strategy = DualFrequency{.steps = 4, .high = 32, .low = 1};
-  const VirtualScan scan =
-      take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x),
-                {.ambient = 5, .noise_variance = 1.55, .bits = 8});
+  const VirtualScan scan = scan_of_scene("statue", scanner, pattern_set(strategy, Axis::x),
+                                         {.ambient = 5, .noise_variance = 1.55, .bits = 8});
   const auto wrong_with = [&](const FringeOrderConsensus& consensus) {
     const Cloud cloud =
         cloud_of(scan.frames, scanner, {.strategy = strategy}, {.fringe_order = consensus});
@@ -183,12 +183,12 @@ TEST_P(EngineOfKind, ShowsNoPointOfAWrongFringeOrder) {
   EXPECT_EQ(wrong_with({}), 0);
 }
 
-TEST_P(EngineOfKind, AStripeFromElsewhereIsOutsideTheField) {
+TEST_P(VirtualScansEngineOfKind, AStripeFromElsewhereIsOutsideTheField) {
   // The pictures upside down: the coordinates are good, but belong to other rays.
   const Scanner scanner = example_scanner({160, 120});
   const Strategy strategy = DualFrequency{};
-  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
-                                     pattern_set(strategy, Axis::y), {.bits = 8});
+  const VirtualScan scan =
+      scan_of_scene("board", scanner, pattern_set(strategy, Axis::y), {.bits = 8});
   FrameSet::Images8 turned;
   scan.frames.visit([&](const auto& views) {
     for (const auto& view : views) {
@@ -208,7 +208,7 @@ TEST_P(EngineOfKind, AStripeFromElsewhereIsOutsideTheField) {
             counts[static_cast<std::size_t>(Validity::valid)] / 4);
 }
 
-TEST(Engine, ACoordinatePastTheFieldIsNoPoint) {
+TEST(VirtualScansEngine, ACoordinatePastTheFieldIsNoPoint) {
   const Scanner scanner = example_scanner({64, 48});
   const DualFrequency strategy{.steps = 4, .high = 8, .low = 0.5};
   constexpr double y = 1.3;
@@ -233,7 +233,7 @@ TEST(Engine, ACoordinatePastTheFieldIsNoPoint) {
   }
 }
 
-TEST_P(EngineOfKind, ALargeThresholdLeavesNothing) {
+TEST_P(VirtualScansEngineOfKind, ALargeThresholdLeavesNothing) {
   const Scanner scanner = example_scanner({64, 48});
   const FrameSet frames(FrameSet::Images8(6, Image<std::uint8_t>({64, 48}, 200)));
   const Cloud cloud = cloud_of(frames, scanner, {.strategy = DualFrequency{}},
@@ -241,7 +241,7 @@ TEST_P(EngineOfKind, ALargeThresholdLeavesNothing) {
   EXPECT_EQ(point_count(cloud), 0U);
 }
 
-TEST(Engine, RefusesWhatCannotGiveDepth) {
+TEST(VirtualScansEngine, RefusesWhatCannotGiveDepth) {
   const Scanner scanner = example_scanner({160, 120});
   const Sequence dual{.strategy = DualFrequency{}};
   const Sequence periods{.strategy = PhaseMeasuring{.steps = 3, .frequency = 8}};

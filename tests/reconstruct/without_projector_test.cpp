@@ -99,9 +99,9 @@ DepthErrors matched(const Rig& rig, const Scan& scan, const ReconstructSettings&
   return errors_of(cloud, rig.seen_first.depth, &uncertainty.z);
 }
 
-class NoiseWithoutProjector : public testing::TestWithParam<Strategy> {};
+class WithoutProjectorNoise : public testing::TestWithParam<Strategy> {};
 
-TEST_P(NoiseWithoutProjector, IsThatOfTheProjectorAtTheSameBaseline) {
+TEST_P(WithoutProjectorNoise, IsThatOfTheProjectorAtTheSameBaseline) {
   for (const char* const scene : {"board", "sphere"}) {
     const Rig rig(scene);
     const Scan scan = rig.scan(GetParam());
@@ -118,7 +118,7 @@ TEST_P(NoiseWithoutProjector, IsThatOfTheProjectorAtTheSameBaseline) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Strategies, NoiseWithoutProjector,
+INSTANTIATE_TEST_SUITE_P(Strategies, WithoutProjectorNoise,
                          testing::Values(gray, gray_phase, phases), [](const auto& tested) {
                            return tested.index == 0   ? "gray"
                                   : tested.index == 1 ? "gray_phase"

@@ -27,7 +27,7 @@ bool has_note(const Reproduction& result, const char* words) {
   });
 }
 
-TEST(Table21, CountsThePrintedOperations) {
+TEST(Experiments, Table21CountsThePrintedOperations) {
   const Reproduction result = run("table-2.1");
   ASSERT_EQ(result.cells.size(), 9U);
   for (const ReproducedCell& cell : result.cells) {
@@ -35,7 +35,7 @@ TEST(Table21, CountsThePrintedOperations) {
   }
 }
 
-TEST(Table22, HasThePrintedRowsAndSaysWhyTheGainIsAnother) {
+TEST(Experiments, Table22HasThePrintedRowsAndSaysWhyTheGainIsAnother) {
   const Reproduction result = run("table-2.2");
   std::map<std::string, int> rows;
   for (const ReproducedCell& cell : result.cells) {
@@ -54,7 +54,7 @@ TEST(Table22, HasThePrintedRowsAndSaysWhyTheGainIsAnother) {
   EXPECT_TRUE(has_note(result, "For N = 6"));
 }
 
-TEST(Table34, AgreesWithThePrintExceptAtTheHighestFrequency) {
+TEST(Experiments, Table34AgreesWithThePrintExceptAtTheHighestFrequency) {
   const Reproduction result = run("table-3.4");
   ASSERT_EQ(result.cells.size(), 9U);
   for (const ReproducedCell& cell : result.cells) {
@@ -64,7 +64,7 @@ TEST(Table34, AgreesWithThePrintExceptAtTheHighestFrequency) {
   EXPECT_TRUE(has_note(result, "at f_h = 8 the print is up to 2 points lower"));
 }
 
-TEST(Table36, AgreesWithThePrintExceptAtTheHighestFrequency) {
+TEST(Experiments, Table36AgreesWithThePrintExceptAtTheHighestFrequency) {
   const Reproduction result = run("table-3.6");
   ASSERT_EQ(result.cells.size(), 9U);
   for (const ReproducedCell& cell : result.cells) {
@@ -74,7 +74,7 @@ TEST(Table36, AgreesWithThePrintExceptAtTheHighestFrequency) {
   EXPECT_TRUE(has_note(result, "0.7 % more at f_h = 12"));
 }
 
-TEST(Section33, MeasuresTheNoiseAndThreePatternPcmp) {
+TEST(Experiments, Section33MeasuresTheNoiseAndThreePatternPcmp) {
   const Reproduction result = run("section-3.3");
   ASSERT_EQ(result.cells.size(), 9U);
   // The larger ones have their reason in a note.
@@ -88,7 +88,7 @@ TEST(Section33, MeasuresTheNoiseAndThreePatternPcmp) {
   }
 }
 
-TEST(Figure312, HasThePrintedSpread) {
+TEST(Experiments, Figure312HasThePrintedSpread) {
   const Reproduction result = run("figure-3.12");
   ASSERT_EQ(result.cells.size(), 4U);
   for (const ReproducedCell& cell : result.cells) {
@@ -97,7 +97,7 @@ TEST(Figure312, HasThePrintedSpread) {
   EXPECT_EQ(result.plots.size(), 1U);
 }
 
-TEST(FiguresOfNoiseOnABoard, AgreeWithThePrint) {
+TEST(Experiments, FiguresOfNoiseOnABoardAgreeWithThePrint) {
   for (const char* const name : {"figure-3.13", "figure-3.14", "figure-3.15"}) {
     const Reproduction result = run(name);
     EXPECT_EQ(result.plots.size(), 2U) << name;
@@ -106,7 +106,7 @@ TEST(FiguresOfNoiseOnABoard, AgreeWithThePrint) {
   }
 }
 
-TEST(FiguresOfABoardUnderPcmp, AreAsGoodAsThePrintOrBetter) {
+TEST(Experiments, FiguresOfABoardUnderPcmpAreAsGoodAsThePrintOrBetter) {
   for (const char* const name : {"figure-3.16", "figure-3.19", "figure-3.22"}) {
     const Reproduction result = run(name);
     EXPECT_EQ(result.plots.size(), 2U) << name;
@@ -120,7 +120,7 @@ TEST(FiguresOfABoardUnderPcmp, AreAsGoodAsThePrintOrBetter) {
   }
 }
 
-TEST(FiguresOfTheAngel, HaveLessErrorByPcmp) {
+TEST(Experiments, FiguresOfTheAngelHaveLessErrorByPcmp) {
   const std::array<std::pair<const char*, std::size_t>, 3> scans{
       {{"figure-3.18", 2}, {"figure-3.21", 10}, {"figure-3.24", 10}}};
   for (const auto& [name, count] : scans) {
@@ -133,7 +133,7 @@ TEST(FiguresOfTheAngel, HaveLessErrorByPcmp) {
   }
 }
 
-TEST(FiguresOfTheHand, ShowManyPointsCloseToIt) {
+TEST(Experiments, FiguresOfTheHandShowManyPointsCloseToIt) {
   for (const char* const name : {"figure-2.3", "figure-2.4"}) {
     const Reproduction result = run(name);
     ASSERT_EQ(result.cells.size(), 6U) << name;
@@ -144,7 +144,7 @@ TEST(FiguresOfTheHand, ShowManyPointsCloseToIt) {
   }
 }
 
-TEST(FiguresOfGamma, HaveNumbersOfTheirOwn) {
+TEST(Experiments, FiguresOfGammaHaveNumbersOfTheirOwn) {
   const Reproduction fit = run("figure-4.14");
   EXPECT_EQ(fit.plots.size(), 2U);
   EXPECT_NEAR(*fit.cells.at(0).recomputed, 2.21, 0.02);
@@ -157,7 +157,7 @@ TEST(FiguresOfGamma, HaveNumbersOfTheirOwn) {
   }
 }
 
-TEST(FiguresOfTheIntroduction, AgreeWithTheirEquation) {
+TEST(Experiments, FiguresOfTheIntroductionAgreeWithTheirEquation) {
   const Reproduction noise = run("figure-1.27");
   ASSERT_EQ(noise.cells.size(), 20U);
   for (const ReproducedCell& cell : noise.cells) {
@@ -168,7 +168,7 @@ TEST(FiguresOfTheIntroduction, AgreeWithTheirEquation) {
   EXPECT_GT(*unwrapping.cells.at(0).recomputed, 99.9);
 }
 
-TEST(FiguresOfHarmonics, AgreeWithTheModel) {
+TEST(Experiments, FiguresOfHarmonicsAgreeWithTheModel) {
   EXPECT_EQ(run("figure-1.43").plots.size(), 2U);
   EXPECT_EQ(run("figure-1.45").plots.size(), 3U);
   const Reproduction magnitudes = run("figure-1.44");
@@ -179,7 +179,7 @@ TEST(FiguresOfHarmonics, AgreeWithTheModel) {
   }
 }
 
-TEST(Figure21, ShowsEachTable) {
+TEST(Experiments, Figure21ShowsEachTable) {
   const Reproduction result = run("figure-2.1");
   EXPECT_EQ(result.plots.size(), 6U);
   const double ellipse = 100 * std::acos(-1.0) * std::sqrt(3) * 9 / 96;
@@ -188,7 +188,7 @@ TEST(Figure21, ShowsEachTable) {
   EXPECT_NEAR(*result.cells[2].recomputed, ellipse, 0.3);
 }
 
-TEST(SurfacesWithoutCalibration, ArePicturesWithLessError) {
+TEST(Experiments, SurfacesWithoutCalibrationArePicturesWithLessError) {
   // The relief of the fish has edges, where pixels see two surfaces.
   for (const auto& [name, times] : {std::pair("figure-4.19", 30), std::pair("figure-4.26", 20)}) {
     const Reproduction result = run(name);

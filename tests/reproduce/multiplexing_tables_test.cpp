@@ -10,11 +10,11 @@
 
 namespace slipstream::multiplexing_tables_test {
 
-class UnwrappingTable : public testing::TestWithParam<int> {};
+class MultiplexingTablesUnwrappingTable : public testing::TestWithParam<int> {};
 
 constexpr Size picture{480, 360};
 
-TEST_P(UnwrappingTable, IsRecomputedImprovedAndPredicted) {
+TEST_P(MultiplexingTablesUnwrappingTable, IsRecomputedImprovedAndPredicted) {
   const auto table = unwrapping_table(GetParam(), {.size = picture});
   ASSERT_EQ(table.size(), 9U);
   for (const UnwrappingCell& cell : table) {
@@ -31,7 +31,7 @@ TEST_P(UnwrappingTable, IsRecomputedImprovedAndPredicted) {
   }
 }
 
-TEST_P(UnwrappingTable, IsImprovedAtDepthEdgesAndNoPixelMadeWorse) {
+TEST_P(MultiplexingTablesUnwrappingTable, IsImprovedAtDepthEdgesAndNoPixelMadeWorse) {
   const UnwrappingTrial trial{.surface = UnwrappingTrial::Surface::stepped, .size = picture};
   for (const UnwrappingCell& cell : unwrapping_table(GetParam(), trial)) {
     SCOPED_TRACE(testing::Message()
@@ -41,11 +41,11 @@ TEST_P(UnwrappingTable, IsImprovedAtDepthEdgesAndNoPixelMadeWorse) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(N, UnwrappingTable, testing::Values(3, 4, 5));
+INSTANTIATE_TEST_SUITE_P(N, MultiplexingTablesUnwrappingTable, testing::Values(3, 4, 5));
 
-class VarianceRatioTable : public testing::TestWithParam<int> {};
+class MultiplexingTablesVarianceRatioTable : public testing::TestWithParam<int> {};
 
-TEST_P(VarianceRatioTable, IsAsPredictedWithinFivePercent) {
+TEST_P(MultiplexingTablesVarianceRatioTable, IsAsPredictedWithinFivePercent) {
   const auto table = variance_ratio_table(GetParam(), {.camera = {320, 240}});
   ASSERT_EQ(table.size(), 9U);
   for (const VarianceRatioCell& cell : table) {
@@ -54,7 +54,7 @@ TEST_P(VarianceRatioTable, IsAsPredictedWithinFivePercent) {
   }
 }
 
-TEST_P(VarianceRatioTable, ComesNearTheExperimentOfFoam) {
+TEST_P(MultiplexingTablesVarianceRatioTable, ComesNearTheExperimentOfFoam) {
   double ideal = 0, of_foam = 0;  // squares of what is missing, shares of the theory
   for (const VarianceRatioCell& cell : variance_ratio_table(GetParam(), {.camera = {320, 240}})) {
     ideal += std::pow((cell.measured - cell.published) / cell.predicted, 2) / 9;
@@ -64,9 +64,9 @@ TEST_P(VarianceRatioTable, ComesNearTheExperimentOfFoam) {
   EXPECT_LT(std::sqrt(of_foam), 0.12);
 }
 
-INSTANTIATE_TEST_SUITE_P(N, VarianceRatioTable, testing::Values(4, 5));
+INSTANTIATE_TEST_SUITE_P(N, MultiplexingTablesVarianceRatioTable, testing::Values(4, 5));
 
-TEST(ReproducedTables, RefuseStepsThatHaveNone) {
+TEST(MultiplexingTables, ReproducedTablesRefuseStepsThatHaveNone) {
   EXPECT_THROW(unwrapping_table(6), Error);
   EXPECT_THROW(variance_ratio_table(6), Error);
 }

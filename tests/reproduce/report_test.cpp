@@ -14,7 +14,7 @@ const Reproduced& sample() {
   return reproduced;
 }
 
-TEST(ReproducedReport, IsASectionWithPicturesRelativeToItsFolder) {
+TEST(Report, ReproducedReportIsASectionWithPicturesRelativeToItsFolder) {
   Page page("reports");
   page.paragraph("a < b & \"c\"");
   add_to(page, sample(), std::filesystem::absolute("reports"));
@@ -27,7 +27,7 @@ TEST(ReproducedReport, IsASectionWithPicturesRelativeToItsFolder) {
   }
 }
 
-TEST(ReproducedReport, IsTextWithoutEmptyColumns) {
+TEST(Report, ReproducedReportIsTextWithoutEmptyColumns) {
   const std::string text = text_of(sample());
   for (const char* words : {"table-9.1: a table", "error, rad", "published      0.25", "0.2512",
                             "A note.", "plots/figure-9.1.png"}) {

@@ -10,7 +10,7 @@
 
 namespace slipstream::reproduction_test {
 
-TEST(Reproducibles, HaveNamesOfTheirOwn) {
+TEST(Reproduction, ReproduciblesHaveNamesOfTheirOwn) {
   std::set<std::string> names;
   for (const Reproducible& item : reproducibles()) {
     EXPECT_TRUE(names.insert(item.name()).second) << item.name();
@@ -33,7 +33,7 @@ TEST(Reproducibles, HaveNamesOfTheirOwn) {
   }
 }
 
-TEST(Reproducibles, AreChosenByName) {
+TEST(Reproduction, ReproduciblesAreChosenByName) {
   EXPECT_EQ(reproducibles_named({}).size(), reproducibles().size());
   EXPECT_EQ(reproducibles_named({"all"}).size(), reproducibles().size());
   EXPECT_EQ(reproducibles_named({"figure-4.1"}).size(), 1U);

@@ -27,7 +27,7 @@ FrameSet rounded(const FrameSet& frames) {
   return FrameSet(std::move(whole));
 }
 
-TEST(Table32, IsOfFramesInWholeGreyLevels) {
+TEST(RoundedFrames, Table32IsOfFramesInWholeGreyLevels) {
   const Image<double> y = smooth_coordinate({640, 480});
   for (const UnwrappingCell& cell : unwrapping_table(4, {.size = {64, 48}})) {
     const Strategy strategy =

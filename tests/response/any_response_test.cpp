@@ -220,7 +220,7 @@ INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfSCurves, AnyResponse,
                                                      {0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65})));
 
 // Where the response presses phases together noise weighs more, and sigma says so.
-TEST(Uncertainty, KnowsTheNoiseThatCorrectingRaises) {
+TEST(AnyResponseUncertainty, KnowsTheNoiseThatCorrectingRaises) {
   const Bench& bench = Bench::bench();
   for (const Response& response :
        {Response(PowerLaw{2.2}), Response(logistic_curve(9, 0.45)), Response(PowerLaw{0.5})}) {
@@ -249,7 +249,7 @@ double rms_after(const PhaseCorrection& correction, const Response& response) {
 }
 
 // One run of steps by itself, that has no longer one beside it to warn of what it cannot see.
-TEST(BlindGamma, NeverMakesThePhaseOfItsStepsWorse) {
+TEST(AnyResponseBlindGamma, NeverMakesThePhaseOfItsStepsWorse) {
   std::vector<Projector> projectors = logistics({3, 12}, {0.35, 0.5, 0.65});
   projectors.push_back({"sRGB", srgb_curve()});
   for (const Projector& projector : tables()) projectors.push_back(projector);
@@ -270,7 +270,7 @@ TEST(BlindGamma, NeverMakesThePhaseOfItsStepsWorse) {
 }
 
 // Five to seven steps see too little of a curve to tell it from others of another phase error.
-TEST(GammaCalibration, RefusesCurvesByFewSteps) {
+TEST(AnyResponseGammaCalibration, RefusesCurvesByFewSteps) {
   for (const int steps : {4, 5, 6}) {
     const GammaCalibration found = Bench::bench().calibrated(logistic_curve(9, 0.45), steps);
     EXPECT_FALSE(found.response);
@@ -280,7 +280,7 @@ TEST(GammaCalibration, RefusesCurvesByFewSteps) {
 }
 
 // A small flat surface shows each pattern at few phases.
-TEST(GammaCalibration, LeavesOutValuesThatNoPixelSaw) {
+TEST(AnyResponseGammaCalibration, LeavesOutValuesThatNoPixelSaw) {
   constexpr int steps = 12;
   constexpr double widest = 7.5 * std::numbers::pi / 180;
   const Response truth = tables().back().response;
@@ -311,7 +311,7 @@ TEST(GammaCalibration, LeavesOutValuesThatNoPixelSaw) {
   }
 }
 
-TEST(UniformLevels, AreFittedByTheSimplestResponseThatLeavesNoise) {
+TEST(AnyResponseUniformLevels, AreFittedByTheSimplestResponseThatLeavesNoise) {
   const auto name_of = [](const Response& response) {
     return Bench::bench().from_uniform(response).name;
   };

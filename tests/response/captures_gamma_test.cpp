@@ -204,7 +204,7 @@ double rms_error(const FrameSet& three_steps, const BasicMaps<double>& truth,
   return std::sqrt(sum / count);
 }
 
-TEST(SkullGamma, BlindCorrectionDoesNoHarm) {
+TEST(CapturesGamma, SkullGammaBlindCorrectionDoesNoHarm) {
   const fs::path skull = shared_data() / "skull";
   if (!fs::exists(skull)) GTEST_SKIP() << "no " << skull;
   const FrameSet frames = frames_of(skull / "pmp", 3);

@@ -23,7 +23,7 @@ double wrapped(double angle) {
   return std::min(2 * pi * (turns - std::floor(turns)), std::nextafter(2 * pi, 0));
 }
 
-TEST(TruePhase, UndoesTheDistortion) {
+TEST(Correction, TruePhaseUndoesTheDistortion) {
   rc::check([] {
     const int steps = *rc::gen::inRange(3, 12);
     // Past gamma 4.5 three steps measure one phase for a range of true ones, to rounding.
@@ -35,7 +35,7 @@ TEST(TruePhase, UndoesTheDistortion) {
   });
 }
 
-TEST(PhaseCorrection, LeavesLessThanAMillionthOfARadian) {
+TEST(Correction, PhaseCorrectionLeavesLessThanAMillionthOfARadian) {
   for (const int steps : {3, 4, 5, 6, 8}) {
     for (const double gamma : {0.7, 1.4, 2.21, 3.18, 4.42}) {
       const Response response = PowerLaw{gamma};
@@ -49,7 +49,7 @@ TEST(PhaseCorrection, LeavesLessThanAMillionthOfARadian) {
   }
 }
 
-TEST(PhaseCorrection, IsFoundForAnyShifts) {
+TEST(Correction, PhaseCorrectionIsFoundForAnyShifts) {
   for (const Strategy& strategy :
        {Strategy(PhaseMeasuring{.angles = {0, 90, 180, 270, 360}}),
         Strategy(DualFrequency{.shifts = {2.1, true}, .angles = {0, 45, 120, 200, 310}}),
@@ -76,14 +76,14 @@ TEST(PhaseCorrection, IsFoundForAnyShifts) {
   }
 }
 
-TEST(PhaseCorrection, IsNoneForFramesOfSeveralSinusoids) {
+TEST(Correction, PhaseCorrectionIsNoneForFramesOfSeveralSinusoids) {
   for (const Strategy& strategy : {Strategy(TwoFrequency2N{}), Strategy(TwoFrequency4N{}),
                                    Strategy(GrayCode{}), Strategy(FourierProfilometry{})}) {
     EXPECT_TRUE(phase_corrections(PowerLaw{1.6}, strategy.layout()).empty()) << strategy.name();
   }
 }
 
-TEST(PhaseCorrection, TakesAMeasuredCurveToo) {
+TEST(Correction, PhaseCorrectionTakesAMeasuredCurveToo) {
   // No power law: a straight line and a cube in equal parts.
   std::vector<double> values, intensities;
   for (int i = 0; i <= 64; ++i) {
@@ -109,16 +109,16 @@ TEST(PhaseCorrection, TakesAMeasuredCurveToo) {
   EXPECT_LT(after, 1e-4);
 }
 
-TEST(PhaseCorrection, IsNoneWithoutDistortion) {
+TEST(Correction, PhaseCorrectionIsNoneWithoutDistortion) {
   for (const double added : phase_correction(PowerLaw{1}, 3).added) EXPECT_NEAR(added, 0, 1e-12);
 }
 
-TEST(PhaseCorrection, IsShortWhereThatSuffices) {
+TEST(Correction, PhaseCorrectionIsShortWhereThatSuffices) {
   EXPECT_EQ(phase_correction(PowerLaw{1}, 3).added.size(), 256U);
   EXPECT_LE(phase_correction(PowerLaw{2.2}, 3).added.size(), 8192U);
 }
 
-TEST(PhaseCorrections, AreOneForEachN) {
+TEST(Correction, PhaseCorrectionsAreOneForEachN) {
   const std::vector<Sinusoid> runs{{.steps = 4}, {.steps = 3}, {.steps = 4}};
   const PhaseCorrections corrections =
       phase_corrections(PowerLaw{2.2}, layout_of(runs, Unwrapping::none));
@@ -127,13 +127,13 @@ TEST(PhaseCorrections, AreOneForEachN) {
   EXPECT_EQ(corrections.at(4).steps, 4);
 }
 
-TEST(PhaseCorrection, RefusesWhatItDoesNotModel) {
+TEST(Correction, PhaseCorrectionRefusesWhatItDoesNotModel) {
   EXPECT_THROW((void)phase_correction(PowerLaw{0.4}, 3), Error);
   EXPECT_THROW((void)phase_correction(PowerLaw{12}, 3), Error);
   EXPECT_THROW((void)phase_correction(PowerLaw{2}, 2), Error);
 }
 
-TEST(Precompensation, GivesTheLightThatWasMeant) {
+TEST(Correction, PrecompensationGivesTheLightThatWasMeant) {
   const PatternSet meant =
       pattern_set(PhaseMeasuring{3, 1}, Axis::x, {.alpha_p = 200, .beta_p = 20});
   const Response response = PowerLaw{2.2};
@@ -146,7 +146,7 @@ TEST(Precompensation, GivesTheLightThatWasMeant) {
   }
 }
 
-TEST(DoubleThreeStep, CancelsTheLargestPartOfTheError) {
+TEST(Correction, DoubleThreeStepCancelsTheLargestPartOfTheError) {
   FrameSet::ImagesUnquantised images(6, Image<double>({2000, 1}));
   for (int i = 0; i < 2000; ++i) {
     for (int n = 0; n < 6; ++n) {

@@ -58,7 +58,7 @@ Image<std::uint8_t> all_lit(const Image<MeasuredHarmonics>& pixels) {
   return Image<std::uint8_t>(pixels.size(), 1);
 }
 
-TEST(BlindGamma, WithoutNoiseIsExact) {
+TEST(Gamma, BlindGammaWithoutNoiseIsExact) {
   for (const auto& [steps, gamma] : {std::pair{3, 3.18}, {4, 6.36}, {5, 10.36}, {3, 2.21}}) {
     const Image<MeasuredHarmonics> pixels = full_circle(PowerLaw{gamma}, steps);
     const BlindGamma found = find_gamma(pixels, all_lit(pixels), steps);
@@ -77,7 +77,7 @@ TEST(BlindGamma, WithoutNoiseIsExact) {
   }
 }
 
-TEST(BlindGamma, IsFoundForOtherNAndBelow1) {
+TEST(Gamma, BlindGammaIsFoundForOtherNAndBelow1) {
   for (const auto& [steps, gamma] : {std::pair{6, 0.7}, {8, 1.5}, {4, 1.3}, {7, 2.2}}) {
     const Image<MeasuredHarmonics> pixels = full_circle(PowerLaw{gamma}, steps);
     const BlindGamma found = find_gamma(pixels, all_lit(pixels), steps);
@@ -86,7 +86,7 @@ TEST(BlindGamma, IsFoundForOtherNAndBelow1) {
   }
 }
 
-TEST(BlindGamma, OfFewPixelsIsFoundOrRefused) {
+TEST(Gamma, BlindGammaOfFewPixelsIsFoundOrRefused) {
   for (const int width : {100, 130, 500}) {
     Image<MeasuredHarmonics> pixels({width, 1});
     for (int i = 0; i < width; ++i) {
@@ -100,7 +100,7 @@ TEST(BlindGamma, OfFewPixelsIsFoundOrRefused) {
   }
 }
 
-TEST(BlindGamma, RefusesWhereTheDataDoNotSay) {
+TEST(Gamma, BlindGammaRefusesWhereTheDataDoNotSay) {
   const auto refusal = [](const Image<MeasuredHarmonics>& pixels, int steps) {
     return find_gamma(pixels, all_lit(pixels), steps).refusal;
   };
@@ -135,9 +135,9 @@ struct Experiment {
   double blind_gain;       ///< least
 };
 
-class Section45 : public testing::TestWithParam<Experiment> {};
+class GammaSection45 : public testing::TestWithParam<Experiment> {};
 
-TEST_P(Section45, IsAtLeastAsPublished) {
+TEST_P(GammaSection45, IsAtLeastAsPublished) {
   const auto& [steps, gamma, ambient, published, calibrated_gain, blind_gain] = GetParam();
   const FrameSet frames = white_board().averaged(steps, gamma, ambient);
   const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, 0, steps);
@@ -155,13 +155,13 @@ TEST_P(Section45, IsAtLeastAsPublished) {
   EXPECT_GE(before / rms_with(found.gamma), blind_gain);
 }
 
-INSTANTIATE_TEST_SUITE_P(Board, Section45,
+INSTANTIATE_TEST_SUITE_P(Board, GammaSection45,
                          testing::Values(Experiment{3, 2.21, 0, 0.0256, 60, 33},
                                          Experiment{4, 4.42, 5, 0.0152, 43, 43},
                                          Experiment{5, 7.73, 5, 0.0123, 39, 39}),
                          [](const auto& info) { return "N" + std::to_string(info.param.steps); });
 
-TEST(BlindGamma, OfOneNoisyTexturedScanIsNearTheTruth) {
+TEST(Gamma, BlindGammaOfOneNoisyTexturedScanIsNearTheTruth) {
   for (const auto& [steps, gamma] : {std::pair{4, 2.21}, {5, 2.21}, {6, 1.4}}) {
     const BlindGamma found = find_gamma(textured_board().once(steps, gamma, 5), 0, steps);
     EXPECT_EQ(found.refusal, BlindRefusal::none);
@@ -169,7 +169,7 @@ TEST(BlindGamma, OfOneNoisyTexturedScanIsNearTheTruth) {
   }
 }
 
-TEST(BlindGamma, SeesAmbientLightInNoise) {
+TEST(Gamma, BlindGammaSeesAmbientLightInNoise) {
   for (const double gamma : {1.0, 2.21}) {
     const BlindGamma found = find_gamma(textured_board().once(3, gamma, 5), 0, 3);
     EXPECT_EQ(found.refusal, BlindRefusal::ambient_light) << found.gamma;
@@ -184,7 +184,7 @@ GammaEstimate measured(const BoardExperiment& board, double gamma) {
   return robust_gamma(gamma_map(pixels, well_lit(pixels, frames)));
 }
 
-TEST(MeasuredGamma, OfATexturedObjectIsThatOfTheWhiteBoard) {
+TEST(Gamma, MeasuredGammaOfATexturedObjectIsThatOfTheWhiteBoard) {
   for (const double gamma : {2.21, 4.42, 7.73}) {
     const GammaEstimate white = measured(white_board(), gamma);
     const GammaEstimate veined = measured(textured_board(), gamma);
@@ -194,7 +194,7 @@ TEST(MeasuredGamma, OfATexturedObjectIsThatOfTheWhiteBoard) {
   }
 }
 
-TEST(RobustGamma, HasTheStandardErrorItSays) {
+TEST(Gamma, RobustGammaHasTheStandardErrorItSays) {
   // Gaussian pixels by a sum of 12 uniform ones; 200 maps, one gamma each.
   std::uint32_t state = 7;
   const auto uniform = [&] {
@@ -219,13 +219,13 @@ TEST(RobustGamma, HasTheStandardErrorItSays) {
   EXPECT_NEAR(std::sqrt(squares / maps) / (promised / maps), 1, 0.25);
 }
 
-TEST(RobustGamma, RefusesAMapWithHardlyAnyPixel) {
+TEST(Gamma, RobustGammaRefusesAMapWithHardlyAnyPixel) {
   Image<double> map({20, 20}, std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < 20; ++i) map(i, 0) = 2;
   EXPECT_THROW((void)robust_gamma(map), Error);
 }
 
-TEST(Histogram, CountsWhatIsInside) {
+TEST(Gamma, HistogramCountsWhatIsInside) {
   Image<double> map({4, 1});
   map(0, 0) = 1.1;
   map(1, 0) = 1.9;
@@ -235,7 +235,7 @@ TEST(Histogram, CountsWhatIsInside) {
   EXPECT_EQ(counted.counts, (std::vector<std::size_t>{1, 1}));
 }
 
-TEST(FitGamma, FindsTheCurveItIsGiven) {
+TEST(Gamma, FitGammaFindsTheCurveItIsGiven) {
   rc::check([] {
     const double gamma = *rc::gen::inRange(50, 1100) / 100.0;
     const double offset = *rc::gen::inRange(-50, 200) / 10.0;
@@ -251,7 +251,7 @@ TEST(FitGamma, FindsTheCurveItIsGiven) {
   });
 }
 
-TEST(FitGamma, RefusesWhatSaysNothing) {
+TEST(Gamma, FitGammaRefusesWhatSaysNothing) {
   const std::vector<double> same(6, 0.5), rising{0, 0.2, 0.4, 0.6, 0.8, 1};
   const std::vector<double> falling{6, 5, 4, 3, 2, 1};
   EXPECT_THROW((void)fit_gamma(same, rising), Error);

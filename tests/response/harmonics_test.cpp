@@ -62,14 +62,14 @@ TEST(Harmonics, AddUpToTheLight) {
 
 const Response gamma_318 = PowerLaw{3.18};
 
-TEST(PhaseError, HasTheRmsOfThePaperAtGamma318) {
+TEST(Harmonics, PhaseErrorHasTheRmsOfThePaperAtGamma318) {
   for (const auto& [steps, rms] :
        {std::pair{3, 0.30358}, {4, 0.05701}, {5, 0.0013962}, {6, 0.00013495}}) {
     EXPECT_NEAR(rms_phase_error(gamma_318, steps) / rms, 1, 5e-5) << steps;
   }
 }
 
-TEST(PhaseError, IsEquation445WithAllHarmonics) {
+TEST(Harmonics, PhaseErrorIsEquation445WithAllHarmonics) {
   for (const int steps : {3, 4, 5, 6}) {
     const HarmonicRatios G = harmonic_ratios(3.18, 4000);
     for (double phi = 0; phi < 2 * pi; phi += 0.01) {
@@ -78,7 +78,7 @@ TEST(PhaseError, IsEquation445WithAllHarmonics) {
   }
 }
 
-TEST(PhaseError, VanishesAtMultiplesOfPiOverNAllAround) {
+TEST(Harmonics, PhaseErrorVanishesAtMultiplesOfPiOverNAllAround) {
   for (int steps = 3; steps <= 6; ++steps) {
     for (int n = 0; n < 2 * steps; ++n) {
       EXPECT_NEAR(phase_error(gamma_318, steps, pi * n / steps), 0, 1e-14);
@@ -86,7 +86,7 @@ TEST(PhaseError, VanishesAtMultiplesOfPiOverNAllAround) {
   }
 }
 
-TEST(PhaseError, VanishesWhereTheHarmonicsDo) {
+TEST(Harmonics, PhaseErrorVanishesWhereTheHarmonicsDo) {
   // Fig. 4.6: gamma whole and at most N - 2.
   for (int steps = 3; steps <= 8; ++steps) {
     for (int gamma = 1; gamma <= steps - 2; ++gamma) {
@@ -96,7 +96,7 @@ TEST(PhaseError, VanishesWhereTheHarmonicsDo) {
   }
 }
 
-TEST(TruePhase, HasTheErrorsOfTable41) {
+TEST(Harmonics, TruePhaseHasTheErrorsOfTable41) {
   // Two digits of the print; more of them as recomputed.
   for (const auto& [highest, rms] :
        {std::pair{2, 4.008e-3}, {4, 3.673e-4}, {5, 2.870e-5}, {7, 6.240e-6}, {8, 1.824e-6}}) {
@@ -112,7 +112,7 @@ TEST(TruePhase, HasTheErrorsOfTable41) {
   }
 }
 
-TEST(GammaFromHarmonics, HasTheErrorsOfFigure47) {
+TEST(Harmonics, GammaFromHarmonicsHasTheErrorsOfFigure47) {
   for (const auto& [steps, rms] : {std::pair{5, 0.518},
                                    {6, 1.33e-2},
                                    {7, 1.40e-3},
@@ -133,7 +133,7 @@ TEST(GammaFromHarmonics, HasTheErrorsOfFigure47) {
   }
 }
 
-TEST(MeasuredHarmonics, SayWhenGammaIsBelow1) {
+TEST(Harmonics, MeasuredHarmonicsSayWhenGammaIsBelow1) {
   const MeasuredHarmonics measured = measured_harmonics(PowerLaw{0.7}, 24, 1.0);
   EXPECT_NEAR(gamma_from_harmonics(measured.B_1(), measured.B_2()), 0.7, 1e-2);
   EXPECT_LT(measured.B_2(), 0);

@@ -57,7 +57,7 @@ TEST_P(PhaseNoise, IsAsPredictedWithinFivePercent) {
 
 INSTANTIATE_TEST_SUITE_P(N, PhaseNoise, testing::Values(3, 4, 6, 8));
 
-TEST(CoordinateVariance, IsEquation340) {
+TEST(PhaseNoiseCoordinateVariance, IsEquation340) {
   // 2 sigma_w^2 / (pi^2 N alpha^2 alpha_p^2 f^2)
   const double expected = 2 * 1.55 / (pi * pi * 5 * 0.36 * 200 * 200 * 64);
   EXPECT_NEAR(coordinate_variance(phase_variance(5, 0.6, 200, 1.55), 8), expected, 1e-15);

@@ -33,7 +33,7 @@ Scan scan_of(const Strategy& strategy, const Photometry& photometry,
 
 const Strategy six_steps = PhaseMeasuring{.steps = 6};
 
-TEST(ScanAverage, TakesScansOfOneKind) {
+TEST(Photometry, ScanAverageTakesScansOfOneKind) {
   ScanAverage scans;
   scans.add(scan_of(six_steps, {}), "one");
   scans.add(scan_of(six_steps, {.seed = 2}), "two");
@@ -42,7 +42,7 @@ TEST(ScanAverage, TakesScansOfOneKind) {
                {"three", "one"});
 }
 
-TEST(AmbientCalibration, FindsTheAmbientLight) {
+TEST(Photometry, AmbientCalibrationFindsTheAmbientLight) {
   ScanAverage scans;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     scans.add(scan_of(six_steps, {.ambient = -5, .noise_variance = 2, .seed = seed}), "a scan");
@@ -53,7 +53,7 @@ TEST(AmbientCalibration, FindsTheAmbientLight) {
                {"a cued scan"});
 }
 
-TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {
+TEST(Photometry, AmbientCalibrationKnowsTheResponseOrRefuses) {
   for (const int steps : {4, 6, 12}) {
     for (const double gamma : {0.7, 1.3, 2.2}) {
       ScanAverage scans;
@@ -71,7 +71,7 @@ TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {
   }
 }
 
-TEST(ResponseLinearity, IsTheSecondHarmonic) {
+TEST(Photometry, ResponseLinearityIsTheSecondHarmonic) {
   for (const int steps : {4, 5, 8}) {
     const auto of = [&](double gamma) {
       ScanAverage scans;
@@ -91,7 +91,7 @@ TEST(ResponseLinearity, IsTheSecondHarmonic) {
   EXPECT_FALSE(response_linearity(three));
 }
 
-TEST(GammaCalibration, FindsGammaByEachPixelAndByAll) {
+TEST(Photometry, GammaCalibrationFindsGammaByEachPixelAndByAll) {
   ScanAverage scans;
   scans.add(scan_of(six_steps, {.response = PowerLaw{2.2}, .noise_variance = 0.2}, bright),
             "a scan");
@@ -101,7 +101,7 @@ TEST(GammaCalibration, FindsGammaByEachPixelAndByAll) {
   EXPECT_NEAR(found.pixels.value().estimate.gamma, 2.2, 0.01);
 }
 
-TEST(GammaChoice, IsWhatIsAskedFor) {
+TEST(Photometry, GammaChoiceIsWhatIsAskedFor) {
   const MeasuredResponse known{PowerLaw{1.8}, 1.8, 0.01};
   EXPECT_EQ(choose_gamma("scanner", known).response, known);
   EXPECT_FALSE(choose_gamma("scanner", std::nullopt).response);
@@ -116,7 +116,7 @@ TEST(GammaChoice, IsWhatIsAskedFor) {
   EXPECT_NEAR(blind.gamma.value(), 2.2, 0.05);
 }
 
-TEST(NoiseCalibration, GivesTheVarianceByEveryEquationThatTheScansAllow) {
+TEST(Photometry, NoiseCalibrationGivesTheVarianceByEveryEquationThatTheScansAllow) {
   const Photometry photometry{.noise_variance = 2};
   std::vector<NoiseScan> scans;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
@@ -136,7 +136,7 @@ TEST(NoiseCalibration, GivesTheVarianceByEveryEquationThatTheScansAllow) {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};
 
-TEST(AmbientMeasurement, SolvesEquation35AtBrightPixels) {
+TEST(Photometry, AmbientMeasurementSolvesEquation35AtBrightPixels) {
   const Size size{40, 30};
   Image<double> mean(size), modulation(size);
   Image<std::uint8_t> measured(size, 1);

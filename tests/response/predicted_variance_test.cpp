@@ -235,7 +235,7 @@ TEST(PredictedVariance, OfABandIsThatOfItsWeights) {
   EXPECT_DOUBLE_EQ(phase_variance(own, 40, sigma_w2), 2 * sigma_w2 / 1600);
 }
 
-TEST(Reflectivity, HasTheReliableRangeThatIsPrinted) {
+TEST(PredictedVariance, ReflectivityHasTheReliableRangeThatIsPrinted) {
   EXPECT_NEAR(least_reliable_reflectivity(55, -7), 0.1458, 1e-4);
   EXPECT_NEAR(least_beta_p(least_reliable_reflectivity(55, -7), -7), 55, 1e-9);
   EXPECT_EQ(least_reliable_reflectivity(0, 3), 0);

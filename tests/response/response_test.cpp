@@ -80,7 +80,7 @@ TEST(Response, RefusesWhatIsNoCurve) {
   EXPECT_THROW((void)response_curve(std::array{0.0, 0.5, 1.0}, std::array{0.0, 1.0}), Error);
 }
 
-TEST(NamedResponses, SrgbIsTheStandardsCurve) {
+TEST(Response, NamedResponsesSrgbIsTheStandardsCurve) {
   const Response srgb = curve_named("srgb").value();
   for (double value = 0; value <= 1; value += 0.001) {
     const double standard =
@@ -89,7 +89,7 @@ TEST(NamedResponses, SrgbIsTheStandardsCurve) {
   }
 }
 
-TEST(NamedResponses, ALogisticCurveHasItsSlopeAndItsCentre) {
+TEST(Response, NamedResponsesALogisticCurveHasItsSlopeAndItsCentre) {
   for (const double slope : {0.1, 3.0, 12.0, 50.0}) {
     const Response symmetric = logistic_curve(slope, 0.5);
     EXPECT_NEAR(light_at(symmetric, 0.5), 0.5, 1e-12);
@@ -103,7 +103,7 @@ TEST(NamedResponses, ALogisticCurveHasItsSlopeAndItsCentre) {
   }
 }
 
-TEST(NamedResponses, TheNameOfACurveThatServesGivesThatCurve) {
+TEST(Response, NamedResponsesTheNameOfACurveThatServesGivesThatCurve) {
   // An exponential is best served by a centre beyond the last value.
   const auto distance = [](const Response& response) {
     double sum = 0;
@@ -124,7 +124,7 @@ TEST(NamedResponses, TheNameOfACurveThatServesGivesThatCurve) {
   }
 }
 
-TEST(NamedResponses, ANameThatIsNoCurveIsToldFromOneThatIsWrong) {
+TEST(Response, NamedResponsesANameThatIsNoCurveIsToldFromOneThatIsWrong) {
   EXPECT_FALSE(curve_named("2.2"));
   EXPECT_FALSE(curve_named("scanner.yaml"));
   for (const char* wrong : {"logistic:", "logistic:9", "logistic:9:", "logistic:9:0.4:1",

@@ -10,8 +10,7 @@ import types
 import xml.etree.ElementTree
 
 import pytest
-
-yaml = pytest.importorskip("yaml")
+import yaml
 
 SOURCES = pathlib.Path(__file__).parents[2]
 ROS = SOURCES / "ros"

@@ -16,6 +16,7 @@
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::scan_job_test {
 
@@ -33,8 +34,8 @@ bool same_cloud(const Cloud& a, const Cloud& b) {
 const Sequence dual{.strategy = make_strategy("dual-frequency", {{"high", 16}, {"low", 1}})};
 
 Scan scan_of(const Sequence& sequence, const Scanner& scanner = example_scanner({160, 120})) {
-  VirtualScan taken = take_scan(scanner, scene_named("statue", scanner), pattern_set(sequence),
-                                {.noise_variance = 1.6});
+  VirtualScan taken =
+      scan_of_scene("statue", scanner, pattern_set(sequence), {.noise_variance = 1.6});
   return merged({.frames = std::move(taken.frames), .sequence = sequence, .scanner = scanner});
 }
 

@@ -170,7 +170,7 @@ Rehearsal small_rehearsal(const Photometry& photometry, double factor = 1) {
   return rehearsal(world, sequence, calibrated);
 }
 
-TEST(Rehearsal, InAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
+TEST(Accuracy, RehearsalInAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
   Rehearsal test = small_rehearsal({.bits = std::nullopt});
   EXPECT_EQ(test.artefacts.spheres.size(), 7U);
   EXPECT_EQ(test.artefacts.planes.size(), 6U);
@@ -182,7 +182,7 @@ TEST(Rehearsal, InAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
   EXPECT_NEAR(figure(found, "flatness"), 0, 0.004);
 }
 
-TEST(Rehearsal, MeasuresWhatACalibrationIsOff) {
+TEST(Accuracy, RehearsalMeasuresWhatACalibrationIsOff) {
   Rehearsal test = small_rehearsal({.bits = std::nullopt}, 1.002);
   test.artefacts.planes.clear();
   test.artefacts.repeated.clear();

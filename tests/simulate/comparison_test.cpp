@@ -20,9 +20,9 @@ std::vector<Sequence> all_sequences(const Scanner& scanner) {
   return sequences;
 }
 
-class BenchWorld : public testing::TestWithParam<std::string_view> {};
+class ComparisonBenchWorld : public testing::TestWithParam<std::string_view> {};
 
-TEST_P(BenchWorld, ErrsAsSigmaSays) {
+TEST_P(ComparisonBenchWorld, ErrsAsSigmaSays) {
   const Scanner scanner = example_scanner();
   const VirtualWorld world{scanner, scene_named(GetParam(), scanner), photometry_named("bench")};
   const std::vector<Sequence> sequences = all_sequences(scanner);
@@ -47,7 +47,7 @@ std::vector<std::string_view> still_scene_names() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, BenchWorld, testing::ValuesIn(still_scene_names()),
+INSTANTIATE_TEST_SUITE_P(Scenes, ComparisonBenchWorld, testing::ValuesIn(still_scene_names()),
                          [](const auto& scene) { return std::string(scene.param); });
 
 TEST(Comparison, GivesTwiceTheFramesHalfTheLight) {

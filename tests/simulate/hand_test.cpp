@@ -51,7 +51,7 @@ double seen_share(const char* name) {
   return seen / 4800.0;
 }
 
-TEST(NamedScenes, FillTheView) {
+TEST(Hand, NamedScenesFillTheView) {
   EXPECT_GT(seen_share("hand"), 0.2);
   EXPECT_GT(seen_share("angel"), 0.15);
   EXPECT_GT(seen_share("fish"), 0.9);

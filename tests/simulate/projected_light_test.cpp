@@ -70,7 +70,7 @@ double phase_error(int steps, double period, double blur) {
   return std::sqrt(squares / static_cast<double>(places.size()));
 }
 
-TEST(BinaryPatterns, ErrOfPhaseFallsWithDefocus) {
+TEST(ProjectedLight, BinaryPatternsErrOfPhaseFallsWithDefocus) {
   constexpr std::array blurs{0.0, 0.5, 1.0, 2.0, 3.0};
   constexpr std::array most{0.9, 0.35, 0.065, 0.013, 0.006};
   std::printf("| N | period | 0 px | 0.5 px | 1 px | 2 px | 3 px |\n");
@@ -90,7 +90,7 @@ TEST(BinaryPatterns, ErrOfPhaseFallsWithDefocus) {
   }
 }
 
-TEST(BinaryPatterns, LightIsThatOfGreyWherePixelsAreBlurredAway) {
+TEST(ProjectedLight, BinaryPatternsLightIsThatOfGreyWherePixelsAreBlurredAway) {
   for (const int n : {0, 1, 2}) {
     const ProjectedLight bits = light(fringes(3, 64), n), grey = light(fringes(3, 64, false), n);
     for (const LitSample& sample : samples(4)) {
@@ -100,13 +100,13 @@ TEST(BinaryPatterns, LightIsThatOfGreyWherePixelsAreBlurredAway) {
   }
 }
 
-TEST(BinaryPatterns, AnswerNoGamma) {
+TEST(ProjectedLight, BinaryPatternsAnswerNoGamma) {
   const ProjectedLight linear = light(fringes(3, 32), 1);
   const ProjectedLight bent = light(fringes(3, 32), 1, {.response = PowerLaw{2.2}});
   for (const LitSample& sample : samples(1)) EXPECT_NEAR(linear(sample), bent(sample), 1e-9);
 }
 
-TEST(BinaryPatterns, HalfOfTheLightSpreadsWithinASurface) {
+TEST(ProjectedLight, BinaryPatternsHalfOfTheLightSpreadsWithinASurface) {
   const ProjectedLight bits = light(fringes(3, 32), 0);
   LitSample sample{.pixel = {100.3, 80.7}, .strength = 1, .blur = 3};
   const double sharp = bits(sample);
@@ -153,7 +153,7 @@ std::complex<double> phasor(const LitSample& sample, Axis axis, const Photometry
   return sum;
 }
 
-TEST(CarrierPatterns, LightAPixelByBothOfItsCoordinates) {
+TEST(ProjectedLight, CarrierPatternsLightAPixelByBothOfItsCoordinates) {
   for (const Axis axis : {Axis::x, Axis::y}) {
     for (const Eigen::Vector2d pixel : {Eigen::Vector2d(100.3, 70.8), {259.9, 333.25}}) {
       const auto z = phasor({.pixel = pixel, .strength = 1}, axis, {});
@@ -165,7 +165,7 @@ TEST(CarrierPatterns, LightAPixelByBothOfItsCoordinates) {
 
 /// A Gaussian, and the evenness of a pixel, take from the modulation what they take of both
 /// periods.
-TEST(CarrierPatterns, LoseTheModulationThatDefocusTakes) {
+TEST(ProjectedLight, CarrierPatternsLoseTheModulationThatDefocusTakes) {
   const auto kept = [](double period, double blur) {
     const double pixel = std::sin(pi / period) / (pi / period);
     return pixel * std::exp(-2 * std::pow(pi * blur / period, 2));

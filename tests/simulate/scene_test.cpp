@@ -171,7 +171,7 @@ TEST(Scene, TellsWhatATurnTakes) {
   EXPECT_FALSE(frames_of_a_turn(scene));
 }
 
-TEST(Textures, SoftEdgesRunThroughWhereTheSharpOnesAre) {
+TEST(Scene, TexturesSoftEdgesRunThroughWhereTheSharpOnesAre) {
   Image<std::uint8_t> picture({40, 30}, 0);
   for (int row = 0; row < 30; ++row) {
     for (int column = 20; column < 40; ++column) picture(column, row) = 255;
@@ -188,12 +188,12 @@ TEST(Textures, SoftEdgesRunThroughWhereTheSharpOnesAre) {
   }
 }
 
-TEST(Mesh, RefusesWhatIsNoMesh) {
+TEST(Scene, MeshRefusesWhatIsNoMesh) {
   EXPECT_THROW(MeshTree(Mesh{}), Error);
   EXPECT_THROW(MeshTree(Mesh{{Vector::Zero()}, {{0, 0, 1}}}), Error);
 }
 
-TEST(NamedScenes, StandWhereCameraAndProjectorLook) {
+TEST(Scene, NamedScenesStandWhereCameraAndProjectorLook) {
   const Scanner scanner = example_scanner();
   const WorkingVolume volume = working_volume(scanner);
   EXPECT_NEAR(volume.centre.z(), 600, 1e-6);
@@ -206,7 +206,7 @@ TEST(NamedScenes, StandWhereCameraAndProjectorLook) {
   }
 }
 
-TEST(Statue, HidesPartsOfItself) {
+TEST(Scene, StatueHidesPartsOfItself) {
   const MeshTree tree(statue());
   // Along the axis of sight through the ring: ring first, then chest, with space between.
   const auto ring = tree.first_hit({Vector(-0.11, -0.16, 5), Vector(0, 0, -1)});

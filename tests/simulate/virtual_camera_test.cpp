@@ -37,7 +37,7 @@ bool same_pixels(const Frame& a, const Frame& b) {
   return std::equal(pixels(a).begin(), pixels(a).end(), pixels(b).begin(), pixels(b).end());
 }
 
-TEST(VirtualFrames, at_rest_are_those_of_a_scan) {
+TEST(VirtualCamera, VirtualFramesAtRestAreThoseOfAScan) {
   const Scanner scanner = example_scanner({64, 48});
   const Photometry photometry{.ambient = 4};
   const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner), patterns, photometry);
@@ -53,7 +53,7 @@ TEST(VirtualFrames, at_rest_are_those_of_a_scan) {
   }
 }
 
-TEST(VirtualFrames, of_a_moving_scene_go_to_and_fro) {
+TEST(VirtualCamera, VirtualFramesOfAMovingSceneGoToAndFro) {
   const auto frames = frames_of({64, 48}, 6, {1, 0, 0});
   // The column of the light's centre of gravity over four frames: one of each pattern.
   const auto place = [&](std::size_t first) {
@@ -75,7 +75,7 @@ TEST(VirtualFrames, of_a_moving_scene_go_to_and_fro) {
   EXPECT_LT(std::abs(place(20) - place(0)), 2);
 }
 
-TEST(VirtualFrames, of_a_turning_scene_go_round) {
+TEST(VirtualCamera, VirtualFramesOfATurningSceneGoRound) {
   const Scanner scanner = example_scanner({64, 48});
   Scene scene = scene_named("boxes", scanner);
   for (Body& body : scene) {
@@ -90,12 +90,12 @@ TEST(VirtualFrames, of_a_turning_scene_go_round) {
   }
 }
 
-TEST(VirtualFrames, have_noise_of_their_own) {
+TEST(VirtualCamera, VirtualFramesHaveNoiseOfTheirOwn) {
   const auto frames = frames_of({32, 24}, 2, Eigen::Vector3d::Zero(), {.noise_variance = 4});
   EXPECT_FALSE(same_pixels(frames[0], frames[4]));
 }
 
-TEST(VirtualCamera, gives_its_frames_over_and_over) {
+TEST(VirtualCamera, GivesItsFramesOverAndOver) {
   const auto frames = frames_of({32, 24}, 2, {0, 0, 1});
   VirtualCamera camera(frames);
   EXPECT_FALSE(camera.has_own_pace());
@@ -113,7 +113,7 @@ TEST(VirtualCamera, gives_its_frames_over_and_over) {
   EXPECT_EQ(camera.counters().lost, 0U);
 }
 
-TEST(VirtualCamera, with_a_rate_gives_each_frame_when_it_is_due) {
+TEST(VirtualCamera, WithARateGivesEachFrameWhenItIsDue) {
   const auto frames = frames_of({32, 24}, 1, Eigen::Vector3d::Zero());
   VirtualCamera camera(frames, 200), slow(frames, 0.01);
   EXPECT_TRUE(camera.has_own_pace());
@@ -130,7 +130,7 @@ TEST(VirtualCamera, with_a_rate_gives_each_frame_when_it_is_due) {
   }
 }
 
-TEST(VirtualCamera, loses_the_oldest_frames_that_nobody_fetches) {
+TEST(VirtualCamera, LosesTheOldestFramesThatNobodyFetches) {
   VirtualCamera camera(frames_of({32, 24}, 1, Eigen::Vector3d::Zero()), 1000);
   camera.start();
   Frame frame(camera.format());
@@ -141,7 +141,7 @@ TEST(VirtualCamera, loses_the_oldest_frames_that_nobody_fetches) {
   EXPECT_EQ(frame.stamp.pattern_index, static_cast<int>(frame.stamp.sequence % 4));
 }
 
-TEST(VirtualCamera, refuses_what_is_no_camera) {
+TEST(VirtualCamera, RefusesWhatIsNoCamera) {
   const auto frames = frames_of({32, 24}, 1, Eigen::Vector3d::Zero());
   EXPECT_THROW(VirtualCamera(std::vector<Frame>{}), Error);
   EXPECT_THROW(VirtualCamera(frames, 0), Error);
@@ -176,7 +176,7 @@ Frame next_frame(FrameSource& camera) {
   return frame;
 }
 
-TEST(VirtualRig, AnswersPatternsWithTheFramesOfTheVirtualScanner) {
+TEST(VirtualCamera, VirtualRigAnswersPatternsWithTheFramesOfTheVirtualScanner) {
   const Scene scene = scene_named("sphere", scanner);
   const Photometry photometry{.ambient = 4, .response = PowerLaw{1.8}};
   for (const Axis axis : {Axis::x, Axis::y}) {
@@ -201,7 +201,7 @@ TEST(VirtualRig, AnswersPatternsWithTheFramesOfTheVirtualScanner) {
   }
 }
 
-TEST(VirtualRig, IsDarkBeforeTheFirstPattern) {
+TEST(VirtualCamera, VirtualRigIsDarkBeforeTheFirstPattern) {
   VirtualRig rig(scanner, scene_named("board", scanner));
   Frame frame = next_frame(rig);
   EXPECT_EQ(*std::max_element(pixels(frame).begin(), pixels(frame).end()), 0);
@@ -215,7 +215,7 @@ TEST(VirtualRig, IsDarkBeforeTheFirstPattern) {
   EXPECT_EQ(rig.counters().delivered, 2U);
 }
 
-TEST(VirtualRig, HasNoiseOfItsOwnInEachFrameAndMoreBits) {
+TEST(VirtualCamera, VirtualRigHasNoiseOfItsOwnInEachFrameAndMoreBits) {
   VirtualRig rig(scanner, scene_named("board", scanner), {.noise_variance = 4, .bits = 12});
   rig.load({Picture(projector, 128)});
   rig.show(0);
@@ -226,7 +226,7 @@ TEST(VirtualRig, HasNoiseOfItsOwnInEachFrameAndMoreBits) {
   EXPECT_FALSE(std::equal(a.begin(), a.end(), b.begin()));
 }
 
-TEST(VirtualRig, BodiesGoOnFromFrameToFrame) {
+TEST(VirtualCamera, VirtualRigBodiesGoOnFromFrameToFrame) {
   Scene scene = scene_named("sphere", scanner);
   for (Body& body : scene) body.motion.step = {0, 0, 5};
   VirtualRig rig(scanner, scene);
@@ -245,7 +245,7 @@ TEST(VirtualRig, BodiesGoOnFromFrameToFrame) {
   EXPECT_TRUE(std::equal(pixels(there).begin(), pixels(there).end(), pixels(second).begin()));
 }
 
-TEST(VirtualRig, RefusesWhatItCannotShowOrSee) {
+TEST(VirtualCamera, VirtualRigRefusesWhatItCannotShowOrSee) {
   const Scene scene = scene_named("board", scanner);
   VirtualRig rig(scanner, scene);
   EXPECT_THROW(rig.load({}), Error);

@@ -143,7 +143,7 @@ std::vector<PatternSet> sets_of() {
       {.strategy = default_strategy(), .projector = {1280, 800}, .marker = true});
 }
 
-TEST(MovedBoard, StaysForItsCyclesAndMovesWithinOne) {
+TEST(VirtualScanner, MovedBoardStaysForItsCyclesAndMovesWithinOne) {
   const VirtualWorld world = small_world();
   const auto poses = board_poses(world.scanner, 3, 80, 60);
   const ReelScript script = moved_board(world, sheet(), poses, sets_of(), 2);
@@ -160,7 +160,7 @@ TEST(MovedBoard, StaysForItsCyclesAndMovesWithinOne) {
   }
 }
 
-TEST(MovedBoard, NeedsPosesAndCycles) {
+TEST(VirtualScanner, MovedBoardNeedsPosesAndCycles) {
   const auto poses = board_poses(small_world().scanner, 1, 80, 60);
   EXPECT_THROW(moved_board(small_world(), sheet(), {}, sets_of(), 2), Error);
   EXPECT_THROW(moved_board(small_world(), sheet(), poses, {}, 2), Error);

@@ -18,9 +18,9 @@ namespace slipstream::spatial_unwrapping_test {
 constexpr double period = 2 * std::numbers::pi;
 constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
 
-class EachMethod : public testing::TestWithParam<std::string> {};
+class SpatialUnwrappingEachMethod : public testing::TestWithParam<std::string> {};
 
-TEST_P(EachMethod, UnwrapsASmoothSurface) {
+TEST_P(SpatialUnwrappingEachMethod, UnwrapsASmoothSurface) {
   const Size size{96, 80};
   const KnownPhase known =
       known_phase(size, 0.05, [&](double x, double y) { return 3 * hills(size, x, y); });
@@ -30,7 +30,7 @@ TEST_P(EachMethod, UnwrapsASmoothSurface) {
   EXPECT_EQ(unwrapped.phase(0, 0), known.wrapped(0, 0));
 }
 
-TEST_P(EachMethod, TakesEmptySmallAndVoidPictures) {
+TEST_P(SpatialUnwrappingEachMethod, TakesEmptySmallAndVoidPictures) {
   EXPECT_TRUE(unwrap_in_space(Image<float>(), {}, GetParam()).regions.empty());
   EXPECT_TRUE(unwrap_in_space(Image<double>({0, 5}), {}, GetParam()).phase.empty());
   const auto one = unwrap_in_space(Image<double>({1, 1}, 7.5), {}, GetParam());
@@ -115,13 +115,13 @@ long cost_of(const WrappedCycles& wrapped, const Image<int>& order) {
   return cost;
 }
 
-RC_GTEST_PROP(Flow, CostsAsLittleAsANetworkSimplex, ()) {
+RC_GTEST_PROP(SpatialUnwrappingFlow, CostsAsLittleAsANetworkSimplex, ()) {
   WrappedCycles wrapped{any_phase().wrapped, {}};
   for (float& cycle : wrapped.cycles) cycle /= static_cast<float>(period);
   RC_ASSERT(cost_of(wrapped, orders_by_flow(wrapped).order) == least_cost(wrapped));
 }
 
-RC_GTEST_PROP(AnyMethod, AddsWholePeriodsAndNumbersRegions, ()) {
+RC_GTEST_PROP(SpatialUnwrappingAnyMethod, AddsWholePeriodsAndNumbersRegions, ()) {
   const KnownPhase known = any_phase();
   const auto methods = spatial_unwrappings();
   const auto place = *rc::gen::inRange<std::size_t>(0, methods.size());
@@ -149,7 +149,7 @@ RC_GTEST_PROP(AnyMethod, AddsWholePeriodsAndNumbersRegions, ()) {
   }
 }
 
-TEST_P(EachMethod, KeepsApartWhatNothingConnects) {
+TEST_P(SpatialUnwrappingEachMethod, KeepsApartWhatNothingConnects) {
   const Size size{64, 48};
   const KnownPhase known = known_phase(size, 0, [&](double x, double y) {
     return std::abs(x - 40) < 1 ? nothing : 0.4 * x + 0.1 * y + (x > 40 ? 9 * period : 0);
@@ -173,7 +173,7 @@ TEST_P(EachMethod, KeepsApartWhatNothingConnects) {
   EXPECT_NEAR(unwrapped.phase(5, 40), known.truth(5, 40), 1e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Spatial, EachMethod, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Spatial, SpatialUnwrappingEachMethod, testing::ValuesIn([] {
                            std::vector<std::string> names;
                            for (const auto& method : spatial_unwrappings())
                              names.emplace_back(method.name);

@@ -2,22 +2,24 @@
 
 #include <array>
 #include <csignal>
-#include <cstdlib>
+#include <optional>
+#include <stdexcept>
 #include <string>
 
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/base/variable.h"
+
 namespace slipstream {
 
-/// The existing desktop, or an Xvfb display for the lifetime of this object, if installed.
+/// An Xvfb display for the lifetime of this object.
 class Desktop {
  public:
   /// `pixels`: existing folder in which Xvfb keeps the screen's pixels, in Xvfb_screen0; optional.
   explicit Desktop(const std::string& pixels = "") {
-    if (std::getenv("DISPLAY") != nullptr) return;
     std::array<int, 2> ends{};
-    if (::pipe(ends.data()) != 0) return;
+    if (::pipe(ends.data()) != 0) throw std::runtime_error("no pipe to Xvfb");
     server_ = ::fork();
     if (server_ == 0) {
       const std::string end = std::to_string(ends[1]);
@@ -32,23 +34,21 @@ class Desktop {
     char letter = 0;
     while (::read(ends[0], &letter, 1) == 1 && letter != '\n') number += letter;
     ::close(ends[0]);
-    if (!number.empty()) ::setenv("DISPLAY", (":" + number).c_str(), 1);
+    if (number.empty()) throw std::runtime_error("Xvfb does not start; is it installed?");
+    display_.emplace("DISPLAY", ":" + number);
   }
   /// Ends the Xvfb display as a crash of its server would.
-  void crash() const {
-    if (server_ > 0) ::kill(server_, SIGKILL);
-  }
+  void crash() const { ::kill(server_, SIGKILL); }
   Desktop(const Desktop&) = delete;
   Desktop& operator=(const Desktop&) = delete;
   ~Desktop() {
-    if (server_ <= 0) return;
     ::kill(server_, SIGTERM);
     ::waitpid(server_, nullptr, 0);
-    ::unsetenv("DISPLAY");
   }
 
  private:
   pid_t server_ = -1;
+  std::optional<Variable> display_;
 };
 
 }  // namespace slipstream

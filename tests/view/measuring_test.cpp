@@ -21,7 +21,7 @@ glm::vec2 place_of(const glm::vec3& point) {
   return *pixel_of(clip_from_the_front() * glm::vec4(point, 1), picture);
 }
 
-TEST(PointUnder, IsTheNearestToTheEyeOfThoseThere) {
+TEST(Measuring, PointUnderIsTheNearestToTheEyeOfThoseThere) {
   Cloud cloud = cloud_of(wall({160, 120}, 600));
   cloud.x(5, 5) = 0;
   cloud.y(5, 5) = 0;
@@ -37,12 +37,12 @@ TEST(PointUnder, IsTheNearestToTheEyeOfThoseThere) {
   EXPECT_FALSE(beside->sigma) << "nobody knows it";
 }
 
-TEST(PointUnder, IsNoneWhereNothingIsDrawn) {
+TEST(Measuring, PointUnderIsNoneWhereNothingIsDrawn) {
   const Cloud nothing({16, 12});
   EXPECT_FALSE(point_under({nothing, nullptr, clip_from_the_front(), picture}, {160, 120}, 20));
 }
 
-TEST(PointUnder, KnowsHowSureItIs) {
+TEST(Measuring, PointUnderKnowsHowSureItIs) {
   const Cloud cloud = cloud_of(wall({160, 120}, 600));
   Uncertainty sigma(cloud.size());
   for (Image<float>* part : {&sigma.x, &sigma.y, &sigma.z}) {
@@ -53,7 +53,7 @@ TEST(PointUnder, KnowsHowSureItIs) {
   EXPECT_NE(text_of(*point).find("sigma of Z 0.250 mm"), std::string::npos) << text_of(*point);
 }
 
-TEST(Measured, SaysTheDistanceOfTwoPointsAndBeginsAnewWithTheThird) {
+TEST(Measuring, MeasuredSaysTheDistanceOfTwoPointsAndBeginsAnewWithTheThird) {
   Measured measured;
   add_end(measured, {.position = {0, 0, 600}});
   EXPECT_EQ(measured.ends.size(), 1U);
@@ -64,7 +64,7 @@ TEST(Measured, SaysTheDistanceOfTwoPointsAndBeginsAnewWithTheThird) {
   EXPECT_EQ(measured.ends.size(), 1U);
 }
 
-TEST(Measured, SaysThePlaneOfARectangleAndThatItIsNoSphere) {
+TEST(Measuring, MeasuredSaysThePlaneOfARectangleAndThatItIsNoSphere) {
   const Cloud cloud = cloud_of(wall({160, 120}, 600));
   const auto points = points_between({cloud, nullptr, clip_from_the_front(), picture},
                                      place_of({50, 40, 600}), place_of({-50, -40, 600}));

@@ -15,7 +15,7 @@
 
 namespace slipstream::view::noisy_clouds_test {
 
-TEST(Spacing, HardlyGrowsWithNoiseOfDepth) {
+TEST(NoisyClouds, SpacingHardlyGrowsWithNoiseOfDepth) {
   const Size size{160, 120};
   const MadeUpCloud exact = wall(size, 600);
   MadeUpCloud noisy = exact;
@@ -30,7 +30,7 @@ TEST(Spacing, HardlyGrowsWithNoiseOfDepth) {
   EXPECT_NEAR(extent_of(noisy.images()).spacing, spacing, 0.1 * spacing);
 }
 
-TEST(Spacing, IsThatAlongASlope) {
+TEST(NoisyClouds, SpacingIsThatAlongASlope) {
   MadeUpCloud slope = wall({160, 120}, 600);
   const float before = extent_of(slope.images()).spacing;
   for (std::size_t i = 0; i < slope.z.pixel_count(); ++i) {
@@ -111,9 +111,9 @@ CloudAndTruth reconstructed(const Strategy& strategy) {
   return made;
 }
 
-class NoisyCloudTest : public OffScreen, public testing::WithParamInterface<Mode> {};
+class NoisyCloudsDrawn : public OffScreen, public testing::WithParamInterface<Mode> {};
 
-TEST_P(NoisyCloudTest, LooksLikeTheTrueSurface) {
+TEST_P(NoisyCloudsDrawn, LooksLikeTheTrueSurface) {
   const auto [cloud, truth] = reconstructed(GetParam().strategy);
 
   // One viewpoint and one scale; the size of points is each cloud's own.
@@ -129,7 +129,7 @@ TEST_P(NoisyCloudTest, LooksLikeTheTrueSurface) {
                                    << of_truth.spacing << " mm; picture: " << file;
 }
 
-TEST_P(NoisyCloudTest, WouldNotWithPointsTenTimesAsLarge) {
+TEST_P(NoisyCloudsDrawn, WouldNotWithPointsTenTimesAsLarge) {
   const auto [cloud, truth] = reconstructed(GetParam().strategy);
   const CloudExtent of_truth = extent_of_cloud(truth);
   CloudExtent large = of_truth;
@@ -140,7 +140,7 @@ TEST_P(NoisyCloudTest, WouldNotWithPointsTenTimesAsLarge) {
 // Depth is off by 8 mm with one period and by less than 1 mm with more. From the front, noise moves
 // points on the picture by less than a pixel, so that most pixels off lie along silhouettes.
 INSTANTIATE_TEST_SUITE_P(
-    Modes, NoisyCloudTest,
+    Modes, NoisyCloudsDrawn,
     testing::Values(Mode{"pmp3", PhaseMeasuring{.steps = 3, .frequency = 1}, 0.03},
                     Mode{"pmp4", PhaseMeasuring{.steps = 4, .frequency = 1}, 0.03},
                     Mode{"dual4", DualFrequency{.steps = 4, .high = 16, .low = 1}, 0.004},

@@ -28,7 +28,7 @@ ViewSettings bare() {
           .camera = {.target = in_display_frame({0, 0, 600}), .distance = 600}};
 }
 
-class SceneRendererTest : public OffScreen {
+class SceneRendererOffScreen : public OffScreen {
  protected:
   static Image<Colour> drawn(const MadeUpCloud& cloud, const ViewSettings& settings,
                              const CloudExtent& extent, Size size = picture,
@@ -53,7 +53,7 @@ int brightness(const Colour& colour) {
   return colour.red + colour.green + colour.blue;
 }
 
-TEST_F(SceneRendererTest, DrawsAPointAtThePixelWhereItIs) {
+TEST_F(SceneRendererOffScreen, DrawsAPointAtThePixelWhereItIs) {
   MadeUpCloud cloud({2, 2});
   cloud.put(0, 0, 40, -30, 600, 200);
   const ViewSettings settings = bare();
@@ -75,14 +75,14 @@ TEST_F(SceneRendererTest, DrawsAPointAtThePixelWhereItIs) {
   EXPECT_GE(lit, 1);
 }
 
-TEST(FloorGrid, EndsFarFromTheOrigin) {
+TEST(SceneRenderer, FloorGridEndsFarFromTheOrigin) {
   const glm::vec3 far(1e9F, 0, 1e9F);
   EXPECT_LE(floor_grid({far, far + glm::vec3(0, 1, 0)}, 0).size(), 128U);
   // Every 5 mm from -20 to 20, and from 80 to 120.
   EXPECT_EQ(floor_grid({{-10, -10, 90}, {10, 10, 110}}, 0).size(), 18U);
 }
 
-TEST_F(SceneRendererTest, DrawsNothingForPixelsWithoutAPoint) {
+TEST_F(SceneRendererOffScreen, DrawsNothingForPixelsWithoutAPoint) {
   const ViewSettings settings = bare();
   const Colour nothing = background(settings);
   for (const bool organised : {true, false}) {
@@ -93,7 +93,7 @@ TEST_F(SceneRendererTest, DrawsNothingForPixelsWithoutAPoint) {
   }
 }
 
-TEST_F(SceneRendererTest, ShowsBrightSurfacesBrightAndOnTheirSide) {
+TEST_F(SceneRendererOffScreen, ShowsBrightSurfacesBrightAndOnTheirSide) {
   const MadeUpCloud cloud = wall({160, 120}, 600);
   for (const Size size : {picture, Size{400, 700}, Size{801, 333}}) {
     ViewSettings settings = bare();
@@ -110,7 +110,7 @@ TEST_F(SceneRendererTest, ShowsBrightSurfacesBrightAndOnTheirSide) {
   }
 }
 
-TEST_F(SceneRendererTest, ColoursDepthFromRedToBlue) {
+TEST_F(SceneRendererOffScreen, ColoursDepthFromRedToBlue) {
   MadeUpCloud cloud = wall({160, 120}, 600);
   for (int row = 0; row < 120; ++row) {
     for (int column = 80; column < 160; ++column) cloud.z(column, row) = 700;
@@ -124,7 +124,7 @@ TEST_F(SceneRendererTest, ColoursDepthFromRedToBlue) {
   EXPECT_GT(far_colour.blue, far_colour.red + 50);
 }
 
-TEST_F(SceneRendererTest, ShowsTheCamerasColoursAsTheyAre) {
+TEST_F(SceneRendererOffScreen, ShowsTheCamerasColoursAsTheyAre) {
   const MadeUpCloud cloud = wall({160, 120}, 600);
   const Image<Colour> colours({160, 120}, Colour{200, 90, 13});
   ViewSettings settings = bare();
@@ -148,7 +148,7 @@ TEST_F(SceneRendererTest, ShowsTheCamerasColoursAsTheyAre) {
   EXPECT_EQ(grey.red, grey.blue);
 }
 
-TEST_F(SceneRendererTest, ColoursDepthWhereNoBrightnessIsKnown) {
+TEST_F(SceneRendererOffScreen, ColoursDepthWhereNoBrightnessIsKnown) {
   MadeUpCloud cloud = wall({160, 120}, 600);
   std::fill(cloud.intensity.begin(), cloud.intensity.end(), 0.0F);
   cloud.z(0, 0) = 700;
@@ -160,7 +160,7 @@ TEST_F(SceneRendererTest, ColoursDepthWhereNoBrightnessIsKnown) {
   EXPECT_GT(brightness(colour), 200);
 }
 
-TEST_F(SceneRendererTest, ReflectsTheCloudInTheFloorDimmed) {
+TEST_F(SceneRendererOffScreen, ReflectsTheCloudInTheFloorDimmed) {
   // A small bright plate well above the floor.
   MadeUpCloud cloud = wall({60, 60}, 600);
   for (float& x : cloud.x) x *= 0.2F;
@@ -184,7 +184,7 @@ TEST_F(SceneRendererTest, ReflectsTheCloudInTheFloorDimmed) {
   EXPECT_EQ(with(160, 120), without(160, 120));
 }
 
-TEST_F(SceneRendererTest, ReflectsACloudAboveTheCamera) {
+TEST_F(SceneRendererOffScreen, ReflectsACloudAboveTheCamera) {
   // Y is down: all of the plate, and the floor below it, have negative Y.
   MadeUpCloud cloud = wall({60, 60}, 600);
   for (float& x : cloud.x) x *= 0.2F;
@@ -207,7 +207,7 @@ TEST_F(SceneRendererTest, ReflectsACloudAboveTheCamera) {
   EXPECT_GT(brightness(colour), brightness(background(settings)) + 60);
 }
 
-TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
+TEST_F(SceneRendererOffScreen, LightensSlopesTowardsTheLight) {
   ViewSettings settings = bare();
   settings.shaded = true;
   settings.point_size = 2;
@@ -225,7 +225,7 @@ TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
   EXPECT_GT(brightness_of_slope(-0.4F), brightness_of_slope(0) + 20);
 }
 
-TEST_F(SceneRendererTest, DrawsThreeViewsSideBySide) {
+TEST_F(SceneRendererOffScreen, DrawsThreeViewsSideBySide) {
   const MadeUpCloud cloud = wall({160, 120}, 600);
   ViewSettings settings = bare();
   settings.colour = PointColour::depth;
@@ -246,7 +246,7 @@ TEST_F(SceneRendererTest, DrawsThreeViewsSideBySide) {
   }
 }
 
-TEST_F(SceneRendererTest, RefusesAPictureThatCannotBe) {
+TEST_F(SceneRendererOffScreen, RefusesAPictureThatCannotBe) {
   EXPECT_THROW(opengl::RenderTarget({0, 100}), Error);
   EXPECT_THROW(opengl::RenderTarget({1 << 20, 10}), Error);
 }

@@ -26,7 +26,7 @@ Image<std::uint16_t> seen(const std::string& filters, Size size, const Light& li
   return raw;
 }
 
-TEST(ColourMosaic, HasANameByItsFirstPixelsOrItsPixelFormat) {
+TEST(MosaicColours, HasANameByItsFirstPixelsOrItsPixelFormat) {
   EXPECT_EQ(mosaic_named("RG"), "RG");
   EXPECT_EQ(mosaic_named("GBRG"), "GB");
   EXPECT_EQ(mosaic_named("BayerBG12p"), "BG");
@@ -35,7 +35,7 @@ TEST(ColourMosaic, HasANameByItsFirstPixelsOrItsPixelFormat) {
   }
 }
 
-TEST(ColourMosaic, GivesBackAColourThatChangesEvenly) {
+TEST(MosaicColours, GivesBackAColourThatChangesEvenly) {
   const auto light = [](std::size_t colour, int column, int row) {
     return std::array{500, 300, 100}[colour] + 8 * column + 4 * row;
   };
@@ -54,7 +54,7 @@ TEST(ColourMosaic, GivesBackAColourThatChangesEvenly) {
   }
 }
 
-TEST(ColourMosaic, IsCompleteAtItsEdges) {
+TEST(MosaicColours, IsCompleteAtItsEdges) {
   const auto light = [](std::size_t colour, int, int) { return std::array{9, 5, 7}[colour]; };
   for (const Size size : {Size{2, 2}, Size{3, 5}}) {
     const Image<std::uint16_t> rgb = demosaiced(seen("GRBG", size, light), "GR");

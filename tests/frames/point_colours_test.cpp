@@ -20,8 +20,8 @@ Image<std::uint8_t> plain(std::uint8_t red, std::uint8_t green, std::uint8_t blu
   return picture;
 }
 
-TEST(ColourMean, IsThatOfItsPictures) {
-  ColourMean mean;
+TEST(PointColoursColourMean, IsThatOfItsPictures) {
+  PointColoursColourMean mean;
   mean.add(plain(10, 100, 200));
   mean.add(plain(20, 100, 230));
   const Image<ColourLevels> levels = mean.levels(255);
@@ -31,27 +31,27 @@ TEST(ColourMean, IsThatOfItsPictures) {
   EXPECT_NEAR(levels(3, 2)[2], 215, 1e-4);
 }
 
-TEST(ColourMean, OfGreyPicturesIsEmpty) {
-  ColourMean mean;
+TEST(PointColoursColourMean, OfGreyPicturesIsEmpty) {
+  PointColoursColourMean mean;
   EXPECT_TRUE(mean.levels(255).empty());
   mean.add(plain(80, 80, 80));
   EXPECT_TRUE(mean.levels(255).empty());
 }
 
-TEST(WhiteBalance, MakesThePatchGreyAndKeepsTheBrightestColour) {
-  ColourMean mean;
+TEST(PointColoursWhiteBalance, MakesThePatchGreyAndKeepsTheBrightestColour) {
+  PointColoursColourMean mean;
   mean.add(plain(100, 200, 50));
   const Image<ColourLevels> levels = mean.levels(255);
-  const WhiteBalance balance = white_balance(levels, {1, 1, {2, 2}});
+  const PointColoursWhiteBalance balance = white_balance(levels, {1, 1, {2, 2}});
   EXPECT_NEAR(balance[0], 2, 1e-6);
   EXPECT_EQ(balance[1], 1);
   EXPECT_NEAR(balance[2], 4, 1e-6);
   EXPECT_EQ(balanced(levels, balance)(0, 0), (Colour{200, 200, 200}));
 }
 
-TEST(WhiteBalance, RefusesAPatchOutsideOrTooDarkOrSaturated) {
+TEST(PointColoursWhiteBalance, RefusesAPatchOutsideOrTooDarkOrSaturated) {
   const auto refusal = [](const Image<std::uint8_t>& picture, const Rectangle& patch) {
-    ColourMean mean;
+    PointColoursColourMean mean;
     mean.add(picture);
     try {
       white_balance(mean.levels(255), patch);

@@ -195,7 +195,7 @@ std::pair<std::vector<double>, std::vector<double>> room(double frequency, doubl
   return {times, levels};
 }
 
-TEST(FlickerPeriod, IsThatOfTheMains) {
+TEST(AutomaticExposureFlickerPeriod, IsThatOfTheMains) {
   for (const double rate : {23.0, 31.0, 53.0, 97.0}) {
     const auto [times_50, levels_50] = room(100, 0.03, rate);
     EXPECT_EQ(flicker_period(times_50, levels_50), 0.01) << rate;
@@ -204,7 +204,7 @@ TEST(FlickerPeriod, IsThatOfTheMains) {
   }
 }
 
-TEST(FlickerPeriod, OfSteadyLightOrFewFramesIsNone) {
+TEST(AutomaticExposureFlickerPeriod, OfSteadyLightOrFewFramesIsNone) {
   const auto [times, levels] = room(100, 0.001, 31);
   EXPECT_FALSE(flicker_period(times, levels));
   const auto [few_times, few_levels] = room(100, 0.03, 31, 12);
@@ -214,7 +214,7 @@ TEST(FlickerPeriod, OfSteadyLightOrFewFramesIsNone) {
 }
 
 // At 10 frames per second both frequencies look alike.
-TEST(FlickerPeriod, OfEitherMainsIsWholePeriodsOfBoth) {
+TEST(AutomaticExposureFlickerPeriod, OfEitherMainsIsWholePeriodsOfBoth) {
   std::vector<double> times, levels;
   for (int n = 0; n < 40; ++n) {
     times.push_back(n / 110.0);

@@ -213,7 +213,9 @@ Eigen::Isometry3d pose_given(const PoseEntries& given) {
 }
 
 FramePose pose_from_entries(const PoseEntries& given) {
-  FramePose pose{given.text("from"), given.text("to")};
+  FramePose pose;
+  pose.from = given.text("from");
+  pose.to = given.text("to");
   in_entry(given.at("from"), "from", [&] { require_frame_name(pose.from); });
   in_entry(given.at("to"), "to", [&] { require_frame_name(pose.to); });
   if (pose.from == pose.to) {

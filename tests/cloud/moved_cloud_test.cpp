@@ -120,7 +120,7 @@ TEST(MovedCloud, ThinnedAndConvertedCloudsKeepTheirFrame) {
 
 TEST(MovedCloud, RefusesAPoseOfOtherFrames) {
   Cloud cloud = sheet_cloud();
-  EXPECT_THROW(move_to_frame(cloud, {"flange", "base", {}}), Error);
+  EXPECT_THROW(move_to_frame(cloud, FramePose{"flange", "base"}), Error);
   move_to_frame(cloud, inverse(base_pose()));  // the names tell the direction
   EXPECT_EQ(frame_name(cloud), "robot_base");
   EXPECT_THROW(compose(base_pose(), base_pose()), Error);
@@ -175,7 +175,7 @@ TEST(MovedCloud, BoxIsAlongTheAxesOfItsFrame) {
   inverted(other);
   EXPECT_EQ(point_count(other), kept);
 
-  settings.box_frame = std::make_shared<const FramePose>(FramePose{"flange", "base", {}});
+  settings.box_frame = std::make_shared<const FramePose>(FramePose{"flange", "base"});
   EXPECT_THROW(Cleaner{settings}, Error);
 }
 

@@ -1,5 +1,6 @@
 #include "publish/transform_message.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>

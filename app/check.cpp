@@ -1,7 +1,9 @@
 #include "app/check.h"
 
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/scan_flags.h"
@@ -83,9 +85,25 @@ struct MeasureFlags {
 
 /// The measured cloud and where to print results.
 struct Measuring {
-  const StoredCloud& stored;
+  const StoredCloud& stored;  ///< in the camera's frame
+  const FramePose* frame;     ///< of the results; null: the camera's
   const std::string& path;
   Output& output;
+
+  /// A place or a direction in the frame of the results.
+  [[nodiscard]] Eigen::Vector3d place(const Eigen::Vector3d& position) const {
+    return frame == nullptr ? position : Eigen::Vector3d(frame->transform * position);
+  }
+  [[nodiscard]] Eigen::Vector3d direction(const Eigen::Vector3d& vector) const {
+    return frame == nullptr ? vector : Eigen::Vector3d(frame->transform.linear() * vector);
+  }
+
+  /// Noise moves a point along its ray, so its standard deviations turn with the ray.
+  [[nodiscard]] std::optional<Eigen::Vector3d> sigma(const MeasuredPoint& point) const {
+    if (!point.sigma || frame == nullptr) return point.sigma;
+    const Eigen::Vector3d along = point.sigma->norm() * point.position.normalized();
+    return Eigen::Vector3d(direction(along).cwiseAbs());
+  }
 
   void require_pixels(const std::string& what) const {
     throw_if(!stored.organised,
@@ -129,10 +147,11 @@ std::string text_of(const Eigen::Vector3d& vector) {
 
 void measure_point(const std::string& pixel, const Measuring& in) {
   const MeasuredPoint point = point_of(in, pixel);
-  in.output.add_to("points", "pixel", pixel, "position_mm", point.position, "sigma_mm",
-                   point.sigma);
-  in.output.say("point {}: {} mm{}", pixel, text_of(point.position),
-                point.sigma ? fmt::format(", sigma {} mm", text_of(*point.sigma)) : "");
+  const Eigen::Vector3d position = in.place(point.position);
+  const std::optional<Eigen::Vector3d> sigma = in.sigma(point);
+  in.output.add_to("points", "pixel", pixel, "position_mm", position, "sigma_mm", sigma);
+  in.output.say("point {}: {} mm{}", pixel, text_of(position),
+                sigma ? fmt::format(", sigma {} mm", text_of(*sigma)) : "");
 }
 
 void measure_distance(const std::pair<std::string, std::string>& pixels, const Measuring& in) {
@@ -159,19 +178,20 @@ void tell_fit(const char* list, nlohmann::json entry, const Residuals& residuals
 
 void measure_plane(const std::string& rectangle, const Measuring& in) {
   const FittedPlane plane = fit_plane(points_of(in, rectangle));
-  in.output.say("plane in {}: through {} mm, normal {}", rectangle, text_of(plane.centre),
-                text_of(plane.normal));
-  tell_fit("planes",
-           described("rectangle", rectangle, "centre_mm", plane.centre, "normal", plane.normal),
+  const Eigen::Vector3d centre = in.place(plane.centre), normal = in.direction(plane.normal);
+  in.output.say("plane in {}: through {} mm, normal {}", rectangle, text_of(centre),
+                text_of(normal));
+  tell_fit("planes", described("rectangle", rectangle, "centre_mm", centre, "normal", normal),
            plane.residuals, in.output);
 }
 
 void measure_sphere(const std::string& rectangle, const Measuring& in) {
   const FittedSphere sphere = fit_sphere(points_of(in, rectangle));
+  const Eigen::Vector3d centre = in.place(sphere.centre);
   in.output.say("sphere in {}: radius {:.4f} mm, sigma {:.4f} mm, centre {} mm", rectangle,
-                sphere.radius, sphere.radius_sigma, text_of(sphere.centre));
+                sphere.radius, sphere.radius_sigma, text_of(centre));
   tell_fit("spheres",
-           described("rectangle", rectangle, "centre_mm", sphere.centre, "radius_mm", sphere.radius,
+           described("rectangle", rectangle, "centre_mm", centre, "radius_mm", sphere.radius,
                      "radius_sigma_mm", sphere.radius_sigma),
            sphere.residuals, in.output);
 }
@@ -183,11 +203,18 @@ void measure(const MeasureFlags& flags, Output& output) {
 
   // A cloud file is measured as it is; a scan is reconstructed first.
   output.document["input"] = flags.path;
-  const StoredCloud stored = is_cloud_file(flags.path)
-                                 ? loaded_cloud(flags.path, output)
-                                 : organised_cloud(flags.path, flags.input, output);
+  StoredCloud stored = is_cloud_file(flags.path) ? loaded_cloud(flags.path, output)
+                                                 : organised_cloud(flags.path, flags.input, output);
 
-  const Measuring in{stored, flags.path, output};
+  // Shapes are fitted as the camera sees them; results are in the file's frame or the wanted one.
+  std::shared_ptr<const FramePose> frame = stored.cloud.frame;
+  const std::shared_ptr<const FramePose>& wanted = wanted_frame(flags.input.settings);
+  if (wanted) frame = frame_after(frame, *wanted);
+  move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
+  output.document["frame"] = frame ? std::string_view(frame->to) : camera_frame;
+  if (frame) output.say("coordinates in the frame {}", frame->to);
+
+  const Measuring in{stored, frame.get(), flags.path, output};
   for (const auto& pixel : flags.points) measure_point(pixel, in);
   for (const auto& pixels : flags.distances) measure_distance(pixels, in);
   for (const auto& rectangle : flags.planes) measure_plane(rectangle, in);

@@ -2,10 +2,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/scan_flags.h"
@@ -17,6 +21,7 @@
 #include "io/scanner_urdf.h"
 #include "publish/mcap.h"
 #include "publish/mcap_reader.h"
+#include "publish/transform_message.h"
 #include "slipstream/recording.h"
 #include "slipstream/ros_messages.h"
 #include "slipstream/scan_files.h"
@@ -238,7 +243,9 @@ constexpr std::uint64_t nanoseconds = 1'000'000'000;
 /// Writes clouds in order, to one MCAP file or to a file each.
 class CloudFiles {
  public:
-  CloudFiles(const std::string& output, Output& words) : output_(output), words_(words) {
+  /// `frame`: which the clouds are moved to; null: they keep theirs.
+  CloudFiles(const std::string& output, std::shared_ptr<const FramePose> frame, Output& words)
+      : output_(output), frame_(std::move(frame)), words_(words) {
     if (!is_mcap(output)) require_cloud_ending(output);
   }
 
@@ -263,7 +270,12 @@ class CloudFiles {
   }
 
  private:
-  void add_message(const StoredCloud& stored) {
+  void add_message(StoredCloud stored) {
+    if (frame_) {
+      move_to_frame(stored.cloud, *frame_, stored.uncertainty ? &*stored.uncertainty : nullptr);
+    }
+    const FramePose* const moved = stored.cloud.frame.get();
+
     // Channels are declared with the first cloud.
     if (!writer_) {
       writer_.emplace(output_, OutputFile::Writing::at_once);
@@ -277,7 +289,17 @@ class CloudFiles {
       writer_->write(image_, last_, message_);
     }
 
-    write_point_cloud(stored.cloud, {last_}, message_, uncertainty_of(stored));
+    // Where the camera is, once.
+    if (moved != nullptr && !std::exchange(has_transform_, true)) {
+      const RosType transform = transform_type();
+      write_transform(*moved, camera_frame, last_, message_);
+      writer_->write(writer_->add_channel(fmt::format("/{}", transform_topic), transform.name,
+                                          transform.definition),
+                     last_, message_);
+    }
+
+    write_point_cloud(stored.cloud, {last_, frame_name(stored.cloud)}, message_,
+                      uncertainty_of(stored));
     writer_->write(points_, last_, message_);
     writer_->end_message_group();
   }
@@ -286,28 +308,57 @@ class CloudFiles {
     const std::string path = files_of_scan({.cloud = output_}, name).cloud;
     require_only(written_.insert(path).second, path);
 
-    write_cloud(path, stored.cloud, {.uncertainty = uncertainty_of(stored)});
+    write_cloud(path, stored.cloud, {.uncertainty = uncertainty_of(stored), .frame = frame_});
   }
 
   const std::string output_;
+  const std::shared_ptr<const FramePose> frame_;
   Output& words_;
   std::uint64_t count_ = 0, last_ = 0;
   std::optional<McapWriter> writer_;
   std::uint16_t points_ = 0, image_ = 0;
+  bool has_transform_ = false;
   RosMessage message_;
   std::set<std::string> written_;
 };
+
+/// The frames in which the camera's place is known, by name.
+using CameraFrames = std::map<std::string, std::shared_ptr<const FramePose>, std::less<>>;
+
+/// Adds those of a message about static transforms. Other programs may write any, of which one that
+/// cannot be read only leaves the camera's place open.
+void add_frames(const McapMessage& message, CameraFrames& frames) {
+  const bool is_static = message.encoding == "cdr" && message.type == transform_type().name &&
+                         message.topic == fmt::format("/{}", transform_topic);
+  if (!is_static) return;
+
+  try {
+    for (FramePose& pose : read_transforms(message.content)) {
+      if (pose.from != camera_frame) continue;
+      const std::string name = pose.to;
+      frames[name] = std::make_shared<const FramePose>(std::move(pose));
+    }
+  } catch (const Error&) {
+  }
+}
 
 void convert_mcap(const std::string& path, const std::string& topic, CloudFiles& files,
                   Output& output) {
   std::uint64_t count = 0;
   std::set<std::string> topics;
+  CameraFrames frames;
   const bool whole = read_mcap(path, [&](const McapMessage& message) {
     const bool is_cloud = message.type == point_cloud_type().name && message.encoding == "cdr";
     if (topics.size() < 16) topics.insert(message.topic + (is_cloud ? "" : " (no cloud)"));
 
+    add_frames(message, frames);
     if (!is_cloud || (!topic.empty() && message.topic != topic)) return;
-    files.add(read_point_cloud(message.content), {path, count++}, message.time);
+
+    // A cloud names its frame; a transform says where the camera is in it.
+    StoredCloud stored = read_point_cloud(message.content);
+    const auto known = frames.find(frame_name(stored.cloud));
+    if (known != frames.end()) stored.cloud.frame = known->second;
+    files.add(stored, {path, count++}, message.time);
   });
 
   if (!whole) output.warn(fmt::format("{}: truncated; only its complete chunks were read", path));
@@ -367,7 +418,7 @@ void convert(const ConvertFlags& flags, Output& output) {
     return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
   if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
 
-  CloudFiles files(flags.output, output);
+  CloudFiles files(flags.output, wanted_frame(flags.cloud.settings), output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
   require_only(!one_file || flags.paths.size() == 1, flags.output);
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -105,11 +106,12 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   if (!has_geometry(session.setup().scanner)) tell_pictures(session, output);
 
   // The last cloud, the model of all clouds, and the pictures.
+  const std::shared_ptr<const FramePose> frame = wanted_frame(flags.settings);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline().newest();
     if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
     const std::string file = session.file_to_write(flags.output);
-    write_cloud(file, last->cloud, {.remarks = remarks_about(statistics.findings)});
+    write_cloud(file, last->cloud, {.remarks = remarks_about(statistics.findings), .frame = frame});
     output.add_file("cloud", file);
   }
 
@@ -119,7 +121,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
       throw WorldError(fmt::format("{}: no cloud to build a model from", flags.model));
     }
     const std::string file = session.file_to_write(flags.model);
-    write_cloud(file, model.cloud, {.normals = &model.normals});
+    write_cloud(file, model.cloud, {.normals = &model.normals, .frame = frame});
     output.say("model: {} points in {}", model.cloud.size().width, file);
     output.object("files")["model"] = file;
   }
@@ -315,6 +317,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_backend_flag(command, flags.settings);
   FlagGroup{command.app, "Valid pixels"}.add_settings(flags.settings);
   add_clean_flags(command.app, flags.settings);
+  add_frame_flag(command.app, flags.settings);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif

@@ -234,6 +234,9 @@ nlohmann::json LiveSession::document() const {
   });
 
   document["source"] = flags_.source.source;
+  if (const auto& frame = wanted_frame(flags_.settings)) {
+    document["frame"] = json_of(*frame_after({}, *frame));
+  }
   return document_with_flags(std::move(document));
 }
 
@@ -243,6 +246,7 @@ view::ViewSource LiveSession::view_source() {
   view::ViewSource source = view::live_source(*pipeline_, setup(), patterns_can_change_);
 
   source.wording = &with_flags;
+  if (const auto& frame = wanted_frame(flags_.settings)) source.frame = frame_after({}, *frame);
   source.title = fmt::format("slipstream live: {}", name);
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
                                  cycle_length(source.setup->sequence), name);

@@ -34,6 +34,7 @@
 #include "app/cameras.h"
 #include "app/capture.h"
 #include "app/convert.h"
+#include "app/frame.h"
 #include "app/live.h"
 #include "app/phase_maps.h"
 #include "app/simulate.h"
@@ -175,6 +176,7 @@ constexpr ProgramCommand program_commands[] = {
 #endif
     {"measure", add_measure, "Measure"},
 #ifdef SLIPSTREAM_ALL_COMMANDS
+    {"frame", add_frame, "Measure"},
     {"height", add_height, "Measure"},
     {"unwrap", add_unwrap, "Measure"},
     {"simulate", add_simulate, "Learn"},

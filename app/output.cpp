@@ -210,6 +210,14 @@ void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding
   printed = findings;
 }
 
+nlohmann::json json_of(const FramePose& pose) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& row : pose.transform.matrix().rowwise()) {
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  return described("from", pose.from, "to", pose.to, "matrix_mm", rows);
+}
+
 bool tell_fallback(const std::string& reason, bool matters, Output& output) {
   if (!reason.empty()) matters ? output.warn(reason) : output.say("{}", reason);
   return !reason.empty();

@@ -104,6 +104,9 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
+/// A pose: `from`, `to`, and `matrix_mm`, four rows of four.
+nlohmann::json json_of(const FramePose& pose);
+
 /// A text as a part of a line: printable; other values as they are.
 template <class Value>
 decltype(auto) in_line(Value&& value) {

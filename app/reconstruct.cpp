@@ -5,6 +5,7 @@
 #include <deque>
 #include <future>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -56,7 +57,8 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
 
   ResultFiles maps = scan.files;
   maps.cloud.clear();
-  write_results(maps, result.cloud, result.maps, {});
+  const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.cloud.settings);
+  write_results(maps, result.cloud, result.maps, {.frame = frame});
 
   // The points that remain on a coarser grid.
   std::optional<Normals> normals;
@@ -72,7 +74,8 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   write_results({.cloud = scan.files.cloud}, coarse ? *coarse : result.cloud, {},
                 {.normals = normals ? &*normals : nullptr,
                  .uncertainty = uncertainty ? &*uncertainty : nullptr,
-                 .remarks = remarks_about(result.checked.findings)});
+                 .remarks = remarks_about(result.checked.findings),
+                 .frame = frame});
 }
 
 /// Warns of the findings after the first `printed` ones, and compares the points with the truth.

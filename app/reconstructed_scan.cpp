@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -15,6 +16,7 @@
 #include "geometry/map_form.h"
 #include "io/file.h"
 #include "io/image_file.h"
+#include "io/pose_file.h"
 #include "reconstruct/engine_setup.h"
 #include "slipstream/scan_files.h"
 
@@ -157,6 +159,8 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   result.name = name;
   result.words = output.held();
   result.entry = entry_for(name, flags.settings);
+  const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.cloud.settings);
+  if (frame) result.entry["frame"] = text_of(*frame);
 
   Stopwatch watch;
   try {

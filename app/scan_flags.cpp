@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "base/numbers.h"
+#include "io/pose_file.h"
 #include "slipstream/recording.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/strategy.h"
@@ -223,10 +225,21 @@ void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   subcommand.get_option("--smallest-component")->default_str("");  // its help names the default
 }
 
+void add_frame_flag(CLI::App& subcommand, ReconstructSettings& settings) {
+  const auto read = [&settings](const std::string& file) {
+    settings.clean.box_frame = std::make_shared<const FramePose>(read_pose(file));
+  };
+  FlagGroup{subcommand}
+      .add_read<>("--to-frame", read,
+                  "pose file: clouds are written and shown in its frame, and --box is in it")
+      ->type_name(file_type);
+}
+
 void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {
   add_anyway_flag(subcommand, flags.anyway);
   FlagGroup{subcommand, "Valid pixels"}.add_settings(flags.settings);
   add_clean_flags(subcommand, flags.settings);
+  add_frame_flag(subcommand, flags.settings);
   add_scan_input_flags(subcommand, flags);
 }
 
@@ -306,6 +319,7 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
     throw_if(!result.organised,
              "{}: its points are not organised by pixel; measure the scan, or an organised .pcd",
              path);
+    move_to_camera(result.cloud, result.uncertainty ? &*result.uncertainty : nullptr);
     return result;
   }
 

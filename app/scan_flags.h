@@ -45,6 +45,15 @@ void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings);
 /// Adds --raw, which also removes the limits of depth, and the flags of `settings.clean`.
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings);
 
+/// Adds --to-frame, in which clouds are written and shown, and the box is given. Call it after
+/// add_clean_flags, whose --raw resets the box's frame.
+void add_frame_flag(CLI::App& subcommand, ReconstructSettings& settings);
+
+/// The pose of --to-frame; null: results stay in the camera's frame.
+inline const std::shared_ptr<const FramePose>& wanted_frame(const ReconstructSettings& settings) {
+  return settings.clean.box_frame;
+}
+
 /// Flags of commands that reconstruct scans.
 struct CloudFlags : ScanFlags {
   ReconstructSettings settings;
@@ -95,8 +104,9 @@ inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;
 }
 
-/// An organised cloud from a .pcd file, or from a scan as reconstruct makes it, with uncertainty if
-/// the noise is known. Throws Error if the cloud is not organised or the scan is refused.
+/// An organised cloud in the camera's frame, from a .pcd file, or from a scan as reconstruct makes
+/// it, with uncertainty if the noise is known. Throws Error if the cloud is not organised or the
+/// scan is refused.
 StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output);
 
 }  // namespace slipstream::app

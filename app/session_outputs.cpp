@@ -116,6 +116,9 @@ auto in_flags(const Act& act) {
 
 void LiveSession::open_sinks() {
   const Scanner scanner = setup().scanner;  // sinks may already change the setup
+  std::shared_ptr<const FramePose> frame;
+  if (const auto& wanted = wanted_frame(flags_.settings)) frame = frame_after({}, *wanted);
+
   for (std::string name : flags_.publish) {
     if (constexpr std::string_view to_file = "mcap:"; name.starts_with(to_file)) {
       name = fmt::format("{}{}", to_file, file_to_write(name.substr(to_file.size())));
@@ -124,6 +127,7 @@ void LiveSession::open_sinks() {
     const auto maps = std::make_shared<CloudMaps>(*this);
     PublishedRun run{
         .camera = scanner.camera,
+        .frame = frame,
         .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
         .has_points = has_geometry(scanner),
         .statistics =
@@ -213,7 +217,7 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
                  .modulation = folder / "modulation.tiff",
                  .mean = folder / "mean.tiff",
                  .preview = folder / "preview.png"},
-                cloud, maps, {.remarks = remarks});
+                cloud, maps, {.remarks = remarks, .frame = setup.settings.clean.box_frame});
   return folder.string();
 }
 

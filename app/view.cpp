@@ -1,6 +1,7 @@
 #include "app/view.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -87,6 +88,7 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
   view::ViewSource source =
       view::still_source(std::move(job.scan.frames), setup, std::move(job.scan.colour));
   source.findings = job.checked.findings;
+  if (const auto& frame = wanted_frame(asked.settings)) source.frame = frame_after({}, *frame);
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},
                    {"from the frames", blind}};
@@ -95,6 +97,19 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
     return save_in_new_folder(cloud.frames, used, save_to, remarks);
   };
 
+  return source;
+}
+
+/// The window draws in the camera's frame, and tells coordinates in the file's or the wanted one.
+view::ViewSource source_of_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
+  StoredCloud stored = loaded_cloud(path, output);
+  std::shared_ptr<const FramePose> frame = stored.cloud.frame;
+  if (const auto& wanted = wanted_frame(flags.settings)) frame = frame_after(frame, *wanted);
+  move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
+
+  view::ViewSource source =
+      view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
+  source.frame = frame;
   return source;
 }
 
@@ -167,10 +182,8 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 
 view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
                                 const ViewFlags& view, Output& output) {
-  StoredCloud stored = is_scan(path) ? StoredCloud() : loaded_cloud(path, output);
-  view::ViewSource source =
-      is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
-                    : view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
+  view::ViewSource source = is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
+                                          : source_of_cloud(path, flags, output);
 
   source.wording = &with_flags;
   source.title = path;
@@ -221,6 +234,7 @@ void add_view(const Commands& program) {
 
   flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
+  add_frame_flag(command.app, flags.cloud.settings);
 
   command.common(
       {"--snapshot", "--screenshot", "--size", "--colour", "--web", "--scanner", "--raw"});

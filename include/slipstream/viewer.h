@@ -158,6 +158,10 @@ struct ViewSource {
   /// Instructions shown in place of the cloud, if they are new; see Guide.
   std::function<std::optional<Guide>()> guide{};
 
+  /// Frame whose axes are drawn and in which coordinates are shown; null: the camera's. Clouds are
+  /// given in the camera's.
+  std::shared_ptr<const FramePose> frame{};
+
   /// How messages and findings that name settings in backquotes are shown, see Error; empty: as
   /// they are.
   std::function<std::string(std::string_view text)> wording{};

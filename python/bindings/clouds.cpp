@@ -14,6 +14,7 @@
 #include "base/throw_if-inl.h"
 #include "io/image_file.h"
 #include "io/plot.h"
+#include "io/pose_file.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/scans.h"
 #include "python/bindings/settings_help.h"
@@ -64,9 +65,15 @@ std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
   return held;
 }
 
-void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncertainty,
-           bool normals) {
+void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncertainty, bool normals,
+           const std::optional<fs::path>& to_frame) {
   require_cloud_ending(path);
+  throw_if(of.cloud.frame && uncertainty != nullptr,
+           "uncertainty: it is in the camera's frame, and this cloud is moved; give `to_frame` "
+           "when writing the cloud that it belongs to");
+
+  std::shared_ptr<const FramePose> frame;
+  if (to_frame) frame = std::make_shared<const FramePose>(read_pose(*to_frame));
 
   std::optional<Normals> smoothed;
   if (normals) smoothed = smoothed_normals(of.cloud);
@@ -74,7 +81,18 @@ void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncerta
   write_cloud(path, of.cloud,
               {.normals = smoothed ? &*smoothed : nullptr,
                .uncertainty = uncertainty,
-               .remarks = of.remarks});
+               .remarks = of.remarks,
+               .frame = frame});
+}
+
+std::shared_ptr<HeldCloud> moved(const HeldCloud& of, const fs::path& pose) {
+  const FramePose read = read_pose(pose);
+
+  auto copy = std::make_shared<HeldCloud>();
+  copy->cloud = of.cloud;
+  copy->remarks = of.remarks;
+  move_to_frame(copy->cloud, read);
+  return copy;
 }
 
 void write_mesh(const HeldCloud& of, const fs::path& path, double largest_step) {
@@ -195,6 +213,9 @@ void bind_cloud_properties(CloudClass& cloud) {
                               "if invalid; copied on first use.");
 
   cloud.def_property_readonly("counts", &counts_of, "dict[str, int]: pixels by validity.");
+  cloud.def_property_readonly(
+      "frame", [](const HeldCloud& of) { return std::string(frame_name(of.cloud)); },
+      "str: name of the frame of x, y, z; \"camera\" unless it was moved.");
   cloud.def_readonly("remarks", &HeldCloud::remarks, "list[str]: diagnostics, for its file.");
   cloud.def_property_readonly(
       "size", [](const HeldCloud& of) { return of.cloud.size(); },
@@ -211,6 +232,28 @@ void bind_cloud_changes(CloudClass& cloud) {
       Example:
           >>> cloud.normals().shape
           (120, 160, 3)
+  )");
+
+  cloud.def("moved", &moved, "pose"_a, Unlocked(), R"(
+      A copy in another frame, as for a robot. Normals, meshes and cleaning need the camera's.
+
+      Args:
+          pose (str | PathLike): pose file between the cloud's frame and the other, in either
+              direction.
+
+      Returns:
+          Cloud
+
+      Raises:
+          Error: if the file is missing or malformed, or its frames are others.
+          WorldError: if it cannot be read.
+
+      Example:
+          >>> with open("table.yaml", "w") as file:
+          ...     _ = file.write("{from: camera, to: table, unit: mm, "
+          ...                    "rotation_vector: [0, 0, 0], translation: [0, 0, 9]}")
+          >>> cloud.moved("table.yaml").frame
+          'table'
   )");
 
   cloud.def("cleaned", &cleaned,
@@ -236,16 +279,17 @@ void bind_cloud_changes(CloudClass& cloud) {
 
 void bind_cloud_files(CloudClass& cloud) {
   cloud.def("write", &write, "path"_a, "uncertainty"_a = py::none(), py::kw_only(),
-            "normals"_a = false, Unlocked(), R"(
+            "normals"_a = false, "to_frame"_a = py::none(), Unlocked(), R"(
       Writes the points.
 
       Args:
           path (str | PathLike): .ply, .pcd or .xyz.
           uncertainty (Uncertainty | None): adds standard deviations of the points.
           normals (bool): adds normals.
+          to_frame (str | PathLike | None): pose file; writes everything in its frame.
 
       Raises:
-          Error: if the ending is not supported.
+          Error: if the ending is not supported, or the pose file malformed.
           WorldError: if the file cannot be written.
 
       Example:
@@ -304,7 +348,7 @@ void bind_cloud(py::module_& module) {
   CloudClass cloud(module, "Cloud", R"(
       A point, or the reason why it is invalid, for each camera pixel.
 
-      In the camera's frame: read-only arrays, rows x columns.
+      In the camera's frame unless moved: read-only arrays, rows x columns.
 
       Args:
           points (ArrayLike): x, y, z side by side, mm, rows x columns x 3; NaN if invalid.

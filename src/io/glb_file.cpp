@@ -19,6 +19,7 @@
 #include "base/throw_if-inl.h"
 #include "io/compressed_pictures.h"
 #include "io/file.h"
+#include "io/gltf_frame.h"
 #include "io/point_elements.h"
 
 namespace slipstream {
@@ -67,7 +68,10 @@ struct Binary {
 
 json positions_of(const Surface& surface, Binary& binary) {
   std::vector<Eigen::Vector3f> positions(surface.vertices.size());
-  std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(), to_gltf);
+  std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(),
+                 [&](const Eigen::Vector3f& vertex) -> Eigen::Vector3f {
+                   return surface.frame ? vertex / 1000 : to_gltf(vertex);
+                 });
 
   // glTF requires the bounds of positions.
   Eigen::AlignedBox3f bounds;
@@ -124,7 +128,7 @@ json document_of(const Surface& surface, Binary& binary) {
       {"asset", {{"version", "2.0"}, {"generator", "slipstream"}}},
       {"scene", 0},
       {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}}}},
+      {"nodes", json::array({gltf_node_of(surface.frame.get())})},
       {"meshes",
        {{{"primitives", {{{"attributes", attributes}, {"indices", 3}, {"material", 0}}}}}}},
       {"materials",
@@ -213,6 +217,8 @@ std::vector<std::array<float, 3>> colours_in(const json& document, const json& a
 
 StoredPoints points_in(const json& document, std::span<const std::uint8_t> binary) {
   StoredPoints stored;
+  stored.frame = gltf_frame_in(document);
+  const double up = stored.frame ? 1000 : -1000;  // in the camera's frame y is down, z forward
   std::set<std::size_t> taken;
 
   for (const json& mesh : document.at("meshes")) {
@@ -239,8 +245,8 @@ StoredPoints points_in(const json& document, std::span<const std::uint8_t> binar
       const auto colours = colours_in(document, attributes, binary, positions.size());
       for (std::size_t i = 0; i < positions.size(); ++i) {
         const auto& [x, y, z] = positions[i];
-        // The reverse of to_gltf.
-        stored.points.push_back({1000.0 * x, -1000.0 * y, -1000.0 * z, intensity[i][0]});
+        // The reverse of positions_of.
+        stored.points.push_back({1000.0 * x, up * y, up * z, intensity[i][0]});
         if (!colours.empty()) stored.points.back().colour = colours[i];
       }
     }

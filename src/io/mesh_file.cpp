@@ -23,6 +23,7 @@
 #include "base/throw_if-inl.h"
 #include "io/compressed_pictures.h"
 #include "io/file.h"
+#include "io/frame_title.h"
 #include "io/glb_file.h"
 #include "io/point_elements.h"
 
@@ -41,11 +42,12 @@ Colour colour_of(const Surface& surface, std::size_t vertex) {
 
 std::string ply_file(const Surface& surface) {
   std::string file = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n"
+      "ply\nformat binary_little_endian 1.0\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "{}property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      surface.vertices.size(), ply_intensity, surface.triangles.size());
+      frame_comments(surface.frame.get(), "comment"), surface.vertices.size(), ply_intensity,
+      surface.triangles.size());
 
   // The vertices, with a double intensity and three colours.
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
@@ -63,7 +65,7 @@ std::string ply_file(const Surface& surface) {
 
 std::string stl_file(const Surface& surface) {
   // A header of 80 bytes, and the number of triangles.
-  std::string file = "slipstream, camera frame, mm";
+  std::string file = frame_title(surface.frame.get());
   file.resize(80);
   append_numbers(file, static_cast<std::uint32_t>(surface.triangles.size()));
 
@@ -79,8 +81,8 @@ std::string stl_file(const Surface& surface) {
 }
 
 std::string obj_file(const Surface& surface, const std::string& materials) {
-  std::string file =
-      fmt::format("# slipstream, camera frame, mm\nmtllib {}\nusemtl camera\n", materials);
+  std::string file = fmt::format("{}mtllib {}\nusemtl camera\n",
+                                 frame_comments(surface.frame.get(), "#"), materials);
 
   const auto out = std::back_inserter(file);
 
@@ -205,6 +207,10 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
   StoredPoints stored;
   for (const auto& [x, y, z] : corners) stored.points.push_back({.x = x, .y = y, .z = z});
 
+  FrameTitle title;
+  title.read({reinterpret_cast<const char*>(bytes.data()), header});
+  stored.frame = title.frame();
+
   return stored;
 }
 
@@ -222,6 +228,7 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
            "it is not an OBJ file");
 
   StoredPoints stored;
+  stored.frame = frame_of_comments(text);
   const auto& at = attributes.vertices;
   const auto& colours = attributes.colors;  // 0 to 1
   const bool coloured = colours.size() == at.size();

@@ -68,6 +68,16 @@ CloudScreen::CloudScreen(const ViewSource& source, const ViewSettings& settings,
 
   if (source.openable) state_.openable = source.openable();
 
+  // The axes of another frame, as seen by the scanner.
+  if (source.frame) {
+    const Eigen::Matrix3f turn = source.frame->transform.linear().cast<float>();
+    glm::mat3 directions;
+    for (int axis = 0; axis < 3; ++axis) {
+      directions[axis] = {turn(axis, 0), turn(axis, 1), turn(axis, 2)};
+    }
+    scene_.set_axes(directions);
+  }
+
   if (!source.setup) return;
   state_.setup = *source.setup;
   engine_.emplace(*source.setup);
@@ -251,7 +261,9 @@ void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& s
   if (!ImGui::GetIO().WantCaptureMouse) {
     move_camera(state_, pane, screen);
     if (cloud_ && ImGui::IsMousePosValid()) {
-      measure(state_, {*cloud_.cloud, uncertainty(), clip_matrix(camera, pane.size), pane.size},
+      measure(state_,
+              {*cloud_.cloud, uncertainty(), clip_matrix(camera, pane.size), pane.size,
+               source_.frame.get()},
               area, screen.pixel_ratio());
     }
   }

@@ -144,7 +144,7 @@ void LineRenderer::draw(const std::vector<Line>& lines, const glm::mat4& clip, S
   glDisable(GL_BLEND);
 }
 
-std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
+std::vector<Line> axes(const Box& box, const OrbitCamera& camera, const glm::mat3& directions) {
   const glm::vec3 sides = box.high - box.low;
   const glm::vec3 origin(box.low.x, box.high.y, box.low.z);
 
@@ -166,9 +166,9 @@ std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
     for (const Stroke& s : strokes) lines.push_back({place(s.x, s.y), place(s.z, s.w), colour, 1});
   };
 
-  add({1, 0, 0}, letter_x, red);
-  add({0, 1, 0}, letter_y, green);
-  add({0, 0, 1}, letter_z, blue);
+  add(directions[0], letter_x, red);
+  add(directions[1], letter_y, green);
+  add(directions[2], letter_z, blue);
 
   return lines;
 }

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <glm/mat3x3.hpp>
+
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
 
@@ -26,9 +28,10 @@ class LineRenderer {
   opengl::Resource vertex_array_, buffer_;
 };
 
-/// The scanner's axes at the box's lower left front corner, X red, Y green and Z blue, with letters
-/// facing the eye.
-std::vector<Line> axes(const Box& box, const OrbitCamera& camera);
+/// Axes at the box's lower left front corner, X red, Y green and Z blue, with letters facing the
+/// eye. `directions`: of the axes in the scanner's frame, as columns.
+std::vector<Line> axes(const Box& box, const OrbitCamera& camera,
+                       const glm::mat3& directions = glm::mat3(1));
 
 /// Spacing of the floor's grid: a round number of millimetres.
 float grid_step(const Box& box);

@@ -90,11 +90,11 @@ std::vector<MeasuredPoint> points_between(const CloudOnPicture& shown, const glm
   return points;
 }
 
-void add_end(Measured& measured, const MeasuredPoint& point) {
+void add_end(Measured& measured, const MeasuredPoint& point, const FramePose* frame) {
   if (measured.ends.size() == 2) measured.ends.clear();
   measured.ends.push_back(point);
 
-  measured.lines = {text_of(point)};
+  measured.lines = {text_of(point, frame)};
   if (measured.ends.size() < 2) return;
 
   const Distance length = distance(measured.ends[0], measured.ends[1]);
@@ -102,14 +102,27 @@ void add_end(Measured& measured, const MeasuredPoint& point) {
   if (length.sigma) measured.lines[0] += fmt::format(", sigma {:.3f} mm", *length.sigma);
 }
 
-void fit_shapes(Measured& measured, std::span<const MeasuredPoint> points) {
+void fit_shapes(Measured& measured, std::span<const MeasuredPoint> points, const FramePose* frame) {
+  const auto plane = [frame](std::span<const MeasuredPoint> of, std::optional<double> left_out) {
+    FittedPlane fit = fit_plane(of, left_out);
+    if (frame != nullptr) fit.normal = frame->transform.linear() * fit.normal;
+    return fit;
+  };
+
   measured.ends.clear();
-  measured.lines = {fitted("plane", fit_plane, points), fitted("sphere", fit_sphere, points)};
+  measured.lines = {fitted("plane", plane, points), fitted("sphere", fit_sphere, points)};
 }
 
-std::string text_of(const MeasuredPoint& point) {
-  const Eigen::Vector3d& at = point.position;
+std::string text_of(const MeasuredPoint& point, const FramePose* frame) {
+  Eigen::Vector3d at = point.position;
+  if (frame != nullptr) at = frame->transform * at;
   std::string text = fmt::format("X {:.2f}  Y {:.2f}  Z {:.2f} mm", at.x(), at.y(), at.z());
+
+  if (frame != nullptr) {
+    text += fmt::format(" in {}", frame->to);
+    if (point.sigma) text += fmt::format(",  sigma along the ray {:.3f} mm", point.sigma->norm());
+    return text;
+  }
   if (point.sigma) text += fmt::format(",  sigma of Z {:.3f} mm", point.sigma->z());
   return text;
 }

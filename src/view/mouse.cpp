@@ -36,7 +36,8 @@ void measure(PanelState& state, const CloudOnPicture& shown, const Area& area, f
   // The point under the mouse.
   const bool down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
   if (!down) {
-    if (const auto point = point_under(shown, place, reach)) draw_footer(text_of(*point), area);
+    if (const auto point = point_under(shown, place, reach))
+      draw_footer(text_of(*point, shown.frame), area);
   }
 
   if (!state.measures) return;
@@ -49,9 +50,9 @@ void measure(PanelState& state, const CloudOnPicture& shown, const Area& area, f
   if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) || io.MouseDownOwned[0]) return;
 
   if (dragged) {
-    fit_shapes(state.measured, points_between(shown, begin, place));
+    fit_shapes(state.measured, points_between(shown, begin, place), shown.frame);
   } else if (const auto point = point_under(shown, place, reach)) {
-    add_end(state.measured, *point);
+    add_end(state.measured, *point, shown.frame);
   }
 }
 

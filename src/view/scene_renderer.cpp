@@ -294,7 +294,7 @@ void SceneRenderer::draw_view(const ViewSettings& settings, double ambient, cons
     lines_.draw(floor_grid(extent_.box, floor_height(extent_)), clip, picture, pixel_ratio);
   }
   if (settings.axes) {
-    lines_.draw(axes(extent_.box, settings.camera), clip, picture, 2 * pixel_ratio);
+    lines_.draw(axes(extent_.box, settings.camera, directions_), clip, picture, 2 * pixel_ratio);
   }
 }
 

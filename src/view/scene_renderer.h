@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include <glm/mat3x3.hpp>
+
 #include "slipstream/viewer.h"
 #include "view/lines.h"
 #include "view/opengl.h"
@@ -52,6 +54,8 @@ class SceneRenderer {
 
   /// `modulation`: B^c of the cloud's pixels; null if unknown: the intensity is used.
   void set_cloud(const PointImages& cloud, const Image<float>* modulation, PointColour colour);
+  /// Directions of the axes that are drawn, in the scanner's frame, as columns.
+  void set_axes(const glm::mat3& directions) { directions_ = directions; }
   /// Extent that places the floor, the axes and the depth colours.
   void set_extent(const CloudExtent& extent) { extent_ = extent; }
   [[nodiscard]] const CloudExtent& extent() const { return extent_; }
@@ -82,6 +86,7 @@ class SceneRenderer {
   bool in_colour_ = false;  ///< its values are colours
   LineRenderer lines_;
   CloudExtent extent_;
+  glm::mat3 directions_{1};
   Range values_;  ///< shown by grey points
 };
 

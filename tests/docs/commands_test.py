@@ -250,6 +250,9 @@ def test_commands_of_changed_pages_run(tmp_path_factory, display):
         if name_of(page) in changed:
             run_page(page, tmp_path_factory.mktemp("page"), display)
 
+# A pose file.
+BASE = ("printf 'from: camera\\nto: base\\nunit: mm\\ntranslation: [900, 0, 1400]\\n"
+        "rotation_vector: [3.1, 0, 0]\\n' > base.yaml;")
 
 # What the examples of --help start from, by how they begin; the first entry that fits.
 STARTS = {
@@ -289,6 +292,13 @@ STARTS = {
     "measure scan": "slipstream simulate scan",
     "measure cloud": "slipstream simulate s --scene sphere; slipstream reconstruct s -o cloud.ply;"
                      " slipstream reconstruct s -o cloud.pcd",
+    "frame convert": BASE,
+    "frame compose": BASE + " printf 'from: camera\\nto: flange\\nunit: mm\\ntranslation:"
+                            " [0, 50, 90]\\nrotation_vector: [0, 0, 0]\\n' > flange.yaml;"
+                            " sed -i s/camera/flange/ base.yaml",
+    "frame points": "slipstream simulate plate --scene board",
+    "frame board": "slipstream simulate boards --boards 1 --corners 13x9 --spacing 15"
+                   " --camera 320x240; cp boards/scanner.yaml .",
     "unwrap wrapped": "slipstream simulate scan --strategy pmp --frequency 8 --steps 4;"
                       " for f in tiff npy; do slipstream reconstruct scan --phase wrapped.$f; done",
     "view cloud": "slipstream simulate s; slipstream reconstruct s -o cloud.ply",

@@ -158,3 +158,23 @@ def test_clouds_are_cleaned_written_and_read(dual, engine, tmp_path):
     own.write(tmp_path / "own.ply")
     clean.write(tmp_path / "clean.ply")
     assert (tmp_path / "own.ply").read_bytes() == (tmp_path / "clean.ply").read_bytes()
+
+
+def test_moves_into_another_frame(tmp_path):
+    pose = tmp_path / "base.yaml"
+    pose.write_text("{from: camera, to: base, unit: m, translation: [0, 0, 1], "
+                    "euler: [180, 0, 0], order: intrinsic xyz, angles: degrees}")
+    points = numpy.array([[[1, 2, 600], [3, 4, 610]], [[5, 6, 620], [7, 8, 630]]], numpy.float32)
+    cloud = slipstream.Cloud(points)
+
+    moved = cloud.moved(pose)
+    assert (cloud.frame, moved.frame) == ("camera", "base")
+    numpy.testing.assert_allclose(moved.points, points * [1, -1, -1] + [0, 0, 1000], atol=1e-3)
+    with pytest.raises(slipstream.Error, match="the cloud is in the frame base"):
+        moved.normals()
+
+    # Its file is the one that is written into that frame.
+    moved.write(tmp_path / "moved.pcd")
+    cloud.write(tmp_path / "written.pcd", to_frame=pose)
+    assert (tmp_path / "moved.pcd").read_bytes() == (tmp_path / "written.pcd").read_bytes()
+    assert slipstream.load_cloud(tmp_path / "moved.pcd").frame == "base"

@@ -1,0 +1,267 @@
+#include "app/found_frame.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/board_flags.h"
+#include "app/frame.h"
+#include "app/scan_flags.h"
+#include "base/numbers.h"
+#include "calibrate/board_corners.h"
+#include "calibrate/first_guess.h"
+#include "cloud/plane_frame.h"
+#include "geometry/point_fit.h"
+#include "io/image_file.h"
+#include "slipstream/measure.h"
+#include "slipstream/scan_files.h"
+
+namespace slipstream::app {
+namespace {
+
+constexpr const char* input_help = "a scan folder, a recording or an organised cloud, .pcd";
+
+struct PointsFlags {
+  std::string input;
+  std::string pairs;
+  std::vector<std::pair<std::string, std::string>> picks;
+  std::string name = "part";
+  CloudFlags cloud;
+  PoseOutputFlags output;
+};
+
+struct PlanesFlags {
+  std::string input;
+  std::vector<std::string> planes;
+  std::string name = "part";
+  CloudFlags cloud;
+  PoseOutputFlags output;
+};
+
+struct BoardPoseFlags {
+  std::string input;
+  BoardFlags board;
+  std::string name = "board";
+  ScanFlags scan;
+  PoseOutputFlags output;
+};
+
+FramePose camera_to(const std::string& name, const Eigen::Isometry3d& pose) {
+  require_frame_name(name);
+  throw_if(name == camera_frame, "--name {}: this is the name of the camera's frame", name);
+  return {std::string(camera_frame), name, pose};
+}
+
+Eigen::Vector3d place_from(const std::string& text, const std::string& flag) {
+  const std::vector<double> numbers = numbers_in<double>(text, ',');
+  throw_if(numbers.size() != 3, "{} '{}': expected x,y,z in mm, e.g. 100,0,0", flag, text);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+/// Points of the camera's frame and their partners in the new one, each with its name.
+struct PointPairs {
+  std::vector<Eigen::Vector3d> points{}, partners{};
+  std::vector<std::string> names{};
+};
+
+/// Adds the lines of a file: x,y,z of the camera, then of the new frame, mm.
+void read_pairs(const std::string& file, PointPairs& pairs) {
+  const std::string text = read_text(file);
+  std::string_view rest = text;
+
+  for (int number = 1; !rest.empty(); ++number) {
+    std::string line(take_until(rest, '\n'));
+    std::erase_if(line, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
+    if (line.empty() || line[0] == '#') continue;
+
+    const std::vector<double> numbers = numbers_in<double>(line, ',');
+    throw_if(numbers.size() != 6,
+             "{}: line {}: expected x,y,z in the camera's frame and x,y,z in the other, mm", file,
+             number);
+    pairs.points.emplace_back(numbers.data());
+    pairs.partners.emplace_back(numbers.data() + 3);
+    pairs.names.push_back(fmt::format("line {}", number));
+  }
+}
+
+/// Adds the picked pixels of a cloud.
+void pick_points(const PointsFlags& flags, PointPairs& pairs, Output& output) {
+  throw_if(flags.input.empty(), "--pick needs the scan or cloud whose pixels are picked");
+  const StoredCloud stored = organised_cloud(flags.input, flags.cloud, output);
+
+  for (const auto& [pixel, place] : flags.picks) {
+    const std::vector<int> numbers = numbers_in<int>(pixel, ',');
+    throw_if(numbers.size() != 2, "--pick '{}': expected column,row of a pixel, e.g. 320,240",
+             pixel);
+    const auto point = point_at(stored.cloud, nullptr, numbers[0], numbers[1]);
+    throw_if(!point, "--pick {}: this pixel has no point; pick another", pixel);
+
+    pairs.points.push_back(point->position);
+    pairs.partners.push_back(place_from(place, "--pick " + pixel));
+    pairs.names.push_back("pixel " + pixel);
+  }
+}
+
+void find_by_points(const PointsFlags& flags, Output& output) {
+  throw_if(flags.pairs.empty() && flags.picks.empty(),
+           "no points; give --pairs FILE, or three --pick or more");
+  throw_if(flags.picks.empty() && !flags.input.empty(),
+           "{}: give --pick with its pixels; --pairs alone needs no scan", flags.input);
+
+  PointPairs pairs;
+  if (!flags.pairs.empty()) read_pairs(flags.pairs, pairs);
+  if (!flags.picks.empty()) pick_points(flags, pairs, output);
+  const PointFit fit = fit_points(pairs.points, pairs.partners);
+
+  put_pose(camera_to(flags.name, fit.pose), flags.output, output);
+  output.say("residuals of {} points: RMS {:.3f} mm", pairs.points.size(), fit.rms);
+  for (std::size_t i = 0; i < pairs.points.size(); ++i) {
+    output.say("  {}: {:.3f} mm", pairs.names[i], fit.residuals[i]);
+  }
+  if (pairs.points.size() == 3) {
+    output.say("  three points hardly check each other; more points show errors");
+  }
+  output.add("rms_mm", fit.rms, "residuals_mm", fit.residuals);
+}
+
+void find_by_planes(const PlanesFlags& flags, Output& output) {
+  throw_if(flags.planes.size() != 3,
+           "{} planes; give three: the first sets z, the second y, the third the origin along x",
+           flags.planes.size());
+  const StoredCloud stored = organised_cloud(flags.input, flags.cloud, output);
+
+  std::array<FittedPlane, 3> planes;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const auto rectangle = rectangle_of_text(flags.planes[i]);
+    throw_if(!rectangle,
+             "--plane '{}' is not a rectangle; give width x height + x + y, e.g. "
+             "200x100+320+240",
+             flags.planes[i]);
+    planes[i] = fit_plane(points_in(stored.cloud, nullptr, *rectangle));
+  }
+  const PlaneFrame found = frame_of_planes(planes);
+
+  put_pose(camera_to(flags.name, found.pose), flags.output, output);
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    output.say("plane {}: residuals of {} points, RMS {:.4f} mm", i + 1, planes[i].residuals.points,
+               planes[i].residuals.rms);
+  }
+  const auto& [first, second, third] = found.off_square;
+  output.say("off a right angle: planes 1 and 2 {:+.3f}, 1 and 3 {:+.3f}, 2 and 3 {:+.3f} degrees",
+             first / degree, second / degree, third / degree);
+  output.add("off_square_deg", std::array{first / degree, second / degree, third / degree},
+             "rms_mm",
+             as_json(planes, [](const FittedPlane& plane) { return plane.residuals.rms; }));
+}
+
+/// The pictures in which the board is looked for, and the lens that took them.
+struct BoardPicture {
+  FringeFreePictures pictures;
+  Lens lens;
+};
+
+BoardPicture board_picture(const BoardPoseFlags& flags, Output& output) {
+  // A folder of a board's pose has a scan along each axis; both show the board.
+  std::string path = flags.input;
+  for (const char* const scan : {"x", "x.slip"}) {
+    const fs::path along_x = fs::path(flags.input) / scan;
+    if (fs::is_directory(flags.input) && fs::exists(along_x)) path = along_x.string();
+  }
+
+  const Scan scan = load_checkable(path, flags.scan, false, output);
+  throw_if(!scan.scanner || !has_geometry(*scan.scanner),
+           "{}: no scanner is known, whose camera sees the board; name its file with --scanner",
+           flags.input);
+  const Lens& lens = scan.scanner->camera;
+  throw_if(lens.size != scan.frames.size(), "{}: pictures of {}, but the scanner's camera has {}",
+           flags.input, text_of(scan.frames.size()), text_of(lens.size));
+  return {fringe_free_pictures(scan.frames, scan.frames), lens};
+}
+
+void find_by_board(const BoardPoseFlags& flags, Output& output) {
+  const CalibrationBoard board = board_from(flags.board);
+  const BoardPicture seen = board_picture(flags, output);
+
+  // 1. The corners.
+  const std::optional<BoardCorners> corners = find_board(board, seen.pictures);
+  throw_if(!corners || corners->places.size() < 6,
+           "{}: no {} of {}x{} corners is visible; likely wrong --board or --corners, or a picture "
+           "that is dark, overexposed or out of focus",
+           flags.input, name_of(board.kind), board.columns, board.rows);
+
+  // 2. The board's pose, and how well its corners lie where they should.
+  const BoardPlaces printed = printed_places(board);
+  BoardView view;
+  view.name = flags.input;
+  view.places = corners->places;
+  view.camera = corners->pixels;
+  const Eigen::Isometry3d pose = pose_before_camera(view, seen.lens, printed);
+
+  double squares = 0;
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    const Eigen::Vector3d place = pose * printed[static_cast<std::size_t>(view.places[i])];
+    squares += (project(seen.lens, place) - view.camera[i]).squaredNorm();
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(view.places.size()));
+
+  put_pose(camera_to(flags.name, pose.inverse()), flags.output, output);
+  output.say("board: {} corners found by the {}, RMS {:.3f} pixels", view.places.size(),
+             corners->detector, rms);
+  output.say("  its x runs along a row, y from row to row, z away from the camera");
+  output.add("corners", view.places.size(), "rms_px", rms);
+}
+
+void add_name_flag(const FlagGroup& group, std::string& name) {
+  group.add("--name", name, "name of the new frame");
+}
+
+}  // namespace
+
+void add_found_frames(const Commands& frame) {
+  // 1. slipstream frame points
+  const auto [points, by_points] =
+      frame.add(find_by_points, "points", "find a frame from three points or more");
+  points.add_file("input", by_points.input, input_help);
+  points.add("--pick", by_points.picks,
+             "pixel column,row and its place x,y,z in the new frame, mm; repeat it: 320,240 "
+             "100,0,0");
+  points.add_file("--pairs", by_points.pairs,
+                  "lines of six numbers, mm: x,y,z in the camera's frame, then in the new: .csv");
+  add_name_flag(points, by_points.name);
+  add_pose_output_flags(points, by_points.output);
+  add_cloud_flags(points.app, by_points.cloud);
+  points.examples(
+      {"frame points plate --pick 240,160 0,0,0 --pick 400,160 126.5,0,0 --pick "
+       "240,320 17.1,122.4,0 --name plate -o plate.yaml"});
+
+  // 2. slipstream frame planes
+  const auto [planes, by_planes] =
+      frame.add(find_by_planes, "planes", "find a frame from three planes, as of a box's corner");
+  required(planes.add_file("input", by_planes.input, input_help));
+  planes.add("--plane", by_planes.planes,
+             "pixel rectangle on a plane, width x height + x + y; three: the first sets z, towards "
+             "the camera, the second y, the third the origin");
+  add_name_flag(planes, by_planes.name);
+  add_pose_output_flags(planes, by_planes.output);
+  add_cloud_flags(planes.app, by_planes.cloud);
+
+  // 3. slipstream frame board
+  const auto [board, by_board] =
+      frame.add(find_by_board, "board", "find the frame of a calibration board in view");
+  required(board.add_file("input", by_board.input,
+                          "a scan folder or a recording of the board, or a pose's folder"));
+  add_board_flags(board.app, by_board.board);
+  add_name_flag(board, by_board.name);
+  add_pose_output_flags(board, by_board.output);
+  add_scan_input_flags(board.app, by_board.scan);
+  board.examples(
+      {"frame board boards/board01 --corners 13x9 --spacing 15 --scanner scanner.yaml "
+       "-o board.yaml"});
+}
+
+}  // namespace slipstream::app

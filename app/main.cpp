@@ -36,6 +36,7 @@
 #include "app/convert.h"
 #include "app/frame.h"
 #include "app/live.h"
+#include "app/merge.h"
 #include "app/phase_maps.h"
 #include "app/simulate.h"
 #include "app/tools.h"
@@ -177,6 +178,7 @@ constexpr ProgramCommand program_commands[] = {
     {"measure", add_measure, "Measure"},
 #ifdef SLIPSTREAM_ALL_COMMANDS
     {"frame", add_frame, "Measure"},
+    {"merge", add_merge, "Measure"},
     {"height", add_height, "Measure"},
     {"unwrap", add_unwrap, "Measure"},
     {"simulate", add_simulate, "Learn"},

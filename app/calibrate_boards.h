@@ -25,6 +25,7 @@ struct CalibrateGeometryFlags {
   BoardCaptureFlags boards;
   std::string camera_distortion = "auto", projector_distortion = "auto", print = "estimated";
   double print_deviation = 0.01;
+  bool residual = false;
   std::string scanner;
   std::optional<std::string> report, compare, measured;
 };

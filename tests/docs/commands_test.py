@@ -252,6 +252,9 @@ STARTS = {
     "calibrate geometry": "slipstream simulate poses --boards 8 --corners 13x9 --spacing 10"
                           " --strategy dual-frequency --steps 3 --high 16 --low 1"
                           " --projector 1824x1140",
+    "calibrate residual": "slipstream simulate scan --scene board --axis both;"
+                          " sed '/projector_distortion/,/data/ s/-0.06/-0.065/'"
+                          " scan/scanner.yaml > scanner.yaml",
     "calibrate colour": "slipstream simulate white --scene board --primaries --camera 128x96;"
                         " slipstream simulate scan --camera 128x96; cp scan/scanner.yaml .",
     "calibrate": "for n in 1 2 3; do slipstream simulate scan_$n --scene board --strategy pmp"

@@ -11,6 +11,7 @@
 
 #include "app/calibrate_photometry.h"
 #include "app/calibrate_points.h"
+#include "app/calibrate_residual.h"
 #include "app/flag_names.h"
 #include "app/phase_maps.h"
 #include "app/scan_flags.h"
@@ -262,9 +263,10 @@ void add_calibrate(const Commands& program) {
       "calibrate", "calibrate a rig: geometry, response, noise, ambient light, colour");
 
   // In the order of the help.
-  for (AddCommand* const add : {add_calibrate_board, add_calibrate_geometry, add_calibrate_points,
-                                add_calibrate_verify, add_calibrate_gamma, add_calibrate_ambient,
-                                add_calibrate_noise, add_calibrate_colour, add_calibrate_height}) {
+  for (AddCommand* const add :
+       {add_calibrate_board, add_calibrate_geometry, add_calibrate_points, add_calibrate_verify,
+        add_calibrate_gamma, add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour,
+        add_calibrate_height, add_calibrate_residual}) {
     add(calibrate);
   }
 }

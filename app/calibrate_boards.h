@@ -26,7 +26,7 @@ struct CalibrateGeometryFlags {
   BoardCaptureFlags boards;
   CalibrationResultFlags result;
   std::optional<std::string> measured;
-  std::optional<std::string> points;      ///< file to write the corners to
+  std::optional<std::string> points;  ///< file to write the corners to
 };
 
 /// Calibrates from board scans in several poses; writes and reports the scanner file and the

@@ -18,17 +18,22 @@ namespace slipstream::app {
 namespace {
 
 nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const LensChoice& choice,
-                       double covered) {
+                       const ResidualChoice& residual, double covered) {
   const Eigen::Matrix3d& K = lens.intrinsic;
   const auto scores = as_json(choice.scores, [](const LensModelScore& score) {
     return described("coefficients", score.coefficients, "left_out_error", score.error);
+  });
+  const auto residuals = as_json(residual.scores, [](const ResidualScore& score) {
+    return described("degree", score.degree, "left_out_error", score.error, "left_out_px",
+                     score.rms);
   });
   return described("focal_px", std::array{K(0, 0), K(1, 1)}, "focal_deviation_px", deviation.focal,
                    "principal_point_px", std::array{K(0, 2), K(1, 2)},
                    "principal_point_deviation_px", deviation.principal_point, "distortion",
                    lens.distortion.coefficients, "distortion_deviation", deviation.coefficients,
                    "distortion_coefficients", choice.coefficients, "distortion_models", scores,
-                   "covered_share", covered);
+                   "residual_degree", residual.degree, "residual_maps", residuals, "covered_share",
+                   covered);
 }
 
 /// NaN becomes null.
@@ -75,10 +80,10 @@ nlohmann::json document(const CalibrationResultFlags& flags, const CalibrationRe
       "scanner", flags.scanner, "rms", json_of_rms(calibration.rms), "poses", json_of_poses(report),
       "camera",
       json_of(scanner.camera, calibration.deviation.camera, calibration.camera_lens,
-              calibration.covered_camera),
+              calibration.camera_residual, calibration.covered_camera),
       "projector",
       json_of(scanner.projector, calibration.deviation.projector, calibration.projector_lens,
-              calibration.covered_projector),
+              calibration.projector_residual, calibration.covered_projector),
       "baseline_mm", scanner.translation.norm(), "rotation_deviation_rad",
       calibration.deviation.rotation, "translation_deviation_mm", calibration.deviation.translation,
       "largest_tilt_rad", calibration.largest_tilt, "depths_mm",
@@ -116,6 +121,8 @@ void add_model_flags(const FlagGroup& model, CalibrationResultFlags& flags) {
             "board corners: exact, or estimated near their nominal positions");
   model.add("--print-deviation", flags.print_deviation,
             "standard deviation of a printed corner's position, in spacings");
+  model.add("--residual", flags.residual,
+            "add maps of the lens models' remainders, as far as held-out poses support them");
 }
 
 GeometryCalibrationSettings settings_from(const CalibrationResultFlags& flags) {
@@ -132,6 +139,7 @@ GeometryCalibrationSettings settings_from(const CalibrationResultFlags& flags) {
   // Without a deviation the corners are held at their nominal positions.
   settings.print_deviation =
       flags.print == "exact" ? std::nullopt : std::optional(flags.print_deviation);
+  settings.residual = flags.residual;
   return settings;
 }
 

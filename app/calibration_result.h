@@ -16,6 +16,7 @@ namespace slipstream::app {
 struct CalibrationResultFlags {
   std::string camera_distortion = "auto", projector_distortion = "auto", print = "estimated";
   double print_deviation = 0.01;
+  bool residual = false;
   std::string scanner;
   std::optional<std::string> report, compare;
 };
@@ -23,7 +24,7 @@ struct CalibrationResultFlags {
 /// Adds --output, --report and --compare.
 void add_result_flags(const FlagGroup& command, CalibrationResultFlags& flags);
 
-/// Adds --camera-distortion, --projector-distortion, --print and --print-deviation.
+/// Adds --camera-distortion, --projector-distortion, --print, --print-deviation and --residual.
 void add_model_flags(const FlagGroup& model, CalibrationResultFlags& flags);
 
 /// Throws Error for an unknown model.

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "app/reconstructed_scan.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"
 #include "simulate/virtual_files.h"
@@ -71,10 +72,10 @@ void demo(const DemoFlags& flags, Output& output) {
                           .depth = folder / "depth.tiff",
                           .preview = folder / "preview.png"};
   write_results(files, cloud, {});
+  const PredictedRms predicted = predicted_rms(sigma);
 
-  output.say(
-      "reconstructed a cloud of {} points; RMS error {:.2f} mm, predicted from noise: {:.2f} mm",
-      point_count(cloud), errors.rms, errors.predicted);
+  output.say("reconstructed a cloud of {} points; RMS error {:.2f} mm; {}", point_count(cloud),
+             errors.rms, text_of(predicted));
 
   for (const auto& [name, path] : files.named()) {
     output.say("  {}: {}", name, path);
@@ -84,7 +85,7 @@ void demo(const DemoFlags& flags, Output& output) {
   say_what_next(files, scan, output);
 
   output.add("scan", scan.string(), "points", point_count(cloud), "rms_mm", errors.rms,
-             "predicted_mm", errors.predicted);
+             "predicted_mm", predicted.with_edges, "predicted_from_noise_mm", predicted.of_noise);
 }
 
 }  // namespace

@@ -91,21 +91,16 @@ void judge(const ReconstructFlags& flags, std::size_t printed, ReconstructedScan
   }
 }
 
-/// The RMS of depth that the noise of the frames predicts, mm. Only the virtual scanner's scans,
-/// whose error is known, are worth the time.
-std::optional<double> predicted_rms(const FrameViews& frames, ScanJob& job,
-                                    const ReconstructedScan& scan) {
+/// The RMS of depth that the noise of the frames predicts. Only the virtual scanner's scans, whose
+/// error is known, are worth the time.
+std::optional<PredictedRms> predicted_error(const FrameViews& frames, ScanJob& job,
+                                            const ReconstructedScan& scan) {
   const ScanResult& result = scan.result;
   const bool has_engine =
       result.backend != "coordinates" && result.setup.scanner.photometry.noise_variance;
   if (!scan.rms || !has_engine) return std::nullopt;
 
-  double squares = 0;
-  for (const float sigma : job.uncertainty_of(result, frames).z) {
-    if (std::isfinite(sigma)) squares += static_cast<double>(sigma) * sigma;
-  }
-
-  return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(result.counts[0], 1)));
+  return predicted_rms(job.uncertainty_of(result, frames));
 }
 
 /// State passed from one scan to the next.
@@ -171,7 +166,7 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
 
   // 2. Files, and the error of a virtual scan against its truth.
   judge(flags, checked.checked.findings.size(), scan);
-  if (!two_cameras) scan.predicted = predicted_rms(checked.scan.frames, job, scan);
+  if (!two_cameras) scan.predicted = predicted_error(checked.scan.frames, job, scan);
   if (result.uncertainty) scan.median_sigma = median_depth(*result.uncertainty);
 }
 

@@ -211,6 +211,10 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json seconds;
   for (const auto& [name, words, time] : times_of(scan)) seconds[name] = time;
 
+  const auto prediction = [&](double PredictedRms::*part) {
+    return scan.predicted ? std::optional((*scan.predicted).*part) : std::nullopt;
+  };
+
   const std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
   nlohmann::json document = described(
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
@@ -218,7 +222,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       "least_modulation", result.least_modulation, "gamma", json_of(result.gamma), "baseline_mm",
       result.setup.scanner.translation.norm(), "median_depth_mm", result.checked.median_depth,
       "files", scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms,
-      "predicted_mm", scan.predicted, "epipolar", result.epipolar, "guard", result.guard,
+      "predicted_mm", prediction(&PredictedRms::with_edges), "predicted_from_noise_mm",
+      prediction(&PredictedRms::of_noise), "epipolar", result.epipolar, "guard", result.guard,
       "warnings", scan.warnings, "findings", result.checked.findings, "repairs",
       result.checked.repairs, "seconds", seconds);
 
@@ -235,6 +240,11 @@ std::string line_of(const ReconstructedScan& scan) {
   scan.failure.empty() ? entry["counts"] = as_json(scan.result.counts)
                        : entry["error"] = scan.failure;
   return line_of(entry);
+}
+
+std::string text_of(const PredictedRms& predicted) {
+  return fmt::format("predicted: {:.4g} mm from noise, {:.4g} mm with edges{}", predicted.of_noise,
+                     predicted.with_edges, predicted.is_of_edges() ? ", which dominate" : "");
 }
 
 void tell(const ReconstructedScan& scan, Output& output) {
@@ -263,9 +273,8 @@ void tell(const ReconstructedScan& scan, Output& output) {
 
   // Errors: true, epipolar and predicted.
   if (scan.rms) {
-    output.say(
-        "  RMS error against truth: {:.4g} mm{}", *scan.rms,
-        scan.predicted ? fmt::format("; predicted from noise: {:.4g} mm", *scan.predicted) : "");
+    output.say("  RMS error against truth: {:.4g} mm{}", *scan.rms,
+               scan.predicted ? "; " + text_of(*scan.predicted) : "");
   }
   if (result.epipolar) {
     output.say(

@@ -17,12 +17,13 @@ struct ReconstructedScan {
   Output words{false};  ///< its lines, held until its turn
   ScanOutput output = ScanOutput::points;
   ScanResult result;
-  std::vector<std::string> warnings;                   ///< from reading the frames
-  ResultFiles files;                                   ///< files written
-  std::optional<double> rms, predicted, median_sigma;  ///< mm
-  double read = 0, written = 0;                        ///< time taken, s
-  bool done_before = false;  ///< done by an earlier run; prints nothing else
-  nlohmann::json entry;      ///< its manifest entry
+  std::vector<std::string> warnings;        ///< from reading the frames
+  ResultFiles files;                        ///< files written
+  std::optional<double> rms, median_sigma;  ///< mm
+  std::optional<PredictedRms> predicted{};
+  double read = 0, written = 0;  ///< time taken, s
+  bool done_before = false;      ///< done by an earlier run; prints nothing else
+  nlohmann::json entry;          ///< its manifest entry
 };
 
 /// A scan or a map that was read, and its results so far.
@@ -46,6 +47,9 @@ nlohmann::json document_of(const ReconstructedScan& scan);
 
 /// Its line of the manifest.
 std::string line_of(const ReconstructedScan& scan);
+
+/// "predicted: 0.44 mm from noise, 0.47 mm with edges", and whether edges dominate.
+std::string text_of(const PredictedRms& predicted);
 
 /// Prints its lines.
 void tell(const ReconstructedScan& scan, Output& output);

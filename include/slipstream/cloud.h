@@ -148,13 +148,15 @@ std::size_t point_count(const BasicCloud<Real>& cloud) {
   return count_by_validity(cloud)[static_cast<std::size_t>(Validity::valid)];
 }
 
-/// One standard deviation of each point due to the frames' noise; NaN without a point.
+/// One standard deviation of each point due to the frames' noise, and at edges also to the mixture
+/// in a pixel; NaN without a point.
 struct Uncertainty {
   explicit Uncertainty(Size size = {})
-      : coordinate(size, nan), x(size, nan), y(size, nan), z(size, nan) {}
+      : coordinate(size, nan), x(size, nan), y(size, nan), z(size, nan), z_of_noise(size, nan) {}
 
   Image<float> coordinate;  ///< of the projector coordinate, fields
   Image<float> x, y, z;     ///< mm
+  Image<float> z_of_noise;  ///< of depth, mm, by noise alone; equals z away from edges
 
  private:
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -162,6 +164,17 @@ struct Uncertainty {
 
 /// The median of the standard deviations of depth, mm; 0 without points.
 double median_depth(const Uncertainty& uncertainty);
+
+/// RMS of the depth error that an uncertainty predicts, mm; 0 without points.
+struct PredictedRms {
+  double of_noise = 0;    ///< by noise alone
+  double with_edges = 0;  ///< also by mixtures in pixels at edges
+
+  /// Whether edges cause more of the squared error than noise.
+  [[nodiscard]] bool is_of_edges() const { return with_edges > std::sqrt(2.0) * of_noise; }
+};
+
+PredictedRms predicted_rms(const Uncertainty& uncertainty);
 
 /// Name of the frame that a cloud is in.
 template <class Real>

@@ -74,6 +74,19 @@ struct LensChoice {
   std::vector<LensModelScore> scores;  ///< of the models tried; empty when chosen by flag
 };
 
+/// How well a residual map predicts poses that it was not fitted to.
+struct ResidualScore {
+  int degree = 0;    ///< of its polynomials; 0: no map
+  double error = 0;  ///< RMS of the held-out poses' corners, in standard deviations
+  double rms = 0;    ///< the same in the device's picture, pixels
+};
+
+/// The map of a device that the poses support.
+struct ResidualChoice {
+  int degree = 0;                     ///< 0: none
+  std::vector<ResidualScore> scores;  ///< of the maps tried, first without one; empty if not asked
+};
+
 /// Deviation of a board from a flat print of the right proportions.
 struct PrintShape {
   double bend = 0;            ///< height of its arch or twist, mm: quadratic in the board's places
@@ -106,7 +119,12 @@ struct GeometryCalibrationSettings {
   std::optional<int> projector_coefficients;
   /// Standard deviation of a printed corner, in spacings; nullopt: the print is exact.
   std::optional<double> print_deviation = 0.01;
+  /// Adds to each lens a map of its model's remainder, as far as held-out poses support it.
+  bool residual = false;
 };
+
+/// Fewest poses for residual maps.
+inline constexpr std::size_t fewest_residual_poses = 6;
 
 /// A pose used in the calibration.
 struct CalibratedPose {
@@ -127,6 +145,8 @@ struct GeometryCalibration {
   BundleDeviation deviation;
   LensChoice camera_lens;
   LensChoice projector_lens;
+  ResidualChoice camera_residual;
+  ResidualChoice projector_residual;
   ReprojectionRms rms;
   std::vector<CalibratedPose> poses;
   BoardViews views;               ///< as used: without corners off by whole fringes
@@ -140,9 +160,9 @@ struct GeometryCalibration {
 
 /// Calibrates camera, projector and their relative pose from board corners. The printed board
 /// defines the scale. Ignores corners off by whole fringes. Throws Error for an invalid board,
-/// coefficients not in `lens_models`, fewer than `fewest_poses` views, mirrored or swapped
-/// projector axes, views that do not fit one rigid rig and this board, or poses that do not
-/// determine the calibration.
+/// coefficients not in `lens_models`, fewer than `fewest_poses` views, or `fewest_residual_poses`
+/// for residual maps, mirrored or swapped projector axes, views that do not fit one rigid rig and
+/// this board, or poses that do not determine the calibration.
 GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard& board, Size camera,
                                        Size projector,
                                        const GeometryCalibrationSettings& settings = {});

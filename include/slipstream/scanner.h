@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -26,22 +27,44 @@ struct Distortion {
 /// Throws Error unless there are 0, 4, 5, 8, 12 or 14 finite coefficients.
 Distortion make_distortion(std::span<const double> coefficients);
 
+/// The remainder of a lens model: a smooth shift of its pixels, as sums of Chebyshev polynomials
+/// T_i(a) T_j(b), i + j <= degree, of the place (a, b) = (pixel - centre) / half.
+struct LensResidual {
+  static constexpr int largest_degree = 14;
+
+  Eigen::Vector2d centre = {0, 0}, half = {1, 1};  ///< of the picture, pixels
+  /// Coefficients of x and y, pixels: c_00 c_01 ... c_0d c_10 ... c_d0; empty without a map.
+  std::vector<Eigen::Vector2d> terms{};
+
+  friend bool operator==(const LensResidual&, const LensResidual&) = default;
+};
+
+/// The shift of a pixel, pixels; 0 without a map.
+Eigen::Vector2d shift_at(const LensResidual& residual, const Eigen::Vector2d& pixel);
+
 /// A camera, or a projector as an inverse camera: a ray with direction (u, v, 1) in the device's
-/// frame meets pixel K distort(u, v). Pixel centres are at integers.
+/// frame meets the pixel that its residual shifts from K distort(u, v). Pixel centres are at
+/// integers.
 struct Lens {
   Eigen::Matrix3d intrinsic = Eigen::Matrix3d::Identity();  ///< K, pixels
   Distortion distortion;
   Size size;  ///< of the device, pixels; 0x0 without a calibrated size
+  LensResidual residual{};
 
   friend bool operator==(const Lens&, const Lens&) = default;
 };
+
+/// Whether K alone describes the lens.
+inline bool is_straight(const Lens& lens) {
+  return lens.distortion.is_zero() && lens.residual.terms.empty();
+}
 
 /// The lens for pictures that show only this part of its own. Throws Error unless the part lies
 /// inside of them, where their size is known.
 Lens part_of(Lens lens, const Rectangle& part);
 
 /// Throws Error, beginning with the device, unless K is finite and upper triangular, with positive
-/// focal lengths and K(2, 2) = 1.
+/// focal lengths and K(2, 2) = 1, and the residual has all terms of its degree.
 void require_valid(const Lens& lens, std::string_view device);
 
 /// Projection onto a sensor tilted by tau_x, tau_y.

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -439,6 +440,16 @@ class BundleProblem {
 
 }  // namespace
 
+BoardViews without_residual(BoardViews views, const Scanner& scanner) {
+  for (BoardView& view : views) {
+    for (Eigen::Vector2d& pixel : view.camera) pixel -= shift_at(scanner.camera.residual, pixel);
+    for (Eigen::Vector2d& pixel : view.projector) {
+      pixel -= shift_at(scanner.projector.residual, pixel);
+    }
+  }
+  return views;
+}
+
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings) {
   const auto forget = [](Lens& lens, int free) {
     auto& k = lens.distortion.coefficients;
@@ -448,9 +459,15 @@ void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings) 
   forget(scanner.projector, settings.projector_coefficients);
 }
 
-BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
+BundleState bundle_adjusted(const BoardViews& seen, BundleState start, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation) {
   const QuietCeres quiet;
+
+  // The problem's lenses have no residual maps: shift the corners instead, and put the maps back at
+  // the end.
+  const BoardViews views = without_residual(seen, start.scanner);
+  const LensResidual of_camera = std::exchange(start.scanner.camera.residual, {});
+  const LensResidual of_projector = std::exchange(start.scanner.projector.residual, {});
   const int rounds = settings.pixel_deviations ? 1 : 3;
 
   BundleState state = std::move(start);
@@ -468,6 +485,9 @@ BundleState bundle_adjusted(const BoardViews& views, BundleState start, const Bo
         "the poses do not determine the calibration; likely too few tilts of the board: tilt it "
         "differently in each");
   }
+
+  state.scanner.camera.residual = of_camera;
+  state.scanner.projector.residual = of_projector;
   return state;
 }
 

@@ -30,10 +30,13 @@ struct BundleSettings {
 /// Sets the fixed distortion coefficients to zero, so that none remain from a larger lens model.
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
 
+/// The views with corners where the lens models without their residual maps see them.
+BoardViews without_residual(BoardViews views, const Scanner& scanner);
+
 /// Minimises the reprojection errors of both devices over all free parameters, with Huber's loss
 /// and each device's errors in units of their robustly estimated standard deviation. Starts from
-/// `start`, whose poses and places must match `views`; `printed`: nominal corners of the board. If
-/// not null, `deviation` receives the standard deviations for independent corner errors. Throws
+/// `start`, whose poses and places must match `views`; `printed`: nominal corners of the board.
+/// Keeps the lenses' residual maps. If not null, `deviation` receives the standard deviations for independent corner errors. Throws
 /// Error if it does not converge, or if the poses do not determine the requested `deviation`.
 BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);

@@ -1,6 +1,7 @@
 #include "calibrate/diagnosis.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/numbers.h"
 #include "base/statistics.h"
@@ -99,6 +101,32 @@ std::optional<int> slipped_steps(double shift, const FringeSigns& signs) {
   return slipped == 0 ? std::nullopt : std::optional(slipped);
 }
 
+/// Which poses would determine the focal lengths: those whose tilt no pose has.
+std::string wanted_tilts(const std::vector<Eigen::Isometry3d>& poses) {
+  const double least = std::sin(12 * degree);
+  constexpr std::array edges{"left", "right", "upper", "lower"};
+
+  // An edge is nearer to the camera if the opposite one is farther away.
+  std::array<bool, 4> tilted{};
+  for (const Eigen::Isometry3d& pose : poses) {
+    const Eigen::Vector2d rise = pose.linear().row(2).head<2>();
+    tilted[0] |= rise.x() > least;
+    tilted[1] |= rise.x() < -least;
+    tilted[2] |= rise.y() > least;
+    tilted[3] |= rise.y() < -least;
+  }
+
+  std::vector<std::string> missing;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!tilted[i]) missing.emplace_back(edges[i]);
+  }
+  if (missing.empty()) return "add poses tilted by 20 to 40 degrees, each in another direction";
+  return fmt::format(
+      "add poses with these edges of the board tilted towards the camera by 20 to 40 degrees, one "
+      "each: {}",
+      fmt::join(missing, ", "));
+}
+
 void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibration,
               const char* device, const Lens& lens, const LensDeviation& deviation) {
   constexpr double most_doubt = 0.002;  // relative error of lengths at the ends of the depth range
@@ -114,14 +142,13 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
     cause = {CauseKind::few_poses, "too few poses"};
   }
 
-  findings.push_back(
-      {.kind = FindingKind::uncertain_focal_length,
-       .what = fmt::format("the {}'s focal length is uncertain by over {:g} %", device,
-                           100 * most_doubt),
-       .evidence = {{"standard deviation", 100 * doubt, "%", 100 * most_doubt},
-                    {"largest tilt", calibration.largest_tilt / degree, "degrees"}},
-       .causes = {std::move(cause)},
-       .remedies = {{"add poses tilted by 20 to 40 degrees, each in another direction"}}});
+  findings.push_back({.kind = FindingKind::uncertain_focal_length,
+                      .what = fmt::format("the {}'s focal length is uncertain by over {:g} %",
+                                          device, 100 * most_doubt),
+                      .evidence = {{"standard deviation", 100 * doubt, "%", 100 * most_doubt},
+                                   {"largest tilt", calibration.largest_tilt / degree, "degrees"}},
+                      .causes = {std::move(cause)},
+                      .remedies = {{wanted_tilts(calibration.state.poses)}}});
 }
 
 /// Of at least one board: the focal lengths are uncertain below.
@@ -169,7 +196,7 @@ void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibr
          .evidence = {{"largest tilt", calibration.largest_tilt / degree, "degrees",
                        least_tilt / degree}},
          .causes = {{CauseKind::few_tilts, "too few tilts of the board"}},
-         .remedies = {{"tilt the board by 20 to 40 degrees in each direction"}}});
+         .remedies = {{wanted_tilts(calibration.state.poses)}}});
   }
 
   for (const auto& [device, covered] : {std::pair("camera", calibration.covered_camera),

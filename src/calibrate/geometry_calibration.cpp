@@ -16,8 +16,10 @@
 #include "calibrate/bundle_adjustment.h"
 #include "calibrate/diagnosis.h"
 #include "calibrate/first_guess.h"
+#include "calibrate/left_out.h"
 #include "calibrate/one_rig.h"
 #include "calibrate/reprojection.h"
+#include "calibrate/residual_map.h"
 
 namespace slipstream {
 namespace {
@@ -72,6 +74,7 @@ PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
 /// calibrations.
 std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& state,
                                     const BoardPlaces& printed, BundleSettings settings,
+                                    const ResidualDegrees& residual,
                                     std::vector<CalibratedPose>& poses) {
   settings.pixel_deviations = pixel_deviations(views, state);
 
@@ -83,7 +86,7 @@ std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& 
     SomePoses others =
         some_poses(views, state, [&](std::size_t i) { return std::cmp_not_equal(i, pose); });
     const BundleState rest =
-        bundle_adjusted(others.views, std::move(others.state), printed, settings);
+        adjusted_with_residual(others.views, std::move(others.state), printed, settings, residual);
 
     const double of_others = mean_squared_error(others.views, rest, *settings.pixel_deviations);
     poses[pose].left_out = board_quality(views[pose], rest.scanner, printed);
@@ -146,25 +149,6 @@ double left_out_error(const BoardViews& views, const BundleState& state, BundleS
   return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
 }
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-/// Whether `errors` exceed `best`, fold by fold, by more than the standard error and by more than
-/// 0.5 %, below which further coefficients are not worthwhile.
-bool clearly_worse(const std::vector<double>& errors, const std::vector<double>& best) {
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
-  const double average = mean(differences);
-
-  double squares = 0;
-  for (const double difference : differences) squares += std::pow(difference - average, 2);
-  const auto n = static_cast<double>(differences.size());
-
-  constexpr double least_share = 0.005;
-  return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
-}
-
 /// The model that is `asked` for, else the simplest that the data support: calibrates each model
 /// without some of the poses and evaluates it on these, with only the board's pose free. Returns
 /// the model with the fewest coefficients that is not worse than the best by more than the standard
@@ -174,9 +158,7 @@ LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views
                         const BundleState& state, Device device) {
   if (asked) return {*asked, {}};
 
-  // Hold out one of few poses at a time, or a quarter of many, to save time.
-  constexpr std::size_t few = 6, parts = 4;
-  const std::size_t folds = views.size() <= few ? views.size() : parts;
+  const std::size_t folds = fold_count(views.size());
 
   // Four for the other device: an unsupported fifth could spoil the predictions.
   BundleSettings settings{.camera_coefficients = 4, .projector_coefficients = 4};
@@ -200,8 +182,8 @@ LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views
     });
 
     errors.push_back(by_fold);
-    choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
-    if (mean(by_fold) < mean(errors[best])) best = errors.size() - 1;
+    choice.scores.push_back({coefficients, std::sqrt(mean_of(by_fold))});
+    if (mean_of(by_fold) < mean_of(errors[best])) best = errors.size() - 1;
 
     // Two larger models in a row without a smaller error.
     const bool gains_nothing_more = errors.size() > best + 2;
@@ -213,6 +195,22 @@ LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views
   while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
   choice.coefficients = choice.scores[chosen].coefficients;
   return choice;
+}
+
+/// The degrees of the residual maps that the poses support: the camera's first, as all corners are
+/// seen by it.
+ResidualDegrees residual_degrees(const BoardViews& views, const BundleState& state,
+                                 BundleSettings bundle, GeometryCalibration& result) {
+  // The board's corners stay where they are: a fold has too few to estimate them.
+  bundle.print_deviation = std::nullopt;
+  bundle.pixel_deviations = pixel_deviations(views, state);
+
+  ResidualDegrees degrees;
+  result.camera_residual = chosen_residual(views, state, bundle, Device::camera, degrees);
+  degrees.camera = result.camera_residual.degree;
+  result.projector_residual = chosen_residual(views, state, bundle, Device::projector, degrees);
+  degrees.projector = result.projector_residual.degree;
+  return degrees;
 }
 
 /// Adds the poses with their reprojection errors, and those of all.
@@ -296,18 +294,22 @@ GeometryCalibration calibrate_geometry(BoardViews views, const BoardPlaces& prin
   result.projector_lens =
       chosen_model(settings.projector_coefficients, views, state, Device::projector);
 
-  // 3. The calibration itself, and the standard deviations of its parameters.
+  // 3. The calibration itself, with residual maps if asked for, and the standard deviations of its
+  //    parameters.
   bundle.camera_coefficients = result.camera_lens.coefficients;
   bundle.projector_coefficients = result.projector_lens.coefficients;
   forget_held_coefficients(state.scanner, bundle);
-  state = bundle_adjusted(views, std::move(state), printed, bundle, &result.deviation);
+  const ResidualDegrees residual =
+      settings.residual ? residual_degrees(views, state, bundle, result) : ResidualDegrees{};
+  state =
+      adjusted_with_residual(views, std::move(state), printed, bundle, residual, &result.deviation);
   state.scanner.calibrated_depths = depths_of(views, state);
   require_valid(state.scanner);
 
   // 4. Figures for each pose and for all.
   add_reprojections(views, result);
-  result.deviation =
-      widened(result.deviation, leave_each_out(views, state, printed, bundle, result.poses));
+  result.deviation = widened(result.deviation,
+                             leave_each_out(views, state, printed, bundle, residual, result.poses));
 
   result.covered_camera = covered_share(coverage_map(views, Device::camera, camera));
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));

@@ -43,11 +43,12 @@ struct CalibrationReport {
   Facts facts{};                                  ///< about the run and the scanner
 };
 
-/// A summary of a few lines: RMS, quality of the held-out poses, comparison, lens models.
+/// A summary of a few lines: RMS, quality of the held-out poses, comparison, lens models and
+/// residual maps.
 std::string text_of(const CalibrationReport& report);
 
 /// The full report with pictures: diagnostics, RMS, quality of the held-out poses, comparison,
-/// parameters with standard deviations, lens models, coverage and residuals.
+/// parameters with standard deviations, lens models, residual maps, coverage and residuals.
 Page calibration_report(const CalibrationReport& report);
 
 }  // namespace slipstream

@@ -147,6 +147,20 @@ ValidityCounts count_by_validity(const Image<Validity>& validity) {
   return counts;
 }
 
+PredictedRms predicted_rms(const Uncertainty& uncertainty) {
+  double noise = 0, all = 0, count = 0;
+  for (std::size_t i = 0; i < uncertainty.z.pixel_count(); ++i) {
+    const double sigma = uncertainty.z.begin()[i], of_noise = uncertainty.z_of_noise.begin()[i];
+    if (!std::isfinite(sigma)) continue;
+    noise += of_noise * of_noise;
+    all += sigma * sigma;
+    ++count;
+  }
+
+  if (count == 0) return {};
+  return {std::sqrt(noise / count), std::sqrt(all / count)};
+}
+
 double median_depth(const Uncertainty& uncertainty) {
   std::vector<float> sigma = finite_values(uncertainty.z);
   return sigma.empty() ? 0 : quantile(sigma, 0.5);

@@ -144,7 +144,7 @@ struct RowFiller {
 }  // namespace
 
 std::optional<RayTable> ray_table(const Lens& camera) {
-  if (!camera.distortion.is_zero() && !largest_tangent(camera)) return std::nullopt;
+  if (!is_straight(camera) && !largest_tangent(camera)) return std::nullopt;
 
   // 1. Cubic interpolation between knots, if it is exact enough for this lens.
   const Size size = camera.size;

@@ -14,6 +14,7 @@
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
+#include "geometry/lens_residual.h"
 
 namespace slipstream {
 namespace {
@@ -121,6 +122,7 @@ void require_valid(const Lens& lens, std::string_view device) {
                              K(2, 0) == 0 && K(2, 1) == 0 && K(2, 2) == 1;
   throw_if(!camera_matrix,
            "{}: invalid camera matrix; expected [fx s cx; 0 fy cy; 0 0 1] with fx, fy > 0", device);
+  require_valid(lens.residual, device);
 }
 
 Eigen::Matrix3d sensor_tilt(double tau_x, double tau_y) {
@@ -220,12 +222,13 @@ std::optional<double> largest_tangent(const Lens& lens, const Eigen::Vector2d& m
 
 Eigen::Vector2d project(const Lens& lens, const Eigen::Vector3d& point) {
   const Eigen::Vector2d bent = distort(lens.distortion, point.hnormalized());
-  return (lens.intrinsic * bent.homogeneous()).head<2>();
+  return shifted_by(lens.residual, (lens.intrinsic * bent.homogeneous()).head<2>());
 }
 
 Eigen::Vector3d ray_through(const Lens& lens, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d ideal = pixel - shift_at(lens.residual, pixel);
   const Eigen::Vector2d bent =
-      lens.intrinsic.triangularView<Eigen::Upper>().solve(pixel.homogeneous()).head<2>();
+      lens.intrinsic.triangularView<Eigen::Upper>().solve(ideal.homogeneous()).head<2>();
   return undistort(lens.distortion, bent).homogeneous();
 }
 
@@ -249,6 +252,7 @@ Lens part_of(Lens lens, const Rectangle& part) {
 
   lens.intrinsic(0, 2) -= part.x;
   lens.intrinsic(1, 2) -= part.y;
+  lens.residual.centre -= Eigen::Vector2d(part.x, part.y);
   lens.size = part.size;
   return lens;
 }

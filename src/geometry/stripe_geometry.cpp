@@ -43,15 +43,20 @@ class ProjectorPlane {
 
   /// Both convert (along, across).
   [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& w) const {
-    return from_direction(distort(lens_.distortion, to_direction(w)));
+    const Eigen::Vector3d direction = inverse_intrinsic_ * pixel_at(w).homogeneous();
+    return place_of(project(lens_, direction));
   }
   [[nodiscard]] Eigen::Vector2d undistorted(const Eigen::Vector2d& y) const {
-    return from_direction(undistort(lens_.distortion, to_direction(y)));
+    const Eigen::Vector3d pixel = lens_.intrinsic * ray_through(lens_, pixel_at(y));
+    return place_of(pixel.head<2>());
   }
 
-  /// `unit_place`: from the place across to q. Nullopt if the model is not invertible.
+  /// `unit_place`: from the place across to q. Nullopt if the model is not invertible, or has a
+  /// residual.
   [[nodiscard]] std::optional<SolvedLens> solved(const UnitMap& unit_place, double end,
                                                  double margin) const {
+    if (!lens_.residual.terms.empty()) return std::nullopt;
+
     // 1. How far from the axis rays may lie: the lens must be invertible over the field and its
     //    margin.
     const int a = along_, b = 1 - along_;
@@ -117,15 +122,14 @@ class ProjectorPlane {
     return direction == 0 ? lens_.size.width : lens_.size.height;
   }
 
-  [[nodiscard]] Eigen::Vector2d to_direction(const Eigen::Vector2d& place) const {
-    Eigen::Vector3d pixel(0, 0, 1);
+  [[nodiscard]] Eigen::Vector2d pixel_at(const Eigen::Vector2d& place) const {
+    Eigen::Vector2d pixel;
     pixel(along_) = place.x() * along_length();
     pixel(1 - along_) = place.y() * across_length();
-    return (inverse_intrinsic_ * pixel).head<2>();
+    return pixel;
   }
 
-  [[nodiscard]] Eigen::Vector2d from_direction(const Eigen::Vector2d& direction) const {
-    const Eigen::Vector3d pixel = lens_.intrinsic * direction.homogeneous();
+  [[nodiscard]] Eigen::Vector2d place_of(const Eigen::Vector2d& pixel) const {
     return {pixel(along_) / along_length(), pixel(1 - along_) / across_length()};
   }
 

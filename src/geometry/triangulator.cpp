@@ -147,7 +147,7 @@ Eigen::Vector3d Triangulator::operator()(int column, int row, double y) const {
 /// the difference, which starts so close that four steps reach rounding.
 template <class PointOf>
 Eigen::Vector3d Triangulator::through_projector_lens(const PointOf& point_of, double y) const {
-  if (scanner_.projector.distortion.is_zero()) return point_of(y);
+  if (is_straight(scanner_.projector)) return point_of(y);
   constexpr int most_iterations = 30;
   constexpr double tolerance = 1e-14;
 

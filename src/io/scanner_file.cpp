@@ -13,6 +13,7 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "geometry/lens_residual.h"
 #include "io/file.h"
 #include "io/matrix_files.h"
 #include "io/opencv_storage.h"
@@ -110,6 +111,23 @@ Lens lens_of(const StoredEntries& entries, const LensNames& names) {
   return lens;
 }
 
+/// No residual without the entry.
+LensResidual residual_of(const StoredEntries& entries, std::string_view name) {
+  if (!has(entries, name)) return {};
+
+  const StoredMatrix& matrix = entries.at(std::string(name));
+  const std::vector<double>& values = numbers_of(entries, name);
+  throw_if(matrix.rows != 2 || matrix.columns < 3,
+           "{} has {} rows and {} columns; expected two rows of centre, half size and terms", name,
+           matrix.rows, matrix.columns);
+
+  const auto column = [&](int i) { return Eigen::Vector2d(values[i], values[matrix.columns + i]); };
+  LensResidual residual{.centre = column(0), .half = column(1)};
+  for (int i = 2; i < matrix.columns; ++i) residual.terms.push_back(column(i));
+  require_valid(residual, name);
+  return residual;
+}
+
 StoredEntries entries_of(const Scanner& scanner) {
   StoredEntries entries = entries_of(scanner.photometry);
 
@@ -128,10 +146,20 @@ StoredEntries entries_of(const Scanner& scanner) {
     put(names.height, Eigen::Matrix<double, 1, 1>(lens.size.height));
   };
 
+  const auto put_residual = [&](std::string_view name, const LensResidual& residual) {
+    if (residual.terms.empty()) return;
+    Eigen::Matrix2Xd columns(2, residual.terms.size() + 2);
+    columns << residual.centre, residual.half,
+        Eigen::Map<const Eigen::Matrix2Xd>(residual.terms.front().data(), 2, residual.terms.size());
+    put(name, columns);
+  };
+
   // The lenses and the pose, mm.
   const ScannerLayout& names = scanner_layouts.front();
   put_lens(names.camera, scanner.camera);
   put_lens(names.projector, scanner.projector);
+  put_residual(residual_entries[0], scanner.camera.residual);
+  put_residual(residual_entries[1], scanner.projector.residual);
   put(names.rotation, scanner.rotation);
   put(names.translation, scanner.translation);
 
@@ -245,6 +273,8 @@ Scanner geometry_of(const StoredEntries& entries, bool pair) {
 Scanner scanner_of(const StoredEntries& entries, const std::string& name, bool pair = false) {
   return naming(name, [&] {
     Scanner scanner = geometry_of(entries, pair);
+    scanner.camera.residual = residual_of(entries, residual_entries[0]);
+    scanner.projector.residual = residual_of(entries, residual_entries[1]);
     scanner.photometry = photometric_calibration_of(entries);
 
     if (has(entries, depths_entry)) {

@@ -106,7 +106,7 @@ const ScannerLayout& layout_of(const StoredEntries& entries) {
 
 bool names_geometry(std::string_view entry) {
   const auto is_in = [&](const auto& names) { return std::ranges::count(names, entry) > 0; };
-  return is_in(projection_entries) ||
+  return is_in(projection_entries) || is_in(residual_entries) ||
          std::ranges::any_of(scanner_layouts,
                              [&](const ScannerLayout& layout) { return is_in(names_of(layout)); });
 }

@@ -27,6 +27,11 @@ inline constexpr std::string_view of_projector = "the projector's ";
 inline constexpr std::array<std::string_view, 2> projection_entries{"camera_projection",
                                                                     "projector_projection"};
 
+/// The residual maps of camera and projector, in all layouts: two rows, for x and y, of the centre,
+/// the half size and the terms.
+inline constexpr std::array<std::string_view, 2> residual_entries{"camera_residual",
+                                                                  "projector_residual"};
+
 /// The layouts of all known tools; slipstream's own, which is also written, comes first.
 extern const std::array<ScannerLayout, 14> scanner_layouts;
 

@@ -367,6 +367,7 @@ void store_point(const FirstRay& ray, const MatchedDepth& depth, int column, int
     (*point[i])(column, row) = static_cast<float>(value);
     (*deviation[i])(column, row) = static_cast<float>(depth.sigma * std::abs(value));
   }
+  uncertainty.z_of_noise(column, row) = uncertainty.z(column, row);
 }
 
 }  // namespace

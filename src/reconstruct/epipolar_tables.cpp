@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
+#include "geometry/lens_residual.h"
 #include "geometry/ray_table.h"
 #include "geometry/stripe_geometry.h"
 
@@ -32,6 +34,7 @@ Scanner at_knots(Scanner scanner) {
   width = (width - 1) / spacing + 2;
   height = (height - 1) / spacing + 2;
   scanner.camera.intrinsic.topRows<2>() /= spacing;
+  scanner.camera.residual = scaled(std::move(scanner.camera.residual), 1.0 / spacing);
   return scanner;
 }
 
@@ -50,6 +53,7 @@ EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis
   std::transform(coefficients.begin(), coefficients.begin() + untilted_coefficient_count,
                  lens_.begin(), [](double k) { return static_cast<float>(k); });
   straight_ = other.camera.distortion.is_zero();
+  residual_ = other.camera.residual;
   tilted_ = coefficients[12] != 0 || coefficients[13] != 0;
   sensor_ =
       (other.camera.intrinsic * sensor_tilt(coefficients[12], coefficients[13])).cast<float>();
@@ -116,7 +120,10 @@ Eigen::Vector2f EpipolarTables::place(int column, int row, float w) const {
   Eigen::Vector2f bent = point.head<2>() / point.z();
   if (!straight_) bent = distort_untilted<float>(lens_.data(), bent);
   const Eigen::Vector3f pixel = sensor_ * bent.homogeneous();
-  return tilted_ ? Eigen::Vector2f(pixel.hnormalized()) : Eigen::Vector2f(pixel.head<2>());
+  const Eigen::Vector2f ideal =
+      tilted_ ? Eigen::Vector2f(pixel.hnormalized()) : Eigen::Vector2f(pixel.head<2>());
+  if (residual_.terms.empty()) return ideal;
+  return shifted_by(residual_, ideal.cast<double>()).cast<float>();
 }
 
 double EpipolarTables::coordinate_at(int column, int row, double w) const {

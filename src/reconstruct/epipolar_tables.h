@@ -71,6 +71,7 @@ class EpipolarTables {
 
   std::array<float, untilted_coefficient_count> lens_{};  ///< of the other camera
   bool straight_ = true;                                  ///< the lens does not bend
+  LensResidual residual_;                                 ///< of the other camera
   bool tilted_ = false;
   Eigen::Matrix3f sensor_;  ///< from bent directions to multiples of pixels, with its tilt
 

@@ -15,6 +15,7 @@
 #include "base/throw_if-inl.h"
 #include "codes/predicted_variance.h"
 #include "geometry/stripe_geometry.h"
+#include "reconstruct/edge_sigma.h"
 #include "reconstruct/engine_setup.h"
 #include "response/correction.h"
 #include "slipstream/engine.h"
@@ -52,42 +53,6 @@ double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) 
   };
 
   return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
-}
-
-/// Uncertainty of a coordinate at the edge of a surface, fields; 0 elsewhere. The pixel may see the
-/// surface with a part of its area alone, whose centre is up to half a pixel off the pixel's. A
-/// small step from surface to surface looks like a steep slope, on which a pixel sees both.
-/// `depth_by_y`: change of the depth with the coordinate, mm per field; `noise`: standard deviation
-/// of the coordinate.
-double edge_sigma(const Cloud& cloud, const Image<float>& coordinate, int column, int row,
-                  double depth_by_y, double noise) {
-  // Of a step, in distances between pixels: 79 degrees and more may be an edge. Across the largest
-  // ones a mixture of both surfaces would lack modulation, and be rejected.
-  constexpr double steep = 5, largest = 20;
-  constexpr double deviations = 5.5;   // as where clouds are cleaned
-  constexpr double off_centre = 0.29;  // pixels: uniform between -0.5 and 0.5
-
-  // The eight neighbours: those on the same surface give the change of the coordinate, the others
-  // make an edge.
-  const Eigen::Vector3d here = position_at(cloud, column, row);
-  bool at_edge = false;
-  double most = 0;
-  for (int i = 0; i < 9; ++i) {
-    const int x = column + i % 3 - 1, y = row + i / 3 - 1;
-    if (i == 4 || x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
-
-    const Eigen::Vector3d there = position_at(cloud, x, y);
-    if (!on_one_surface(here, there, steep)) {
-      at_edge |=
-          !((there - here).norm() < deviations * noise * depth_by_y);  // also without a point
-    }
-    if (on_one_surface(here, there, largest)) {
-      const double change = std::abs(coordinate(x, y) - coordinate(column, row));
-      most = std::max({most, change, std::abs(there.z() - here.z()) / depth_by_y});
-    }
-  }
-
-  return at_edge ? off_centre * most : 0;
 }
 
 /// How many times the predicted noise neighbouring coordinates really differ by: from two by two
@@ -276,8 +241,7 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
     // is uncertain as well.
     const Eigen::Vector3d point = position_at(cloud, column, row);
     const Eigen::Vector3d by_y = point.cwiseAbs() / change_along_ray(point, setup);
-    const double at_edge =
-        edge_sigma(cloud, maps.coordinate, column, row, std::abs(by_y.z()), random);
+    const double at_edge = edge_sigma(cloud, maps, column, row, std::abs(by_y.z()), random);
     const double sigma_y = std::hypot(random, at_edge);
 
     const Eigen::Vector3d sigma_point = sigma_y * by_y;
@@ -285,6 +249,7 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
     sigma.x(column, row) = static_cast<float>(sigma_point.x());
     sigma.y(column, row) = static_cast<float>(sigma_point.y());
     sigma.z(column, row) = static_cast<float>(sigma_point.z());
+    sigma.z_of_noise(column, row) = static_cast<float>(random * by_y.z());
   });
 
   // Unexplained noise larger than the explained: one-bit patterns in focus, fine speckle.
@@ -292,7 +257,8 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
   const double excess = random_error.is_of_noise() ? noise_excess(cloud, maps, sigma) : 1;
   if (excess <= most_excess) return sigma;
 
-  for (Image<float>* const part : {&sigma.coordinate, &sigma.x, &sigma.y, &sigma.z}) {
+  for (Image<float>* const part :
+       {&sigma.coordinate, &sigma.x, &sigma.y, &sigma.z, &sigma.z_of_noise}) {
     for (float& value : *part) value *= static_cast<float>(excess);
   }
 

@@ -95,7 +95,7 @@ struct TableEngine::Tables {
     const Lens& projector = of.scanner.projector;
     const ProjectionMatrices matrices = projection_matrices(of.scanner, of.sequence.axis);
     forms = form_table(of.scanner.camera, matrices);
-    if (!projector.distortion.is_zero()) lens = lens_table(triangulate, matrices, depths);
+    if (!is_straight(projector)) lens = lens_table(triangulate, matrices, depths);
 
     // Inside this margin of the field, a lens that shifts by less cannot put a point outside it.
     const Axis other = across(of.sequence.axis);

@@ -39,7 +39,7 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner,
                         pixel.y() >= -0.5 && pixel.y() < projector.size.height - 0.5;
   if (!in_field) return std::nullopt;
 
-  if (!projector.distortion.is_zero()) {
+  if (!is_straight(projector)) {
     // Far outside the field, the lens model folds back into it.
     const Vector ray = ray_through(projector, pixel);
     if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;

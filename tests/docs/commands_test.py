@@ -275,6 +275,9 @@ STARTS = {
     "calibrate points": "slipstream simulate poses --boards 6 --corners 13x9 --spacing 15"
                         " --camera 640x480; slipstream calibrate geometry poses --corners 13x9"
                         " --spacing 15 -o first.yaml --save-points points.csv",
+    "calibrate residual": "slipstream simulate scan --scene board --axis both;"
+                          " sed '/projector_distortion/,/data/ s/-0.06/-0.065/'"
+                          " scan/scanner.yaml > scanner.yaml",
     "calibrate colour": "slipstream simulate white --scene board --primaries --camera 128x96;"
                         " slipstream simulate scan --camera 128x96; cp scan/scanner.yaml .",
     "calibrate": "for n in 1 2 3; do slipstream simulate scan_$n --scene board --strategy pmp"

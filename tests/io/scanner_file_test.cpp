@@ -71,6 +71,29 @@ TEST(ScannerFile, ComesBackAsItWasWritten) {
   }
 }
 
+TEST(ScannerFile, KeepsResidualMaps) {
+  const TemporaryFolder folder;
+  Scanner scanner = example();
+  scanner.camera.residual = {.centre = {319.5, 239.5}, .half = {320, 240}};
+  for (int i = 0; i < 6; ++i) scanner.camera.residual.terms.emplace_back(0.01 * i, -0.02);
+  scanner.projector.residual = {.centre = {511.5, 383.5}, .half = {512, 384}};
+  scanner.projector.residual.terms.resize(3, Eigen::Vector2d(0.5, 0.25));
+
+  for (const char* name : {"scanner.yaml", "scanner.xml"}) {
+    const auto path = folder.path() / name;
+    write_scanner(path, scanner);
+    EXPECT_EQ(read_scanner(path), scanner);
+
+    // A calibration without maps takes none over.
+    replace_geometry(path, example());
+    EXPECT_EQ(read_scanner(path), example());
+  }
+
+  scanner.camera.residual.terms.pop_back();
+  expect_error([&] { write_scanner(folder.path() / "bad.yaml", scanner); },
+               {"camera_residual: invalid residual map"});
+}
+
 TEST(ScannerFile, OpensInOpenCv) {
   const TemporaryFolder folder;
   const std::string path = folder.path() / "scanner.yaml";

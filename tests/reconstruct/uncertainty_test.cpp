@@ -1,5 +1,7 @@
 // What a scan says of its own depth noise, against the depth noise of virtual scans.
 #include <cmath>
+#include <map>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +11,7 @@
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/simulate/traced_scene.h"
+#include "slipstream/virtual_world.h"
 
 namespace slipstream::uncertainty_test {
 
@@ -73,6 +76,75 @@ TEST(Uncertainty, IsThatOfTheVirtualScannerWithinTenPercent) {
       }
     }
   }
+}
+
+/// A scan of a virtual world, with its predicted errors.
+struct PredictedScan {
+  VirtualScan scan;
+  Cloud cloud;
+  Uncertainty sigma;
+};
+
+PredictedScan predicted_scan(const char* world, const char* scene,
+                             const ReconstructSettings& settings = {}) {
+  VirtualWorld rig{.scanner = example_scanner({240, 180})};
+  rig.scene = scene_named(scene, rig.scanner);
+  rig.photometry = photometry_named(world);
+  const Sequence sequence{.strategy = DualFrequency{.steps = 3, .high = 16}};
+
+  PredictedScan result;
+  result.scan = take_scan(rig.scanner, rig.scene, pattern_set(sequence), rig.photometry);
+  Engine engine(as_calibrated(rig), sequence, settings);
+  Maps maps;
+  engine.cloud_and_maps(result.scan.frames, result.cloud, maps);
+  result.sigma = engine.uncertainty(result.cloud, maps, result.scan.frames);
+  return result;
+}
+
+// Smooth: where edges and contrast add at most a tenth to the noise.
+TEST(Uncertainty, IsTheErrorOnSmoothPartsOfTenScenes) {
+  const std::map<const char*, std::vector<const char*>> scenes{
+      {"ideal", {"board", "sphere", "statue", "fish", "boxes"}},
+      {"bench", {"board", "sphere", "statue", "fish", "contrast"}}};
+  for (const auto& [world, names] : scenes) {
+    for (const char* const scene : names) {
+      const auto [scan, cloud, sigma] = predicted_scan(world, scene);
+      double errors = 0, predicted = 0;
+      for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+        if (cloud.validity(column, row) != Validity::valid) return;
+        if (sigma.z(column, row) > 1.1F * sigma.z_of_noise(column, row)) return;
+        errors += std::pow(cloud.z(column, row) - scan.depth(column, row), 2);
+        predicted += std::pow(sigma.z(column, row), 2);
+      });
+      EXPECT_NEAR(std::sqrt(predicted / errors), 1, 0.05) << world << ", " << scene;
+    }
+  }
+}
+
+// A mask makes no edge.
+TEST(Uncertainty, IsOfNoiseBesideMaskedPixels) {
+  ReconstructSettings settings;
+  settings.clean.outline = {{60, 40}, {180, 140}};
+  const auto [scan, cloud, sigma] = predicted_scan("ideal", "board", settings);
+  int beside = 0;
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) != Validity::valid) return;
+    for (const int x : {column - 1, column + 1}) {
+      if (cloud.validity(x, row) != Validity::outside_region) continue;
+      ++beside;
+      EXPECT_LT(sigma.z(column, row), 1.2F * sigma.z_of_noise(column, row));
+    }
+  });
+  EXPECT_GT(beside, 150);
+
+  const PredictedRms rms = predicted_rms(sigma);
+  EXPECT_LT(rms.with_edges, 1.05 * rms.of_noise);
+  EXPECT_FALSE(rms.is_of_edges());
+}
+
+TEST(Uncertainty, IsMostlyOfEdgesForABodyInFrontOfNothing) {
+  const PredictedRms rms = predicted_rms(predicted_scan("bench", "angel").sigma);
+  EXPECT_TRUE(rms.is_of_edges());
 }
 
 /// Whose pixels have neighbours on one side alone.

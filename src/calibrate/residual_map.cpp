@@ -1,0 +1,148 @@
+#include "calibrate/residual_map.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/parallel_rows.h"
+#include "base/throw_if-inl.h"
+#include "calibrate/left_out.h"
+#include "calibrate/reprojection.h"
+#include "geometry/lens_residual.h"
+
+namespace slipstream {
+namespace {
+
+// Beyond its field the projector's map continues as a polynomial, which high degrees would spoil.
+constexpr std::array camera_degrees{2, 3, 4, 6, 8, 10, 12, 14};
+constexpr std::array projector_degrees{2, 3, 4};
+
+Lens& device_lens(Scanner& scanner, Device device) {
+  return device == Device::camera ? scanner.camera : scanner.projector;
+}
+
+int& degree_of(ResidualDegrees& degrees, Device device) {
+  return device == Device::camera ? degrees.camera : degrees.projector;
+}
+
+/// The map that fits a device's corners: their errors plus the shift by the present map.
+LensResidual fitted_map(const BoardViews& views, const BundleState& state, Device device,
+                        int degree) {
+  Scanner scanner = state.scanner;
+  const Lens& lens = device_lens(scanner, device);
+
+  std::vector<ResidualSample> samples;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const PixelPlaces& corners = corners_of(views[v], device);
+    const PixelPlaces offs = residuals(views[v], state, v, device);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector2d off = offs[i] + shift_at(lens.residual, corners[i]);
+      if (!off.allFinite()) continue;
+      samples.push_back({corners[i], Eigen::Vector2d::UnitX(), off.x()});
+      samples.push_back({corners[i], Eigen::Vector2d::UnitY(), off.y()});
+    }
+  }
+  return fitted_residual(samples, lens.size, degree);
+}
+
+/// Errors of held-out poses: mean squares in units of their variances and in pixels.
+struct LeftOutError {
+  double squared = 0, squared_pixels = 0;
+};
+
+LeftOutError held_out_error(const BoardViews& views, const BundleState& state,
+                            BundleSettings settings, Device device, const ResidualDegrees& degrees,
+                            const std::function<bool(std::size_t)>& is_left_out) {
+  // 1. Maps and all else without these poses.
+  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
+  const BundleState calibrated =
+      adjusted_with_residual(kept.views, std::move(kept.state), state.places, settings, degrees);
+
+  // 2. The poses under that calibration: only they may move.
+  SomePoses left_out = some_poses(views, state, is_left_out);
+  left_out.state.scanner = calibrated.scanner;
+  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
+  const BundleState explained =
+      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
+
+  Reprojection all;
+  for (std::size_t v = 0; v < left_out.views.size(); ++v) {
+    const Reprojection of_pose = reprojection(left_out.views[v], explained, v);
+    all.camera.add(of_pose.camera);
+    all.projector.add(of_pose.projector);
+  }
+  const double rms = device == Device::camera ? all.camera.rms() : all.projector.rms();
+  return {mean_squared_error(left_out.views, explained, *settings.pixel_deviations), rms * rms};
+}
+
+}  // namespace
+
+BundleState adjusted_with_residual(const BoardViews& views, BundleState start,
+                                   const BoardPlaces& printed, const BundleSettings& settings,
+                                   const ResidualDegrees& degrees, BundleDeviation* deviation) {
+  // Lenses, poses and maps share much of the corners' errors: a few rounds settle which.
+  constexpr int rounds = 3;
+
+  BundleState state = std::move(start);
+  const bool has_maps = degrees.camera > 0 || degrees.projector > 0;
+  for (int round = 0; round < rounds && has_maps; ++round) {
+    state = bundle_adjusted(views, std::move(state), printed, settings);
+    for (const auto& [device, degree] : {std::pair(Device::camera, degrees.camera),
+                                         std::pair(Device::projector, degrees.projector)}) {
+      if (degree == 0) continue;
+      LensResidual map = fitted_map(views, state, device, degree);
+      device_lens(state.scanner, device).residual = std::move(map);
+    }
+  }
+
+  return bundle_adjusted(views, std::move(state), printed, settings, deviation);
+}
+
+ResidualChoice chosen_residual(const BoardViews& views, const BundleState& state,
+                               const BundleSettings& settings, Device device,
+                               const ResidualDegrees& degrees) {
+  throw_if(views.size() < fewest_residual_poses,
+           "{} usable poses; a residual map requires {}: take more, or calibrate without it",
+           views.size(), fewest_residual_poses);
+
+  std::vector<int> tried{0};
+  for (const int degree : device == Device::camera ? std::span<const int>(camera_degrees)
+                                                   : std::span<const int>(projector_degrees)) {
+    tried.push_back(degree);
+  }
+
+  const std::size_t folds = fold_count(views.size());
+  std::vector<std::vector<double>> errors;
+  ResidualChoice choice;
+  std::size_t best = 0;
+
+  for (const int degree : tried) {
+    ResidualDegrees with = degrees;
+    degree_of(with, device) = degree;
+
+    // 1. The error of each fold's poses under a calibration of the others.
+    std::vector<double> by_fold(folds), pixels(folds);
+    for_each_row(static_cast<int>(folds), [&](int fold) {
+      const auto error = held_out_error(
+          views, state, settings, device, with,
+          [&](std::size_t pose) { return pose % folds == static_cast<std::size_t>(fold); });
+      by_fold[fold] = error.squared;
+      pixels[fold] = error.squared_pixels;
+    });
+
+    errors.push_back(by_fold);
+    choice.scores.push_back({degree, std::sqrt(mean_of(by_fold)), std::sqrt(mean_of(pixels))});
+    if (mean_of(by_fold) < mean_of(errors[best])) best = errors.size() - 1;
+  }
+
+  // 2. The lowest degree that is not clearly worse than the best.
+  std::size_t chosen = 0;
+  while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
+  choice.degree = choice.scores[chosen].degree;
+  return choice;
+}
+
+}  // namespace slipstream

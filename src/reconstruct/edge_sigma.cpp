@@ -1,0 +1,156 @@
+#include "reconstruct/edge_sigma.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Core>
+
+namespace slipstream {
+namespace {
+
+/// A pixel's neighbours, as far as they tell where its light comes from.
+struct Surroundings {
+  bool at_step = false;   ///< beside another surface, or one that was cleaned away
+  bool at_unlit = false;  ///< beside a pixel without light: a shadow, a dark print, no surface
+  Eigen::Vector2d away = Eigen::Vector2d::Zero();  ///< sum of the directions from unlit pixels
+  std::array<double, 9> change{};  ///< of the coordinate, to each neighbour on the surface; else 0
+  double brightest = 0;            ///< modulation of the surface
+};
+
+/// Direction from a pixel to neighbour `i` of 0 to 8; 4 is itself.
+Eigen::Vector2d to_neighbour(int i) {
+  return {i % 3 - 1, i / 3 - 1};
+}
+
+bool is_unlit(Validity validity) {
+  return validity == Validity::too_dark || validity == Validity::doubtful_order ||
+         validity == Validity::no_point || validity == Validity::outside_field;
+}
+
+/// Whether a pixel was measured and found to be off its surface.
+bool is_off_surface(Validity validity) {
+  return validity == Validity::mixed || validity == Validity::outlier ||
+         validity == Validity::small_component;
+}
+
+/// `depth_by_y`: change of the depth with the coordinate, mm per field; `noise`: standard deviation
+/// of the coordinate.
+Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int row,
+                          double depth_by_y, double noise) {
+  // Of a step, in distances between pixels: 79 degrees and more may be an edge. Across the largest
+  // ones a mixture of both surfaces would lack modulation, and be rejected.
+  constexpr double steep = 5, largest = 20;
+  constexpr double deviations = 5.5;  // as where clouds are cleaned
+
+  const Eigen::Vector3d here = position_at(cloud, column, row);
+  Surroundings around{.brightest = maps.modulation(column, row)};
+  std::array<double, 9> unseen{};  // changes to lit neighbours without a point
+  double across = 0;               // distance between pixels, mm
+
+  for (int i = 0; i < 9; ++i) {
+    const int x = column + i % 3 - 1, y = row + i / 3 - 1;
+    if (i == 4 || x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
+
+    const double change = std::abs(maps.coordinate(x, y) - maps.coordinate(column, row));
+    const Validity validity = cloud.validity(x, y);
+    if (is_unlit(validity)) {
+      around.at_unlit = true;
+      around.away -= to_neighbour(i);
+    } else if (validity != Validity::valid) {
+      around.at_step |= is_off_surface(validity);
+      unseen[i] = change;
+    } else {
+      const Eigen::Vector3d there = position_at(cloud, x, y);
+      if (!on_one_surface(here, there, steep)) {
+        around.at_step |= !((there - here).norm() < deviations * noise * depth_by_y);
+      }
+      if (!on_one_surface(here, there, largest)) continue;
+
+      around.change[i] = std::max(change, std::abs(there.z() - here.z()) / depth_by_y);
+      around.brightest = std::max(around.brightest, double{maps.modulation(x, y)});
+      const Eigen::Vector2d apart = there.head<2>() / there.z() - here.head<2>() / here.z();
+      across = std::max(across, here.z() * apart.norm() / to_neighbour(i).norm());
+    }
+  }
+
+  // Saturated pixels, and those outside of a region, have no point but a coordinate: it shows
+  // whether the surface continues. A frontal one changes it by less than one distance.
+  for (int i = 0; i < 9; ++i) {
+    const double limit = (steep + 1) * across * to_neighbour(i).norm() / depth_by_y;
+    around.at_step |= !(unseen[i] <= limit + deviations * noise);
+  }
+
+  return around;
+}
+
+/// Change of the coordinate over a pixel, at most, along a direction of the picture and 45 degrees
+/// beside it; in all directions if nothing is there.
+double change_along(const Surroundings& around, const Eigen::Vector2d& direction) {
+  constexpr double beside = 0.7;
+  double along = 0, all = 0;
+
+  for (int i = 0; i < 9; ++i) {
+    if (around.change[i] == 0) continue;
+    const Eigen::Vector2d to = to_neighbour(i);
+    const double change = around.change[i] / to.norm();
+    all = std::max(all, change);
+    if (std::abs(to.normalized().dot(direction)) >= beside) along = std::max(along, change);
+  }
+
+  return along > 0 ? along : all;
+}
+
+/// By how much contrast pulls a pixel's coordinate, fields: towards the brighter side of the
+/// pixel. That is s^2 (grad B / B) . grad y, with the variance s^2 of the places that it mixes.
+double pull_of_contrast(const Cloud& cloud, const Maps& maps, int column, int row) {
+  // Variance of the places that a pixel mixes: its area, and half a pixel of blur by a good lens.
+  constexpr double seen = 1.0 / 12 + 0.22;  // pixels^2
+
+  double pull = 0;
+  for (const auto& [right, down] : {std::pair{1, 0}, std::pair{0, 1}}) {
+    double modulation = 0, coordinate = 0;
+    int count = 0;
+    for (const int side : {-1, 1}) {
+      const int x = column + side * right, y = row + side * down;
+      if (x < 0 || y < 0 || x >= cloud.size().width || y >= cloud.size().height) continue;
+
+      const Validity validity = cloud.validity(x, y);
+      if (validity != Validity::valid && validity != Validity::saturated) continue;
+      modulation += side * (double{maps.modulation(x, y)} - maps.modulation(column, row));
+      coordinate += side * (double{maps.coordinate(x, y)} - maps.coordinate(column, row));
+      ++count;
+    }
+    if (count > 0) pull += modulation * coordinate / (count * count);
+  }
+
+  return seen * std::abs(pull) / maps.modulation(column, row);
+}
+
+}  // namespace
+
+double edge_sigma(const Cloud& cloud, const Maps& maps, int column, int row, double depth_by_y,
+                  double noise) {
+  const Surroundings around = surroundings(cloud, maps, column, row, depth_by_y, noise);
+
+  // At a step the pixel may see either surface with a part of its area, whose centre is up to half
+  // a pixel off the pixel's, evenly distributed. A small step looks like a steep slope, on which a
+  // pixel sees both.
+  constexpr double off_centre = 0.29;
+  if (around.at_step) return off_centre * std::ranges::max(around.change);
+
+  const double pull = pull_of_contrast(cloud, maps, column, row);
+  if (!around.at_unlit) return pull;
+
+  // Beside the dark, a pixel is as much darker than its surface as it sees less of it. The centre
+  // of the rest moves by half of that in a sharp pixel, by more behind a lens: on virtual scans
+  // 0.5 to 1.1, least where the light ends and most at silhouettes.
+  constexpr double off_by_dark = 0.7;
+  const double hidden = 1 - maps.modulation(column, row) / around.brightest;
+  const double change = change_along(around, around.away.normalized());
+
+  return std::max(pull, off_by_dark * hidden * change);
+}
+
+}  // namespace slipstream

@@ -12,7 +12,7 @@
 
 namespace slipstream {
 
-/// A box along the axes of the camera's frame, mm.
+/// A box along the axes of a frame, mm: see CleanSettings::box_frame.
 struct PointBox {
   std::array<double, 3> least{}, largest{};
 
@@ -39,6 +39,8 @@ struct CleanSettings {
   int smallest_component = 200;
 
   std::optional<PointBox> box{};  ///< points outside are `outside_region`
+  /// Pose between the camera's frame and the box's, in either direction; null: the camera's.
+  std::shared_ptr<const FramePose> box_frame{};
   /// Pixels outside are `outside_region` too: a rectangle by two opposite corners (inclusive), or
   /// an even-odd polygon by three or more. Empty: the whole picture.
   std::vector<PictureCorner> outline{};

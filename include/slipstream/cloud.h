@@ -6,9 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "slipstream/image.h"
 
@@ -40,8 +43,29 @@ using ValidityCounts = std::array<std::size_t, validity_count>;
 /// "valid", "too dark", ... as printed.
 std::string_view name_of(Validity validity);
 
-/// An organised point cloud: one point for each camera pixel, in the camera's frame, Z forward.
-/// Reusing it as an output avoids allocation.
+/// Name of the camera's frame: x right, y down, z forward, like an optical frame of ROS.
+inline constexpr std::string_view camera_frame = "camera";
+
+/// A rigid motion between two named frames: maps a point p of the frame `from` to `transform * p`
+/// of the frame `to`, mm. It is also the pose of `from` in `to`.
+struct FramePose {
+  std::string from{}, to{};  ///< see require_frame_name
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+};
+
+/// Throws Error unless the text can name a frame: 1 to 48 letters, digits and _ . / -, which all
+/// file formats and ROS take.
+void require_frame_name(std::string_view name);
+
+FramePose inverse(const FramePose& pose);
+/// First `first`, then `second`. Throws Error unless `first` ends in the frame in which `second`
+/// begins.
+FramePose compose(const FramePose& first, const FramePose& second);
+/// The pose, or its inverse, that maps from this frame. Throws Error if neither does.
+FramePose pose_from_frame(const FramePose& pose, std::string_view from);
+
+/// An organised point cloud: one point for each camera pixel, in the camera's frame, Z forward,
+/// unless it was moved. Reusing it as an output avoids allocation.
 template <class Real>
 struct BasicCloud {
   explicit BasicCloud(Size size = {})
@@ -54,6 +78,8 @@ struct BasicCloud {
   Image<Real> x, y, z;     ///< mm; NaN where not valid
   Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
   Image<Validity> validity;
+  /// Pose from the camera's frame to the points' frame; null: the camera's.
+  std::shared_ptr<const FramePose> frame{};
 
   [[nodiscard]] Size size() const { return z.size(); }
   /// Marks the pixel as invalid for that reason.
@@ -77,6 +103,7 @@ void convert(const BasicCloud<From>& from, BasicCloud<To>& to) {
   convert(from.z, to.z);
   to.intensity = from.intensity;
   to.validity = from.validity;
+  to.frame = from.frame;
 }
 
 /// Depth only, which is faster to compute and write than a Cloud.
@@ -125,6 +152,29 @@ struct Uncertainty {
 
 /// The median of the standard deviations of depth, mm; 0 without points.
 double median_depth(const Uncertainty& uncertainty);
+
+/// Name of the frame that a cloud is in.
+template <class Real>
+std::string_view frame_name(const BasicCloud<Real>& cloud) {
+  return cloud.frame ? std::string_view(cloud.frame->to) : camera_frame;
+}
+
+/// The frame of points that `pose` or its inverse moves out of `frame`, both as BasicCloud::frame.
+/// Throws Error if the pose neither begins nor ends in it.
+std::shared_ptr<const FramePose> frame_after(const std::shared_ptr<const FramePose>& frame,
+                                             const FramePose& pose);
+
+/// Moves a cloud by `pose` or its inverse, whichever begins in the cloud's frame, and its standard
+/// deviations to the new axes; depth, meshes, normals, cleaning and shapes are of clouds in the
+/// camera's frame, so do this last. Throws Error if the pose neither begins nor ends in the cloud's
+/// frame.
+void move_to_frame(Cloud& cloud, const FramePose& pose, Uncertainty* uncertainty = nullptr);
+
+/// Throws Error if the cloud was moved out of the camera's frame, for functions that need it there.
+void require_camera_frame(const Cloud& cloud);
+
+/// Moves it back to the camera's frame; does nothing if it is there.
+void move_to_camera(Cloud& cloud, Uncertainty* uncertainty = nullptr);
 
 /// 16-bit encoding of depth: offset + scale * number; 0 means no point.
 struct DepthScale {
@@ -186,6 +236,7 @@ inline Cloud subsampled(const Cloud& cloud, int step) {
   }
 
   sparse.validity = subsampled(cloud.validity, step);
+  sparse.frame = cloud.frame;
   return sparse;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,13 +18,17 @@ struct CloudExtras {
   const Uncertainty* uncertainty = nullptr;
   /// Comments in the file's header, one line each.
   std::vector<std::string> remarks{};
+  /// Pose between the cloud's frame and the one to write in, in either direction; null: the
+  /// cloud's.
+  std::shared_ptr<const FramePose> frame{};
 };
 
 /// Throws Error unless write_cloud supports the file's ending.
 void require_cloud_ending(const std::filesystem::path& path);
 
 /// Writes the cloud in the format of the file's ending, or as PLY to standard_output, coordinates
-/// in mm, 32-bit float:
+/// in mm, 32-bit float. The header names their frame and, if it is not the camera's, has the
+/// camera's place there; read_cloud reads both:
 ///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
 ///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the
 ///         intensity is 64-bit float, the colours are the intensity in 8 bits;
@@ -49,8 +54,9 @@ std::vector<std::filesystem::path> files_beside(const std::filesystem::path& sur
 ///   .obj  text, with NAME.mtl and NAME-texture.png beside it, and the vertices' colours;
 ///   .glb  binary glTF 2.0 with embedded texture: metres, y up, z towards the camera; the
 ///         intensity is the attribute _INTENSITY.
-/// All except .glb in mm, in the camera's frame. Throws Error for another ending, WorldError if it
-/// cannot be written; never leaves a partial file.
+/// All except .glb in mm, in the surface's frame. A .glb has the axes of a frame other than the
+/// camera's as they are, in metres, and a node that turns its z up. Throws Error for another
+/// ending, WorldError if it cannot be written; never leaves a partial file.
 void write_surface(const std::filesystem::path& path, const Surface& surface);
 
 /// A cloud as stored in a file.
@@ -93,6 +99,8 @@ struct StoredPoints {
   std::vector<std::array<int, 3>> triangles{};
   bool has_sigma = false;
   Size organised{};  ///< columns and rows; 0 if not organised
+  /// As Cloud::frame, if the file names a frame; null otherwise.
+  std::shared_ptr<const FramePose> frame{};
 };
 
 /// Reads the files of read_cloud, with the faces of meshes. Throws Error with the file's name if it

@@ -32,14 +32,13 @@ struct RunSetting {
 void require_settable(const std::vector<RunSetting>& settings, const std::string& name,
                       const std::string& value);
 
-/// Default name of the camera's frame in ROS: x right, y down, z forward, like an optical frame.
-constexpr std::string_view camera_frame = "camera";
-
 /// The run whose clouds are published. Its functions are called from any thread and may throw.
 struct PublishedRun {
   Lens camera{};                       ///< camera whose pixel grid the clouds use
-  std::string frame_id{camera_frame};  ///< in ROS messages
-  std::string scanner{};               ///< text of its scanner file; empty if unknown
+  std::string frame_id{camera_frame};  ///< of the camera's frame, in ROS messages
+  /// From the camera's frame to the one that points are published in; null: the camera's.
+  std::shared_ptr<const FramePose> frame{};
+  std::string scanner{};   ///< text of its scanner file; empty if unknown
   bool has_points = true;  ///< whether a scanner is known; otherwise there are only pictures
   std::function<std::string()> statistics{};  ///< the run's statistics so far, as JSON
   std::function<std::string()> trouble{};     ///< one line; empty if all is well

@@ -50,7 +50,8 @@ struct CloudTopic {
 
 /// "image": the cloud's intensity as mono8; without a scanner, the window's first frame.
 CloudTopic image_topic();
-/// "points": write_point_cloud, with the uncertainty, if known and if not sent `alone`.
+/// "points": write_point_cloud in the run's frame, with the uncertainty, if known and if not sent
+/// `alone`. The other topics are the camera's.
 CloudTopic points_topic();
 /// "depth": sensor_msgs/msg/Image as 32FC1, metres, like write_point_cloud.
 CloudTopic depth_topic();
@@ -70,9 +71,9 @@ void write_image(const Frame& frame, const RosHeader& header, RosMessage& messag
 /// sensor_msgs/msg/Image of a cloud's intensity, mono8.
 void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& message);
 
-/// Reads the fields of write_point_cloud from any PointCloud2, converted to mm. Throws Error,
-/// without a file name, if it is not a PointCloud2, has no 32-bit float x, y, z, or is not little-
-/// endian.
+/// Reads the fields of write_point_cloud from any PointCloud2, converted to mm, with the name of
+/// its frame, as if that had the camera at its origin. Throws Error, without a file name, if it is
+/// not a PointCloud2, has no 32-bit float x, y, z, or is not little- endian.
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
 /// The frame of an Image with this bit depth, without its timestamp. Throws Error without a file
 /// name.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "slipstream/cloud.h"
@@ -13,6 +14,9 @@ namespace slipstream {
 struct Normals {
   Image<float> x, y, z;
 };
+
+/// The normals in the frame that a cloud was moved to.
+void move_to_frame(Normals& normals, const FramePose& pose);
 
 /// The points of a model with their normals, in one row, in the object's frame.
 struct ModelPoints {
@@ -42,7 +46,11 @@ struct Surface {
   /// Indices of their corners, counter-clockwise as seen by the camera.
   std::vector<std::array<std::uint32_t, 3>> triangles{};
   Image<std::uint8_t> picture{};
+  std::shared_ptr<const FramePose> frame{};  ///< as Cloud::frame
 };
+
+/// As for a cloud.
+void move_to_frame(Surface& surface, const FramePose& pose);
 
 /// Triangulates blocks of 2x2 neighbouring points: two triangles, divided along the smaller step in
 /// depth, or one if a point is missing. Depths of a triangle's corners differ by at most

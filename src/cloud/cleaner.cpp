@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "base/parallel_rows.h"
 #include "cloud/depth_planes.h"
@@ -49,10 +50,15 @@ Image<std::uint8_t> outline_mask(const std::vector<PictureCorner>& outline, Size
   return mask;
 }
 
-bool is_inside(const PointBox& box, const Cloud& cloud, int column, int row) {
-  return is_between(cloud.x(column, row), box.least[0], box.largest[0]) &&
-         is_between(cloud.y(column, row), box.least[1], box.largest[1]) &&
-         is_between(cloud.z(column, row), box.least[2], box.largest[2]);
+/// `frame`: of the box; null: the camera's.
+bool is_inside(const PointBox& box, const FramePose* frame, const Cloud& cloud, int column,
+               int row) {
+  Eigen::Vector3d place = position_at(cloud, column, row);
+  if (frame != nullptr) place = frame->transform * place;
+
+  return is_between(place.x(), box.least[0], box.largest[0]) &&
+         is_between(place.y(), box.least[1], box.largest[1]) &&
+         is_between(place.z(), box.least[2], box.largest[2]);
 }
 
 /// A row of depths, or NaN, readable one beyond either end.
@@ -87,6 +93,7 @@ void require_valid(const CleanSettings& settings) {
                      settings.box->largest[axis], "more than its start");
   }
 
+  if (settings.box_frame) static_cast<void>(pose_from_frame(*settings.box_frame, camera_frame));
   if (settings.outline.size() == 1) throw Error("an outline requires two corners or more");
 
   for (const PictureCorner& corner : settings.outline) {
@@ -356,11 +363,17 @@ struct Cleaner::Pass {
       memory.outline = outline_mask(settings.outline, cloud.size());
     }
 
+    std::optional<FramePose> box_frame;
+    if (settings.box_frame) box_frame = pose_from_frame(*settings.box_frame, camera_frame);
+
     for_each_counting(cloud.size().height, rows_together, [&](int row, ValidityCounts& counted) {
       for (int column = 0; column < cloud.size().width; ++column) {
         const bool outlined = settings.outline.empty() || memory.outline(column, row) != 0;
         if (!(cloud.z(column, row) > 0)) continue;
-        if (outlined && (!settings.box || is_inside(*settings.box, cloud, column, row))) continue;
+        const bool inside =
+            !settings.box ||
+            is_inside(*settings.box, box_frame ? &*box_frame : nullptr, cloud, column, row);
+        if (outlined && inside) continue;
 
         cloud.reject(column, row, Validity::outside_region);
         ++counted[static_cast<std::size_t>(Validity::outside_region)];
@@ -414,6 +427,7 @@ Cleaner::~Cleaner() = default;
 ValidityCounts Cleaner::operator()(Cloud& cloud, const Image<float>* modulation,
                                    const DepthNoise& noise) {
   if (cloud.z.empty() || settings_ == CleanSettings::none()) return {};
+  require_camera_frame(cloud);
   return Pass{.settings = settings_,
               .memory = *memory_,
               .cloud = cloud,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include <Eigen/Geometry>
 
@@ -205,6 +206,7 @@ Image<float> shading_of_list(const Cloud& list) {
 }  // namespace
 
 Normals surface_normals(const Cloud& cloud) {
+  require_camera_frame(cloud);
   const Size size = cloud.size();
 
   Normals normals{Image<float>(size, nan), Image<float>(size, nan), Image<float>(size, nan)};
@@ -227,6 +229,7 @@ Normals surface_normals(const Cloud& cloud) {
 }
 
 Normals smoothed_normals(const Cloud& cloud) {
+  require_camera_frame(cloud);
   Normals normals = sums_of_normals(cloud).normals;
 
   for_each_pixel(cloud.size(), [&](int column, int row) {
@@ -266,7 +269,32 @@ Image<float> shading(const Cloud& cloud) {
   return brightness;
 }
 
+void move_to_frame(Normals& normals, const FramePose& pose) {
+  const Eigen::Matrix3f turn = pose.transform.linear().cast<float>();
+
+  for_each_pixel(normals.z.size(), [&](int column, int row) {
+    const Eigen::Vector3f turned =
+        turn *
+        Eigen::Vector3f(normals.x(column, row), normals.y(column, row), normals.z(column, row));
+    normals.x(column, row) = turned.x();
+    normals.y(column, row) = turned.y();
+    normals.z(column, row) = turned.z();
+  });
+}
+
+void move_to_frame(Surface& surface, const FramePose& pose) {
+  const std::string_view name = surface.frame ? std::string_view(surface.frame->to) : camera_frame;
+  const Eigen::Isometry3d motion = pose_from_frame(pose, name).transform;
+
+  for (Eigen::Vector3f& vertex : surface.vertices) {
+    vertex = (motion * vertex.cast<double>()).cast<float>();
+  }
+  surface.frame = frame_after(surface.frame, pose);
+}
+
 Surface surface_of(const Cloud& cloud, double largest_step) {
+  require_camera_frame(cloud);
+
   Surface surface{.triangles = triangles_of(cloud, largest_step),
                   .picture = Image<std::uint8_t>(cloud.size())};
 

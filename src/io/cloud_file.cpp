@@ -20,6 +20,7 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/frame_title.h"
 #include "io/mesh_file.h"
 #include "io/point_elements.h"
 #include "io/xyz_points.h"
@@ -92,10 +93,11 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
   const std::size_t points = point_count(cloud);
 
   std::string file = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n{}"
+      "ply\nformat binary_little_endian 1.0\n{}{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "{}",
-      comments_of(remarks, "comment"), points, ply_intensity);
+      frame_comments(cloud.frame.get(), "comment"), comments_of(remarks, "comment"), points,
+      ply_intensity);
 
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
@@ -141,10 +143,11 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
   };
 
   std::string file = fmt::format(
-      "# .PCD v0.7 - slipstream, camera frame, mm\n{}VERSION 0.7\nFIELDS {}\nSIZE {}\nTYPE {}\n"
-      "COUNT {}\nWIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
-      comments_of(remarks, "#"), fields, of_each("4"), of_each("F"), of_each("1"),
-      cloud.size().width, cloud.size().height, cloud.z.pixel_count());
+      "# .PCD v0.7 - {}\n{}VERSION 0.7\nFIELDS {}\nSIZE {}\nTYPE {}\n"
+      "COUNT {}\nWIDTH {}\nHEIGHT {}\nVIEWPOINT {}\nPOINTS {}\nDATA binary\n",
+      frame_title(cloud.frame.get()), comments_of(remarks, "#"), fields, of_each("4"), of_each("F"),
+      of_each("1"), cloud.size().width, cloud.size().height, viewpoint_text(cloud.frame.get()),
+      cloud.z.pixel_count());
 
   for (std::size_t pixel = 0; pixel < cloud.z.pixel_count(); ++pixel) {
     for (const Image<float>* column : columns) append_numbers(file, column->begin()[pixel]);
@@ -180,13 +183,17 @@ NumberType type_named(std::string_view name) {
   return static_cast<NumberType>((found - names.begin()) / 2);
 }
 
-/// The elements of a PLY file, in order. Throws Error if it is not a PLY file.
-std::vector<PointElement> read_ply_header(NumberReader& reader) {
+/// The elements of a PLY file, in order; comments go to `title`. Throws Error if it is not a PLY
+/// file.
+std::vector<PointElement> read_ply_header(NumberReader& reader, FrameTitle& title) {
   if (reader.line() != "ply") throw Error("it does not begin with 'ply'");
 
   std::vector<PointElement> elements;
   while (true) {
-    const std::vector<std::string_view> words = words_of(reader.line());
+    const std::string_view line = reader.line();
+    const std::vector<std::string_view> words = words_of(line);
+    constexpr std::string_view comment = "comment ";
+    if (line.starts_with(comment)) title.read(line.substr(comment.size()));
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") return elements;
 
@@ -209,20 +216,27 @@ std::vector<PointElement> read_ply_header(NumberReader& reader) {
 StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
   NumberReader reader(bytes);
   StoredPoints stored;
+  FrameTitle title;
 
-  for (const PointElement& element : read_ply_header(reader)) read_element(element, reader, stored);
+  for (const PointElement& element : read_ply_header(reader, title)) {
+    read_element(element, reader, stored);
+  }
+  stored.frame = title.frame();
   return stored;
 }
 
 /// The words of each line of a PCD header, by its first word.
 using PcdHeader = std::map<std::string, std::vector<std::string_view>, std::less<>>;
 
-PcdHeader pcd_header(NumberReader& reader) {
+/// Reads it; lines about the frame also go to `title`.
+PcdHeader pcd_header(NumberReader& reader, FrameTitle& title) {
   PcdHeader header;
 
   // DATA ends the header.
   while (!header.contains("DATA")) {
-    std::vector<std::string_view> words = words_of(reader.line());
+    const std::string_view line = reader.line();
+    title.read(line);
+    std::vector<std::string_view> words = words_of(line);
     if (words.empty() || words[0].starts_with('#')) continue;
 
     const std::string key(words[0]);
@@ -266,7 +280,8 @@ PointProperty pcd_field(std::string_view name, std::string_view type, std::strin
 StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   // 1. The format of the numbers.
   NumberReader reader(bytes);
-  const PcdHeader header = pcd_header(reader);
+  FrameTitle title;
+  const PcdHeader header = pcd_header(reader, title);
 
   const std::string_view data = header.at("DATA")[0];
   throw_if(data != "binary" && data != "ascii", "its DATA is neither ascii nor binary");
@@ -289,6 +304,7 @@ StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
   StoredPoints stored;
   if (height > 1) stored.organised = {static_cast<int>(width), static_cast<int>(height)};
   read_element(element, reader, stored);
+  stored.frame = title.frame();
 
   return stored;
 }
@@ -322,6 +338,7 @@ StoredCloud cloud_of(StoredPoints stored) {
   const Size size = organised ? stored.organised : Size{static_cast<int>(stored.points.size()), 1};
   StoredCloud result{.cloud = Cloud(size), .uncertainty = {}, .organised = organised};
   Cloud& cloud = result.cloud;
+  cloud.frame = stored.frame;
 
   // 2. Which column of the file fills which image.
   std::vector<std::pair<Image<float>*, double StoredPoint::*>> columns{
@@ -352,6 +369,23 @@ StoredCloud cloud_of(StoredPoints stored) {
   return result;
 }
 
+/// Writes copies of the cloud and of what comes with it in the frame that the extras ask for.
+void write_moved(const fs::path& path, Cloud cloud, const CloudExtras& extras) {
+  std::optional<Normals> normals;
+  if (extras.normals != nullptr) normals = *extras.normals;
+  std::optional<Uncertainty> uncertainty;
+  if (extras.uncertainty != nullptr) uncertainty = *extras.uncertainty;
+
+  const FramePose motion = pose_from_frame(*extras.frame, frame_name(cloud));
+  if (normals) move_to_frame(*normals, motion);
+  move_to_frame(cloud, motion, uncertainty ? &*uncertainty : nullptr);
+
+  write_cloud(path, cloud,
+              {.normals = normals ? &*normals : nullptr,
+               .uncertainty = uncertainty ? &*uncertainty : nullptr,
+               .remarks = extras.remarks});
+}
+
 }  // namespace
 
 void require_cloud_ending(const fs::path& path) {
@@ -368,6 +402,7 @@ void require_cloud_ending(const fs::path& path) {
 
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
+  if (extras.frame) return write_moved(path, cloud, extras);
 
   const std::string extension = path == standard_output ? ".ply" : lower_case_extension(path);
   const std::vector<Extra> columns = extras_of(extras);

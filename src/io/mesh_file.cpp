@@ -23,6 +23,8 @@
 #include "base/throw_if-inl.h"
 #include "io/compressed_pictures.h"
 #include "io/file.h"
+#include "io/frame_title.h"
+#include "io/gltf_frame.h"
 #include "io/point_elements.h"
 
 namespace slipstream {
@@ -33,11 +35,12 @@ using nlohmann::json;
 
 std::string ply_file(const Surface& surface) {
   std::string file = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n"
+      "ply\nformat binary_little_endian 1.0\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "{}property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      surface.vertices.size(), ply_intensity, surface.triangles.size());
+      frame_comments(surface.frame.get(), "comment"), surface.vertices.size(), ply_intensity,
+      surface.triangles.size());
 
   // The vertices, with a double intensity and three equal colours.
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
@@ -56,7 +59,7 @@ std::string ply_file(const Surface& surface) {
 
 std::string stl_file(const Surface& surface) {
   // A header of 80 bytes, and the number of triangles.
-  std::string file = "slipstream, camera frame, mm";
+  std::string file = frame_title(surface.frame.get());
   file.resize(80);
   append_numbers(file, static_cast<std::uint32_t>(surface.triangles.size()));
 
@@ -72,8 +75,8 @@ std::string stl_file(const Surface& surface) {
 }
 
 std::string obj_file(const Surface& surface, const std::string& materials) {
-  std::string file =
-      fmt::format("# slipstream, camera frame, mm\nmtllib {}\nusemtl camera\n", materials);
+  std::string file = fmt::format("{}mtllib {}\nusemtl camera\n",
+                                 frame_comments(surface.frame.get(), "#"), materials);
 
   const auto out = std::back_inserter(file);
 
@@ -151,7 +154,10 @@ struct Binary {
 
 json positions_of(const Surface& surface, Binary& binary) {
   std::vector<Eigen::Vector3f> positions(surface.vertices.size());
-  std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(), to_gltf);
+  std::transform(surface.vertices.begin(), surface.vertices.end(), positions.begin(),
+                 [&](const Eigen::Vector3f& vertex) -> Eigen::Vector3f {
+                   return surface.frame ? vertex / 1000 : to_gltf(vertex);
+                 });
 
   // glTF requires the bounds of positions.
   Eigen::AlignedBox3f bounds;
@@ -181,7 +187,7 @@ json document_of(const Surface& surface, Binary& binary) {
       {"asset", {{"version", "2.0"}, {"generator", "slipstream"}}},
       {"scene", 0},
       {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}}}},
+      {"nodes", json::array({gltf_node_of(surface.frame.get())})},
       {"meshes",
        {{{"primitives",
           {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_0", 1}, {"_INTENSITY", 2}}},
@@ -250,6 +256,8 @@ std::vector<std::array<float, components>> numbers_of(const json& document, cons
 
 StoredPoints points_in(const json& document, std::span<const std::uint8_t> binary) {
   StoredPoints stored;
+  stored.frame = gltf_frame_in(document);
+  const double up = stored.frame ? 1000 : -1000;  // in the camera's frame y is down, z forward
   std::set<std::size_t> taken;
 
   for (const json& mesh : document.at("meshes")) {
@@ -275,8 +283,8 @@ StoredPoints points_in(const json& document, std::span<const std::uint8_t> binar
 
       for (std::size_t i = 0; i < positions.size(); ++i) {
         const auto& [x, y, z] = positions[i];
-        // The reverse of to_gltf.
-        stored.points.push_back({1000.0 * x, -1000.0 * y, -1000.0 * z, intensity[i][0]});
+        // The reverse of positions_of.
+        stored.points.push_back({1000.0 * x, up * y, up * z, intensity[i][0]});
       }
     }
   }
@@ -372,6 +380,10 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
   StoredPoints stored;
   for (const auto& [x, y, z] : corners) stored.points.push_back({.x = x, .y = y, .z = z});
 
+  FrameTitle title;
+  title.read({reinterpret_cast<const char*>(bytes.data()), header});
+  stored.frame = title.frame();
+
   return stored;
 }
 
@@ -389,6 +401,7 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
            "it is not an OBJ file");
 
   StoredPoints stored;
+  stored.frame = frame_of_comments(text);
   const auto& at = attributes.vertices;
   const auto& colours = attributes.colors;  // 0 to 1
   const bool coloured = colours.size() == at.size();

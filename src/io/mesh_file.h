@@ -15,7 +15,7 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes);
 /// The vertices and faces of an OBJ file; the intensity is the colours' luminance.
 StoredPoints obj_points(std::span<const std::uint8_t> bytes);
 
-/// The vertices of a binary glTF 2.0 file, in the camera's frame.
+/// The vertices of a binary glTF 2.0 file, in the camera's frame or the one that it names.
 StoredPoints glb_points(std::span<const std::uint8_t> bytes);
 
 }  // namespace slipstream

@@ -229,7 +229,11 @@ void require_writable(const ResultFiles& files, const std::vector<ScanName>& sca
 void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
                    const CloudExtras& extras) {
   if (!files.cloud.empty()) write_cloud(files.cloud, cloud, extras);
-  if (!files.mesh.empty()) write_surface(files.mesh, surface_of(cloud));
+  if (!files.mesh.empty()) {
+    Surface surface = surface_of(cloud);
+    if (extras.frame) move_to_frame(surface, *extras.frame);
+    write_surface(files.mesh, surface);
+  }
   if (!files.depth.empty()) write_map(files.depth, cloud.z);
 
   for (const auto& [name, path, map] : all_files) {

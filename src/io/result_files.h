@@ -59,7 +59,8 @@ void require_writable(const ResultFiles& files, const std::vector<ScanName>& sca
 
 /// Writes the results: cloud with extras, mesh of its points, depth in mm, maps as 32-bit float
 /// TIFF, preview as PNG: of the depth, or of modulation and phase if the cloud has no depth, only
-/// validity. Throws as the writer of each.
+/// validity. Depth and preview are the camera's, also if the extras name a frame. Throws as the
+/// writer of each.
 void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
                    const CloudExtras& extras = {});
 

@@ -43,13 +43,6 @@ constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
 constexpr auto between_checks = 200ms;
 constexpr std::uint32_t depth = 2;  // per coordinate
 
-GigeControl::Writable writable() {
-  return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},
-          {0x30c, 0x310},   {0x938, 0x93c},   {0xa00, 0xa04},   {0xd00, 0xd0c},
-          {0xd18, 0xd1c},   {0xd24, 0xd28},   {0x8000, 0x8010}, {0x8020, 0x802c},
-          {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c}, {0x8100, 0x8200}};
-}
-
 /// When a client may write a register: always, or only while not streaming.
 struct Bounds {
   GigeRegister which;
@@ -63,6 +56,7 @@ constexpr std::array bounds{Bounds{acquisition, 0, 1, true},
                             Bounds{software_trigger, 0, 1, true},
                             Bounds{component_selector, 0, 2, true},
                             Bounds{coordinate_selector, 0, 2, true},
+                            Bounds{reference_selector, 0, 5, true},
                             Bounds{acquisition_mode, 1, 2, false},
                             Bounds{component_enable, 0, 1, false},
                             Bounds{at(component_enable, 1), 0, 1, false},
@@ -82,7 +76,7 @@ class GenicamSink final : public CloudSink {
         settings_(run_.settings ? run_.settings() : std::vector<RunSetting>()),
         sockets_(address),
         stream_socket_(host_from(address), 0, false),
-        control_(scan3d_memory(address, run_, settings_, stream_socket_.port()), writable(),
+        control_(scan3d_memory(address, run_, settings_, stream_socket_.port()), scan3d_writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
         thread_([this] { serve(); }) {}
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <zstd.h>
@@ -20,6 +21,7 @@
 #include "io/scan_folder.h"
 #include "publish/cdr.h"
 #include "publish/sink_kind.h"
+#include "publish/transform_message.h"
 #include "slipstream/ros_messages.h"
 #include "slipstream/scan_files.h"
 
@@ -66,12 +68,19 @@ class McapClouds {
     if (!run_.has_points) return;
     add(points_topic());
     add(camera_info_topic());
+    if (run_.frame) transform_ = add(transform_type(), std::string(transform_topic));
   }
 
   void put(const Pooled<LiveCloud>& cloud, bool alone) {
     // With frames, unless the sink is too slow for them.
     const PublishedCloud published{*cloud, run_, alone};
     if (cloud->sequence && !alone) put_frames(*cloud);
+
+    // Each file says once where the camera is.
+    if (transform_) {
+      write_transform(*run_.frame, run_.frame_id, published.header.time, message_);
+      writer_.write(*std::exchange(transform_, std::nullopt), published.header.time, message_);
+    }
 
     for (const auto& [channel, topic] : topics_) {
       topic.write(published, message_);
@@ -145,8 +154,9 @@ class McapClouds {
   McapWriter writer_;
   std::vector<std::pair<std::uint16_t, CloudTopic>> topics_;  ///< by channel
   std::uint16_t statistics_ = 0;
-  std::vector<std::uint16_t> frames_;  ///< by pattern
-  std::optional<Sequence> sequence_;   ///< as attached
+  std::optional<std::uint16_t> transform_;  ///< channel, until it is written
+  std::vector<std::uint16_t> frames_;       ///< by pattern
+  std::optional<Sequence> sequence_;        ///< as attached
   std::uint64_t next_statistics_ = 0;
   RosMessage message_;
 };

@@ -45,6 +45,7 @@ const printable = text => text.replace(/[\x00-\x1f\x7f-\x9f]/g,
 async function tell() {
   showSettings(await (await fetch('/settings' + query)).json());
   const told = await (await fetch('/statistics' + query)).json();
+  frame = told.frame ?? null;
   const now = performance.now(), table = at('statistics');
   const row = (name, value) => {
     const line = table.insertRow();

@@ -9,7 +9,7 @@ let gl = null, textures = null, raysOnCard = null, cardAsked = null;
 const pressed = id => at(id).getAttribute('aria-pressed') === 'true';
 let rays = null, cloud = null, taken = null, socket = null, seen = [], drawing = false, draws = 0;
 const start = { turn: 0, tilt: 0, distance: 0, x: 0, y: 0 };
-let view = { ...start }, pivot = null;
+let view = { ...start }, pivot = null, frame = null;  // whose axes are drawn; null: the camera's
 
 const say = text => { at('state').textContent = text; };
 const answer = text => { at('answer').textContent = text; };
@@ -189,8 +189,11 @@ function drawAround(hasPoints, high) {
   at('axes').style.visibility = hasPoints ? '' : 'hidden';
   if (!hasPoints) return;
   const [right, down] = turned(), colours = ['#ff5a50', '#58c76a', '#5a9bff'];
+  // Row k of a frame's rotation is its axis k, as the camera sees it.
+  const along = (row, k) => frame
+    ? row.reduce((sum, part, i) => sum + part * frame.matrix_mm[k][i], 0) : row[k];
   at('axes').innerHTML = colours.map((colour, k) => {
-    const [x, y] = [right[k], down[k]].map(part => part.toFixed(3));
+    const [x, y] = [along(right, k), along(down, k)].map(part => part.toFixed(3));
     return `<line x2="${x}" y2="${y}" stroke="${colour}" stroke-width=".08"/>` +
       `<text x="${1.2 * x}" y="${1.2 * y + .13}" fill="${colour}" font-size=".4"` +
       ` text-anchor="middle">${'XYZ'[k]}</text>`;

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <regex>
 #include <string>
 #include <string_view>
@@ -28,6 +29,7 @@
 #include "publish/dds_messages.h"
 #include "publish/ros_parameters.h"
 #include "publish/sink_kind.h"
+#include "publish/transform_message.h"
 
 namespace slipstream {
 namespace {
@@ -271,6 +273,7 @@ class Ros2Sink final : public DisjointCloudSink {
       for (const auto& topic : {camera_info_topic(), depth_topic(), points_topic()}) add(topic);
     }
 
+    if (run_.frame) add_transform();
     add_trigger("capture", [this] { return run_.save(); });
     add_trigger("check", [this] { return check(); });
     if (run_.settings) {
@@ -318,6 +321,16 @@ class Ros2Sink final : public DisjointCloudSink {
     topics_.emplace_back(
         topic, MessageWriter(participant_, "rt/" + name_ + "/" + topic.name, topic.type.name,
                              quality(DDS_RELIABILITY_BEST_EFFORT, 5)));
+  }
+
+  /// Where the camera is, also for those who listen later.
+  void add_transform() {
+    transform_.emplace(participant_, fmt::format("rt/{}", transform_topic), transform_type().name,
+                       quality(DDS_RELIABILITY_RELIABLE, 1, DDS_DURABILITY_TRANSIENT_LOCAL));
+    transform_->write([&](RosMessage& message) {
+      const std::uint64_t now = world_time(std::chrono::steady_clock::now());
+      write_transform(*run_.frame, run_.frame_id, now, message);
+    });
   }
 
   void serve() {
@@ -399,6 +412,7 @@ class Ros2Sink final : public DisjointCloudSink {
   MessageWriter node_{participant_, "ros_discovery_info",
                       "rmw_dds_common/msg/ParticipantEntitiesInfo",
                       quality(DDS_RELIABILITY_RELIABLE, 1, DDS_DURABILITY_TRANSIENT_LOCAL)};
+  std::optional<MessageWriter> transform_;
   std::vector<Service> services_;
   std::vector<RunSetting> told_;  ///< serving thread only
   dds_entity_t waiting_ = 0, wake_ = 0;

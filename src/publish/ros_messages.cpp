@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <optional>
+#include <string>
 #include <variant>
 
 #include "base/throw_if-inl.h"
@@ -91,10 +93,23 @@ void write_camera_info(const Lens& lens, Size size, const RosHeader& header, Ros
   cdr.add(std::uint8_t{0});
 }
 
-void skip_header(CdrReader& cdr) {
+/// Returns the name of the frame.
+std::string_view read_header(CdrReader& cdr) {
   cdr.count();  // seconds
   cdr.count();
-  cdr.text();  // the frame's
+  return cdr.text();
+}
+
+/// The frame of that name, whose place the message does not tell; null for the camera's, or if it
+/// has no name that files can have.
+std::shared_ptr<const FramePose> frame_named(std::string_view name) {
+  if (name == camera_frame) return nullptr;
+  try {
+    require_frame_name(name);
+  } catch (const Error&) {
+    return nullptr;
+  }
+  return std::make_shared<const FramePose>(FramePose{std::string(camera_frame), std::string(name)});
 }
 
 /// Offset of each known field within a point, if it is there.
@@ -119,6 +134,7 @@ FieldOffsets read_offsets(CdrReader& cdr, std::uint32_t fields) {
 
 /// Where the points of a message lie.
 struct PointLayout {
+  std::string_view frame;
   std::uint32_t width, height;
   FieldOffsets offsets;
   bool big_endian;
@@ -128,18 +144,18 @@ struct PointLayout {
 
 PointLayout read_layout(std::span<const std::uint8_t> message) {
   CdrReader cdr(message);
-  skip_header(cdr);
+  const std::string_view frame = read_header(cdr);
   const std::uint32_t height = cdr.count(), width = cdr.count(), fields = cdr.count();
   const FieldOffsets offsets = read_offsets(cdr, fields);
   const bool big_endian = cdr.get<std::uint8_t>() != 0;
   const std::uint32_t step = cdr.count(), row_step = cdr.count();
 
-  return {width, height, offsets, big_endian, step, row_step, cdr.list()};
+  return {frame, width, height, offsets, big_endian, step, row_step, cdr.list()};
 }
 
 /// Throws Error unless x, y and z are there, and fields and rows lie within the data.
 void require_readable(const PointLayout& layout) {
-  const auto& [width, height, offsets, big_endian, step, row_step, data] = layout;
+  const auto& [frame, width, height, offsets, big_endian, step, row_step, data] = layout;
 
   const auto lies_in_point = [step = step](const std::optional<std::uint32_t>& offset) {
     return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
@@ -206,8 +222,16 @@ CloudTopic image_topic() {
 CloudTopic points_topic() {
   return {"points", point_cloud_type(), [](const PublishedCloud& of, RosMessage& message) {
             const bool is_known = of.run.uncertainty && !of.alone;
-            const auto sigma = is_known ? of.run.uncertainty(of.cloud) : std::nullopt;
-            write_point_cloud(of.cloud.cloud, of.header, message, sigma ? &*sigma : nullptr);
+            auto sigma = is_known ? of.run.uncertainty(of.cloud) : std::nullopt;
+            Uncertainty* const known = sigma ? &*sigma : nullptr;
+            if (!of.run.frame) {
+              return write_point_cloud(of.cloud.cloud, of.header, message, known);
+            }
+
+            // Other sinks take the cloud too, so a copy moves to the frame of the points.
+            Cloud moved = of.cloud.cloud;
+            move_to_frame(moved, *of.run.frame, known);
+            write_point_cloud(moved, {of.header.time, of.run.frame->to}, message, known);
           }};
 }
 
@@ -271,6 +295,7 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
 
   const Size size{static_cast<int>(layout.width), static_cast<int>(layout.height)};
   StoredCloud stored{.cloud = Cloud(size), .organised = layout.height > 1};
+  stored.cloud.frame = frame_named(layout.frame);
 
   // Without uncertainty its images are empty and left out.
   if (layout.offsets.back()) stored.uncertainty.emplace(size);
@@ -312,7 +337,7 @@ void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& messag
 
 Frame read_frame(std::span<const std::uint8_t> message, int bits) {
   CdrReader cdr(message);
-  skip_header(cdr);
+  read_header(cdr);
   const std::uint32_t height = cdr.count(), width = cdr.count();
   const std::string_view encoding = cdr.text();
   const bool big_endian = cdr.get<std::uint8_t>() != 0;

@@ -16,115 +16,14 @@
 
 #include <fmt/format.h>
 
+#include "base/numbers.h"
 #include "base/page.h"
 #include "devices/gige_sockets.h"
+#include "geometry/rotation.h"
+#include "publish/genapi_features.h"
 
 namespace slipstream {
 namespace {
-
-/// XML elements around a node's value, in schema order, and its selector feature.
-struct Around {
-  std::string before{}, after{}, selector{};
-};
-
-constexpr const char* unsigned_number = "<Sign>Unsigned</Sign>";
-
-/// Builds GenApi nodes, feature by feature.
-class Features {
- public:
-  void begin_category(const std::string& name) { categories_.emplace_back(name, ""); }
-
-  void node(const std::string& kind, const std::string& name, const std::string& content) {
-    nodes_ += fmt::format("<{0} Name=\"{1}\">{2}</{0}>\n", kind, name, content);
-  }
-
-  /// A visible node.
-  void show(const std::string& kind, const std::string& name, const std::string& content) {
-    categories_.back().second += fmt::format("<pFeature>{}</pFeature>", name);
-    node(kind, name, content);
-  }
-
-  /// The register of a value.
-  void keep(const std::string& kind, const std::string& name, GigeRegister where,
-            const std::string& access, const std::string& before = "",
-            const std::string& after = "") {
-    node(kind, name + "Kept",
-         fmt::format("<Address>0x{:X}</Address>{}<Length>4</Length><AccessMode>{}</AccessMode>"
-                     "<pPort>Device</pPort><Cachable>NoCache</Cachable>{}<Endianess>BigEndian"
-                     "</Endianess>",
-                     static_cast<std::uint32_t>(where), before, access, after));
-  }
-
-  /// A feature backed by a register, writable if "RW".
-  void add(const std::string& kind, const std::string& name, GigeRegister where,
-           const std::string& access, const Around& around = {}) {
-    const auto& [before, after, selector] = around;
-    // The feature reads and writes its register, one of several at steps of 4 bytes if selected.
-    show(kind, name, fmt::format("{}<pValue>{}Kept</pValue>{}", before, name, after));
-    std::string index;
-    if (!selector.empty()) index = fmt::format("<pIndex Offset=\"4\">{}Kept</pIndex>", selector);
-
-    const bool is_float = kind == "Float";
-    keep(is_float ? "FloatReg" : "IntReg", name, where, access, index,
-         is_float ? "" : unsigned_number);
-  }
-
-  void constant(const std::string& name, const std::string& only) {
-    show("Enumeration", name,
-         fmt::format("<ImposedAccessMode>RO</ImposedAccessMode><EnumEntry Name=\"{}\"><Value>0"
-                     "</Value></EnumEntry><Value>0</Value>",
-                     only));
-  }
-
-  void text(const std::string& name, std::uint32_t address, int length) {
-    show("StringReg", name,
-         fmt::format("<Address>0x{:X}</Address><Length>{}</Length><AccessMode>RO</AccessMode>"
-                     "<pPort>Device</pPort>",
-                     address, length));
-  }
-
-  /// Bits of the packet size register.
-  void part(const std::string& kind, const std::string& name, const std::string& bits,
-            const std::string& after) {
-    show(kind, name, fmt::format("<pValue>{}Kept</pValue>{}", name, after));
-    keep("MaskedIntReg", name, GigeRegister::packet_size, "RW", "", bits + unsigned_number);
-  }
-
-  void command(const std::string& name, const std::string& kept, int value) {
-    show("Command", name,
-         fmt::format("<pValue>{}Kept</pValue><CommandValue>{}</CommandValue>", kept, value));
-  }
-
-  [[nodiscard]] std::string text() const {
-    std::string root, text;
-    for (const auto& [name, features] : categories_) {
-      root += fmt::format("<pFeature>{}</pFeature>", name);
-      text += fmt::format("<Category Name=\"{}\">{}</Category>\n", name, features);
-    }
-    return fmt::format("<Category Name=\"Root\">{}</Category>\n{}{}", root, text, nodes_);
-  }
-
- private:
-  std::string nodes_;
-  std::vector<std::pair<std::string, std::string>> categories_;
-};
-
-std::string entry(std::string_view name, std::size_t value, const std::string& more = "") {
-  return fmt::format("<EnumEntry Name=\"{}\">{}<Value>{}</Value></EnumEntry>", name, more, value);
-}
-
-/// Their values count up from `first`.
-std::string entries(std::initializer_list<const char*> names, std::size_t first = 0) {
-  std::string text;
-  for (const char* name : names) text += entry(name, first++);
-  return text;
-}
-
-std::string selects(std::initializer_list<const char*> features) {
-  std::string text;
-  for (const char* feature : features) text += fmt::format("<pSelected>{}</pSelected>", feature);
-  return text;
-}
 
 std::string formula(const std::string& a, const std::string& b, const std::string& of_both) {
   return fmt::format(
@@ -221,7 +120,23 @@ void add_acquisition(Features& features) {
   }
 }
 
-void add_scan3d(Features& features) {
+/// Where the points' frame, the anchor, is in another one: P' = Rz Ry Rx P + T.
+void add_reference(Features& features) {
+  using namespace scan3d;
+  const std::string selector = "Scan3dCoordinateReferenceSelector";
+
+  features.add("Enumeration", selector, reference_selector, "RW",
+               {.before = entries({"RotationX", "RotationY", "RotationZ", "TranslationX",
+                                   "TranslationY", "TranslationZ"}),
+                .after = selects({"Scan3dCoordinateReferenceValue"})});
+  features.add("Float", "Scan3dCoordinateReferenceValue", reference_value, "RO",
+               {.before = "<ToolTip>From the anchor, the camera, to the frame: turn about X, then "
+                          "Y, then Z of the frame, degrees, then add the translation, mm</ToolTip>",
+                .selector = selector});
+  features.text("ScannerFrame", frame_text, frame_text_bytes);
+}
+
+void add_scan3d(Features& features, bool has_frame) {
   using namespace scan3d;
 
   features.begin_category("Scan3dControl");
@@ -248,6 +163,8 @@ void add_scan3d(Features& features) {
   features.add("Float", "Scan3dCoordinateOffset", coordinate_offset, "RW", of_each);
   features.add("Boolean", "Scan3dInvalidDataFlag", invalid_flag, "RO", of_each);
   features.add("Float", "Scan3dInvalidDataValue", invalid_value, "RO", of_each);
+
+  if (has_frame) add_reference(features);
 }
 
 /// A GenApi name: "MinimumModulation" from "minimum-modulation".
@@ -310,12 +227,12 @@ void add_transport(Features& features) {
                 "<CommandValue>1</CommandValue>");
 }
 
-std::string scan3d_description(const std::vector<RunSetting>& settings) {
+std::string scan3d_description(const std::vector<RunSetting>& settings, bool has_frame) {
   Features features;
   add_device(features);
   add_pictures(features);
   add_acquisition(features);
-  add_scan3d(features);
+  add_scan3d(features, has_frame);
 
   features.begin_category("ScannerControl");
   for (std::uint32_t i = 0; i < settings.size(); ++i) {
@@ -379,7 +296,7 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
                                       GigePixels::confidence8};
 
   // 1. The standard's texts, and the description after 64 KiB of registers.
-  const std::string description = scan3d_description(settings);
+  const std::string description = scan3d_description(settings, run.frame != nullptr);
   std::vector<std::uint8_t> memory(0x10000);
 
   const auto text = [&](std::size_t at, const std::string& words) {
@@ -389,6 +306,7 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
   text(0x68, "Scanner");
   text(0x88, "1");
   text(0xd8, address);
+  if (run.frame) text(frame_text, run.frame->to);
   text(0x200, fmt::format("Local:slipstream.xml;10000;{:X}", description.size()));
   memory.insert(memory.end(), description.begin(), description.end());
   memory.resize((memory.size() + 3) / 4 * 4);  // clients read four bytes at a time
@@ -436,7 +354,25 @@ std::vector<std::uint8_t> scan3d_memory(const std::string& address, const Publis
     registers.write(at(invalid_flag, i), 1);
   }
 
+  // 4. The frame that the points' one is anchored in.
+  if (run.frame) {
+    const Eigen::Isometry3d& pose = run.frame->transform;
+    const Eigen::Vector3d turns =
+        euler_of(pose.linear(), {.axes = {0, 1, 2}, .intrinsic = false}) / degree;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      registers.write(at(reference_value, i), bits_of(turns[i]));
+      registers.write(at(reference_value, 3 + i), bits_of(pose.translation()[i]));
+    }
+  }
+
   return registers.memory();
+}
+
+GigeControl::Writable scan3d_writable() {
+  return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},   {0x30c, 0x310},
+          {0x938, 0x93c},   {0xa00, 0xa04},   {0xd00, 0xd0c},   {0xd18, 0xd1c},   {0xd24, 0xd28},
+          {0x8000, 0x8010}, {0x8020, 0x802c}, {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c},
+          {0x8090, 0x8094}, {0x8100, 0x8200}};
 }
 
 void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,

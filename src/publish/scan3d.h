@@ -24,6 +24,10 @@ inline constexpr GigeRegister component_enable{0x8020}, component_id{0x8030}, pi
 /// Floats, except the flag.
 inline constexpr GigeRegister coordinate_scale{0x8050}, coordinate_offset{0x8060};
 inline constexpr GigeRegister invalid_value{0x8070}, invalid_flag{0x8080};
+/// With a frame other than the camera's: six floats, the three angles and the translation from the
+/// anchor, and its name.
+inline constexpr GigeRegister reference_selector{0x8090}, reference_value{0x80a0};
+inline constexpr std::uint32_t frame_text = 0x80c0, frame_text_bytes = 64;
 /// The run's settings, in order: a float, or the index of a choice.
 inline constexpr GigeRegister setting{0x8100};
 
@@ -56,6 +60,9 @@ std::optional<std::string> value_in_register(const RunSetting& setting, std::uin
 std::vector<std::uint8_t> scan3d_memory(const std::string& address, const PublishedRun& run,
                                         const std::vector<RunSetting>& settings,
                                         std::uint16_t port);
+
+/// Addresses of the registers that a client may write at all.
+GigeControl::Writable scan3d_writable();
 
 /// How to build the stream from a cloud.
 struct Packing {

@@ -254,6 +254,7 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   reject_moved(frames, made);
 
   if (made.cloud == nullptr) return {};
+  made.cloud->frame.reset();  // of an earlier use
   divide_by_gain(frames, made.cloud->intensity);
 
   if (outputs.points != nullptr) {

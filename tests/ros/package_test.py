@@ -18,7 +18,7 @@ ROS = SOURCES / "ros"
 LAUNCH = ROS / "launch" / "scanner.launch.py"
 NODE = (ROS / "src" / "scanner_node.cpp").read_text()
 FRAME = re.search(r'camera_frame = "(.*)"',
-                  (SOURCES / "include" / "slipstream" / "cloud_sink.h").read_text())[1]
+                  (SOURCES / "include" / "slipstream" / "cloud.h").read_text())[1]
 RVIZ = yaml.safe_load((ROS / "rviz" / "scanner.rviz").read_text())["Visualization Manager"]
 
 

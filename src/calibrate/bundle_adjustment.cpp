@@ -1,4 +1,3 @@
-// The only source that includes Ceres.
 #include "calibrate/bundle_adjustment.h"
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,11 +19,11 @@
 #include <ceres/rotation.h>
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
-#include <glog/logging.h>
 
 #include "base/throw_if-inl.h"
 #include "calibrate/board_view.h"
 #include "calibrate/pixel_derivatives.h"
+#include "calibrate/quiet_ceres.h"
 #include "calibrate/reprojection.h"
 
 namespace slipstream {
@@ -247,32 +245,6 @@ struct Parameters {
   PoseNumbers rig;
   std::vector<PoseNumbers> poses;
   BoardPlaces places;
-};
-
-/// Silences Ceres' log while one lives: a failed step is retried smaller, and a library must not
-/// write to its caller's terminal.
-class QuietCeres {
- public:
-  QuietCeres() {
-    const std::scoped_lock lock(mutex);
-    if (living++ > 0) return;
-    level_before = FLAGS_minloglevel;
-    FLAGS_minloglevel = google::GLOG_FATAL;
-  }
-
-  QuietCeres(const QuietCeres&) = delete;
-  QuietCeres& operator=(const QuietCeres&) = delete;
-
-  ~QuietCeres() {
-    const std::scoped_lock lock(mutex);
-    if (--living == 0) FLAGS_minloglevel = level_before;
-  }
-
- private:
-  // The log level is global.
-  static inline std::mutex mutex;
-  static inline int living = 0;
-  static inline int level_before = 0;
 };
 
 /// Diagonal of the inverse of J^T J; nullopt if singular.

@@ -2,6 +2,7 @@
 #include "app/batch_plan.h"
 #include "app/manifest.h"
 #include "io/file.h"
+#include "io/pose_table_file.h"
 #include "io/result_files.h"
 #include "io/rig_file.h"
 #include "io/scan_folder.h"
@@ -121,6 +122,21 @@ const bool rig_known = add_fuzz_target(
      },
      [](std::span<const std::uint8_t> input) { (void)rig_from(text_of_bytes(input), "input"); }},
     bytes_of_yaml);
+
+std::vector<Bytes> pose_tables() {
+  return {bytes_of(std::string("name,x,y,z,a,b,c\np1,1,2,3,4,5,6\np2,1.5,2,3,4,5,6\n")),
+          bytes_of(std::string("DECL E6POS XP1={X 100.5,Y -2,Z 3,A 10,B 20,C 30,S 2,T 35}\n")),
+          bytes_of(std::string("poses:\n- {name: a, x: 1, y: 2, z: 3, rx: 4, ry: 5, rz: 6}\n"
+                               "- {position: [1, 2, 3], rotation: [4, 5, 6]}\n"))};
+}
+
+const bool pose_tables_known =
+    add_fuzz_target({"poses", pose_tables,
+                     [](std::span<const std::uint8_t> input) {
+                       (void)pose_table_in_text(text_of_bytes(input),
+                                                !input.empty() && input[0] == 'p', "", "input");
+                     }},
+                    bytes_of_yaml);
 
 const bool artefacts_known = add_fuzz_target(
     {"verify",

@@ -1,0 +1,324 @@
+#include "io/pose_table_file.h"
+
+#include <initializer_list>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include "base/numbers.h"
+#include "base/printable.h"
+#include "base/throw_if-inl.h"
+#include "io/file.h"
+#include "io/unique_keys.h"
+
+namespace slipstream {
+namespace {
+
+/// A pose's numbers with the names beside them, which may be empty.
+struct NamedNumbers {
+  std::string pose;  ///< name
+  std::vector<std::pair<std::string, double>> numbers;
+};
+
+using Names = std::vector<std::string>;
+
+/// A name without case, unit and separators: "Pos_X [mm]" is "posx".
+std::string plain_name(std::string_view text) {
+  std::string plain;
+  for (const char letter : text.substr(0, text.find_first_of("[("))) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (std::isalnum(code) != 0) plain += static_cast<char>(std::tolower(code));
+  }
+  for (const std::string_view unit : {"mm", "deg", "rad"}) {
+    if (plain.size() > unit.size() && plain.ends_with(unit)) {
+      plain.resize(plain.size() - unit.size());
+    }
+  }
+  if (plain.size() == 4 && plain.starts_with("pos")) plain.erase(0, 3);
+  return plain;
+}
+
+/// The numbers with these names, in their order; empty unless all are there.
+std::vector<double> numbers_named(const NamedNumbers& of, const Names& names) {
+  std::vector<double> found;
+  for (const std::string& name : names) {
+    for (const auto& [own, number] : of.numbers) {
+      if (own != name) continue;
+      found.push_back(number);
+      break;
+    }
+  }
+  return found.size() == names.size() ? found : std::vector<double>();
+}
+
+std::vector<double> first_named(const NamedNumbers& of, const std::vector<Names>& choices) {
+  for (const Names& names : choices) {
+    std::vector<double> found = numbers_named(of, names);
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+/// The row of a table: by the names if they are known, else by the order.
+std::vector<double> row_from(const NamedNumbers& of) {
+  static const std::vector<Names> positions{
+      {"x", "y", "z"}, {"tx", "ty", "tz"}, {"px", "py", "pz"}};
+  static const std::vector<Names> rotations{
+      {"qw", "qx", "qy", "qz"}, {"q1", "q2", "q3", "q4"}, {"q0", "q1", "q2", "q3"},
+      {"rx", "ry", "rz"},       {"a", "b", "c"},          {"w", "p", "r"},
+      {"o", "a", "t"},          {"u", "v", "w"},          {"roll", "pitch", "yaw"}};
+
+  std::vector<double> row = first_named(of, positions);
+  const std::vector<double> rotation = first_named(of, rotations);
+  if (!row.empty() && !rotation.empty()) {
+    row.insert(row.end(), rotation.begin(), rotation.end());
+    return row;
+  }
+
+  row.clear();
+  for (const auto& [name, number] : of.numbers) row.push_back(number);
+
+  // Position, quaternion, axis configuration and external axes of an ABB controller.
+  constexpr std::size_t robtarget = 17;
+  if (row.size() == robtarget) row.resize(7);
+
+  if (row.size() == 12) row.insert(row.end(), {0, 0, 0, 1});
+  throw_if(row.size() != 6 && row.size() != 7 && row.size() != 16,
+           "{} numbers; expected 6 (position and three angles), 7 (position and quaternion), 12 or "
+           "16 (matrix), or a line of column names such as name,x,y,z,rx,ry,rz",
+           row.size());
+  return row;
+}
+
+/// The parts between separators; `separators` as in find_first_of.
+Names words_in(std::string_view line, std::string_view separators) {
+  Names words;
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find_first_of(separators), line.size());
+    if (end > 0) words.emplace_back(line.substr(0, end));
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return words;
+}
+
+std::optional<double> number_of_word(const std::string& word) {
+  return number_in<double>(word.starts_with('+') ? std::string_view(word).substr(1) : word);
+}
+
+/// Separators of columns: those that the line of names has, so that names may have blanks.
+std::string_view separators_of(std::string_view line) {
+  if (line.find(';') != line.npos) return ";\r";
+  if (line.find(',') != line.npos) return ",\r";
+  if (line.find('\t') != line.npos) return "\t\r";
+  return " \r";
+}
+
+/// A line under column names.
+NamedNumbers numbers_in_columns(const std::string& line, const Names& columns,
+                                std::string_view separators) {
+  const Names cells = words_in(line, separators);
+  throw_if(cells.size() != columns.size(), "{} columns; expected {}", cells.size(), columns.size());
+
+  NamedNumbers of;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Names words = words_in(cells[i], " \t");
+    const std::string word = words.empty() ? "" : words.front();
+    if (columns[i] == "name") {
+      of.pose = word;
+      continue;
+    }
+    const std::optional<double> number = number_of_word(word);
+    if (number) of.numbers.emplace_back(columns[i], *number);
+  }
+  return of;
+}
+
+/// A line that has its names beside its numbers, or none.
+NamedNumbers numbers_in_line(const std::string& line) {
+  NamedNumbers of;
+  std::string before;
+  for (const std::string& word : words_in(line, " \t\r,;{}[]()=:\"'")) {
+    const std::optional<double> number = number_of_word(word);
+    if (!number) {
+      // The last word before the first number names the pose, unless it names a coordinate.
+      if (of.numbers.empty() && !before.empty()) of.pose = before;
+      before = word;
+      continue;
+    }
+    of.numbers.emplace_back(plain_name(before), *number);
+    if (of.numbers.size() == 1 && of.numbers.front().first != "x") of.pose = before;
+    before.clear();
+  }
+  return of;
+}
+
+bool is_comment(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(" \t\r");
+  return first == line.npos || line[first] == '#' || line[first] == '&' ||
+         line.substr(first).starts_with("//");
+}
+
+bool has_numbers(const std::string& line) {
+  return std::ranges::any_of(words_in(line, " \t\r,;{}[]()=:"), [](const std::string& word) {
+    return number_of_word(word).has_value();
+  });
+}
+
+Names plain_names(std::string_view line, std::string_view separators) {
+  Names names;
+  for (const std::string& word : words_in(line, separators)) names.push_back(plain_name(word));
+  return names;
+}
+
+void add_row(PoseTable& table, const NamedNumbers& of) {
+  std::vector<double> row = row_from(of);
+  throw_if(!table.rows.empty() && row.size() != table.rows.front().size(),
+           "{} numbers of a pose; those before have {}", row.size(), table.rows.front().size());
+  table.rows.push_back(std::move(row));
+  table.names.push_back(of.pose);
+}
+
+PoseTable table_in_lines(const std::string& text, std::string_view named_columns) {
+  PoseTable table;
+  std::string_view left = text, separators = ",; \t\r";
+  Names columns = plain_names(named_columns, ",");
+  bool begun = false;
+
+  for (int number = 1; !left.empty(); ++number) {
+    std::string line(take_until(left, '\n'));
+    if (is_comment(line)) continue;
+
+    // 1. The line of names.
+    const bool first = !std::exchange(begun, true);
+    if (first && !has_numbers(line)) {
+      if (!columns.empty()) continue;
+      separators = separators_of(line);
+      columns = plain_names(line, separators);
+      continue;
+    }
+
+    // 2. Numbers with commas instead of points.
+    if (line.find(';') != line.npos && line.find('.') == line.npos) {
+      std::ranges::replace(line, ',', '.');
+    }
+
+    naming(fmt::format("line {}", number), [&] {
+      if (!columns.empty()) return add_row(table, numbers_in_columns(line, columns, separators));
+
+      // Programs of robots have other lines too.
+      const NamedNumbers of = numbers_in_line(line);
+      if (of.numbers.size() >= 6) add_row(table, of);
+    });
+  }
+  return table;
+}
+
+bool begins_with_any(const std::string& text, std::initializer_list<std::string_view> starts) {
+  return std::ranges::any_of(starts,
+                             [&](std::string_view start) { return text.starts_with(start); });
+}
+
+/// Appends all numbers of a node. `inside`: its key.
+void collect(const YAML::Node& node, const std::string& inside, NamedNumbers& of, int depth = 0) {
+  throw_if(depth > 4, "line {}: lists within lists", node.Mark().line + 1);
+  if (node.IsScalar()) {
+    if (inside == "name" || inside == "id") of.pose = node.Scalar();
+    const std::optional<double> number = number_of_word(node.Scalar());
+    if (number) of.numbers.emplace_back(inside, *number);
+    return;
+  }
+
+  if (node.IsSequence()) {
+    for (const YAML::Node& part : node) collect(part, node.size() > 1 ? "" : inside, of, depth + 1);
+    return;
+  }
+
+  // The position goes first, whatever the order of the keys.
+  for (const bool rotation : {false, true}) {
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) continue;
+      std::string key = plain_name(entry.first.Scalar());
+      if (begins_with_any(key, {"rot", "orient", "quat", "angle", "euler"}) != rotation) continue;
+      if (begins_with_any(inside, {"orient", "quat", "rot"})) key.insert(0, "q");
+      collect(entry.second, key, of, depth + 1);
+    }
+  }
+}
+
+PoseTable table_in_yaml(const std::string& text) {
+  YAML::Node list = yaml_document(text);
+
+  // Under a key.
+  if (list.IsMap()) {
+    for (const auto& entry : list) {
+      if (entry.second.IsSequence() && entry.second.size() > 0 && !entry.second[0].IsScalar()) {
+        list.reset(entry.second);
+        break;
+      }
+    }
+  }
+  throw_if(!list.IsSequence(), "expected a list of poses");
+
+  PoseTable table;
+  for (const YAML::Node& item : list) {
+    NamedNumbers of;
+    naming(fmt::format("line {}", item.Mark().line + 1), [&] {
+      collect(item, "", of);
+      add_row(table, of);
+    });
+  }
+  return table;
+}
+
+/// Drops names that do not tell the poses apart.
+void check_names(PoseTable& table) {
+  const std::set<std::string> different(table.names.begin(), table.names.end());
+  if (table.names.size() > 1 && different.size() == 1) return table.names.clear();
+  if (different.contains("")) return table.names.clear();
+
+  std::set<std::string> seen;
+  for (const std::string& name : table.names) {
+    throw_if(!seen.insert(name).second, "two poses are named {}", printable(name));
+  }
+}
+
+}  // namespace
+
+PoseTable pose_table_in_text(const std::string& text, bool is_yaml, std::string_view columns,
+                             const std::string& name) {
+  return naming(name, [&] {
+    PoseTable table;
+    try {
+      table = is_yaml ? table_in_yaml(text) : table_in_lines(text, columns);
+    } catch (const YAML::Exception& error) {
+      throw Error(fmt::format("line {}: not YAML: {}", error.mark.line + 1, error.msg));
+    }
+    throw_if(table.rows.empty(), "no poses: expected a pose a line, with 6, 7, 12 or 16 numbers");
+    check_names(table);
+    return table;
+  });
+}
+
+PoseTable read_pose_table(const std::filesystem::path& path, std::string_view columns) {
+  const std::string ending = lower_case_extension(path);
+  return pose_table_in_text(read_text(path), ending == ".yaml" || ending == ".yml", columns,
+                            path.string());
+}
+
+std::string text_of(const PoseTable& table, std::string_view columns) {
+  std::string text = fmt::format("{}\n", columns);
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const std::string name = table.names.empty() ? "" : table.names[i] + ",";
+    text += fmt::format("{}{:.9g}\n", name, fmt::join(table.rows[i], ","));
+  }
+  return text;
+}
+
+}  // namespace slipstream

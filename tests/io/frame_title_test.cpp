@@ -44,9 +44,9 @@ double largest_distance(const Cloud& expected, const Cloud& found) {
   return largest;
 }
 
-class FrameInFile : public testing::TestWithParam<const char*> {};
+class FrameTitleFrameInFile : public testing::TestWithParam<const char*> {};
 
-TEST_P(FrameInFile, NamesItsFrameAndHasItsPoints) {
+TEST_P(FrameTitleFrameInFile, NamesItsFrameAndHasItsPoints) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / ("moved" + std::string(GetParam()));
   const std::shared_ptr<const FramePose> frame = base_pose();
@@ -72,7 +72,7 @@ TEST_P(FrameInFile, NamesItsFrameAndHasItsPoints) {
   EXPECT_TRUE(stored.cloud.frame->transform.isApprox(frame->transform, 1e-9));
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, FrameInFile,
+INSTANTIATE_TEST_SUITE_P(Formats, FrameTitleFrameInFile,
                          testing::Values(".ply", ".pcd", ".xyz", ".stl", ".obj", ".glb"));
 
 TEST(FrameTitle, CloudInPlyHasNormalsAndSigmaOfTheFrame) {

@@ -41,11 +41,11 @@ TEST_P(ModelFile, HasThePointsAndTheirIntensity) {
 
 INSTANTIATE_TEST_SUITE_P(Endings, ModelFile, testing::Values("m.ply", "m.pcd", "m.xyz"));
 
-TEST(WriteModel, RefusesOtherEndings) {
+TEST(ModelFileWriteModel, RefusesOtherEndings) {
   EXPECT_THROW(require_model_ending("model.stl"), Error);
 }
 
-TEST(SurfaceOf, GivesEachVertexItsGreyLevel) {
+TEST(ModelFileSurfaceOf, GivesEachVertexItsGreyLevel) {
   const Surface surface = surface_of(mesh_of(small_model()));
   ASSERT_FALSE(surface.triangles.empty());
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {

@@ -41,7 +41,7 @@ Errors errors_of(const FusedModel& model, const MeshTree& object, const Eigen::I
   return {std::sqrt(squares / count), std::sqrt(z_squares / count)};
 }
 
-TEST(Fuse, LowersTheNoiseAsTheVariancesSay) {
+TEST(FusedModelFuse, LowersTheNoiseAsTheVariancesSay) {
   const MeshTree object(relief());
   const Eigen::Isometry3d pose = before_camera(turned({1, 0, 0}, 5));
   const View first = view_at(object, pose, 0.1, 1), second = view_at(object, pose, 0.1, 2);
@@ -56,7 +56,7 @@ TEST(Fuse, LowersTheNoiseAsTheVariancesSay) {
   EXPECT_LT(two.z_rms, 1.1);
 }
 
-TEST(Fuse, WeighsTheViewsByTheirNoise) {
+TEST(FusedModelFuse, WeighsTheViewsByTheirNoise) {
   const MeshTree object(relief());
   const Eigen::Isometry3d pose = before_camera(turned({1, 0, 0}, 5));
   const View good = view_at(object, pose, 0.05, 1), bad = view_at(object, pose, 0.5, 2);
@@ -66,7 +66,7 @@ TEST(Fuse, WeighsTheViewsByTheirNoise) {
   EXPECT_LT(errors_of(fuse({&good, &bad}, poses), object, pose, 1).rms, 1.05 * alone.rms);
 }
 
-TEST(Fuse, CarriesColoursAndCountsViews) {
+TEST(FusedModelFuse, CarriesColoursAndCountsViews) {
   const MeshTree object(relief());
   const Shot shot = shot_of(object, before_camera(turned({1, 0, 0}, 5)), 0.05, 1);
   Image<Colour> colours(shot.cloud.size(), Colour{200, 100, 50});
@@ -83,7 +83,7 @@ TEST(Fuse, CarriesColoursAndCountsViews) {
   }
 }
 
-TEST(Fuse, SaysHowFarViewsDisagree) {
+TEST(FusedModelFuse, SaysHowFarViewsDisagree) {
   const MeshTree object(relief());
   const Eigen::Isometry3d pose = before_camera(turned({1, 0, 0}, 5));
   const View first = view_at(object, pose, 0.01, 1), second = view_at(object, pose, 0.01, 2);
@@ -96,7 +96,7 @@ TEST(Fuse, SaysHowFarViewsDisagree) {
   EXPECT_NEAR(sum / static_cast<double>(model.points.size()), 0.5, 0.1);
 }
 
-TEST(MeshOf, LiesOnTheSurfaceAndFacesOutwards) {
+TEST(FusedModelMeshOf, LiesOnTheSurfaceAndFacesOutwards) {
   const MeshTree object(relief());
   const Eigen::Isometry3d pose = before_camera(turned({1, 0, 0}, 5));
   const View view = view_at(object, pose, 0.02, 1);
@@ -117,7 +117,7 @@ TEST(MeshOf, LiesOnTheSurfaceAndFacesOutwards) {
   EXPECT_LT(errors_of(corners, object, pose, 1).rms, 0.1);
 }
 
-TEST(MeshOf, LeavesHolesOpen) {
+TEST(FusedModelMeshOf, LeavesHolesOpen) {
   const MeshTree object(plate([](double, double) { return 0.0; }));
   const View view = view_at(object, before_camera(turned({1, 0, 0}, 5)), 0.02, 1);
   FusedModel model = fuse({&view}, {Eigen::Isometry3d::Identity()});

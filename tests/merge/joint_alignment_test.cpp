@@ -39,7 +39,7 @@ void expect_right(const JointAlignment& joint, const Views& views, std::size_t v
   EXPECT_LT(Eigen::AngleAxisd(off.linear()).angle() * 180 / std::numbers::pi, 0.05);
 }
 
-TEST(JoinViews, ClosesTheLoopAroundAnObject) {
+TEST(JointAlignmentJoinViews, ClosesTheLoopAroundAnObject) {
   const MeshTree object(large_statue());
   std::vector<std::pair<const MeshTree*, Eigen::Isometry3d>> shots;
   for (int k = 0; k < 8; ++k) shots.emplace_back(&object, before_camera(turned({0, 1, 0}, 45 * k)));
@@ -52,7 +52,7 @@ TEST(JoinViews, ClosesTheLoopAroundAnObject) {
   for (std::size_t i = 0; i < shots.size(); ++i) expect_right(joint, views, i);
 }
 
-TEST(JoinViews, NamesTheViewThatDoesNotFit) {
+TEST(JointAlignmentJoinViews, NamesTheViewThatDoesNotFit) {
   const MeshTree object(relief()), stranger(large_statue());
   const Views views = views_of({{&object, before_camera(turned({0, 1, 0}, 0))},
                                 {&stranger, before_camera(turned({0, 1, 0}, 10))},
@@ -66,7 +66,7 @@ TEST(JoinViews, NamesTheViewThatDoesNotFit) {
   expect_right(joint, views, 2);
 }
 
-TEST(JoinViews, StartsFromRoughPoses) {
+TEST(JointAlignmentJoinViews, StartsFromRoughPoses) {
   const MeshTree object(relief());
   const Views views = views_of({{&object, before_camera(turned({0, 1, 0}, 0))},
                                 {&object, before_camera(turned({0, 1, 0.3}, 15))}},

@@ -44,19 +44,19 @@ const Eigen::Isometry3d front = before_camera(Eigen::Isometry3d::Identity());
 const Eigen::Isometry3d other =
     before_camera(turned({0.1, 1, 0.05}, 40) * turned(Eigen::Vector3d::UnitZ(), 20));
 
-TEST(AlignViews, JoinsTwoSidesOfAStatueWithoutAStart) {
+TEST(PairAlignmentAlignViews, JoinsTwoSidesOfAStatueWithoutAStart) {
   const Pair pair = pair_of(large_statue(), front, other, 0.1);
   expect_right(align_views(pair.first, pair.second), pair);
 }
 
-TEST(AlignViews, JoinsAReliefFromTwoSides) {
+TEST(PairAlignmentAlignViews, JoinsAReliefFromTwoSides) {
   const Pair pair = pair_of(relief(), front, before_camera(turned({0, 1, 0.4}, 25)), 0.1);
   expect_right(align_views(pair.first, pair.second), pair);
 }
 
-class Sliding : public testing::TestWithParam<Mesh (*)()> {};
+class PairAlignmentSliding : public testing::TestWithParam<Mesh (*)()> {};
 
-TEST_P(Sliding, IsRefused) {
+TEST_P(PairAlignmentSliding, IsRefused) {
   const Pair pair = pair_of(GetParam()(), front, before_camera(turned({1, 0.4, 0}, 15)), 0.1);
   const PairAlignment found = align_views(pair.first, pair.second);
   EXPECT_EQ(found.refusal, Refusal::slides) << found.reason;
@@ -65,17 +65,17 @@ TEST_P(Sliding, IsRefused) {
   EXPECT_EQ(refine_alignment(pair.first, pair.second, pair.truth).refusal, Refusal::slides);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Sliding,
+INSTANTIATE_TEST_SUITE_P(Shapes, PairAlignmentSliding,
                          testing::Values([] { return plate([](double, double) { return 0.0; }); },
                                          ball, pipe));
 
-TEST(AlignViews, RefusesAPartThatRepeatsItself) {
+TEST(PairAlignmentAlignViews, RefusesAPartThatRepeatsItself) {
   const Pair pair = pair_of(ring_of_cones(4), front, before_camera(turned({0, 1, 0}, 15)), 0.1);
   const PairAlignment found = align_views(pair.first, pair.second);
   EXPECT_EQ(found.refusal, Refusal::repeats) << found.reason;
 }
 
-TEST(AlignViews, RefusesViewsOfDifferentObjects) {
+TEST(PairAlignmentAlignViews, RefusesViewsOfDifferentObjects) {
   std::vector<View> views{view_at(MeshTree(large_statue()), front, 0.1, 1),
                           view_at(MeshTree(relief()), front, 0.1, 2)};
   const float cell = keypoint_cell(views);
@@ -85,7 +85,7 @@ TEST(AlignViews, RefusesViewsOfDifferentObjects) {
   EXPECT_FALSE(found.reason.empty());
 }
 
-TEST(RefineAlignment, FindsThePoseFromFifteenDegreesOff) {
+TEST(PairAlignmentRefineAlignment, FindsThePoseFromFifteenDegreesOff) {
   const Pair pair = pair_of(relief(), front, before_camera(turned({0, 1, 0.4}, 12)), 0.05);
   const Eigen::Isometry3d start = pair.truth * Eigen::Translation3d(pair.second.middle()) *
                                   turned({0, 0, 1}, 3) *
@@ -93,16 +93,16 @@ TEST(RefineAlignment, FindsThePoseFromFifteenDegreesOff) {
   expect_right(refine_alignment(pair.first, pair.second, start), pair);
 }
 
-TEST(RefineAlignment, ExpectsTheDistancesThatTheNoiseMakes) {
+TEST(PairAlignmentRefineAlignment, ExpectsTheDistancesThatTheNoiseMakes) {
   const Pair pair = pair_of(relief(), front, other, 0.1);
   const PairAlignment found = alignment_at(pair.first, pair.second, pair.truth);
   EXPECT_NEAR(found.median / found.noise, 1, 0.1);
 }
 
 /// All scenes, overlaps and noises of the table in docs/how-to/merge.md.
-class Table : public testing::TestWithParam<double> {};
+class PairAlignmentTable : public testing::TestWithParam<double> {};
 
-TEST_P(Table, HasNoWrongPose) {
+TEST_P(PairAlignmentTable, HasNoWrongPose) {
   const std::vector<std::pair<std::string, Mesh>> scenes{
       {"statue", large_statue()}, {"relief", relief()}, {"cones", ring_of_cones(3)}};
   int joined = 0, pairs = 0;
@@ -122,9 +122,9 @@ TEST_P(Table, HasNoWrongPose) {
   EXPECT_GE(joined, pairs / 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Noises, Table, testing::Values(0.02, 0.1, 0.3));
+INSTANTIATE_TEST_SUITE_P(Noises, PairAlignmentTable, testing::Values(0.02, 0.1, 0.3));
 
-TEST(AlignViews, FindsTheTurnOfARealTurntable) {
+TEST(PairAlignmentAlignViews, FindsTheTurnOfARealTurntable) {
   const std::filesystem::path folder = shared_data() / "sltk";
   if (!exists(folder)) GTEST_SKIP() << folder << " is missing";
 

@@ -33,7 +33,7 @@ TEST(PointGrid, FindsTheNearestPoint) {
   }
 }
 
-TEST(ThinnedToCells, KeepsOnePointOfEachCell) {
+TEST(PointGridThinnedToCells, KeepsOnePointOfEachCell) {
   const std::vector<Eigen::Vector3f> points = random_points(5000);
   const auto kept = thinned_to_cells(points, 25);
   EXPECT_GE(kept.size(), 64U);

@@ -35,13 +35,13 @@ std::optional<Scanner> compared_scanner(const CalibrationResultFlags& flags);
 
 nlohmann::json json_of_rms(const ReprojectionRms& rms);
 
-/// A calibration and what it was made from.
+/// A calibration and its input.
 struct CalibrationResult {
   const GeometryCalibration& calibration;
   BoardPlaces places;  ///< nominal places of the board's corners
   std::string board;   ///< in words, see text_of(CalibrationBoard)
   std::vector<UnusedPose> unused;
-  std::vector<Finding> findings;  ///< of what came before the calibration
+  std::vector<Finding> findings;  ///< of the steps before the calibration
 };
 
 /// Writes the scanner file and, if requested, the report; prints the figures and diagnostics.

@@ -325,7 +325,7 @@ class CloudFiles {
 /// The frames in which the camera's place is known, by name.
 using CameraFrames = std::map<std::string, std::shared_ptr<const FramePose>, std::less<>>;
 
-/// Adds those of a message about static transforms. Other programs may write any, of which one that
+/// Adds the frames of a message about static transforms. Other programs may write any; one that
 /// cannot be read only leaves the camera's place open.
 void add_frames(const McapMessage& message, CameraFrames& frames) {
   const bool is_static = message.encoding == "cdr" && message.type == transform_type().name &&

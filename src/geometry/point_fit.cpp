@@ -57,7 +57,7 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
   fit.pose.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   fit.pose.translation() = target - fit.pose.linear() * middle;
 
-  // 3. What it leaves.
+  // 3. The distances that remain.
   double squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     fit.residuals.push_back((fit.pose * points[i] - partners[i]).norm());

@@ -387,7 +387,7 @@ StoredCloud cloud_of(StoredPoints stored) {
   return result;
 }
 
-/// Writes copies of the cloud and of what comes with it in the frame that the extras ask for.
+/// Writes copies of the cloud and its extras in the frame that the extras ask for.
 void write_moved(const fs::path& path, Cloud cloud, const CloudExtras& extras) {
   std::optional<Normals> normals;
   if (extras.normals != nullptr) normals = *extras.normals;

@@ -100,8 +100,8 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   alignment.percentile_95 = quantile(sizes, 0.95);
   alignment.noise = quantile(sigmas, 0.5) / deviation_from_median(1);
 
-  // Of unknown error beyond the noise a little is taken for granted: that of interpolating between
-  // points, a twentieth of their spacing.
+  // A little error beyond the noise is taken for granted: interpolation between points errs by a
+  // twentieth of their spacing.
   const double spacing = std::max(first.view().spacing, second.view().spacing);
   std::size_t off = 0;
   double squares = 0, within = 0;

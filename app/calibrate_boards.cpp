@@ -13,6 +13,7 @@
 #include "app/calibrate_points.h"
 #include "app/calibrate_residual.h"
 #include "app/flag_names.h"
+#include "app/hand_eye.h"
 #include "app/phase_maps.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
@@ -72,30 +73,6 @@ void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags)
   add_board_flags(command.app, flags.board);
   add_scan_flags(command.app, flags.scan);
   command.app.remove_option(command.app.get_option("--axis"));
-}
-
-/// Finds the board in every pose and reports each. Corrects phases for the response if it is known.
-PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
-                             const std::optional<MeasuredResponse>& response, Output& output) {
-  const std::vector<BoardScans> poses =
-      board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
-
-  BoardCaptureSettings settings = flags.capture;
-  settings.response = response;
-  if (response) {
-    output.say("phases are corrected for the scanner file's response, gamma {:.5g}",
-               response->gamma);
-  }
-
-  Progress progress("poses", poses.size());
-  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
-                                        [&](const std::string& words) {
-                                          if (!words.empty()) output.say("{}", words);
-                                          progress.advance();
-                                        });
-
-  output.warn(captures.warnings);
-  return captures;
 }
 
 struct CalibrateVerifyFlags {
@@ -200,6 +177,29 @@ std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
 
 }  // namespace
 
+PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
+                             const std::optional<MeasuredResponse>& response, Output& output) {
+  const std::vector<BoardScans> poses =
+      board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
+
+  BoardCaptureSettings settings = flags.capture;
+  settings.response = response;
+  if (response) {
+    output.say("phases are corrected for the scanner file's response, gamma {:.5g}",
+               response->gamma);
+  }
+
+  Progress progress("poses", poses.size());
+  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
+                                        [&](const std::string& words) {
+                                          if (!words.empty()) output.say("{}", words);
+                                          progress.advance();
+                                        });
+
+  output.warn(captures.warnings);
+  return captures;
+}
+
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
   const GeometryCalibrationSettings settings = settings_from(flags.result);
@@ -260,13 +260,14 @@ void add_calibrate_verify(const Commands& calibrate) {
 
 void add_calibrate(const Commands& program) {
   const Commands calibrate = program.add_group(
-      "calibrate", "calibrate a rig: geometry, response, noise, ambient light, colour");
+      "calibrate", "calibrate a rig: geometry, response, noise, ambient light, colour, robot");
 
   // In the order of the help.
   for (AddCommand* const add :
        {add_calibrate_board, add_calibrate_geometry, add_calibrate_points, add_calibrate_verify,
         add_calibrate_gamma, add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour,
-        add_calibrate_height, add_calibrate_residual}) {
+        add_calibrate_height, add_calibrate_residual, add_calibrate_hand_eye, add_calibrate_touch,
+        add_calibrate_stitch, add_calibrate_virtual_robot}) {
     add(calibrate);
   }
 }

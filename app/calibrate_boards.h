@@ -29,11 +29,16 @@ struct CalibrateGeometryFlags {
   std::optional<std::string> points;  ///< file to write the corners to
 };
 
+/// Finds the board in every pose and reports each. Corrects phases for the response if it is known.
+PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
+                             const std::optional<MeasuredResponse>& response, Output& output);
+
 /// Calibrates from board scans in several poses; writes and reports the scanner file and the
 /// report. The document's `verdict` is the report's.
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output);
 
-/// Adds `calibrate` with all its commands, also those of calibrate_photometry.h and phase_maps.h.
+/// Adds `calibrate` with all its commands, also those of calibrate_photometry.h,
+/// hand_eye.h and phase_maps.h.
 void add_calibrate(const Commands& program);
 
 /// Adds `calibrate board`, which draws a board to print.

@@ -55,12 +55,18 @@ HandEyeStart only_start(const PoseTable& robot, const PoseTable& boards,
       fitting_conventions(robot, robot_conventions, boards, board_conventions, settings.place);
   const HandEyeStart& best = starts.front();
 
-  // 1. Without turns about two axes, everything fits.
+  // 1. Without turns about two axes, everything fits, and readings may differ in the axis.
   const TurnSpread spread = turn_spread(read_moments(robot, boards, best).pairs);
+  const bool one_axis = std::ranges::all_of(starts, [&](const HandEyeStart& start) {
+    return weakest_axis(turn_spread(read_moments(robot, boards, start).pairs)) ==
+           weakest_axis(spread);
+  });
   throw_if(spread.turns[1] < least_second_turn(),
            "insufficient motion: about a second axis the tool turned by {:.2g} degrees only; add "
-           "poses turned by 20 degrees or more, both ways, about the tool's {}",
-           spread.turns[1] / degree, weakest_axis(spread));
+           "poses turned by 20 degrees or more, both ways, about {}",
+           spread.turns[1] / degree,
+           one_axis ? fmt::format("the tool's {}", weakest_axis(spread))
+                    : "an axis across the one so far");
 
   // 2. A wrong order of angles misses by tens of degrees, a wrong unit by the whole travel.
   constexpr double largest_misfit = 0.03;  // rad, or of the board's distance

@@ -83,8 +83,9 @@ constexpr std::size_t fewest_for_left_out = 4;
 /// Largest `squares` of a pose that belongs to the others. Few poses scatter more in units of a
 /// standard deviation that is itself estimated from them.
 double largest_square(std::size_t used) {
-  const double freedom = 6 * (static_cast<double>(used) - 1) - 18;
-  return freedom > 0 ? 6 * (1 + 30 / freedom) : std::numeric_limits<double>::infinity();
+  const double freedom = static_cast<double>(used) - 5;
+  if (freedom <= 0) return std::numeric_limits<double>::infinity();
+  return 6 * (1 + std::pow(7 / freedom, 2));
 }
 
 bool matters(const HandEyeError& error) {

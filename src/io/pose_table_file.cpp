@@ -1,9 +1,9 @@
 #include "io/pose_table_file.h"
 
-#include <initializer_list>
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <initializer_list>
 #include <optional>
 #include <set>
 #include <utility>
@@ -179,8 +179,8 @@ Names plain_names(std::string_view line, std::string_view separators) {
 
 void add_row(PoseTable& table, const NamedNumbers& of) {
   std::vector<double> row = row_from(of);
-  throw_if(!table.rows.empty() && row.size() != table.rows.front().size(),
-           "{} numbers of a pose; those before have {}", row.size(), table.rows.front().size());
+  const std::size_t usual = table.rows.empty() ? row.size() : table.rows.front().size();
+  throw_if(row.size() != usual, "{} numbers of a pose; those before have {}", row.size(), usual);
   table.rows.push_back(std::move(row));
   table.names.push_back(of.pose);
 }
@@ -195,12 +195,14 @@ PoseTable table_in_lines(const std::string& text, std::string_view named_columns
     std::string line(take_until(left, '\n'));
     if (is_comment(line)) continue;
 
-    // 1. The line of names.
+    // 1. The line of names, at least as many as a pose has numbers.
     const bool first = !std::exchange(begun, true);
     if (first && !has_numbers(line)) {
-      if (!columns.empty()) continue;
-      separators = separators_of(line);
-      columns = plain_names(line, separators);
+      const Names names = plain_names(line, separators_of(line));
+      if (columns.empty() && names.size() >= 6) {
+        separators = separators_of(line);
+        columns = names;
+      }
       continue;
     }
 

@@ -120,7 +120,9 @@ TEST_P(HandEyeRigs, FindsTheConventionsOfAllRobots) {
         for (std::size_t i = 0; i < found.each.size(); ++i) {
           EXPECT_EQ(found.each[i].used, !swapped || (i != 3 && i != 9)) << robot << " pose " << i;
         }
-        if (swapped) EXPECT_EQ(found.each[3].reason, "swapped with pose 10");
+        if (swapped) {
+          EXPECT_EQ(found.each[3].reason, "swapped with pose 10");
+        }
       }
     }
   }
@@ -218,10 +220,11 @@ TEST(HandEye, SaysWhichTurnIsMissing) {
     run.pairs[i].board =
         run.truth.camera.inverse() * run.pairs[i].robot.inverse() * run.truth.board;
   }
-  const std::string message = message_of(tables_of(run));
+  const std::string message = message_of(tables_of(run), {.robot = "kuka", .boards = ""});
   EXPECT_NE(message.find("insufficient motion"), std::string::npos) << message;
   EXPECT_NE(message.find("about the tool's "), std::string::npos) << message;
   EXPECT_EQ(message.find("about the tool's z"), std::string::npos) << message;
+  EXPECT_NE(message_of(tables_of(run)).find("insufficient motion"), std::string::npos);
 }
 
 TEST(HandEye, WarnsOfInversePosesWhichTheOtherPlaceWouldExplain) {

@@ -265,6 +265,10 @@ STARTS = {
     "height": "for n in 0 10 20; do slipstream simulate plane_$n --scene board --camera 160x120"
               " --seed $n; done; slipstream calibrate height plane_0 plane_10 plane_20"
               " --heights 0,10,20 -o heights.npy; slipstream simulate scan --camera 160x120",
+    "calibrate hand-eye": "slipstream calibrate virtual-robot rehearsal; cp rehearsal/* .",
+    "calibrate touch": "slipstream calibrate virtual-robot rehearsal; cp rehearsal/* .;"
+                       " mv truth.yaml camera.yaml",
+    "calibrate virtual-robot": "true",
     "calibrate verify": "slipstream simulate poses --boards 6 --corners 13x9 --spacing 10"
                         " --camera 320x240; cp poses/scanner.yaml .",
     "calibrate geometry": "slipstream simulate poses --boards 8 --corners 13x9 --spacing 10"

@@ -90,7 +90,8 @@ TEST(PoseTableFile, ReadsYaml) {
 
 TEST(PoseTableFile, RefusesOtherFiles) {
   expect_refused("", "no poses");
-  expect_refused("x,y,z\n1,2,3\n", "line 2: 3 numbers");
+  expect_refused("x,y,z\n1,2,3\n", "no poses");
+  expect_refused("x,y,z,p,q,s\n1,2,3,4,5,six\n", "line 2: 5 numbers");
   expect_refused("x,y,z,a,b,c\n1,2,3,4,5\n", "line 2: 5 columns; expected 6");
   expect_refused("1,2,3,4,5,6\n1,2,3,4,5,6,7\n", "line 2: 7 numbers");
   expect_refused("a,1,2,3,4,5,6\na,1,2,3,4,5,7\nb,1,2,3,4,5,8\n", "two poses are named a");

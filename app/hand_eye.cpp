@@ -1,0 +1,478 @@
+#include "app/hand_eye.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/calibrate_boards.h"
+#include "app/scan_flags.h"
+#include "base/numbers.h"
+#include "calibrate/hand_eye.h"
+#include "calibrate/hand_eye_boards.h"
+#include "calibrate/hand_eye_report.h"
+#include "calibrate/report.h"
+#include "calibrate/touch_test.h"
+#include "calibrate/virtual_robot.h"
+#include "cloud/stitching.h"
+#include "io/image_file.h"
+#include "io/pose_file.h"
+#include "io/pose_table_file.h"
+#include "io/scan_pictures.h"
+#include "slipstream/cloud_file.h"
+#include "slipstream/scanner_file.h"
+
+namespace slipstream::app {
+namespace {
+
+constexpr std::string_view in_hand = "in-hand", to_hand = "to-hand";
+
+EyePlace eye_place_named(std::string_view name) {
+  if (name == in_hand) return EyePlace::in_hand;
+  if (name == to_hand) return EyePlace::to_hand;
+  throw Error(
+      fmt::format("--eye {} is unknown; expected in-hand (camera on the tool) or to-hand "
+                  "(camera beside the robot, board on the tool)",
+                  name));
+}
+
+const char* const convention_help =
+    "known parts of the robot's convention; the rest is found: a robot (abb, doosan, fanuc, "
+    "franka, "
+    "kawasaki, "
+    "kuka, ur, yaskawa) or parts such as 'intrinsic zyx in degrees, mm, tool to base'";
+const char* const columns_help =
+    "names of the file's columns if it has none, e.g. name,x,y,z,rx,ry,rz; - ignores one";
+
+struct HandEyeFlags {
+  std::string robot, boards, columns, robot_convention, board_convention, output;
+  EyePlace place = EyePlace::in_hand;
+  BoardFlags board;
+  ScanChanges scan;
+  std::optional<std::string> scanner, report;
+};
+
+/// A table with a row for each name, in natural order; those without a board have no numbers.
+PoseTable with_missing(const PoseTable& found, const std::vector<std::string>& missing) {
+  std::map<std::string, std::vector<double>> rows;
+  for (std::size_t i = 0; i < found.names.size(); ++i) rows[found.names[i]] = found.rows[i];
+  for (const std::string& name : missing) rows[name] = std::vector<double>(16, nan);
+
+  PoseTable all;
+  for (const auto& [name, row] : rows) all.names.push_back(name);
+  std::ranges::sort(
+      all.names, [](const std::string& a, const std::string& b) { return before_in_order(a, b); });
+  for (const std::string& name : all.names) all.rows.push_back(rows[name]);
+  return all;
+}
+
+/// The boards in pictures of the camera alone.
+PoseTable boards_in_pictures(const HandEyeFlags& flags, const CalibrationBoard& board,
+                             const Scanner& scanner, Output& output) {
+  BoardViews views;
+  std::vector<std::string> missing;
+  const std::vector<fs::path> files = images_in_folder(flags.boards);
+  Progress progress("pictures", files.size());
+
+  for (const fs::path& file : files) {
+    const Image<double> levels = read_levels(file);
+    throw_if(levels.size() != scanner.camera.size, "{} has {} pixels; the scanner's camera has {}",
+             file.string(), text_of(levels.size()), text_of(scanner.camera.size));
+    Image<float> picture(levels.size());
+    std::ranges::copy(levels, picture.begin());
+
+    const std::string name = file.stem().string();
+    const auto view = board_in_picture(name, board, picture);
+    output.say("{}: {}", name, view ? "board found" : "no board");
+    if (view) {
+      views.push_back(*view);
+    } else {
+      missing.push_back(name);
+    }
+    progress.advance();
+  }
+  return with_missing(board_table(std::move(views), board, scanner), missing);
+}
+
+/// The boards in scans, a folder for each pose.
+PoseTable boards_in_scans(const HandEyeFlags& flags, const CalibrationBoard& board,
+                          const Scanner& scanner, Output& output) {
+  BoardCaptureFlags capture;
+  capture.folder = flags.boards;
+  capture.board = flags.board;
+  capture.scan = flags.scan;
+  capture.capture.projector = scanner.projector.size;
+  const PoseCaptures captures =
+      captured_boards(capture, board, scanner.photometry.response, output);
+
+  std::vector<std::string> missing;
+  for (const UnusedPose& pose : captures.unused) missing.push_back(pose.name);
+  const Scanner whole = completed(scanner, *flags.scanner, captures.camera, captures.projector);
+  return with_missing(board_table(captures.views, board, whole), missing);
+}
+
+PoseTable boards_from(const HandEyeFlags& flags, Output& output) {
+  if (!fs::is_directory(flags.boards)) return read_pose_table(flags.boards);
+
+  throw_if(!flags.scanner, "--scanner is missing: boards in scans or pictures need its lens");
+  const CalibrationBoard board = board_from(flags.board);
+  const Scanner scanner = read_scanner(*flags.scanner);
+  const bool has_folders =
+      std::ranges::any_of(fs::directory_iterator(flags.boards),
+                          [](const fs::directory_entry& entry) { return entry.is_directory(); });
+  return has_folders ? boards_in_scans(flags, board, scanner, output)
+                     : boards_in_pictures(flags, board, scanner, output);
+}
+
+nlohmann::json json_of(const std::optional<HandEyeError>& error) {
+  if (!error) return {};
+  return described("mm", error->translation, "degrees", error->rotation / degree);
+}
+
+nlohmann::json document_of(const HandEye& found) {
+  const auto vector = [](const Eigen::Vector3d& of) { return std::array{of.x(), of.y(), of.z()}; };
+  std::vector<std::array<double, 4>> matrix;
+  for (int row = 0; row < 4; ++row) {
+    const Eigen::RowVector4d of = found.poses.camera.matrix().row(row);
+    matrix.push_back({of[0], of[1], of[2], of[3]});
+  }
+
+  nlohmann::json document = described(
+      "from", "camera", "to", carrier_of_camera(found.place), "matrix", matrix,
+      "translation_deviation_mm", vector(found.translation_deviation), "rotation_deviation_degrees",
+      vector(found.rotation_deviation / degree), "robot_convention",
+      name_of(found.robot, robot_frames), "board_convention", name_of(found.boards, board_frames),
+      "mean_error", json_of(found.mean), "mean_left_out", json_of(found.mean_left_out),
+      "board_size", found.scale, "board_size_deviation", found.scale_deviation, "findings",
+      found.findings, "verdict", verdict_of(found.findings).words);
+
+  document["poses"] = as_json(found.each, [](const HandEyePose& pose) {
+    return described("name", pose.name, "used", pose.used, "reason", pose.reason, "error",
+                     json_of(pose.error), "left_out", json_of(pose.left_out));
+  });
+  document["more_poses"] = as_json(found.more, [](const MorePoses& more) {
+    return described("poses", more.which, "translation_deviation_mm", more.translation,
+                     "rotation_deviation_degrees", more.rotation / degree);
+  });
+  return document;
+}
+
+void calibrate_robot(const HandEyeFlags& flags, Output& output) {
+  const PoseTable robot = read_pose_table(flags.robot, flags.columns);
+  const bool measured_here = fs::is_directory(flags.boards);
+  HandEyeSettings settings{
+      .place = flags.place, .robot = flags.robot_convention, .boards = flags.board_convention};
+  if (measured_here) settings.boards = name_of(board_table_convention(), board_frames);
+
+  const HandEye found = calibrate_hand_eye(robot, boards_from(flags, output), settings);
+  output.document = document_of(found);
+  output.say_lines(text_of(found));
+  output.warn(found.findings);
+
+  if (flags.report) {
+    const fs::path folder = *flags.report;
+    write_page(folder / "report.html", hand_eye_report(found, &with_flags));
+    write_file(folder / "residuals.yaml", residuals_yaml(found));
+    output.say("report: {}", (folder / "report.html").string());
+    output.document["report"] = *flags.report;
+  }
+
+  write_pose(flags.output, {"camera", carrier_of_camera(flags.place), found.poses.camera});
+  output.say("{}", verdict_of(found.findings).words);
+  output.say("camera to {}: {}", carrier_of_camera(flags.place), flags.output);
+  output.document["output"] = flags.output;
+}
+
+/// The hand-eye pose of a file.
+struct ReadHandEye {
+  EyePlace place;
+  Eigen::Isometry3d camera;  ///< to tool or base
+};
+
+ReadHandEye read_hand_eye(const std::string& file) {
+  const FramePose pose = pose_from_frame(read_pose(file), camera_frame);
+  throw_if(
+      pose.to != "tool" && pose.to != "base",
+      "{} leads from the camera to {}; expected the pose of calibrate hand-eye, to tool or base",
+      file, pose.to);
+  return {pose.to == "tool" ? EyePlace::in_hand : EyePlace::to_hand, pose.transform};
+}
+
+struct RobotPoseFlags {
+  std::string columns, robot_convention;
+};
+
+void add_robot_pose_flags(const FlagGroup& command, RobotPoseFlags& flags) {
+  required(command.add("--robot-convention", flags.robot_convention,
+                       "convention of the robot's poses, as `calibrate hand-eye` prints it"));
+  command.add("--columns", flags.columns, columns_help);
+}
+
+/// The poses, tool to base, of a file whose convention is known.
+std::vector<Eigen::Isometry3d> read_robot_poses(const std::string& file,
+                                                const RobotPoseFlags& flags) {
+  const PoseTable table = read_pose_table(file, flags.columns);
+  const auto conventions =
+      conventions_of(table.rows.front().size(), robot_frames, flags.robot_convention);
+  throw_if(conventions.size() != 1,
+           "--robot-convention '{}' leaves several readings, for example '{}' and '{}'; give all "
+           "parts, as calibrate hand-eye prints them",
+           flags.robot_convention, name_of(conventions.front(), robot_frames),
+           name_of(conventions.back(), robot_frames));
+
+  std::vector<Eigen::Isometry3d> poses;
+  for (const auto& pose : poses_of(table, conventions.front())) {
+    throw_if(!pose, "{}: pose {} is none in this convention", file, poses.size() + 1);
+    poses.push_back(*pose);
+  }
+  return poses;
+}
+
+struct TouchFlags {
+  std::string hand_eye, points, touched, tip;
+  std::optional<std::string> view;
+  RobotPoseFlags robot;
+  double tolerance = 0.5;
+};
+
+void test_touch(const TouchFlags& flags, Output& output) {
+  const ReadHandEye hand_eye = read_hand_eye(flags.hand_eye);
+  const std::vector<double> tip = numbers_in<double>(flags.tip, ',');
+  throw_if(tip.size() != 3, "--tip '{}': expected x,y,z of the tip in the tool's frame, mm",
+           flags.tip);
+
+  // 1. Where the camera was.
+  Eigen::Isometry3d camera = hand_eye.camera;
+  if (hand_eye.place == EyePlace::in_hand) {
+    throw_if(!flags.view, "--view is missing: the robot's pose when the points were measured");
+    camera = read_robot_poses(*flags.view, flags.robot).front() * camera;
+  }
+
+  // 2. The points by both.
+  std::vector<Eigen::Vector3d> points;
+  for (const StoredPoint& point : read_points(flags.points).points) {
+    points.emplace_back(point.x, point.y, point.z);
+  }
+  const TouchTest test = touch_test(points, camera, read_robot_poses(flags.touched, flags.robot),
+                                    {tip[0], tip[1], tip[2]});
+
+  for (std::size_t i = 0; i < test.differences.size(); ++i) {
+    output.say("point {}: camera less tip {}", i + 1, signed_text_of(test.differences[i]));
+    const Eigen::Vector3d& of = test.differences[i];
+    output.list("differences_mm").push_back(std::array{of.x(), of.y(), of.z()});
+  }
+  output.say("mean: {} in the base, standard error {:.3f} mm", signed_text_of(test.mean),
+             test.standard_error.norm());
+
+  const Verdict verdict = verdict_of(test, flags.tolerance);
+  output.say("{}", verdict.words);
+  output.add("mean_mm", std::array{test.mean.x(), test.mean.y(), test.mean.z()},
+             "standard_error_mm", test.standard_error.norm(), "rms_mm", test.rms, "largest_mm",
+             test.largest, "grade", verdict.grade, "verdict", verdict.words);
+  if (verdict.grade == std::string_view("bad")) output.exit_code = 2;
+}
+
+struct StitchFlags {
+  std::string hand_eye, first, second, poses, scanner;
+  RobotPoseFlags robot;
+  double tolerance = 0.5;
+};
+
+void test_stitching(const StitchFlags& flags, Output& output) {
+  const ReadHandEye hand_eye = read_hand_eye(flags.hand_eye);
+  const std::vector<Eigen::Isometry3d> robot = read_robot_poses(flags.poses, flags.robot);
+  throw_if(robot.size() != 2, "{} has {} poses; expected those of the two views", flags.poses,
+           robot.size());
+
+  // 1. Both cameras in the frame in which the scene rests: the base, or the tool that carries it.
+  const bool carried = hand_eye.place == EyePlace::to_hand;
+  const Eigen::Isometry3d first = (carried ? robot[0].inverse() : robot[0]) * hand_eye.camera;
+  const Eigen::Isometry3d second = (carried ? robot[1].inverse() : robot[1]) * hand_eye.camera;
+
+  // 2. The views on each other.
+  const Stitching found = stitched(read_cloud(flags.first).cloud, read_cloud(flags.second).cloud,
+                                   read_scanner(flags.scanner).camera, first.inverse() * second);
+  const Eigen::Matrix3d to_base = carried ? hand_eye.camera.linear() : first.linear();
+  const Eigen::Vector3d offset = to_base * found.offset;
+
+  output.say("{} shared points: median distance {:.3f} mm, 95th percentile {:.3f} mm", found.points,
+             found.median, found.percentile_95);
+  output.say(
+      "the second view lies off the first by {} in the base, turned by {:.4f} degrees; "
+      "without that {:.3f} mm remain",
+      signed_text_of(offset), found.rotation / degree, found.left_median);
+
+  const bool good = offset.norm() <= flags.tolerance;
+  const std::string verdict =
+      good ? fmt::format("Good: the views meet within {:.3f} mm.", offset.norm())
+           : fmt::format("Calibrate again: the views are {:.3f} mm apart.", offset.norm());
+  output.say("{}", verdict);
+  output.add("points", found.points, "median_mm", found.median, "percentile_95_mm",
+             found.percentile_95, "offset_mm", std::array{offset.x(), offset.y(), offset.z()},
+             "rotation_degrees", found.rotation / degree, "left_median_mm", found.left_median,
+             "grade", good ? "good" : "bad", "verdict", verdict);
+  if (!good) output.exit_code = 2;
+}
+
+struct VirtualRobotFlags {
+  std::string folder, robot_convention = "kuka, mm, tool to base";
+  VirtualRobot robot;
+  double degrees = 0.01;
+};
+
+/// Column names of a table in this notation.
+std::string columns_of(const RotationNotation& notation) {
+  switch (notation.kind) {
+    case RotationNotation::Kind::quaternion:
+      return "x,y,z,q1,q2,q3,q4";
+    case RotationNotation::Kind::matrix:
+      return "m1,m2,m3,m4,m5,m6,m7,m8,m9,m10,m11,m12,m13,m14,m15,m16";
+    default:
+      return "x,y,z,rx,ry,rz";
+  }
+}
+
+void write_virtual_robot(const VirtualRobotFlags& flags, Output& output) {
+  // 1. The first way of writing poses that agrees with the flag.
+  std::optional<PoseConvention> convention;
+  for (const std::size_t numbers : {6U, 7U, 16U}) {
+    try {
+      convention = conventions_of(numbers, robot_frames, flags.robot_convention).front();
+      break;
+    } catch (const Error&) {
+      if (numbers == 16) throw;
+    }
+  }
+
+  VirtualRobot robot = flags.robot;
+  robot.rotation_error = flags.degrees * degree;
+  const RobotRun run = moved_robot(robot);
+  const fs::path folder = flags.folder;
+  make_folder(folder);
+
+  const auto write = [&](const char* name, const std::vector<Eigen::Isometry3d>& poses,
+                         const PoseConvention& as) {
+    write_file(folder / name, text_of(table_of(poses, as), columns_of(as.rotation)));
+  };
+
+  // 2. Poses as robot and camera report them, and the truth.
+  const PoseConvention vectors{.rotation = {.kind = RotationNotation::Kind::vector}};
+  std::vector<Eigen::Isometry3d> reported, boards;
+  for (const PosePair& pair : run.pairs) {
+    reported.push_back(pair.robot);
+    boards.push_back(pair.board);
+  }
+  write("robot.csv", reported, *convention);
+  write("boards.csv", boards, vectors);
+  write_pose(folder / "truth.yaml", {"camera", carrier_of_camera(robot.place), run.truth.camera});
+
+  // 3. A touch test: the tip, 150 mm along the tool's z, on points seen from the first pose.
+  const Eigen::Vector3d tip(0, 0, 150);
+  const bool on_tool = robot.place == EyePlace::in_hand;
+  const Eigen::Isometry3d camera =
+      on_tool ? run.pairs.front().robot * run.truth.camera : run.truth.camera;
+  std::string points = "x y z\n";
+  std::vector<Eigen::Isometry3d> touching;
+  for (const double x : {0.0, 90.0, 180.0}) {
+    for (const double y : {0.0, 60.0, 120.0}) {
+      const Eigen::Vector3d point = run.pairs.front().board * Eigen::Vector3d(x, y, 0);
+      points += fmt::format("{:.4f} {:.4f} {:.4f}\n", point.x(), point.y(), point.z());
+      const Eigen::Matrix3d turn = run.pairs.front().robot.linear();
+      touching.push_back(pose_from(turn, camera * point - turn * tip));
+    }
+  }
+  write("view.csv", {run.pairs.front().robot}, *convention);
+  write("touched.csv", touching, *convention);
+  write_file(folder / "points.xyz", points);
+
+  output.say("wrote {} poses of a robot, boards, a touch test and the truth to {}", robot.poses,
+             flags.folder);
+  output.say("robot poses: {}", name_of(*convention, robot_frames));
+  output.add("folder", flags.folder, "poses", robot.poses, "robot_convention",
+             name_of(*convention, robot_frames));
+}
+
+}  // namespace
+
+void add_calibrate_hand_eye(const Commands& calibrate) {
+  const auto [command, flags] =
+      calibrate.add(calibrate_robot, "hand-eye",
+                    "find a camera on a robot's tool or beside it, from poses of robot and board");
+  required(command.add_file("robot", flags.robot,
+                            "the robot's poses: CSV, YAML or a robot's program, one a line"));
+  required(
+      command.add_file("boards", flags.boards,
+                       "the boards at these poses: their poses in the camera's frame, CSV or "
+                       "YAML; or a folder of scans as for calibrate geometry, or of pictures"));
+  required(command.add_named("--eye", flags.place, eye_place_named, "",
+                             "in-hand (camera on the tool) or to-hand (board on the tool)"));
+  required(command.add_output("-o,--output", flags.output, "pose file of the camera: .yaml"));
+  command.add_output("--report", flags.report, "folder for a report", output_folder_type);
+
+  command.add("--robot-convention", flags.robot_convention, convention_help);
+  command.add("--board-convention", flags.board_convention,
+              "the same for the boards' poses, with 'board to camera' or 'camera to board'");
+  command.add("--columns", flags.columns, columns_help);
+  command.add_file("--scanner", flags.scanner, "scanner file, for boards in scans or pictures");
+
+  add_board_flags(command.app, flags.board);
+  add_scan_flags(command.app, flags.scan);
+  command.app.remove_option(command.app.get_option("--axis"));
+  command.common({"--eye", "--output", "--report", "--robot-convention", "--scanner", "--corners",
+                  "--spacing"});
+  command.examples({"calibrate hand-eye robot.csv boards.csv --eye in-hand -o camera.yaml"});
+}
+
+void add_calibrate_touch(const Commands& calibrate) {
+  const auto [command, flags] = calibrate.add(
+      test_touch, "touch", "check a hand-eye pose: a tip on points that the camera measured");
+  required(command.add_file("hand-eye", flags.hand_eye, "pose file of calibrate hand-eye"));
+  required(command.add_file("--points", flags.points,
+                            "the points in the camera's frame, mm: .xyz, .csv, .ply, ..."));
+  required(command.add_file("--touched", flags.touched,
+                            "the robot's poses with the tip on each point, in the same order"));
+  required(command.add("--tip", flags.tip, "the tip in the tool's frame, mm: x,y,z"));
+  command.add_file("--view", flags.view,
+                   "the robot's pose when the points were measured, if the camera is on the tool");
+  add_robot_pose_flags(command, flags.robot);
+  command.add("--tolerance", flags.tolerance, "largest error, mm");
+  command.examples(
+      {"calibrate touch camera.yaml --points points.xyz --touched touched.csv --view "
+       "view.csv --tip 0,0,150 --robot-convention 'kuka, mm, tool to base'"});
+}
+
+void add_calibrate_stitch(const Commands& calibrate) {
+  const auto [command, flags] = calibrate.add(
+      test_stitching, "stitch", "check a hand-eye pose: two views of one scene must meet");
+  required(command.add_file("hand-eye", flags.hand_eye, "pose file of calibrate hand-eye"));
+  required(command.add_file("first", flags.first, "cloud of the first view: .pcd"));
+  required(command.add_file("second", flags.second, "cloud of the second view: .pcd"));
+  required(command.add_file("--poses", flags.poses, "the robot's poses at both views"));
+  required(command.add_file("--scanner", flags.scanner, "scanner file of the clouds"));
+  add_robot_pose_flags(command, flags.robot);
+  command.add("--tolerance", flags.tolerance, "largest distance between the views, mm");
+}
+
+void add_calibrate_virtual_robot(const Commands& calibrate) {
+  const auto [command, flags] = calibrate.add(
+      write_virtual_robot, "virtual-robot",
+      "write poses of a virtual robot and of boards, to rehearse hand-eye calibration");
+  required(command.add_output("folder", flags.folder, "folder to write", output_folder_type));
+  command.add_named("--eye", flags.robot.place, eye_place_named, in_hand,
+                    "in-hand (camera on the tool) or to-hand (board on the tool)");
+  command.add("--robot-convention", flags.robot_convention, "how the robot writes its poses");
+  command.add("--poses", flags.robot.poses, "number of poses");
+  command.add("--robot-error", flags.robot.translation_error,
+              "standard deviation of the robot's position along each axis, mm");
+  command.add("--robot-turn", flags.degrees,
+              "standard deviation of the robot's rotation about each axis, degrees");
+  command.add("--corner-error", flags.robot.pixel_error,
+              "standard deviation of the board's corners, pixels");
+  command.add("--seed", flags.robot.seed, "seed of rig, poses and errors");
+  command.examples({"calibrate virtual-robot rehearsal --eye in-hand"});
+}
+
+}  // namespace slipstream::app

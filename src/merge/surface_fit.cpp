@@ -13,6 +13,31 @@
 namespace slipstream {
 namespace {
 
+/// A place on a surface and its standard deviation along the normal.
+struct SurfacePlace {
+  Eigen::Vector3f place = Eigen::Vector3f::Zero();
+  float sigma = 0;
+};
+
+/// The surface at a point: where points are dense and noisy, the mean of those around it. Elsewhere
+/// the curvature between them would matter more than the noise.
+SurfacePlace surface_at(const SurfaceSamples& surface, std::uint32_t index) {
+  constexpr float noisy = 0.2F, reach = 1.5F;  // spacings
+
+  SurfacePlace at{surface.points[index], surface.level_sigma};
+  if (surface.sigma.empty()) return at;
+  at.sigma = surface.sigma[index];
+  if (at.sigma < noisy * surface.spacing) return at;
+
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0;
+  surface.grid->for_each_near(at.place, reach * surface.spacing, [&](std::uint32_t i, float) {
+    sum += surface.points[i];
+    ++count;
+  });
+  return {sum / count, at.sigma / std::sqrt(count)};
+}
+
 /// The matches of samples of `from` on `to`; `back`: `from` is the first view's surface, so
 /// that the matches are turned round.
 std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSamples& to,
@@ -41,17 +66,18 @@ std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSa
       const auto partner = partner_of(point, normal, to, farthest);
       if (!partner) continue;
 
+      const SurfacePlace target = surface_at(to, *partner);
       SurfaceMatch match{.place = point.cast<double>(),
                          .first_normal = to.normals[*partner].cast<double>(),
                          .second_normal = normal.cast<double>(),
-                         .sigma = std::hypot(sigma_of(from, i), sigma_of(to, *partner))};
-      const Eigen::Vector3d apart = to.points[*partner].cast<double>() - match.place;
+                         .sigma = std::hypot(sigma_of(from, i), target.sigma)};
+      const Eigen::Vector3d apart = target.place.cast<double>() - match.place;
       match.distance = match.direction().dot(apart);
 
       if (back) {
         // All in the frame of the first view, which is `from` here.
         const Eigen::Isometry3d home = pose.inverse();
-        match.place = home * to.points[*partner].cast<double>();
+        match.place = home * target.place.cast<double>();
         match.first_normal = from.normals[i].cast<double>();
         match.second_normal = home.linear() * to.normals[*partner].cast<double>();
         match.distance = -match.distance;

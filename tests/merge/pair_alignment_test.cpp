@@ -99,12 +99,12 @@ TEST(PairAlignmentRefineAlignment, ExpectsTheDistancesThatTheNoiseMakes) {
   EXPECT_NEAR(found.median / found.noise, 1, 0.1);
 }
 
-/// All scenes, overlaps and noises of the table in docs/how-to/merge.md.
+/// Pairs of several overlaps, by their noise, mm.
 class PairAlignmentTable : public testing::TestWithParam<double> {};
 
 TEST_P(PairAlignmentTable, HasNoWrongPose) {
-  const std::vector<std::pair<std::string, Mesh>> scenes{
-      {"statue", large_statue()}, {"relief", relief()}, {"cones", ring_of_cones(3)}};
+  const std::vector<std::pair<std::string, Mesh>> scenes{{"statue", large_statue()},
+                                                         {"relief", relief()}};
   int joined = 0, pairs = 0;
   for (const auto& [name, mesh] : scenes) {
     for (int k = 0; k < 4; ++k) {

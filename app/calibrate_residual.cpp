@@ -72,7 +72,7 @@ void add_calibrate_residual(const Commands& calibrate) {
   required(command.add_file("scan", flags.scan,
                             "scan along both axes of a surface that fills the picture"));
   required(command.add_output("-o,--output", flags.output,
-                              "scanner file with a residual map of the projector: .yaml or .xml",
+                              "scanner file with a residual map of the camera: .yaml or .xml",
                               scanner_output_type));
   command.add_output("--picture", flags.picture,
                      "distances from the epipolar lines before and after, in projector pixels: "

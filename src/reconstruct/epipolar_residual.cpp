@@ -17,13 +17,13 @@ namespace slipstream {
 namespace {
 
 constexpr int block_pixels = 64;
-// Beyond its field the projector's map continues as a polynomial, which high degrees would spoil.
-constexpr int highest_degree = 4;
+constexpr int highest_degree = 6;
 
-/// A pixel of the camera and its equation for the projector's residual.
+/// A pixel of the camera and its equation for the camera's residual.
 struct SeenDistance {
   ResidualSample sample;
-  Size block;  ///< column and row
+  double scale = 1;  ///< projector pixels of distance per camera pixel
+  Size block;        ///< column and row
 };
 
 bool is_even(Size block) {
@@ -44,18 +44,26 @@ std::vector<SeenDistance> seen_distances(const Scanner& scanner, const Cloud& cl
       if (cloud.validity(column, row) != Validity::valid) continue;
 
       // The projector's pixel is known well enough from the point, which lies on the line.
-      const Eigen::Vector3d point = position_at(cloud, column, row);
-      const Eigen::Vector2d pixel = project(scanner.projector, in_projector_frame(scanner, point));
-      const Eigen::Vector2d normal =
-          epipolar_distance(scanner, point / point.z(), pixel.x() / projector.width,
-                            pixel.y() / projector.height)
-              .normal;
+      const Eigen::Vector2d lit =
+          project(scanner.projector, in_projector_frame(scanner, position_at(cloud, column, row)));
+      const auto distance_at = [&](double x, double y) {
+        return epipolar_distance(scanner, ray_through(scanner.camera, {x, y}),
+                                 lit.x() / projector.width, lit.y() / projector.height)
+            .distance;
+      };
+
+      // How the distance changes with the camera's pixel.
+      const Eigen::Vector2d slope(distance_at(column + 0.5, row) - distance_at(column - 0.5, row),
+                                  distance_at(column, row + 0.5) - distance_at(column, row - 0.5));
+      const double scale = slope.norm();
+      const Eigen::Vector2d along = slope / scale;
 
       // The new map replaces the present one.
+      const Eigen::Vector2d pixel(column, row);
       const double off =
-          distances(column, row) + normal.dot(shift_at(scanner.projector.residual, pixel));
-      if (!std::isfinite(off) || !normal.allFinite()) continue;
-      seen.push_back({{pixel, normal, off}, {column / block_pixels, row / block_pixels}});
+          distances(column, row) / scale + along.dot(shift_at(scanner.camera.residual, pixel));
+      if (!std::isfinite(off) || !along.allFinite()) continue;
+      seen.push_back({{pixel, along, off}, scale, {column / block_pixels, row / block_pixels}});
     }
   }
   return seen;
@@ -68,8 +76,8 @@ Image<float> block_medians(const std::vector<SeenDistance>& seen, Size blocks,
   std::vector<std::vector<float>> of_blocks(static_cast<std::size_t>(blocks.width) * blocks.height);
   const auto index = [&](int column, int row) { return row * blocks.width + column; };
   std::size_t most = 0;
-  for (const auto& [sample, block] : seen) {
-    const double left = sample.off - sample.along.dot(shift_at(map, sample.pixel));
+  for (const auto& [sample, scale, block] : seen) {
+    const double left = scale * (sample.off - sample.along.dot(shift_at(map, sample.pixel)));
     auto& of_block = of_blocks[index(block.width, block.height)];
     of_block.push_back(static_cast<float>(left));
     most = std::max(most, of_block.size());
@@ -83,13 +91,13 @@ Image<float> block_medians(const std::vector<SeenDistance>& seen, Size blocks,
   return medians;
 }
 
-LensResidual map_of(const std::vector<SeenDistance>& seen, Size projector, int degree,
+LensResidual map_of(const std::vector<SeenDistance>& seen, Size picture, int degree,
                     const std::function<bool(Size)>& takes) {
   std::vector<ResidualSample> samples;
-  for (const auto& [sample, block] : seen) {
+  for (const auto& [sample, scale, block] : seen) {
     if (takes(block)) samples.push_back(sample);
   }
-  return fitted_residual(samples, projector, degree);
+  return fitted_residual(samples, picture, degree);
 }
 
 /// Sum of squares about the mean, and how many.
@@ -115,14 +123,14 @@ Spread spread_of(const Image<float>& medians, const std::function<bool(Size)>& t
 }
 
 /// Standard deviation of the held-out blocks' medians, each half held out in turn.
-double held_out_deviation(const std::vector<SeenDistance>& seen, Size blocks, Size projector,
+double held_out_deviation(const std::vector<SeenDistance>& seen, Size blocks, Size picture,
                           int degree) {
   double squares = 0;
   int count = 0;
   for (const bool held_out : {false, true}) {
     const auto is_held_out = [&](Size block) { return is_even(block) == held_out; };
     const LensResidual map =
-        degree == 0 ? LensResidual{} : map_of(seen, projector, degree, std::not_fn(is_held_out));
+        degree == 0 ? LensResidual{} : map_of(seen, picture, degree, std::not_fn(is_held_out));
     const Spread half = spread_of(block_medians(seen, blocks, map), is_held_out);
     squares += half.squares;
     count += half.count;
@@ -138,14 +146,14 @@ EpipolarResidual epipolar_residual(const Scanner& scanner, const Cloud& cloud,
   constexpr double about_as_good = 1.05, clearly_better = 0.8;
 
   // 1. The distances, block by block.
-  const Size size = cloud.size(), projector = scanner.projector.size;
+  const Size size = cloud.size();
   const Size blocks{(size.width + block_pixels - 1) / block_pixels,
                     (size.height + block_pixels - 1) / block_pixels};
   const std::vector<SeenDistance> seen = seen_distances(scanner, cloud, distances);
 
   const auto all = [](Size) { return true; };
   EpipolarResidual result{.scanner = scanner,
-                          .before = block_medians(seen, blocks, scanner.projector.residual)};
+                          .before = block_medians(seen, blocks, scanner.camera.residual)};
   result.blocks = spread_of(result.before, all).count;
   throw_if(result.blocks < fewest_blocks,
            "only {} blocks of {} pixels have points along both axes; a residual map requires {}: "
@@ -155,7 +163,7 @@ EpipolarResidual epipolar_residual(const Scanner& scanner, const Cloud& cloud,
   // 2. The lowest degree that is about as good as the best on blocks that were held out.
   double best = std::numeric_limits<double>::infinity();
   for (int degree = 0; degree <= highest_degree; ++degree) {
-    const double deviation = held_out_deviation(seen, blocks, projector, degree);
+    const double deviation = held_out_deviation(seen, blocks, size, degree);
     result.scores.push_back({degree, deviation});
     if (degree > 0) best = std::min(best, deviation);
   }
@@ -172,8 +180,8 @@ EpipolarResidual epipolar_residual(const Scanner& scanner, const Cloud& cloud,
 
   // 3. The map of all blocks.
   result.degree = chosen->degree;
-  result.scanner.projector.residual = map_of(seen, projector, result.degree, all);
-  result.after = block_medians(seen, blocks, result.scanner.projector.residual);
+  result.scanner.camera.residual = map_of(seen, size, result.degree, all);
+  result.after = block_medians(seen, blocks, result.scanner.camera.residual);
   return result;
 }
 

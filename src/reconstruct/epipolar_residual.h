@@ -14,7 +14,7 @@ struct EpipolarScore {
   double deviation = 0;  ///< of the held-out blocks' median distances, projector pixels
 };
 
-/// A residual map of the projector by a scan's distances from the epipolar lines.
+/// A residual map of the camera by a scan's distances from the epipolar lines.
 struct EpipolarResidual {
   Scanner scanner;                      ///< with the map
   int degree = 0;                       ///< of the map
@@ -26,8 +26,9 @@ struct EpipolarResidual {
 /// Fits a residual map to the `distances` from the epipolar lines, projector pixels, that
 /// check_epipolar found for a cloud. Divides the picture into blocks, fits maps to every other
 /// block and tries them on the rest; the lowest degree that is about as good as the best is fitted
-/// to all. Corrects only what a scan shows: the part across the epipolar lines. Throws Error if too
-/// few blocks have points, or if no map predicts the held-out blocks clearly better than none.
+/// to all. Corrects only the part across the epipolar lines, and takes it for the camera's. Throws
+/// Error if too few blocks have points, or if no map predicts the held-out blocks clearly better
+/// than none.
 EpipolarResidual epipolar_residual(const Scanner& scanner, const Cloud& cloud,
                                    const Image<float>& distances);
 

@@ -54,7 +54,7 @@ TEST_F(CalibrateResidualProgram, FindsALensThatIsALittleOff) {
                    path("mapped.yaml"), "--picture", path("residual.png")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_LT(held_out_by_map(run.out), held_out(run.out, "no map") / 2) << run.out;
-  EXPECT_FALSE(read_scanner(path("mapped.yaml")).projector.residual.terms.empty());
+  EXPECT_FALSE(read_scanner(path("mapped.yaml")).camera.residual.terms.empty());
   EXPECT_TRUE(fs::exists(path("residual.png")));
 
   const ProgramRun again = run_program({"calibrate", "residual", path("scan"), "--scanner",

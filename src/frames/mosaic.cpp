@@ -83,7 +83,7 @@ void make_grey(Frame& frame) {
 template <class Pixel>
 Image<Pixel> demosaiced(const Image<Pixel>& raw, const std::string& mosaic) {
   const Filters filters(mosaic);
-  const auto [width, height] = raw.size();
+  const int width = raw.width(), height = raw.height();
   Image<Pixel> rgb({3 * width, height}, uninitialised);
 
   for_each_pixel(raw.size(), [&](int column, int row) {

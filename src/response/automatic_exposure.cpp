@@ -167,8 +167,8 @@ ChosenExposures choose_exposures(const std::function<FrameSet(double exposure)>&
   for (const double exposure : best.exposures) {
     result.exposures.push_back(in_whole_periods(exposure, limits));
   }
-  const auto [first, last] = std::ranges::unique(result.exposures);
-  result.exposures.erase(first, last);
+  result.exposures.erase(std::unique(result.exposures.begin(), result.exposures.end()),
+                         result.exposures.end());
   result.lit = advice->lit;
   result.measured = best.measured;
   return result;
